@@ -208,6 +208,31 @@ TEST(motion_is_that_of_brute_force)
     }
 }
 
+/* The curve of an open target of few stations, looked at as often as one likes, leaves the target no farther than the report says. */
+TEST(stray_is_that_of_a_dense_curve)
+{
+    enum { LOOKS = 8000 };
+    lw_rng rng;
+    lw_vec2 *curve = malloc(sizeof *curve*(LOOKS + 1));
+    lw_rng_seed(&rng, check_seed(), 14);
+    for (int trial = 0; trial < 20; trial++) {
+        made k;
+        make("crank-rocker", trial % 2 ? 1 : -1, LW_TASK_PATH, 0, &rng, &k);
+        lw_target_free(&k.t);
+        k.st.closed = false;
+        k.st.n = 5;
+        target_of(&k.st, &k.spec, &k.t);
+        claim(&k);
+        lw_fit_report r = report_of(&k);
+        for (int q = 0; q <= LOOKS; q++)
+            curve[q] = fourbar_at(k.c.dim, k.m.mode, k.st.input[0] + (k.st.input[4] - k.st.input[0])*q/LOOKS).p;
+        lw_stray dense = lw_likeness_stray(&k.t, curve, LOOKS + 1);
+        CHECK_NEAR(r.stray.to_target, dense.to_target, 1e-9, 5e-3);          /* 400 looks against 8000 */
+        lw_target_free(&k.t);
+    }
+    free(curve);
+}
+
 TEST(cognates_trace_the_curve)
 {
     lw_rng rng;

@@ -208,6 +208,51 @@ TEST(small_linkages_are_kept)
     lw_target_free(&t);
 }
 
+/* Least objective of the results that turn, of at most this size and with a transmission angle of 40 degrees. */
+static double least_within(const lw_target *t, const lw_fit_spec *spec, const lw_staged_search *s, double size)
+{
+    double least = INFINITY;
+    lw_fit_report *r = malloc(sizeof *r);
+    for (int i = 0; i < s->fit.n && r; i++)
+        if (s->fit.candidate[i].beyond == 0 && lw_fit_report_make(t, spec, &s->fit.candidate[i], r, NULL) == LW_OK && r->turns
+            && r->verified && r->size <= 1.001*size*t->extent && r->transmission_min >= 40*LW_PI/180 - 1e-4)
+            least = fmin(least, s->fit.candidate[i].objective);
+    free(r);
+    return least;
+}
+
+/* Results of each size and transmission angle are nearly as good as those of a search with these as its limits; they may be larger by
+ * a step from size to size. */
+TEST(the_front_has_no_gaps)
+{
+    enum { N = 18 };
+    static const double size[] = { 1.4, 1.96 };
+    double px[N], py[N];
+    for (int i = 0; i < N; i++) {
+        px[i] = 2*cos(2*LW_PI*i/N);
+        py[i] = sin(2*LW_PI*i/N);
+    }
+    lw_fit_options o = lw_fit_options_default();
+    lw_search_stage stage = { .links = 4 };
+    lw_target t;
+    lw_staged_search all, limited;
+    o.spec.by_default = LW_LIMIT_ALL;
+    o.max_rounds = 3;
+    CHECK_INT(lw_target_make(N, px, py, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
+    CHECK_INT(lw_staged_search_run(&t, &o, &stage, 1, &all, NULL), LW_OK);
+    for (int i = 0; i < 2; i++) {
+        lw_fit_options mine = o;
+        mine.spec.min_transmission = 40*LW_PI/180;
+        mine.spec.length_lo = 0.01;
+        mine.spec.length_hi = size[i]*t.extent;
+        CHECK_INT(lw_staged_search_run(&t, &mine, &stage, 1, &limited, NULL), LW_OK);
+        CHECK(least_within(&t, &o.spec, &all, size[i]/0.9) < 1.3*least_within(&t, &mine.spec, &limited, size[i]));
+        lw_staged_search_free(&limited);
+    }
+    lw_staged_search_free(&all);
+    lw_target_free(&t);
+}
+
 TEST(threads_do_not_change_the_answer)
 {
     lw_linkage k = six_bar();

@@ -687,7 +687,7 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_side_by_sid
         st = cli_fit_exact_verify(call, set, e);
     else
         warn(call, set);
-    return st == LW_OK ? why : st;
+    return st != LW_OK ? st : cli_fit_may_miss(set) ? LW_STOPPED : why;
 }
 
 static void set_free(cli_fit_set *set)
@@ -920,7 +920,7 @@ const cli_command cli_fit_command = {
         "off. The rows are a front: none is worse than another in error, size, transmission angle and number of links.\n"
         "The first row weighs them: half the error counts as much as 0.45 of the size (beyond 1.5 diagonals of the\n"
         "target; beyond 3 as 0.65 of it), 35 degrees of transmission angle (up to 45), or 3.5 links. Below 1.5 diagonals\n"
-        "a smaller one comes first where the rest is nearly alike. An error below 1/1000 of the target counts as none,\n"
+        "a smaller one comes first where the rest is nearly alike. An error below 1/3000 of the target counts as none,\n"
         "one above 1/50 more. Of a function the ratio of the longest to the shortest length stands for the size, 4 for a\n"
         "diagonal. Beside a row within 1/10000 of the target, none is listed for still less error. --tolerance says instead\n"
         "how much error is as good as none.\n"

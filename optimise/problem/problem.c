@@ -112,5 +112,5 @@ size_t lw_problem_constraint_count(const lw_problem *p)
 
 size_t lw_problem_constraint_most(const lw_problem *p)
 {
-    return (size_t)p->n_linear + (size_t)p->n_side + p->n + 2*LW_CURVE_SAMPLES + p->n_zone_condition;
+    return (size_t)p->n_linear + (size_t)p->n_side_known + p->n + 2*LW_CURVE_SAMPLES + p->n_zone_condition;
 }

@@ -85,7 +85,7 @@ typedef struct lw_problem {
     double       lo[LW_VAR_MAX], hi[LW_VAR_MAX];           /* bounds, scaled; may be infinite      */
     int          n_linear;                                  /* linear[j] . x >= LW_LINEAR_LEAST     */
     double       linear[LW_LINEAR_MAX][LW_VAR_MAX];
-    int          n_side;
+    int          n_side, n_side_known;                      /* conditions; and with those that may be added (n_side = n_side_known) */
     lw_side      side[LW_SIDE_MAX];
     bool         transmission_is_soft;                     /* linkages with less are better than none */
     double       min_transmission, max_acceleration;       /* scaled; 0: no such condition         */

@@ -380,13 +380,14 @@ double lw_problem_uneven(const lw_problem *p, const double *x)
 }
 
 /* Bound the lengths that are no variables: sides of links with three and more pins, within the range of the lengths;
- * distances of tracers from the pins of their links, at most its upper end.  If the smallest linkage within a tolerance is asked
- * for, the default range bounds them, too. */
+ * distances of tracers from the pins of their links, at most its upper end.  The default range bounds them only if the smallest
+ * linkage within a tolerance is asked for: elsewhere the search may do it later (n_side_known). */
 static lw_status make_sides(const lw_target *t, const lw_fit_spec *spec, lw_problem *p, lw_error *e)
 {
     lw_fit_spec range = *spec;
     const lw_fit_spec *s = &range;
-    if (!(spec->length_hi > 0) && spec->tolerance > 0) {
+    const bool asked = spec->length_hi > 0;
+    if (!asked && spec->by_default) {
         default_range(t, spec, &range);
         range.length_lo = 0;
     }
@@ -399,15 +400,18 @@ static lw_status make_sides(const lw_target *t, const lw_fit_spec *spec, lw_prob
                 bool variable = a == 0 && of.of[b][1] < 0 && p->plan.dim[of.of[b][0]].kind == LW_DIM_LENGTH;
                 bool pins = b < of.pins && s->length_lo > 0;
                 for (int most = 1; most >= (pins ? 0 : 1) && !variable; most--) {
-                    if (p->n_side == LW_SIDE_MAX)
-                        return !(spec->length_hi > 0) ? LW_OK : lw_error_set(e, LW_E_KIND, "it has too many lengths to bound each of them");
-                    lw_side *side = &p->side[p->n_side++];
+                    if (p->n_side_known == LW_SIDE_MAX && asked)
+                        return lw_error_set(e, LW_E_KIND, "it has too many lengths to bound each of them");
+                    if (p->n_side_known == LW_SIDE_MAX)
+                        continue;
+                    lw_side *side = &p->side[p->n_side_known++];
                     *side = (lw_side){ .most = most, .limit = (most ? s->length_hi : s->length_lo)/p->unit };
                     memcpy(side->from, of.of[a], sizeof side->from);
                     memcpy(side->to, of.of[b], sizeof side->to);
                 }
             }
     }
+    p->n_side = asked || spec->tolerance > 0 ? p->n_side_known : 0;
     return LW_OK;
 }
 

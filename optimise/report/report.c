@@ -339,7 +339,8 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
 {
     enum { STEPS = 12, WHOLE = 400 };
     size_t spans = t->closed ? t->n : t->n - 1, n = 0;
-    lw_vec2 *curve = malloc(sizeof *curve*(spans*STEPS + WHOLE + 1));
+    int steps = spans*STEPS < WHOLE ? WHOLE/(int)spans + 1 : STEPS;       /* near an end the point may turn back within a span */
+    lw_vec2 *curve = malloc(sizeof *curve*(spans*(size_t)steps + WHOLE + 1));
     if (!curve) {
         r->no_memory = true;
         return;
@@ -353,7 +354,7 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
         double here[LW_MODE_MAX], next[LW_MODE_MAX];
         modes_at(c, plan, i, here);
         modes_at(c, plan, (i + 1) % t->n, next);
-        n += sample_curve(c, plan, i, travel_to_next(t, c, r->turns, i), here[0] != next[0] ? 1 : STEPS, curve + n,
+        n += sample_curve(c, plan, i, travel_to_next(t, c, r->turns, i), here[0] != next[0] ? 1 : steps, curve + n,
                           r);
     }
     if (!t->closed && !piece)

@@ -94,13 +94,13 @@ static void measures(const lw_target *t, const lw_candidate *c, const lw_fit_rep
 
 #define TWIN 0.02                  /* a row has to be better than each row before it, by this part in at least one measure */
 
-/* Is b, which comes after a, a linkage of the same type and number of links that is not better in any measure? */
+/* Is b, which comes after a, a linkage of the same type and number of links that is not better in any measure, nor turns alone? */
 static bool is_twin(const lw_target *t, const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb, const lw_fit_report *b)
 {
     double m[MEASURES], first[MEASURES];
     measures(t, ca, a, first);
     measures(t, cb, b, m);
-    bool twin = lw_candidate_links(ca) == lw_candidate_links(cb) && same_type(ca, cb);
+    bool twin = lw_candidate_links(ca) == lw_candidate_links(cb) && same_type(ca, cb) && a->turns >= b->turns;
     for (int k = 0; k < MEASURES && twin; k++)
         twin = !(m[k] < first[k] - TWIN*fabs(first[k]));
     return twin;
@@ -160,24 +160,20 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
     const lw_candidate *c = &fit->candidate[i];
     if (first_with_its_links(out, fit, i))
         return true;
-    if (!s->by_default)
-        return out->n < most;
-    bool wanted = !is_rough(t, fit, all, f->least[lw_candidate_links(c)][all[i].turns], c, &all[i]);
-    for (int k = 0; k < out->n && wanted && !is_best(f, i); k++)
-        wanted = !covers(t, SMALLER, &fit->candidate[out->candidate[k]], &out->report[k], c, &all[i]);
-    return wanted;
+    return s->by_default ? !is_rough(t, fit, all, f->least[lw_candidate_links(c)][all[i].turns], c, &all[i]) : out->n < most;
 }
 
 /* Properties that a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
+#define NO_ERROR     3e-4          /* half of this part of the target's diagonal is hardly better than this: play and tolerances are more */
 #define COMPACT      1.5           /* the longest link, in sizes of the target: ...                                 */
 #define PER_SIZE     0.85          /* ... beyond this twice the length counts as 1.8 times the error, ...           */
 #define PER_LESS     0.1           /* ... below it half the length counts as 0.93 times the error                   */
 #define BULKY        3             /* ... and beyond this as 3.2 times                                              */
 #define PER_RATIO    0.85          /* beyond LW_EVEN, twice the ratio of longest to shortest link counts as 1.8 times the error */
-#define PER_MISS     0.65          /* beyond LW_NEAR twice the error counts as 3.1 times                            */
+#define PER_MISS     0.8           /* beyond LW_NEAR twice the error counts as 3.5 times                            */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
 #define PER_LINK     0.2           /* for each link more                                                            */
-#define ROCKING      0.1           /* an input that has to be reversed                                              */
+#define ROCKING      0.2           /* an input that has to be reversed                                              */
 
 #define SAME_CURVE   1e-5          /* stations met so well, by a linkage with few dimensions, were drawn by that linkage   */
 
@@ -206,7 +202,7 @@ static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_re
     double error = isnan(r->angle_max) ? 0 : r->angle_max, bulk = bulk_of(t, r);
     if (t->extent > 0 && isfinite(lw_fit_report_stray(r)))
         error = (distance_of(t, c, r) + (isnan(r->spread) ? 0 : r->spread) + (t->theta ? 0.5*error*t->extent : 0))/t->extent;
-    return log(error + LW_EXACT_ENOUGH) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/LW_NEAR)) : 0)
+    return log(error + (t->extent > 0 ? NO_ERROR : LW_EXACT_ENOUGH)) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/LW_NEAR)) : 0)
          + cost_of_size(bulk) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
          + (t->extent > 0 ? PER_RATIO*log(lw_uneven(r->length_most, r->length_least)) : 0)
          + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);

@@ -7,8 +7,6 @@
 #include "base/clock.h"
 #include "optimise/search/fit_internal.h"
 
-enum { CHOICE = 40 };
-
 lw_fit_options lw_fit_options_default(void)
 {
     return (lw_fit_options){ .spec = lw_fit_spec_default(), .types = "fourbar", .seed = 1,
@@ -18,8 +16,7 @@ lw_fit_options lw_fit_options_default(void)
 int lw_fit_kept(const lw_fit_options *o)
 {
     int results = o->n_result > 0 ? o->n_result : 1;
-    int choice = o->spec.tolerance > 0 ? LW_POOL_MAX : CHOICE;
-    return o->spec.by_default && results < choice ? choice : results;
+    return o->spec.by_default && results < LW_POOL_MAX ? LW_POOL_MAX : results;
 }
 
 int lw_candidate_links(const lw_candidate *c)

@@ -621,6 +621,10 @@ lw_status lw_search_order_stations(lw_search *s, lw_fit *out, lw_error *e)
  * finer, and chains go on in smaller steps from the smallest linkages of all chains, which may be of a better kind. */
 static const double chain_angle[] = { 0, 30, 40 };
 enum { CHAINS = sizeof chain_angle/sizeof *chain_angle, WIDENED = 4, CHAIN = 9, LONG_CHAIN = 16, FAILURES = 2, FRONT = 24 };
+/* A chain follows one kind of linkage and may get stuck.  So the best finds of all chains are then fitted again at common sizes, the
+ * rungs, for each angle: the best of this size, a larger one made smaller, and one whose angle is made greater. */
+enum { RUNGS = 16, RUNG_STEPS = 300 };
+#define LARGEST_RUNG 3.2         /* diagonals of the target; each rung is STEP times the one before   */
 #define SHRINK       0.8
 static const double shrink_within[] = { 0.88, 0.96, 0.985 };
 #define ROUGH        0.05        /* sizes of the target: a chain ends where the error is more, and ... */
@@ -642,7 +646,9 @@ typedef struct chain_list {
     int        n;
     double     until;                        /* wall clock; 0: no limit                              */
     double     shrink;                       /* factor of the size from step to step                 */
-    chain      item[WIDENED*CHAINS];
+    int        n_rung;                       /* items after the chains                               */
+    double     largest;                      /* size of the first rung, scaled                       */
+    chain      item[(WIDENED + RUNGS)*CHAINS];      /* chains, then rungs, each a chain of one find; item i has angle i % CHAINS */
 } chain_list;
 
 /* Lower the upper bounds of the sizes to `most`. */
@@ -699,37 +705,58 @@ static double miss(const lw_problem *p, const lw_work *w)
     return most;
 }
 
+/* The problem of a find with the conditions of its chain, in the find's intended motion; NULL: *st says why. */
+static lw_problem *chain_problem(lw_search *s, int thread, int angle, lw_found *c, lw_status *st)
+{
+    lw_problem *p = lw_search_problem(s, thread, c->candidate, false, st);
+    if (!p)
+        return NULL;
+    p->intended = c->intended;
+    p->transmission_is_soft = false;
+    p->min_transmission = fmax(p->min_transmission, chain_angle[angle]*LW_PI/180);
+    p->n_side = p->n_side_known;
+    c->gentle = chain_angle[angle];
+    lw_problem_work_intended(p, s->bench[thread].work);
+    return p;
+}
+
+static lw_lm_options chain_options(const chain_list *list)
+{
+    lw_lm_options o = lw_lm_options_default();
+    o.max_steps = POLISH_STEPS;
+    o.f_tol = 1e-9;
+    o.until = list->until;
+    o.interrupt = list->s->o->interrupt;
+    return o;
+}
+
+static bool chains_end(const lw_lm_options *o)
+{
+    return (o->until > 0 && lw_clock_wall() > o->until) || (o->interrupt && *o->interrupt);
+}
+
 static void run_chain(void *context, size_t job, int thread)
 {
     chain_list *list = context;
     lw_search *s = list->s;
     chain *l = &list->item[job];
-    lw_problem *p = lw_search_problem(s, thread, l->find[0].candidate, false, &l->status);
-    void *work = s->bench[thread].work;
-    lw_lm_options o = lw_lm_options_default();
     bool fine = s->o->spec.tolerance > 0;
     int length = fine ? LONG_CHAIN : CHAIN, angle = (int)job % CHAINS, failed = 0;
     lw_found now = l->find[0];
+    lw_problem *p = chain_problem(s, thread, angle, &now, &l->status);
+    void *work = s->bench[thread].work;
+    const lw_lm_options o = chain_options(list);
     l->find[0].f = INFINITY;
     if (!p)
         return;
-    o.max_steps = POLISH_STEPS;
-    o.f_tol = 1e-9;
-    o.until = list->until;
-    o.interrupt = s->o->interrupt;
     l->of = lw_pool_variables(p);
     l->spent = -now.evals;
-    p->intended = now.intended;
-    p->transmission_is_soft = false;
-    p->min_transmission = fmax(p->min_transmission, chain_angle[angle]*LW_PI/180);
-    now.gentle = chain_angle[angle];
-    lw_problem_work_intended(p, work);
     double most = lw_problem_size(p, now.x), f_rough = fmax(MUCH_WORSE*now.f, ROUGH*ROUGH*(double)p->n);
     const double tolerance = s->o->spec.tolerance/p->unit;
     if (fine)                                            /* beyond the tolerance in the mean: nobody asked for it   */
         f_rough = (double)p->n*tolerance*tolerance;
     for (int k = angle == 0; k < length && failed < FAILURES; k++) {
-        if ((o.until > 0 && lw_clock_wall() > o.until) || (o.interrupt && *o.interrupt))
+        if (chains_end(&o))
             break;
         if (!fit_smaller(s, p, most*pow(list->shrink, k), f_rough, &o, work, &now)) {
             failed++;
@@ -754,11 +781,58 @@ typedef struct place { int chain, at; } place;
 static const lw_found *found_at(const chain_list *list, place of) { return &list->item[of.chain].find[of.at]; }
 static double size_at(const chain_list *list, place of) { return list->item[of.chain].size[of.at]; }
 
+/* The find with the least f of the chains with these angles, of at most this size, that keeps the conditions; chain -1: none. */
+static place best_find(const chain_list *list, double most, int low, int high)
+{
+    place best = { -1, 0 };
+    for (int i = 0; i < list->n; i++)
+        for (int k = 0; k < LONG_CHAIN && i % CHAINS >= low && i % CHAINS <= high; k++) {
+            const lw_found *c = &list->item[i].find[k];
+            if (list->item[i].size[k] > 0 && list->item[i].size[k] <= most && isfinite(c->f) && c->beyond == 0
+                && (best.chain < 0 || c->f < found_at(list, best)->f))
+                best = (place){ i, k };
+        }
+    return best;
+}
+
+/* Fit the best finds again with the size and the angle of a rung, and keep the best. */
+static void run_rung(void *context, size_t job, int thread)
+{
+    chain_list *list = context;
+    lw_search *s = list->s;
+    chain *l = &list->item[(size_t)list->n + job];
+    int angle = (int)job % CHAINS;
+    double most = list->largest*pow(STEP, (double)(job/CHAINS));
+    lw_lm_options o = chain_options(list);
+    o.max_steps = RUNG_STEPS;
+    const place start[] = { best_find(list, most, angle, CHAINS - 1), best_find(list, most/SHRINK, angle, CHAINS - 1),
+                            best_find(list, most, 0, angle - 1) };
+    for (size_t i = 0; i < sizeof start/sizeof *start && !chains_end(&o); i++) {
+        if (start[i].chain < 0 || (i > 0 && start[i].chain == start[0].chain && start[i].at == start[0].at))
+            continue;
+        lw_found now = *found_at(list, start[i]);
+        lw_problem *p = chain_problem(s, thread, angle, &now, &l->status);
+        void *work = s->bench[thread].work;
+        long before = now.evals;
+        if (!p)
+            return;
+        bool found = fit_smaller(s, p, most, ROUGH*ROUGH*(double)p->n, &o, work, &now);
+        l->spent += (now.evals - before)*lw_search_effort(s, p).cost;
+        if (found)
+            judge(s, p, work, &now);
+        if (!found || !(now.f < l->find[0].f))
+            continue;
+        l->find[0] = now;
+        l->size[0] = lw_problem_size(p, now.x);
+        l->of = lw_pool_variables(p);
+    }
+}
+
 /* The find with the least f of those not taken, and of equal ones the one with the greatest angle; chain -1: none. */
 static place next_find(const chain_list *list, bool taken[][LONG_CHAIN])
 {
     place best = { -1, 0 };
-    for (int i = 0; i < list->n; i++)
+    for (int i = 0; i < list->n + list->n_rung; i++)
         for (int k = 0; k < LONG_CHAIN; k++) {
             const lw_found *c = &list->item[i].find[k];
             if (taken[i][k] || !(list->item[i].size[k] > 0) || !isfinite(c->f))
@@ -775,8 +849,8 @@ static place next_find(const chain_list *list, bool taken[][LONG_CHAIN])
  * and would lose the smallest linkages if others filled it. */
 static void put_front(const chain_list *list, double step, lw_pool *pool)
 {
-    bool taken[WIDENED*CHAINS][LONG_CHAIN] = { { false } };
-    place kept[WIDENED*CHAINS*LONG_CHAIN];
+    bool taken[(WIDENED + RUNGS)*CHAINS][LONG_CHAIN] = { { false } };
+    place kept[(WIDENED*LONG_CHAIN + RUNGS)*CHAINS];
     int n = 0;
     for (place now; (now = next_find(list, taken)).chain >= 0; ) {
         const lw_found *c = found_at(list, now);
@@ -842,12 +916,14 @@ static int choose_smallest(const chain_list *list, lw_found *first)
 static void begin_chains(chain_list *list, const lw_found *first, int n)
 {
     list->n = n*CHAINS;
-    for (int i = 0; i < list->n; i++) {
+    list->n_rung = list->s->o->spec.tolerance > 0 || n == 0 ? 0 : RUNGS*CHAINS;
+    for (int i = 0; i < list->n + list->n_rung; i++) {
         chain *l = &list->item[i];
         memset(l, 0, sizeof *l);
         for (int k = 0; k < LONG_CHAIN; k++)
             l->find[k].f = INFINITY;
-        l->find[0] = first[i/CHAINS];
+        if (i < list->n)
+            l->find[0] = first[i/CHAINS];
     }
 }
 
@@ -856,7 +932,11 @@ static lw_status run_chains(lw_search *s, chain_list *list)
 {
     const lw_loop loop = { s->n_thread, (size_t)list->n, run_chain, list, { { list->item, sizeof *list->item }, { NULL, 0 } } };
     lw_status st = lw_loop_run(&loop, s->o->sharing);
-    for (int i = 0; i < list->n && st == LW_OK; i++) {
+    chain *rung = list->item + list->n;
+    const lw_loop again = { s->n_thread, (size_t)list->n_rung, run_rung, list, { { rung, sizeof *rung }, { NULL, 0 } } };
+    if (st == LW_OK && list->n_rung > 0)
+        st = lw_loop_run(&again, s->o->sharing);
+    for (int i = 0; i < list->n + list->n_rung && st == LW_OK; i++) {
         chain *l = &list->item[i];
         st = l->status;
         s->evals += l->spent;
@@ -880,6 +960,11 @@ lw_status lw_search_widen(lw_search *s)
     for (int i = 0; i < n; i++)
         first[i] = pool->item[which[i]];
     list->s = s;
+    if (n > 0) {
+        lw_status made;
+        const lw_problem *p = lw_search_made(s, 0, first[0].candidate, false, &made);
+        list->largest = p ? LARGEST_RUNG*s->t->extent/p->unit : 0;
+    }
     pool->n = pool->n < left ? pool->n : left;
     list->until = lw_search_end(s) + lw_search_widening(s) + 0.5*lw_search_grace(s);
     if (s->o->max_seconds <= 0)
