@@ -79,7 +79,8 @@ TEST(points)
     CHECK_INT(json_array_size(json_object_get(first, "defects")), 0);
     json_decref(all);
     write_target("nine.csv", "x,y", 9);
-    expect("$P fit $D/nine.csv --exact --rounds 12", 0, "not known to be complete", NULL);
+    expect("$P fit $D/nine.csv --exact --rounds 12", 5, "not known to be complete", NULL);
+    expect("$P fit $D/nine.csv --exact --rounds 12 --json", 5, "\"complete\": false,\n \"stop\"", NULL);
 }
 
 TEST(saves_and_traces)

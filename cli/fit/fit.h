@@ -67,6 +67,8 @@ void      cli_fit_exact_row(const cli_fit_set *s, int i, FILE *f);
 void      cli_fit_exact_summary(const cli_fit_set *s, FILE *f);
 void      cli_fit_exact_json_row(const cli_fit_set *s, int i, cli_json *j);
 void      cli_fit_exact_json(const cli_fit_set *s, cli_json *j);
+/* Has the task finitely many solutions, and may some be missing? */
+bool      cli_fit_may_miss(const cli_fit_set *s);
 
 /* Further points of the target (fit_print.c): read "coupler,any" as the links on which they lie; print lines below a
  * row of the table; print a member of its JSON object. */

@@ -44,6 +44,11 @@ lw_status cli_fit_exact_verify(const cli_call *call, cli_fit_set *s, lw_error *e
     return LW_OK;
 }
 
+bool cli_fit_may_miss(const cli_fit_set *s)
+{
+    return s->is_exact && !s->exact.complete && !s->exact.choice[0];
+}
+
 static const char *defect_text(unsigned defect, char text[32])
 {
     text[0] = 0;

@@ -546,7 +546,7 @@ void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int inden
     cli_json_int(&j, "evaluations", s->search.found.fit.evals);
     cli_json_real(&j, "seconds", s->search.found.fit.seconds);
     lw_stop stop = s->search.found.fit.stop;
-    cli_json_bool(&j, "complete", stop != LW_STOP_TIME && stop != LW_STOP_USER);
+    cli_json_bool(&j, "complete", stop != LW_STOP_TIME && stop != LW_STOP_USER && !cli_fit_may_miss(s));
     cli_json_text(&j, "stop", cli_stop_text(stop));
     cli_json_end(&j);
 }
