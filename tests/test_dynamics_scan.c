@@ -1,6 +1,8 @@
 /* Random models with singular postures, run on several grids: not one difference from the exact motion or between
  * formulations goes without a word.  A run gives all its samples, or a status.  LW_SCAN=N takes N models of each kind
  * instead of a few, LW_SEED=... others. */
+#include <complex.h>
+
 #include "mbs/analysis/reactions.h"
 #include "tests/dynamics_run.h"
 #include "tests/model_text.h"
@@ -147,6 +149,136 @@ TEST(driven)
         lw_model_free(&d.model);
     }
     CHECK(without > 0);
+}
+
+/* ---- linkages with closed forms ------------------------------------------------------------------------- */
+
+/* Linkages whose links lie in line at change points, by their crank angle with complex numbers: antiparallelograms (`idler`: with a gear
+ * outside that follows the crank), kites, whose coupler turns once while the crank turns twice, five-bars with cranks geared 1 to -1, and
+ * parallelograms whose cranks are geared by an idler, too. */
+typedef enum closed_kind { ANTI, ANTI_WITH_GEAR, KITE, GEARED_FIVE_BAR, GEARED_PARALLELOGRAM, N_CLOSED } closed_kind;
+typedef struct closed { closed_kind kind; double ground, crank, rod, side, start; int n; } closed;
+
+/* Places of the first pins of crank, follower, and the others, and their directions. */
+static void place_links(const closed *z, double turn, double complex at[4], double complex along[4])
+{
+    double g = z->ground, a = z->crank, angle = z->start + turn;
+    double complex pin = a*cexp(I*angle), other = g + pin, end;
+    at[0] = 0, at[1] = g, at[2] = pin;
+    along[0] = cexp(I*angle), along[1] = along[0], along[2] = 1;
+    if (z->kind == ANTI || z->kind == ANTI_WITH_GEAR) {
+        double half = 0.5*remainder(angle, 2*LW_PI);
+        along[1] = cexp(-2*I*atan2((g + a)/(g - a)*sin(half), cos(half)));
+        along[2] = (g + a*along[1] - pin)/g;
+        at[3] = -1, along[3] = cexp(-2*I*angle);
+    } else if (z->kind == KITE) {                            /* the crank is as long as the ground link */
+        end = (g*cos(angle/2) + z->side*sqrt(z->rod*z->rod - g*g*sin(angle/2)*sin(angle/2)))*cexp(I*angle/2);
+        at[2] = g*cexp(I*angle);
+        along[1] = (end - g)/z->rod, along[2] = (end - at[2])/z->rod;
+    } else if (z->kind == GEARED_FIVE_BAR) {
+        other = g - conj(pin);
+        end = g/2 + I*(cimag(pin) + z->side*sqrt(z->rod*z->rod - (g/2 - creal(pin))*(g/2 - creal(pin))));
+        at[3] = other, along[1] = conj(along[0]), along[2] = (end - pin)/z->rod, along[3] = (end - other)/z->rod;
+    } else
+        at[3] = g/2, along[3] = conj(along[0]);
+}
+
+static void put_gear(const char *name, const char *first, const char *second, double x, double ratio)
+{
+    put(", {'name': '%s', 'kind': 'g', 'links': ['%s', '%s'], 'at': [%.17g, 0], 'ratio': %.17g}", name, first, second, x, ratio);
+}
+
+/* Write one, up to its input. */
+static void write_closed(closed *z, closed_kind kind)
+{
+    double complex at[4], along[4], end;
+    char name[] = "l0";
+    *z = (closed){ .kind = kind, .ground = between(2.2, 4), .crank = between(0.5, 1), .side = between(-1, 1) < 0 ? -1 : 1,
+                   .start = between(0.3, 1.2), .n = kind == ANTI || kind == KITE ? 3 : 4 };
+    z->crank = kind == KITE ? z->ground : z->crank;
+    z->rod = kind == KITE ? z->ground*between(1.1, 2) : z->ground/2 + z->crank + between(0.1, 1);
+    place_links(z, 0, at, along);
+    used = 0;
+    put("{'linkwright': 1, 'gravity': [1, -9.81], 'links': ['ground'");
+    for (int i = 0; i < z->n; i++) {
+        double complex c = at[i] + 0.4*along[i];
+        name[1] = (char)('0' + i);
+        put_link(name, creal(c), cimag(c));
+    }
+    put("], 'joints': [");
+    put_pin("A", "ground", "l0", 0, 0);
+    put_pin("D", "ground", "l1", z->ground, 0);
+    put_pin("B", "l0", "l2", creal(at[2]), cimag(at[2]));
+    end = kind == GEARED_FIVE_BAR ? at[2] + z->rod*along[2] : z->ground + (kind == KITE ? z->rod : z->crank)*along[1];
+    put_pin("C", kind == GEARED_FIVE_BAR ? "l3" : "l1", "l2", creal(end), cimag(end));
+    if (kind == GEARED_FIVE_BAR)
+        put_pin("E", "l1", "l3", creal(at[3]), cimag(at[3]));
+    else if (z->n == 4)
+        put_pin("W", "ground", "l3", creal(at[3]), 0);
+    if (kind == GEARED_FIVE_BAR)
+        put_gear("G", "l0", "l1", z->ground/2, -1);
+    if (kind == ANTI_WITH_GEAR)
+        put_gear("G", "l0", "l3", -2.0/3, -2);
+    if (kind == GEARED_PARALLELOGRAM) {
+        put_gear("G", "l0", "l3", z->ground/4, -1);
+        put_gear("H", "l3", "l1", 3*z->ground/4, -1);
+    }
+    put("], ");
+}
+
+typedef struct closed_off { const closed *z; double off, last; int n; } closed_off;
+
+static lw_status keep_closed_off(void *context, const lw_moment *m)
+{
+    closed_off *k = context;
+    double complex at[4], along[4], first[4];
+    place_links(k->z, 0, at, first);
+    place_links(k->z, k->last = m->q[2], at, along);
+    for (int i = 1; i < k->z->n; i++)
+        k->off = fmax(k->off, cabs(cexp(I*m->q[3*i + 2]) - along[i]/first[i]));
+    k->n++;
+    return LW_OK;
+}
+
+/* Driven at constant speed or to and fro, and moving by their weight: on the closed form in every row, whatever the grid. */
+TEST(closed_forms)
+{
+    static const lw_formulation each[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_GGL };
+    static const int grid[] = { 7, 36, 97, 100, 360 };
+    for (int k = 0; k < models(2*N_CLOSED); k++) {
+        closed z;
+        closed_off w = { .z = &z };
+        seed_model(17, k);
+        write_closed(&z, (closed_kind)(k%N_CLOSED));
+        int before = used;
+        double speed = between(3, 7)*(k%2 ? -1 : 1), last = NAN;
+        for (int run = 0; run < 8; run++) {
+            lw_dynamics *made = NULL;
+            bool driven = run < 4;
+            used = before;
+            if (driven)
+                put(run%2 ? "'input': {'joint': 'A', 'motion': '%.17g + %.17g*t'}}" : "'input': {'joint': 'A', 'motion': '%.17g + %.17g*sin(2*t)'}}",
+                    z.start, speed);
+            else
+                put("'input': {'joint': 'A', 'speed': %.17g}}", speed);
+            drun_read_text(&d, text);
+            d.o.analysis = run < 2 ? LW_ANALYSIS_KINEMATIC : driven ? LW_ANALYSIS_QUASISTATIC : LW_ANALYSIS_DYNAMIC;
+            d.o.formulation = driven ? LW_FORMULATION_AUTO : each[run - 4];
+            d.o.intervals = grid[(k + run)%5];
+            d.o.relative = d.o.absolute = 1e-9;
+            d.o.to = driven ? 2 : 1;
+            w.off = w.n = 0;
+            CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_OK);
+            CHECK_INT(made ? lw_dynamics_run(made, keep_closed_off, &w, &d.report, &d.e) : LW_E_ARG, LW_OK);
+            CHECK_INT(w.n, d.o.intervals + 1);
+            CHECK_NEAR(w.off, 0, driven ? 1e-8 : 1e-7, 0);
+            CHECK(driven || d.report.energy_error < 1e-5*d.report.energy_scale);
+            CHECK(!(fabs(w.last - last) > 1e-4));
+            last = driven ? NAN : run == 4 ? w.last : last;
+            lw_dynamics_free(made);
+            lw_model_free(&d.model);
+        }
+    }
 }
 
 /* ---- forward ----------------------------------------------------------------------------------------- */
