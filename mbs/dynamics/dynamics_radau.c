@@ -794,6 +794,30 @@ static lw_status begin_again(stages *g)
     return LW_OK;
 }
 
+/* Of an overconstrained model the rows kept can become dependent while the joints do not: choose others then. */
+static lw_status rechoose(stages *g)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = run->d;
+    if (d->n_c == d->rank || g->t >= d->o.to)
+        return LW_OK;
+    lw_status s = lw_mbs_rows(d, g->t, g->q);
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, false);
+    double weak = s == LW_OK ? d->weak : 0;
+    if (s == LW_OK || s == LW_OPEN)
+        s = lw_run_rechoose(run, g->t, state(g, run->y), &weak);
+    if (s == LW_E_NUMERIC && !run->e->text[0])
+        return lw_error_set(run->e, s, "at t = %.9g s the linkage reaches a singular posture, where more of its constraints depend on others", g->t);
+    if (s != LW_OK)
+        return s == LW_NOTHING ? LW_OK : s;
+    s = lw_tangent_renew(d, false, false, &g->real);
+    for (int k = 0; s == LW_OK && k < g->s/2; k++)
+        s = lw_tangent_renew(d, true, false, &g->pair[k]);
+    g->real.rubs = g->pair[0].rubs = g->pair[1].rubs = d->n_friction > 0;
+    return s == LW_OK ? begin_again(g) : lw_error_set(run->e, s, "out of memory");
+}
+
 /* Hand out the samples of the last step, and begin again behind a kink. */
 static lw_status end_step(stages *g)
 {
@@ -908,6 +932,8 @@ static lw_status run_steps(stages *g)
         }
         if (s == LW_OK)
             s = lw_run_limits(run, g->t, 0);
+        if (s == LW_OK)
+            s = rechoose(g);
         if (s == LW_OK && run->next <= d->o.intervals && is_slower(g) && (s = leave(g)) == LW_NOTHING)
             s = LW_OK;
         (void)k;

@@ -1,0 +1,372 @@
+/* Overconstrained linkages in space, by Denavit and Hartenberg's parameters: mobility, postures over their whole motion against closed
+ * forms, runs in time.
+ *
+ *     Bennett 1903         a, alpha, b, beta, sin(alpha)/a = sin(beta)/b;  tan(t1/2) tan(t2/2) = sin((beta + alpha)/2)/sin((beta - alpha)/2)
+ *     Goldberg 1943        two of them with one link in common, which is left out: 5R
+ *     Schatz 1942          six axes at right angles to their neighbours but for two parallel ones (Phillips 1990)
+ *     Bricard 1897         line-symmetric, plane-symmetric 6R
+ *     Sarrus, Bennett's own example files: test_spatial.c */
+#include <string.h>
+
+#include "mbs/dynamics/dynamics_space.h"
+#include "mbs/dynamics/statics.h"
+#include "mbs/space/space_mobility.h"
+#include "tests/spatial_models.h"
+
+/* Frame of a joint: z its axis, x along the normal from the joint before. */
+typedef struct frame { lw_vec3 at, x, z; } frame;
+
+static lw_vec3 turned(lw_vec3 v, lw_vec3 about, double angle)        /* v square to the axis */
+{
+    return lw_v3_add(lw_v3_scale(v, cos(angle)), lw_v3_scale(lw_v3_cross(about, v), sin(angle)));
+}
+
+static frame next(frame f, double turn, double offset, double length, double twist)
+{
+    f.x = turned(f.x, f.z, turn);
+    f.at = lw_v3_add(f.at, lw_v3_add(lw_v3_scale(f.z, offset), lw_v3_scale(f.x, length)));
+    f.z = turned(f.z, f.x, twist);
+    f.z = lw_v3_scale(f.z, 1/lw_v3_norm(f.z));               /* rounding does not grow along a row of loops */
+    f.x = lw_v3_sub(f.x, lw_v3_scale(f.z, lw_v3_dot(f.x, f.z)));
+    f.x = lw_v3_scale(f.x, 1/lw_v3_norm(f.x));
+    return f;
+}
+
+static const frame origin = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
+
+/* How far the chain of n links is from closing at these turns: places, directions. */
+static double gap(int n, const double *length, const double *twist, const double *offset, const double *turn)
+{
+    frame f = origin;
+    for (int i = 0; i < n; i++)
+        f = next(f, turn[i], offset[i], length[i], twist[i]);
+    return lw_v3_norm(f.at) + lw_v3_norm(lw_v3_sub(f.x, origin.x)) + lw_v3_norm(lw_v3_sub(f.z, origin.z));
+}
+
+typedef struct axis { frame f; const char *kind; char link[2][8]; } axis;
+
+static axis pin(frame f, const char *from, int i, const char *to, int k)
+{
+    axis a = { .f = f, .kind = "revolute" };
+    snprintf(a.link[0], sizeof a.link[0], i < 0 ? "ground" : "%s%d", from, i);
+    snprintf(a.link[1], sizeof a.link[1], k < 0 ? "ground" : "%s%d", to, k);
+    return a;
+}
+
+/* The model with joints J0 .. and masses; J0 is the input. */
+static void make_model(int n, const axis *a, bool runs, lw_spatial *m)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    fputs("{\"linkwright\": 1, \"gravity\": [0, 0, -9.81], \"links\": [\"ground\"", f);
+    for (int i = 0; i < n; i++)              /* each link where it comes second first */
+        for (int k = 0; k <= i; k++)
+            if (strcmp(a[k].link[1], a[i].link[1]) == 0) {
+                if (k == i && strcmp(a[i].link[1], "ground") != 0)
+                    fprintf(f, ", {\"name\": \"%s\", \"mass\": %g, \"centre\": [%.17g, %.17g, %.17g], \"inertia\": [0.02, 0.03, 0.025]}", a[i].link[1],
+                            1 + 0.1*i, a[i].f.at.x + 0.1, a[i].f.at.y - 0.2, a[i].f.at.z + 0.15);
+                break;
+            }
+    fprintf(f, "], \"input\": {\"joint\": \"J0\"%s}, \"joints\": [", runs ? ", \"speed\": 3" : "");
+    for (int i = 0; i < n; i++)
+        fprintf(f, "%s{\"name\": \"J%d\", \"kind\": \"%s\", \"links\": [\"%s\", \"%s\"], \"at\": [%.17g, %.17g, %.17g], \"axis\": [%.17g, %.17g, %.17g]}",
+                i ? ", " : "", i, a[i].kind, a[i].link[0], a[i].link[1], a[i].f.at.x, a[i].f.at.y, a[i].f.at.z, a[i].f.z.x, a[i].f.z.y, a[i].f.z.z);
+    fputs("]}", f);
+    fclose(f);
+    read_spatial(text, size, "linkage", m);
+    free(text);
+}
+
+static void check_mobility(int n, const axis *a, int count, int redundant)
+{
+    lw_spatial m;
+    lw_space_mobility got;
+    lw_error e;
+    make_model(n, a, false, &m);
+    CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
+    CHECK_INT(got.count, count);
+    CHECK_INT(got.freedom, 1);
+    CHECK_INT(got.n_redundant, redundant);
+    CHECK(!got.shaky && got.residual < 1e-12);
+    lw_space_mobility_free(&got);
+    lw_spatial_free(&m);
+}
+
+typedef struct seen { double off, off_rate, energy[2]; bool unique; } seen;
+
+static lw_status watch(void *context, const lw_moment *m)
+{
+    seen *s = context;
+    double energy = m->kinetic + m->potential;
+    s->off = fmax(s->off, m->off);
+    s->off_rate = fmax(s->off_rate, m->off_rate);
+    s->energy[0] = fmin(s->energy[0], energy);
+    s->energy[1] = fmax(s->energy[1], energy);
+    s->unique = s->unique && m->unique;
+    return LW_OK;
+}
+
+/* In time: joints closed to 1e-12, energy kept, and reactions said not to be unique, at rest too. */
+static void check_motion(int n, const axis *a, int redundant)
+{
+    static const lw_formulation way[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_RADAU, LW_FORMULATION_CVODE };
+    lw_spatial m;
+    lw_dynamics *d;
+    lw_error e = { 0 };
+    make_model(n, a, true, &m);
+    for (size_t i = 0; i < sizeof way/sizeof *way; i++) {
+        lw_dynamics_options o = lw_dynamics_options_default();
+        lw_dynamics_report r;
+        seen s = { .energy = { INFINITY, -INFINITY }, .unique = true };
+        o.formulation = way[i];
+        o.to = 1;
+        o.intervals = 4;
+        CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
+        CHECK_INT(lw_dynamics_analyse(d, watch, &s, &r, NULL, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        CHECK_INT(r.freedom, 1);
+        CHECK_INT(r.redundant, redundant);
+        CHECK(s.off < 1e-12 && s.off_rate < 1e-11);
+        CHECK(s.energy[1] - s.energy[0] < (i < 3 ? 1e-9 : 1e-6)*r.energy_scale);
+        lw_dynamics_free(d);
+    }
+    lw_spatial_free(&m);
+}
+
+/* The turns of all joints while the first one turns by `to`, in `steps`. */
+typedef void on_turns(void *context, const double *turn);
+
+static lw_status own_value(void *context, double u, double (*out)[3])
+{
+    (void)context;
+    out[0][0] = u, out[0][1] = 1, out[0][2] = 0;
+    return LW_OK;
+}
+
+static void turn_input(int n, const axis *a, double to, int steps, on_turns *see, void *context)
+{
+    lw_spatial m;
+    lw_space s;
+    lw_space_follow f;
+    lw_error e = { 0 };
+    double *turn = calloc((size_t)n, sizeof *turn), *near = calloc((size_t)n, sizeof *near);
+    make_model(n, a, false, &m);
+    CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
+    CHECK_INT(lw_space_follow_make(&s, &m.input[0].measure, 1, false, &f, &e), LW_OK);
+    for (int k = 1; k <= steps; k++) {
+        CHECK_INT(lw_space_follow_to(&f, own_value, NULL, to*k/steps, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        lw_space_place(&s, f.q, f.z.frame);
+        lw_space_count_turns(&s, f.z.frame, near);
+        see(context, near);
+    }
+    lw_space_follow_free(&f);
+    lw_space_free(&s);
+    lw_spatial_free(&m);
+    free(turn), free(near);
+}
+
+/* ---- Bennett ------------------------------------------------------------------------------------------------------ */
+
+typedef struct bennett { double a, alpha, b, beta, k, turn[4]; frame f[5]; } bennett;
+
+/* The loop from a frame on, whose first turn is t. */
+static bennett make_bennett(double a, double alpha, double b, double t, frame from)
+{
+    bennett l = { .a = a, .alpha = alpha, .b = b, .beta = asin(b*sin(alpha)/a) };
+    l.k = sin((l.beta + alpha)/2)/sin((l.beta - alpha)/2);
+    l.turn[0] = t, l.turn[1] = 2*atan(l.k/tan(t/2)), l.turn[2] = -t, l.turn[3] = -l.turn[1];
+    l.f[0] = from;
+    for (int i = 0; i < 4; i++)
+        l.f[i + 1] = next(l.f[i], l.turn[i], 0, i%2 ? b : a, i%2 ? l.beta : alpha);
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(l.f[4].at, from.at)) + lw_v3_norm(lw_v3_sub(l.f[4].z, from.z)), 0, 1e-14, 0);
+    return l;
+}
+
+enum { LOOPS = 6 };
+typedef struct chain { int n; bennett l; int seen; } chain;
+
+static void see_chain(void *context, const double *turn)
+{
+    chain *c = context;
+    for (int k = 0; k < c->n; k++) {         /* the crank of loop k is joint 3 k, or joint 0; both ways of Bennett's relation */
+        double first = c->l.turn[0] + (k ? -turn[3*k] : turn[0]), second = c->l.turn[1] + turn[3*k + 1];
+        CHECK_NEAR(sin(first/2)*sin(second/2) - c->l.k*cos(first/2)*cos(second/2), 0, 1e-10, 0);
+        CHECK_NEAR(turn[3*k + 2], k ? turn[3*k] : -turn[0], 1e-9, 0);
+        CHECK_NEAR(turn[3*k + 3], -turn[3*k + 1], 1e-9, 0);
+    }
+    c->seen++;
+}
+
+/* Loops in a row, each turned by the crank of the one before: one freedom, 3 rows too many in each. */
+TEST(bennetts_in_a_row)
+{
+    axis a[3*LOOPS + 1];
+    frame from = origin;
+    chain c = { 0 };
+    for (int k = 0; k < LOOPS; k++) {
+        c.l = make_bennett(1, 1.2, 0.6, 0.9, from);
+        if (k == 0)
+            a[0] = pin(c.l.f[0], "g", -1, "c", 0);
+        a[3*k + 1] = pin(c.l.f[1], "c", k, "m", k);
+        a[3*k + 2] = pin(c.l.f[2], "m", k, "c", k + 1);
+        a[3*k + 3] = pin(c.l.f[3], "c", k + 1, "g", -1);
+        from = c.l.f[3];
+        from.x = turned(from.x, from.z, 0.4);
+        c.n = k + 1;
+        if (k == 0 || k == 2 || k == LOOPS - 1) {
+            check_mobility(3*c.n + 1, a, 1 - 3*c.n, 3*c.n);
+            check_motion(3*c.n + 1, a, 3*c.n);
+            c.seen = 0;
+            turn_input(3*c.n + 1, a, 2*LW_PI, 60, see_chain, &c);
+            CHECK_INT(c.seen, 60);
+        }
+    }
+}
+
+static void see_goldberg(void *context, const double *turn)
+{
+    const bennett *l = context;
+    double t[4] = { l[0].turn[0] + turn[0], l[0].turn[1] + turn[1], l[1].turn[2] - turn[4], l[1].turn[3] - turn[3] };
+    for (int i = 0; i < 2; i++)
+        CHECK_NEAR(sin(t[2*i]/2)*sin(t[2*i + 1]/2) - l[i].k*cos(t[2*i]/2)*cos(t[2*i + 1]/2), 0, 1e-10, 0);
+}
+
+/* Link 34 of the first loop is link 12 of the second; the ground is link 41 of the first and link 23 of the second. */
+TEST(goldberg)
+{
+    bennett l[2] = { make_bennett(1, 1.2, 0.6, 0.9, origin) };
+    frame from = l[0].f[2];
+    from.x = turned(from.x, from.z, l[0].turn[2] - 1.3);
+    l[1] = make_bennett(1, 1.2, 0.45, 1.3, from);
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(l[1].f[1].z, l[0].f[3].z)) + lw_v3_norm(lw_v3_sub(l[1].f[1].at, l[0].f[3].at)), 0, 1e-14, 0);
+    axis a[] = { pin(l[0].f[0], "g", -1, "l", 0), pin(l[0].f[1], "l", 0, "l", 1), pin(l[0].f[2], "l", 1, "l", 2),
+                 pin(l[1].f[3], "l", 2, "l", 3), pin(l[1].f[2], "l", 3, "g", -1) };
+    check_mobility(5, a, -1, 2);
+    check_motion(5, a, 2);
+    turn_input(5, a, 2*LW_PI, 60, see_goldberg, l);
+}
+
+/* ---- six pins -------------------------------------------------------------------------------------------------------- */
+
+static void six(const frame *f, axis *a)
+{
+    for (int i = 0; i < 6; i++)
+        a[i] = pin(f[i], i ? "l" : "g", i - 1, i < 5 ? "l" : "g", i < 5 ? i : -1);
+}
+
+typedef struct schatz { double length[6], twist[6], offset[6], turn[6]; double least, most; } schatz;
+
+static void see_schatz(void *context, const double *turn)
+{
+    schatz *s = context;
+    double all[6];
+    for (int i = 0; i < 6; i++)
+        all[i] = s->turn[i] + turn[i];
+    CHECK_NEAR(gap(6, s->length, s->twist, s->offset, all), 0, 1e-10, 0);
+    s->least = fmin(s->least, turn[5]);
+    s->most = fmax(s->most, turn[5]);
+}
+
+/* The inversion of the trihedral Bricard linkage by Schatz (Turbula): both shafts turn round and round.  The posture was found by
+ * closing the chain. */
+TEST(schatz_turns)
+{
+    schatz s = { .length = { 0, 1, 1, 1, 0, sqrt(3) }, .twist = { LW_PI/2, LW_PI/2, LW_PI/2, LW_PI/2, LW_PI/2, 0 }, .offset = { 0.37, 0, 0, 0, 0, -0.37 },
+                 .turn = { 0.7, 2.2947778426653254, -1.6801651936623394, -1.4479630317408574, -0.7307137299637271, 2.6058768592693617 } };
+    frame f[7] = { origin };
+    axis a[6];
+    for (int i = 0; i < 6; i++)
+        f[i + 1] = next(f[i], s.turn[i], s.offset[i], s.length[i], s.twist[i]);
+    CHECK_NEAR(gap(6, s.length, s.twist, s.offset, s.turn), 0, 2e-15, 0);
+    six(f, a);
+    check_mobility(6, a, 0, 1);
+    check_motion(6, a, 1);
+    turn_input(6, a, 2*LW_PI, 90, see_schatz, &s);
+    CHECK_NEAR(s.most - s.least, 2*LW_PI, 1e-9, 0);
+}
+
+static lw_vec3 unit(double x, double y, double z)
+{
+    lw_vec3 v = lw_v3(x, y, z);
+    return lw_v3_scale(v, 1/lw_v3_norm(v));
+}
+
+static void see_symmetric(void *context, const double *turn)
+{
+    if (context) {                           /* a half turn about z takes joint i to joint i + 3 */
+        for (int i = 0; i < 3; i++)
+            CHECK_NEAR(turn[i + 3], turn[i], 1e-10, 0);
+    } else {                                 /* the mirror takes joint 1 to 5 and 2 to 4; going round the other way, and a turn mirrored */
+        CHECK_NEAR(turn[5], turn[1], 1e-10, 0);
+        CHECK_NEAR(turn[4], turn[2], 1e-10, 0);
+    }
+}
+
+TEST(symmetric_bricards)
+{
+    frame f[6];
+    axis a[6];
+    /* axes 0 and 3 in the plane x = 0, 1 and 2 anywhere, 5 and 4 their images (axes are pseudovectors) */
+    f[0] = (frame){ .at = { 0, 0, 0 }, .z = unit(0, 0.3, 1) }, f[3] = (frame){ .at = { 0, 1.2, 0.2 }, .z = unit(0, 1, 0.4) };
+    f[1] = (frame){ .at = { 0.6, 0.1, 0.3 }, .z = unit(0.2, 1, 0.5) }, f[2] = (frame){ .at = { 0.7, 0.9, -0.2 }, .z = unit(1, 0.3, 0.6) };
+    for (int i = 1; i < 3; i++)
+        f[6 - i] = (frame){ .at = { -f[i].at.x, f[i].at.y, f[i].at.z }, .z = lw_v3(-f[i].z.x, f[i].z.y, f[i].z.z) };
+    six(f, a);
+    check_mobility(6, a, 0, 1);
+    check_motion(6, a, 1);
+    turn_input(6, a, 2*LW_PI, 60, see_symmetric, NULL);
+    /* three axes anywhere and their images by a half turn about z */
+    f[0] = (frame){ .at = { 0.5, 0.1, 0 }, .z = unit(0.1, 0.2, 1) }, f[1] = (frame){ .at = { 0.9, 0.7, 0.4 }, .z = unit(1, 0.3, 0.2) };
+    f[2] = (frame){ .at = { 0.1, 1, 0.8 }, .z = unit(0.2, -1, 0.3) };
+    for (int i = 0; i < 3; i++)
+        f[i + 3] = (frame){ .at = { -f[i].at.x, -f[i].at.y, f[i].at.z }, .z = lw_v3(-f[i].z.x, -f[i].z.y, f[i].z.z) };
+    six(f, a);
+    check_mobility(6, a, 0, 1);
+    check_motion(6, a, 1);
+    turn_input(6, a, -1.5, 30, see_symmetric, a);
+}
+
+/* ---- RCCC -------------------------------------------------------------------------------------------------------------- */
+
+typedef struct spherical { double twist[4], turn[4]; } spherical;
+
+static void see_rccc(void *context, const double *turn)
+{
+    const spherical *s = context;
+    static const double none[4] = { 0 };
+    double all[4];
+    for (int i = 0; i < 4; i++)
+        all[i] = s->turn[i] + turn[i];
+    CHECK_NEAR(gap(4, none, s->twist, none, all), 0, 1e-10, 0);
+}
+
+/* Its turns are those of the spherical four-bar of the same twists (Kotelnikov's principle of transference), a crank-rocker. */
+TEST(rccc_turns_as_a_spherical_four_bar)
+{
+    spherical s = { .twist = { 0.5, 1.1, 1.2, 1.3 } };
+    double length[4] = { 0.3, 1, 0.8, 1.1 }, offset[4] = { 0.1, -0.2, 0.3, 0.2 }, c;
+    frame f[5] = { origin };
+    axis a[4];
+    /* close the directions by hand: the axes 2 and 3 lie where the arcs of 1.1 and 1.2 meet */
+    lw_vec3 z0 = lw_v3(0, 0, 1), z1 = lw_v3(sin(0.5), 0, cos(0.5)), z3 = lw_v3(sin(1.3)*cos(1.1), sin(1.3)*sin(1.1), cos(1.3)), z2;
+    double d = lw_v3_dot(z1, z3), p = (cos(1.1) - d*cos(1.2))/(1 - d*d), q = (cos(1.2) - d*cos(1.1))/(1 - d*d);
+    lw_vec3 in = lw_v3_add(lw_v3_scale(z1, p), lw_v3_scale(z3, q)), n = lw_v3_cross(z1, z3);
+    c = sqrt((1 - lw_v3_dot(in, in))/lw_v3_dot(n, n));
+    z2 = lw_v3_add(in, lw_v3_scale(n, c));
+    const lw_vec3 z[] = { z0, z1, z2, z3 };
+    for (int i = 0; i < 4; i++) {            /* normals along z[i] x z[i + 1], which the twists turn z about */
+        lw_vec3 before = lw_v3_cross(z[(i + 3)%4], z[i]), after = lw_v3_cross(z[i], z[(i + 1)%4]);
+        s.turn[i] = atan2(lw_v3_dot(z[i], lw_v3_cross(before, after)), lw_v3_dot(before, after));
+    }
+    for (int i = 0; i < 4; i++)
+        f[i + 1] = next(f[i], s.turn[i], offset[i], length[i], s.twist[i]);
+    for (int i = 0; i < 4; i++) {
+        a[i] = pin(f[i], i ? "l" : "g", i - 1, i < 3 ? "l" : "g", i < 3 ? i : -1);
+        a[i].kind = i ? "cylindrical" : "revolute";
+    }
+    check_mobility(4, a, 1, 0);
+    check_motion(4, a, 0);
+    turn_input(4, a, 2*LW_PI, 60, see_rccc, &s);
+}
