@@ -7,6 +7,7 @@
 #include "mbs/dynamics/statics.h"
 #include "mbs/equations/equations_space.h"
 #include "mbs/space/kernel_tree_internal.h"
+#include "tests/dynamics_run.h"
 #include "tests/spatial_models.h"
 
 typedef struct sample { double t, input, input_rate, drive[8], energy, q[64], v[64]; lw_vec3 tracer, linear,
@@ -865,6 +866,64 @@ TEST(couplings_count_turns)
         lw_spatial_free(&m);
     }
     formulation = LW_FORMULATION_AUTO;
+}
+
+/* A hook on a rope whose length a winch changes, l = 6 + 0.3 a: (J + m l^2) f'' = -m g l sin f - 2 m l l' f'. */
+static double rope_at(double t, double *rate, double *second)
+{
+    *rate = 0.3*2*0.7*cos(0.7*t);
+    *second = -0.3*2*0.7*0.7*sin(0.7*t);
+    return 6 + 0.3*2*sin(0.7*t);
+}
+
+static lw_status hook_rate(void *context, double t, const double *y, double *dy)
+{
+    double dl, ddl, l = rope_at(t, &dl, &ddl);
+    (void)context;
+    dy[0] = y[1];
+    dy[1] = -(800*9.81*l*sin(y[0]) + 2*800*l*dl*y[1])/(30 + 0.5 + 800*l*l);
+    return LW_OK;
+}
+
+TEST(a_hook_on_a_winch)
+{
+    static const double angle = 0.3;
+    char text[2000], *c = text;
+    double x = sin(angle), z = -cos(angle);
+    lw_spatial m;
+    snprintf(text, sizeof text, "{'linkwright': 1, 'gravity': [0, 0, -9.81], 'links': ['ground', {'name': 'drum', 'mass': 50, 'centre': [0, 1, 0], 'inertia': "
+        "[2, 3, 2]}, {'name': 'rope', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [0.5, 0.5, 0.5]}, {'name': 'hook', 'mass': 800, 'centre': [%.17g, 0, %.17g], "
+        "'inertia': [30, 30, 30]}], 'joints': [{'name': 'winch', 'links': ['ground', 'drum'], 'at': [0, 1, 0], 'axis': [0, 1, 0]}, {'name': 'head', 'kind': "
+        "'universal', 'links': ['ground', 'rope'], 'at': [0, 0, 0], 'axis': [0, 1, 0], 'second_axis': [%.17g, 0, %.17g]}, {'name': 'hoist', 'kind': 'prismatic', "
+        "'links': ['rope', 'hook'], 'at': [%.17g, 0, %.17g], 'axis': [%.17g, 0, %.17g]}], 'couplings': [{'name': 'reel', 'terms': [{'joint': 'winch', 'factor': 0.3}, "
+        "{'joint': 'hoist', 'factor': -1}]}], 'input': {'joint': 'winch', 'motion': '2*sin(0.7*t)'}, 'tracers': [{'name': 'H', 'link': 'hook', 'at': [%.17g, 0, %.17g]}]}",
+        6*x, 6*z, -z, x, x, z, x, z, 6*x, 6*z);
+    for (; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    read_spatial(text, strlen(text), "winch", &m);
+    for (size_t f = 0; f < sizeof in_time/sizeof *in_time; f++) {
+        bool bdf = in_time[f] == LW_FORMULATION_CVODE || in_time[f] == LW_FORMULATION_GGL;
+        double y[2] = { angle, 0 }, dl, ddl, dy[2], allowed = bdf ? 1e-4 : 1e-7;
+        formulation = in_time[f];
+        lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 6, 3, 1e-9);
+        CHECK_INT(q.formulation, formulation);
+        CHECK_INT(q.freedom - 1, 2);         /* swings both ways, and the winch */
+        for (int i = 1; i < k.n; i++) {
+            drun_exact(&(lw_ode){ .n = 2, .rate = hook_rate }, k.at[i - 1].t, y, k.at[i].t);
+            double l = rope_at(k.at[i].t, &dl, &ddl), pull = 800*(9.81*cos(y[0]) + l*y[1]*y[1] - ddl);
+            hook_rate(NULL, k.at[i].t, y, dy);
+            CHECK_NEAR(k.at[i].tracer.x, l*sin(y[0]), allowed, 0);
+            CHECK_NEAR(k.at[i].tracer.z, -l*cos(y[0]), allowed, 0);
+            CHECK_NEAR(k.at[i].drive[0], 3*ddl/0.3 - 0.3*pull, 0, allowed);
+        }
+    }
+    formulation = LW_FORMULATION_AUTO;
+    lw_dynamics_report at_rest = run(&m, LW_ANALYSIS_STATIC, 1, 1, 1e-10);
+    CHECK(at_rest.steps > 0 && k.n == 1);
+    CHECK_NEAR(k.at[0].tracer.x, 0, 1e-9, 0);
+    CHECK_NEAR(k.at[0].tracer.z, -6, 1e-9, 0);
+    CHECK_NEAR(k.at[0].drive[0], -0.3*800*9.81, 1e-5, 0);
+    lw_spatial_free(&m);
 }
 
 /* A weight hung on three springs: at rest where the potential is least. */
