@@ -914,7 +914,7 @@ TEST(a_hook_on_a_winch)
             hook_rate(NULL, k.at[i].t, y, dy);
             CHECK_NEAR(k.at[i].tracer.x, l*sin(y[0]), allowed, 0);
             CHECK_NEAR(k.at[i].tracer.z, -l*cos(y[0]), allowed, 0);
-            CHECK_NEAR(k.at[i].drive[0], 3*ddl/0.3 - 0.3*pull, 0, allowed);
+            CHECK_NEAR(k.at[i].drive[0], 3*ddl/0.3 - 0.3*pull, 0, f < 2 ? 1e-9 : 1e-5);     /* implicit: of stages */
         }
     }
     formulation = LW_FORMULATION_AUTO;

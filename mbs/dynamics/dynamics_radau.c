@@ -640,11 +640,9 @@ static double *state(stages *g, double *y)
 static lw_status show(stages *g)
 {
     lw_dynamics *d = g->run->d;
-    double t = lw_run_time(d, g->run->next++);           /* a kink there may be passed already */
-    if (!g->alpha && !d->elastic && !d->n_friction && !d->eq.next_piece)
-        return lw_run_show(g->run, t, g->run->y);        /* more exact than those of the stages */
-    memcpy(d->a, g->a, (size_t)g->n*sizeof *d->a);
+    memcpy(d->a, g->a, (size_t)g->n*sizeof *d->a);       /* of the stages: those of the state magnify its error by stiffness */
     lw_tangent_spread(d, g->l);
+    double t = lw_run_time(d, g->run->next++);           /* a kink there may be passed already */
     return lw_run_show_solved(g->run, t, g->run->y);
 }
 
