@@ -179,7 +179,8 @@ lw_status lw_model_export(const lw_model *model, const char *format, const lw_pl
     lw_bytes b = { 0 };
     lw_export_options o = { .model = model, .clearance = -1 };
     if (plates)
-        o = (lw_export_options){ model, plates->width, plates->thickness, plates->hole, plates->clearance };
+        o = (lw_export_options){ .model = model, .width = plates->width, .thickness = plates->thickness, .hole = plates->hole,
+                                 .clearance = plates->clearance };
     *out = NULL;
     if (!f || !f->write)
         return lw_error_set(error, LW_E_ARG, "there is no format '%s' to write", format);

@@ -183,6 +183,190 @@ TEST(room_of_random_linkages)
     CHECK(n_found > 20);
 }
 
+/* Do two links, or a pin and a link, come nearer than `limit` in the frames? -1: too near to it to say. */
+static int meet_in(const lw_scene *s, const lw_layers *l, int link, const lw_pin *pin, int other, double limit)
+{
+    lw_vec2 p[CORNERS], q[CORNERS];
+    double least = INFINITY;
+    for (size_t f = 0; f < s->n_frame; f++) {
+        int n = pin ? 1 : place_all(s, link, f, l, p);
+        if (pin)
+            p[0] = lw_scene_at(s, f, pin->owner, pin->at);
+        least = fmin(least, lw_hull_distance(p, n, q, place_all(s, other, f, l, q)));
+    }
+    return fabs(least - limit) < 0.05*l->radius ? -1 : least < limit;
+}
+
+/* The fewest layers of up to six links by trying all ways; 0: there are none; -1: not decided. */
+static int fewest_by_trial(const lw_scene *s, const lw_layers *l)
+{
+    enum { N = 6 };
+    int n = s->linkage.n_link, ground = s->linkage.ground, meet[N][N] = { 0 }, hit[16][N] = { 0 }, fewest = 0, ways = 1, layer[N];
+    for (int a = 0; a < n; a++)
+        for (int b = 0; b < a; b++) {
+            bool joined = false;
+            for (int p = 0; p < l->n_pin; p++)
+                joined = joined || (lw_pin_joins(&l->pin[p], a) && lw_pin_joins(&l->pin[p], b));
+            meet[a][b] = joined ? 1 : a == ground || b == ground ? 0 : meet_in(s, l, a, NULL, b, 2*l->radius);
+            if (meet[a][b] < 0)
+                return -1;
+        }
+    for (int p = 0; p < l->n_pin; p++)
+        for (int a = 0; a < n; a++) {
+            if (a != ground && !lw_pin_joins(&l->pin[p], a))
+                hit[p][a] = meet_in(s, l, 0, &l->pin[p], a, l->radius + l->bore);
+            if (hit[p][a] < 0)
+                return -1;
+        }
+    for (int i = 1; i < n; i++)
+        ways *= n - 1;
+    for (int way = 0; way < ways; way++) {
+        bool fits = true;
+        int top = 0;
+        for (int i = 0, rest = way; i < n; i++) {
+            layer[i] = i == ground ? 0 : 1 + rest % (n - 1);
+            rest = i == ground ? rest : rest/(n - 1);
+            top = layer[i] > top ? layer[i] : top;
+        }
+        for (int a = 0; a < n && fits; a++)
+            for (int b = 0; b < a; b++)
+                fits = fits && !(meet[a][b] && layer[a] == layer[b]);
+        for (int p = 0; p < l->n_pin && fits; p++) {
+            int low = n, high = 0;
+            for (int i = 0; i < l->pin[p].n_link; i++) {
+                low = layer[l->pin[p].link[i]] < low ? layer[l->pin[p].link[i]] : low;
+                high = layer[l->pin[p].link[i]] > high ? layer[l->pin[p].link[i]] : high;
+            }
+            for (int a = 0; a < n; a++)
+                fits = fits && !(hit[p][a] && layer[a] > low && layer[a] < high);
+        }
+        if (fits && (fewest == 0 || top + 1 < fewest))
+            fewest = top + 1;
+    }
+    return fewest;
+}
+
+/* As few layers as a search through all ways finds, and none where it finds none. */
+TEST(fewest_of_all_ways)
+{
+    lw_rng rng;
+    int n_none = 0, n_some = 0;
+    lw_rng_seed(&rng, check_seed(), 7);
+    for (int i = 0; i < 120; i++) {
+        lw_linkage k = example("klann");
+        lw_error e = { 0 };
+        for (int j = 0; j < k.n_joint; j++)
+            k.joint[j].at = lw_v2_add(k.joint[j].at, lw_v2_polar(0.15*lw_rng_uniform(&rng), 2*LW_PI*lw_rng_uniform(&rng)));
+        lw_scene s = scene_of(&k, 240);
+        lw_layers l;
+        lw_plate_size size = { .radius = (0.01 + 0.3*lw_rng_uniform(&rng)), .bore = 0.004, .clearance = -1 };
+        lw_status st = s.n_frame > 1 ? lw_layers_find(&s, &size, &l, &e) : LW_E_KIND;
+        int fewest = st == LW_E_KIND ? -1 : fewest_by_trial(&s, &l);
+        if (fewest >= 0) {
+            CHECK_INT(st, fewest ? LW_OK : LW_NOTHING);
+            CHECK(st != LW_OK || (l.n_layer == fewest && l.fewest));
+            n_none += fewest == 0;
+            n_some += fewest > 0;
+        }
+        if (st != LW_E_KIND)
+            lw_layers_free(&l);
+        lw_scene_free(&s);
+    }
+    CHECK(n_none > 3 && n_some > 10);
+}
+
+/* The same leg so many times on one crank, all driven by it. */
+static lw_assembly legs(const char *name, int n)
+{
+    lw_linkage one = example(name);
+    lw_assembly a = { .ground = one.ground, .units = one.units };
+    int joint = one.input[0].joint, crank = one.joint[joint].link[one.joint[joint].link[0] == one.ground], link[LW_LINK_MAX] = { 0 };
+    a.link_name = calloc((size_t)(n*one.n_link), sizeof *a.link_name);
+    a.joint = calloc((size_t)(n*one.n_joint), sizeof *a.joint);
+    a.input = calloc(1, sizeof *a.input);
+    a.tracer = calloc((size_t)(n*one.n_tracer), sizeof *a.tracer);
+    for (int leg = 0; leg < n; leg++) {
+        for (int i = 0; i < one.n_link; i++)
+            if (leg == 0 || (i != one.ground && i != crank)) {
+                link[i] = a.n_link;
+                snprintf(a.link_name[a.n_link++], LW_NAME_SIZE, "%.20s %d", one.link_name[i], leg);
+            }
+        for (int j = 0; j < one.n_joint; j++)
+            if (leg == 0 || j != joint) {
+                lw_joint *p = &a.joint[a.n_joint];
+                *p = one.joint[j];
+                p->link[0] = link[p->link[0]];
+                p->link[1] = link[p->link[1]];
+                a.input[0] = j == joint ? (lw_input){ .joint = a.n_joint, .value = one.input[0].value } : a.input[0];
+                snprintf(p->name, LW_NAME_SIZE, "%.20s %d", one.joint[j].name, leg);
+                a.n_joint++;
+            }
+        for (int t = 0; t < one.n_tracer; t++) {
+            a.tracer[a.n_tracer] = one.tracer[t];
+            a.tracer[a.n_tracer].link = link[one.tracer[t].link];
+            snprintf(a.tracer[a.n_tracer++].name, LW_NAME_SIZE, "%.20s %d", one.tracer[t].name, leg);
+        }
+    }
+    a.ground = link[one.ground];
+    a.n_input = 1;
+    return a;
+}
+
+/* Six of Jansen's legs stand one upon the other, three layers each; of Klann's, whose rods pass the shafts of the next leg, there are
+ * no layers for three or more. Both are decided in few steps, and a stop ends it. */
+TEST(many_legs)
+{
+    static const struct { const char *name; int n, layers; } row[] = {
+        { "jansen", 3, 10 }, { "jansen", 6, 19 }, { "klann", 2, 7 }, { "klann", 3, 0 }, { "klann", 12, 0 }
+    };
+    for (size_t i = 0; i < sizeof row/sizeof *row; i++) {
+        lw_assembly a = legs(row[i].name, row[i].n);
+        lw_scene s;
+        lw_layers l;
+        lw_error e = { 0 };
+        const volatile sig_atomic_t stop = 1;
+        CHECK_INT(lw_scene_make_any(&a, NULL, NULL, &(lw_scene_options){ .n_frame = 240 }, &s, &e), LW_OK);
+        CHECK_INT(lw_layers_find(&s, NULL, &l, &e), row[i].layers ? LW_OK : LW_NOTHING);
+        if (row[i].layers) {
+            CHECK_INT(l.n_layer, row[i].layers);
+            double seen = room_seen(&s, &l);
+            CHECK(l.room > 0 && l.room <= seen);
+        }
+        lw_layers_free(&l);
+        s.stop = &stop;
+        CHECK_INT(lw_layers_find(&s, NULL, &l, &e), LW_STOPPED);
+        lw_layers_free(&l);
+        lw_scene_free(&s);
+        lw_assembly_free(&a);
+    }
+}
+
+/* A leg whose own input rests draws a point: its curve is not refined down to rounding. */
+TEST(a_resting_leg_is_a_point)
+{
+    lw_linkage both = example("klann");
+    int n = both.n_link, joints = both.n_joint;
+    for (int i = 0; i < n; i++)
+        if (i != both.ground)
+            snprintf(both.link_name[both.n_link++], LW_NAME_SIZE, "second %d", i);
+    for (int j = 0; j < joints; j++) {
+        lw_joint *p = &both.joint[both.n_joint++];
+        *p = both.joint[j];
+        snprintf(p->name, LW_NAME_SIZE, "second %d", j);
+        p->at.x += 5;
+        for (int end = 0; end < 2; end++)
+            p->link[end] += p->link[end] == both.ground ? 0 : n - 1;
+    }
+    both.tracer[both.n_tracer++] = (lw_tracer){ .name = "second", .link = both.tracer[0].link + n - 1, .at = { 5, 0 } };
+    both.input[both.n_input++] = (lw_input){ .joint = both.input[0].joint + joints, .value = both.input[0].value };
+    lw_scene s;
+    lw_error e = { 0 };
+    CHECK_INT(lw_scene_make(&both, NULL, NULL, &s, &e), LW_OK);
+    CHECK_INT(s.n_curve, 2);
+    CHECK(s.n_curve == 2 && s.curve[0].n < 5000 && s.curve[1].n < 5000);
+    lw_scene_free(&s);
+}
+
 TEST(refusals)
 {
     static lw_layers l;

@@ -34,6 +34,8 @@ typedef struct lw_work {
     bool       no_memory;                  /* while looking for a plan or a walk                    */
 } lw_work;
 
+static bool is_stopped(const lw_work *w) { return w->s->stop && *w->s->stop; }
+
 /* The motion runs over t = 0 .. motion_length. */
 static double motion_length(const lw_work *w) { return w->by_path ? 1 : w->walk.n_stage; }
 
@@ -269,7 +271,7 @@ static bool take_frames(lw_work *w, size_t n)
     double per = motion_length(w)/(s->loops ? (double)n : (double)(n - 1));
     double start = w->by_path ? w->path.start : w->walk.turns ? 0 : lw_walk_time(&w->walk, w->input);
     s->first_frame = (size_t)fmin(round(start/per), (double)n - 1);
-    for (size_t f = 0; f < n; f++) {
+    for (size_t f = 0; f < n && !is_stopped(w); f++) {
         s->input[f] = move_to(w, f == s->first_frame ? start : per*(double)f);
         for (size_t link = 0; link < n_link; link++)
             if ((int)link != s->linkage.ground)
@@ -312,7 +314,7 @@ static void refine(lw_work *w, int tracer, double t0, lw_vec2 a, double t1, lw_v
     double tm = t0 + (t1 - t0)/2;
     lw_vec2 m = trace(w, tracer, tm), chord = lw_v2_sub(b, a);
     double off = lw_v2_norm(lw_v2_sub(m, lw_v2_add(a, lw_v2_scale(chord, 0.5))));
-    if (depth == 0 || g->n > POINTS_MAX || off < 4e-4*size) {
+    if (depth == 0 || g->n > POINTS_MAX || off < 4e-4*size || is_stopped(w)) {
         if (depth == 0 && lw_v2_norm(chord) > 0.1*size)
             grow(g, lw_v2(NAN, NAN));
         grow(g, b);
@@ -327,7 +329,7 @@ static bool take_curve(lw_work *w, int tracer, bool shown, size_t n)
     lw_scene *s = w->s;
     lw_growing g = { 0 };
     bool loops = motion_loops(w);
-    double size = 0, per = motion_length(w)/(double)n;
+    double size = 1e-9*span(&s->linkage), per = motion_length(w)/(double)n;
     lw_vec2 first = trace(w, tracer, 0), a = first;
     for (size_t i = 1; i < n; i++)
         size = fmax(size, lw_v2_norm(lw_v2_sub(trace(w, tracer, per*(double)i), first)));
@@ -357,7 +359,7 @@ static bool is_restricted(const lw_work *w)
 
 static bool take_curves(lw_work *w, bool shown, size_t n)
 {
-    for (int i = 0; i < w->s->linkage.n_tracer; i++)
+    for (int i = 0; n > 0 && i < w->s->linkage.n_tracer && !is_stopped(w); i++)
         if (!take_curve(w, i, shown, n < 8 ? 8 : n))
             return false;
     return true;
@@ -537,7 +539,7 @@ static const double draft_margin = 1e-3;        /* nearer to a change point the 
 static lw_status draft_curves(lw_scene *s, size_t n)
 {
     size_t frames = s->n_frame, parts = s->loops ? frames : frames - 1, each = (n + parts - 1)/parts;
-    if (frames < 2)
+    if (frames < 2 || n == 0)
         return LW_OK;
     for (int t = 0; t < s->linkage.n_tracer && s->n_curve < s->max_curve; t++) {
         const lw_tracer *tracer = &s->linkage.tracer[t];
@@ -910,6 +912,19 @@ static bool begin(lw_scene *s, const lw_assembly *parts, const lw_target *t, con
     return copy_target(s, t);
 }
 
+/* What was stopped is not shown in part. */
+static bool drop_motion(lw_scene *s)
+{
+    while (s->n_curve > 0)
+        free(s->curve[--s->n_curve].p);
+    free(s->place), free(s->input);
+    s->place = NULL, s->input = NULL;
+    s->loops = false;
+    s->first_frame = 0;
+    snprintf(s->note, sizeof s->note, "Shown without motion: stopped");
+    return make_frames(s, 1);
+}
+
 lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_scene_options *o,
                         lw_scene *s, lw_error *e)
 {
@@ -926,7 +941,7 @@ lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_
         w->s = s;
         w->given = linkage;
         w->linkage = *linkage;
-        ok = show_motion(w, o);
+        ok = show_motion(w, o) && (!is_stopped(w) || drop_motion(s));
         lw_motion_path_free(&w->path);
     }
     free(w);

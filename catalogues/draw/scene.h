@@ -72,7 +72,7 @@ typedef struct lw_scene {
 typedef struct lw_scene_options {
     const char *title;            /* NULL: the linkage's name                                        */
     size_t      n_frame;          /* of the motion                                            (120)  */
-    size_t      n_curve_point;    /* of each curve, at least                                  (360)  */
+    size_t      n_curve_point;    /* of each curve, at least; 0: no curves                    (360)  */
     bool        other_branches;   /* curves of the other assembly modes and circuits too     (false) */
     bool        draft;            /* quickly, while it is dragged: no other branches, no proof that no gap was
                                    * passed over; places to 1e-5 of the size                  (false) */
@@ -80,8 +80,8 @@ typedef struct lw_scene_options {
                                    * drawn and it has to outlive the scene; NULL: unknown            */
     double      until;            /* show that motion from 0 to this time [s]; 0: until it repeats or
                                    * comes to rest, else 1 s                                         */
-    const volatile sig_atomic_t *stop;       /* ends the motion of a model that no linkage can hold: a note
-                                   * says so, and it is shown without motion; may be NULL            */
+    const volatile sig_atomic_t *stop;       /* ends the motion: a note says so, and it is shown without motion;
+                                   * may be NULL                                                     */
 } lw_scene_options;
 
 lw_scene_options lw_scene_options_default(void);

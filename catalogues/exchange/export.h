@@ -5,6 +5,7 @@
 #ifndef LW_CATALOGUES_EXCHANGE_EXPORT_H
 #define LW_CATALOGUES_EXCHANGE_EXPORT_H
 
+#include <signal.h>
 #include "base/bytes.h"
 #include "grammar/model/model.h"
 
@@ -14,6 +15,7 @@ typedef struct lw_export_options {
     const lw_model *model;             /* of the same linkage, with masses and loads; NULL: none             */
     double width, thickness, hole;     /* of plates: a bar's width, thickness, diameter of holes [m]; 0: usual */
     double clearance;                  /* a pin's diameter is smaller than its hole by this [m]; < 0: usual    */
+    const volatile sig_atomic_t *stop; /* ends the motion of the plates and the search for layers: LW_STOPPED  */
 } lw_export_options;
 
 /* MuJoCo's MJCF. Bodies are the moving links, nested along a spanning tree of the joints, all parallel to the world

@@ -8,6 +8,7 @@
  *     distance >= (d0 + d1 - La - Lb)/2. */
 #include "catalogues/exchange/layers.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,6 +20,7 @@ typedef struct plate_body {
     int      n;
     lw_vec2 *at;               /* corners, frame after frame (n_frame*n) owned                         */
     double  *path;              /* L from the frame before f to f, the longest of all corners (n_frame) */
+    lw_vec2  lo, hi;            /* of the box that it never leaves                                      */
 } plate_body;
 
 /* seen: the least distance in the frames; sure: a lower bound of the distance between frames too. */
@@ -110,7 +112,23 @@ static lw_status move_body(const lw_scene *s, int link, const lw_vec2 *corner, i
             chord = fmax(chord, norm2(lw_v2_sub(b->at[f*m + c], b->at[g*m + c])));
         b->path[f] = f == g ? 0 : sqrt(chord) + 0.5*fmax(bend_at(s, b, f), bend_at(s, b, g));
     }
+    double most = 0;                                       /* within half a path of one of the two frames */
+    b->lo = b->hi = b->at[0];
+    for (size_t f = 0; f < s->n_frame; f++)
+        most = fmax(most, b->path[f]);
+    for (size_t i = 0; i < s->n_frame*m; i++) {
+        b->lo = lw_v2(fmin(b->lo.x, b->at[i].x), fmin(b->lo.y, b->at[i].y));
+        b->hi = lw_v2(fmax(b->hi.x, b->at[i].x), fmax(b->hi.y, b->at[i].y));
+    }
+    b->lo = lw_v2_sub(b->lo, lw_v2(most/2, most/2));
+    b->hi = lw_v2_add(b->hi, lw_v2(most/2, most/2));
     return LW_OK;
+}
+
+/* A lower bound of the distance at all times. */
+static double box_gap(const plate_body *a, const plate_body *b)
+{
+    return fmax(fmax(a->lo.x - b->hi.x, b->lo.x - a->hi.x), fmax(a->lo.y - b->hi.y, b->lo.y - a->hi.y));
 }
 
 static approach approach_of(const lw_scene *s, const plate_body *a, const plate_body *b)
@@ -131,7 +149,8 @@ static approach approach_of(const lw_scene *s, const plate_body *a, const plate_
 
 /* ==== layers ================================================================================================== */
 
-#define STEPS_MAX 1000000
+#define STEPS_MAX 100000000L          /* looks at a link or pin, in each of the two searches; about half a second each */
+#define LAYERS_MAX 64                 /* in the search for fewer layers, a bit for each                                */
 #define LEVELS    3                   /* of frames: the given number, 4 and 16 times that */
 
 /* Numbers for each row: item[start[row] .. start[row + 1] - 1]. */
@@ -146,8 +165,15 @@ typedef struct work {
     table           beside;            /* link: links that meet it; pin after the links: links that it hits */
     table           pins;              /* link: pins that go through it or that it hits                    */
     int             n_layer;
-    long            steps;
+    long            steps, most_steps, left;
+    int            *chosen;            /* (links) of each place: the link, the layers not tried yet (bits)    */
+    uint64_t       *choice, *open;     /* (links) open: the layers in which a link can be placed now     */
+    bool           *stale;             /* (links) open has to be found again                             */
+    int             none;              /* so many layers, and fewer, do not do                         */
+    plate_body     *body;              /* links, then pins, in the frames of s                         */
 } work;
+
+static bool is_stopped(const work *w) { return w->s->stop && *w->s->stop; }
 
 static size_t at(const work *w, int a, int b) { return (size_t)a*(size_t)w->s->linkage.n_link + (size_t)b; }
 
@@ -364,8 +390,9 @@ static double usual_radius(const lw_assembly *linkage)
 
 /* ---- what is in the way ---------------------------------------------------------------------------------- */
 
-/* OPEN: not known yet; ROUGH: they do not meet, but less than half of the clearance in the frames is guaranteed. */
-typedef enum verdict { OPEN, ROUGH, CLEAR, MEET } verdict;
+/* OPEN: not known yet; ROUGH: they do not meet, but less than half of the clearance in the frames is guaranteed. FAR: the places
+ * that they pass are apart; only this is guaranteed. */
+typedef enum verdict { OPEN, ROUGH, CLEAR, MEET, FAR } verdict;
 
 static verdict judge(const approach *d, double limit)
 {
@@ -393,8 +420,14 @@ static int look_at_pairs(work *w, const lw_scene *s, const plate_body *body)
         for (int b = 0; b < n && b < a; b++) {
             double limit = w->l->radius + (a < n ? w->l->radius : w->l->bore);
             size_t i = at(w, a, b);
-            if (w->pair[i] > ROUGH)
+            if (w->pair[i] > ROUGH || is_stopped(w))
                 continue;
+            double gap = box_gap(&body[a], &body[b]) - limit;
+            if (gap > 0) {
+                w->pair[i] = FAR;
+                w->clearance[i] = gap;
+                continue;
+            }
             approach d = approach_of(s, &body[a], &body[b]);
             w->pair[i] = (uint8_t)judge(&d, limit);
             w->clearance[i] = d.sure - limit;
@@ -440,25 +473,27 @@ static lw_status find_conflicts(work *w)
     lw_scene fine = { 0 };
     lw_status st = LW_OK;
     int bodies = k->n_link + w->l->n_pin, n_open = 1;
-    plate_body *body = calloc((size_t)bodies, sizeof *body);
+    plate_body *body = calloc(2*(size_t)bodies, sizeof *body);
     if (!body)
         return LW_E_MEMORY;
+    w->body = body;
     settle_joints(w);
-    for (int level = 0; level < LEVELS && n_open > 0 && st == LW_OK; level++) {
+    for (int level = 0; level < LEVELS && n_open > 0 && st == LW_OK && !is_stopped(w); level++) {
         const lw_scene *s = level ? &fine : w->s;
         size_t wanted = w->s->n_frame << 2*level;
         if (level)
-            st = lw_scene_make_any(k, w->s->model, NULL, &(lw_scene_options){ .n_frame = wanted, .n_curve_point = 8 }, &fine, NULL);
+            st = lw_scene_make_any(k, w->s->model, NULL, &(lw_scene_options){ .n_frame = wanted, .stop = w->s->stop },
+                                   &fine, NULL);
         if (st == LW_OK && s->n_frame >= wanted)
             st = move_all(w, s, body);
         if (st == LW_OK && s->n_frame >= wanted)
             n_open = look_at_pairs(w, s, body);
-        for (int i = 0; i < bodies; i++)
+        for (int i = 0; level && i < bodies; i++)
             free_body(&body[i]);
         if (level)
             lw_scene_free(&fine);
+        body = w->body + bodies;
     }
-    free(body);
     return st;
 }
 
@@ -495,20 +530,24 @@ static bool fill(const work *w, int rows, int columns, bool (*has)(const work *w
     return t->start != NULL;
 }
 
-/* The least clearance between plates in one layer, and between pins and the plates that they pass. */
+/* The least clearance between plates in one layer, and between pins and the plates that they pass. The distances of pairs
+ * that are FAR are computed only where they may be the least. */
 static double least_clearance(const work *w)
 {
     const lw_layers *l = w->l;
     int n = w->s->linkage.n_link;
     double least = INFINITY;
-    for (int a = 0; a < n; a++)
-        for (int b = 0; b < a; b++)
-            if (l->layer[a] == l->layer[b])
-                least = fmin(least, w->clearance[at(w, a, b)]);
-    for (int p = 0; p < l->n_pin; p++)
-        for (int a = 0; a < n; a++)
-            if (l->layer[a] > l->pin[p].low && l->layer[a] < l->pin[p].high)
-                least = fmin(least, w->clearance[at(w, n + p, a)]);
+    for (int far = 0; far < 2; far++)
+        for (int a = 0; a < n + l->n_pin; a++)
+            for (int b = 0; b < n && b < a && !is_stopped(w); b++) {
+                bool pass = a < n ? l->layer[a] == l->layer[b]
+                                  : l->layer[b] > l->pin[a - n].low && l->layer[b] < l->pin[a - n].high;
+                size_t i = at(w, a, b);
+                if (!pass || (w->pair[i] == FAR) != far || w->clearance[i] >= least)
+                    continue;
+                double known = w->clearance[i], limit = l->radius + (a < n ? l->radius : l->bore);
+                least = fmin(least, far ? fmax(known, approach_of(w->s, &w->body[a], &w->body[b]).sure - limit) : known);
+            }
     return least;
 }
 
@@ -522,7 +561,8 @@ static bool pins_pass(work *w, int link)
     const int *hits = w->beside.start + w->s->linkage.n_link;
     int first = link < 0 ? 0 : w->pins.start[link], last = link < 0 ? l->n_pin : w->pins.start[link + 1];
     for (int at = first; at < last; at++) {
-        int p = link < 0 ? at : w->pins.item[at], low = LW_LAYERS_MAX, high = -1;
+        int p = link < 0 ? at : w->pins.item[at], low = INT_MAX, high = -1;
+        w->steps += l->pin[p].n_link + hits[p + 1] - hits[p];
         for (int i = 0; i < l->pin[p].n_link; i++) {
             int layer = l->layer[l->pin[p].link[i]];
             low = layer >= 0 && layer < low ? layer : low;
@@ -536,6 +576,135 @@ static bool pins_pass(work *w, int link)
     }
     return true;
 }
+
+/* ---- an order ------------------------------------------------------------------------------------------------ */
+
+/* Layers exist only if the links have an order, from the ground up, in which no link that a pin hits lies between two links of the
+ * pin: it lies above all of them or below all of them. Links are placed from the ground up; each decision is followed to
+ * its end, so that most contradictions show at once. */
+typedef struct ordering {
+    work   *w;
+    int8_t *side;              /* (n*n) of a, b: 1: a lies below b, -1: above, 0: not known              */
+    int    *pair, n_pair;      /* (n*n/2) a*n + b with a below b, in the order found; the end is a queue */
+    int    *link, *before;     /* (n) of each place: the link; pairs known before it was chosen          */
+} ordering;
+
+static bool learn(ordering *o, int low, int high)
+{
+    int n = o->w->s->linkage.n_link;
+    if (low == high || o->side[low*n + high] < 0)
+        return false;
+    if (o->side[low*n + high] == 0) {
+        o->side[low*n + high] = 1;
+        o->side[high*n + low] = -1;
+        o->pair[o->n_pair++] = low*n + high;
+    }
+    return true;
+}
+
+/* Draw the conclusions from all pairs after `first`. False: a contradiction. */
+static bool conclude(ordering *o, int first)
+{
+    const work *w = o->w;
+    int n = w->s->linkage.n_link;
+    bool fits = true;
+    for (; first < o->n_pair && fits; first++) {
+        int end[2] = { o->pair[first]/n, o->pair[first] % n };             /* below, above */
+        for (int e = 0; e < 2 && fits; e++)                                /* a pin through one that hits the other */
+            for (int k = w->pins.start[end[e]]; k < w->pins.start[end[e] + 1] && fits; k++) {
+                const lw_pin *p = &w->l->pin[w->pins.item[k]];
+                bool hits = lw_pin_joins(p, end[e]) && !lw_pin_joins(p, end[1 - e]) && meets(w, n + w->pins.item[k], end[1 - e]);
+                for (int i = 0; hits && i < p->n_link && fits; i++)
+                    fits = e == 0 ? learn(o, p->link[i], end[1]) : learn(o, end[0], p->link[i]);
+            }
+        const int8_t *low = o->side + end[0]*n, *high = o->side + end[1]*n;
+        for (int i = 0; i < n && fits; i++)
+            fits = (low[i] >= 0 || learn(o, i, end[1])) && (high[i] <= 0 || learn(o, end[0], i));
+        o->w->steps += n;
+    }
+    return fits;
+}
+
+static void forget(ordering *o, int n_pair)
+{
+    int n = o->w->s->linkage.n_link;
+    while (o->n_pair > n_pair) {
+        int pair = o->pair[--o->n_pair];
+        o->side[pair] = o->side[pair % n*n + pair/n] = 0;
+    }
+}
+
+static bool can_be_next(const ordering *o, const bool *placed, int link)
+{
+    int n = o->w->s->linkage.n_link;
+    for (int i = 0; i < n; i++)
+        if (!placed[i] && o->side[i*n + link] > 0)
+            return false;
+    return !placed[link];
+}
+
+/* Place all links. LW_NOTHING: there is no order; LW_STOPPED: the steps are used up, or the user's stop. */
+static lw_status place_all(ordering *o, bool *placed, long most)
+{
+    int n = o->w->s->linkage.n_link, place = 0, ground = o->w->s->linkage.ground, link = ground;
+    while (place < n) {
+        while (link < n && !can_be_next(o, placed, link))
+            link++;
+        if (link == n) {                                                   /* none fits: back to the place before */
+            if (place <= 1)
+                return LW_NOTHING;
+            link = o->link[--place];
+            placed[link] = false;
+            forget(o, o->before[place]);
+            link++;
+            continue;
+        }
+        if (o->w->steps > most || is_stopped(o->w))
+            return LW_STOPPED;
+        bool fits = true;
+        o->before[place] = o->n_pair;
+        for (int i = 0; i < n && fits; i++)
+            fits = placed[i] || i == link || learn(o, link, i);
+        if (fits && conclude(o, o->before[place])) {
+            o->link[place++] = link;
+            placed[link] = true;
+            link = 0;
+        } else if (place == 0) {
+            return LW_NOTHING;
+        } else {
+            forget(o, o->before[place]);
+            link++;
+        }
+    }
+    return LW_OK;
+}
+
+/* Layers by an order: each link in the lowest one above all below it that it meets. */
+static lw_status layers_by_order(work *w, long most)
+{
+    size_t n = (size_t)w->s->linkage.n_link;
+    ordering o = { .w = w, .side = calloc(n*n, 1), .pair = malloc(n*n*sizeof *o.pair), .link = malloc(2*n*sizeof *o.link) };
+    bool *placed = calloc(n, sizeof *placed);
+    lw_status st = o.side && o.pair && o.link && placed ? LW_OK : LW_E_MEMORY;
+    o.before = o.link + n;
+    w->steps = 0;
+    if (st == LW_OK)
+        st = place_all(&o, placed, most);
+    for (size_t i = 0; st == LW_OK && i < n; i++)
+        w->l->layer[i] = i == (size_t)w->s->linkage.ground ? 0 : -1;
+    w->n_layer = 1;
+    for (size_t i = 1; st == LW_OK && i < n; i++) {
+        int link = o.link[i], layer = 1;
+        for (int k = w->beside.start[link]; k < w->beside.start[link + 1]; k++)
+            layer = w->l->layer[w->beside.item[k]] >= layer ? w->l->layer[w->beside.item[k]] + 1 : layer;
+        w->l->layer[link] = layer;
+        w->n_layer = layer >= w->n_layer ? layer + 1 : w->n_layer;
+    }
+    free(o.side), free(o.pair), free(o.link), free(placed);
+    return st == LW_OK && !pins_pass(w, -1) ? LW_STOPPED : st;
+}
+
+/* ---- the fewest layers ----------------------------------------------------------------------------------------- */
 
 /* Layers (bits) in which a link can be placed. */
 static uint64_t open_layers(work *w, int link)
@@ -555,54 +724,149 @@ static uint64_t open_layers(work *w, int link)
     return open;
 }
 
-/* Place the link with the fewest possible layers next (Brelaz 1979) and try these layers in turn. */
-static bool place(work *w, int left)
+/* The link was placed or taken back: what is open to others on or beside its pins, and to those that it meets? */
+static void renew_around(work *w, int link)
 {
-    int best = -1, fewest = LW_LAYERS_MAX + 1, n_link = w->s->linkage.n_link;
-    uint64_t choice = 0;
-    if (left == 0)
-        return pins_pass(w, -1);
-    w->steps += 1 + (long)(n_link/32)*(n_link/32);                     /* a step looks at all links and pins */
-    if (w->steps > STEPS_MAX)
-        return false;
-    for (int i = 0; i < w->s->linkage.n_link; i++) {
-        if (w->l->layer[i] >= 0)
-            continue;
-        uint64_t open = open_layers(w, i);
-        int n = __builtin_popcountll(open);
-        if (n < fewest) {
-            fewest = n;
-            best = i;
-            choice = open;
-        }
+    const int *hits = w->beside.start + w->s->linkage.n_link;
+    for (int k = w->beside.start[link]; k < w->beside.start[link + 1]; k++)
+        w->stale[w->beside.item[k]] = true;
+    for (int at = w->pins.start[link]; at < w->pins.start[link + 1]; at++) {
+        const lw_pin *p = &w->l->pin[w->pins.item[at]];
+        for (int i = 0; i < p->n_link; i++)
+            w->stale[p->link[i]] = true;
+        for (int k = hits[w->pins.item[at]]; k < hits[w->pins.item[at] + 1]; k++)
+            w->stale[w->beside.item[k]] = true;
     }
-    for (int at = 1; at < w->n_layer; at++)
-        if (choice >> at & 1) {
-            w->l->layer[best] = at;
-            if (place(w, left - 1))
-                return true;
-        }
-    w->l->layer[best] = -1;
-    return false;
 }
 
-static lw_status find_layers(work *w, lw_error *e)
+/* Choose the link with the fewest possible layers (Brelaz 1979). False: the steps are used up. */
+static bool choose(work *w, int place)
+{
+    int fewest = LAYERS_MAX + 1, n_link = w->s->linkage.n_link;
+    for (int i = 0; i < n_link && w->steps <= w->most_steps && !is_stopped(w); i++) {
+        if (w->l->layer[i] >= 0)
+            continue;
+        if (w->stale[i])
+            w->open[i] = open_layers(w, i);
+        w->stale[i] = false;
+        int n = __builtin_popcountll(w->open[i]);
+        if (n < fewest) {
+            fewest = n;
+            w->chosen[place] = i;
+            w->choice[place] = w->open[i];
+        }
+    }
+    return w->steps <= w->most_steps && !is_stopped(w);
+}
+
+/* Place all links in n_layer layers: try the possible layers of each in turn. False, too: the steps are used up. */
+static bool place_in_layers(work *w)
+{
+    int place = 0, n = w->s->linkage.n_link - 1;
+    memset(w->stale, true, (size_t)n + 1);
+    for (;;) {
+        if (place < n && !choose(w, place))
+            return false;
+        if (place == n && pins_pass(w, -1))
+            return true;
+        while (place == n || w->choice[place] == 0) {                      /* back to one that has layers left */
+            if (place < n) {
+                w->l->layer[w->chosen[place]] = -1;
+                w->stale[w->chosen[place]] = true;
+                renew_around(w, w->chosen[place]);
+            }
+            if (place-- == 0)
+                return false;
+        }
+        w->l->layer[w->chosen[place]] = __builtin_ctzll(w->choice[place]);
+        w->choice[place] &= w->choice[place] - 1;
+        renew_around(w, w->chosen[place]);
+        place++;
+    }
+}
+
+/* So many layers are needed at least: one for the ground, and one for each of some links that all meet each other. */
+static int least_layers(const work *w)
+{
+    int n = w->s->linkage.n_link, most = 0, *clique = malloc((size_t)n*sizeof *clique);
+    for (int first = 0; clique && first < n; first++) {
+        int k = 0;
+        if (first != w->s->linkage.ground)
+            clique[k++] = first;
+        for (int at = w->beside.start[first]; k > 0 && at < w->beside.start[first + 1]; at++) {
+            int i = 0, link = w->beside.item[at];
+            while (i < k && link != w->s->linkage.ground && meets(w, clique[i], link))
+                i++;
+            if (i == k)
+                clique[k++] = link;
+        }
+        most = k > most ? k : most;
+    }
+    free(clique);
+    return most + 1;
+}
+
+/* Search for from .. to - 1 layers, each number in so many steps and at most a share of those left. Returns the first number that does,
+ * else `to`. */
+static int search(work *w, int from, int to, long steps, int share)
 {
     const lw_assembly *k = &w->s->linkage;
-    for (w->n_layer = 2; w->n_layer <= k->n_link && w->n_layer <= LW_LAYERS_MAX; w->n_layer++) {
+    to = to <= k->n_link + 1 ? to : k->n_link + 1;
+    for (w->n_layer = from; w->n_layer < to && w->n_layer <= LAYERS_MAX && !is_stopped(w); w->n_layer++) {
         for (int i = 0; i < k->n_link; i++)
             w->l->layer[i] = i == k->ground ? 0 : -1;
         w->steps = 0;
-        if (place(w, k->n_link - 1)) {
-            w->l->n_layer = w->n_layer;
-            return LW_OK;
-        }
+        w->most_steps = w->left/(share > 0 ? share : to - w->n_layer);
+        w->most_steps = w->most_steps < steps ? w->most_steps : steps;
+        bool done = place_in_layers(w);
+        w->left -= w->steps;
+        if (done)
+            return w->n_layer;
+        if (w->steps <= w->most_steps && !is_stopped(w))
+            w->none = w->n_layer;
     }
-    if (w->steps > STEPS_MAX)
-        return lw_error_set(e, LW_STOPPED, "no layers were found in %d steps in which the links pass each other",
-                            STEPS_MAX);
-    return lw_error_set(e, LW_NOTHING, "there are no layers in which all links pass each other and the pins over the "
-                        "whole motion; a smaller range of the input, or pins held from both sides, would help");
+    return to;
+}
+
+/* A few layers in the first attempt; else an order, which decides whether there are layers at all and gives some; then
+ * fewer ones in the steps that are left. */
+static lw_status find_layers(work *w, lw_error *e)
+{
+    const lw_assembly *k = &w->s->linkage;
+    size_t size = (size_t)k->n_link*sizeof *w->l->layer;
+    int *found = malloc(size), least = least_layers(w), n = 0;
+    long quick = 200L*k->n_link*k->n_link;                             /* a few attempts without many turns back */
+    lw_status st = found ? LW_OK : LW_E_MEMORY;
+    w->left = STEPS_MAX;
+    w->none = least - 1;
+    if (st == LW_OK && (n = search(w, least, least + 3, quick, 8)) == least + 3) {
+        st = layers_by_order(w, STEPS_MAX);
+        n = st == LW_OK ? w->n_layer : k->n_link + 1;
+    } else if (n > k->n_link)
+        st = LW_STOPPED;
+    for (int pass = 0; pass < 2 && (st == LW_OK || st == LW_STOPPED) && n > w->none + 1; pass++) {
+        if (st == LW_OK)
+            memcpy(found, w->l->layer, size);
+        int fewer = search(w, w->none + 1, n, pass ? LONG_MAX : quick, pass ? 0 : 8);
+        if (st == LW_OK && fewer == n)
+            memcpy(w->l->layer, found, size);
+        else if (fewer < n)
+            st = LW_OK;
+        n = fewer;
+    }
+    free(found);
+    w->l->n_layer = n;
+    w->l->fewest = w->none >= n - 1;
+    if (is_stopped(w))
+        return lw_error_set(e, LW_STOPPED, "stopped before the layers were found");
+    if (st == LW_OK)
+        pins_pass(w, -1);                                              /* the layers of the pins */
+    else if (st == LW_STOPPED && w->none < k->n_link)
+        return lw_error_set(e, st, "no layers in which the links pass each other were found in %ld steps", STEPS_MAX);
+    else if (st != LW_E_MEMORY)
+        return lw_error_set(e, LW_NOTHING, "there are no layers in which all links pass each other and the pins over the "
+                            "whole motion; a smaller range of the input, or pins held from both sides, would help");
+    return st;
 }
 
 /* ---- the whole ------------------------------------------------------------------------------------------------ */
@@ -622,7 +886,7 @@ lw_status lw_layers_find(const lw_scene *s, const lw_plate_size *size, lw_layers
 {
     work w = { .s = s, .l = l };
     *l = (lw_layers){ 0 };
-    lw_status st = check(s, e);
+    lw_status st = is_stopped(&w) ? lw_error_set(e, LW_STOPPED, "stopped before the layers were found") : check(s, e);
     if (st != LW_OK)
         return st;
     l->radius = size && size->radius > 0 ? size->radius : usual_radius(&s->linkage);
@@ -638,8 +902,12 @@ lw_status lw_layers_find(const lw_scene *s, const lw_plate_size *size, lw_layers
     size_t pairs = (size_t)(s->linkage.n_link + l->n_pin)*(size_t)s->linkage.n_link;
     w.pair = calloc(pairs, sizeof *w.pair);
     w.clearance = calloc(pairs, sizeof *w.clearance);
+    w.chosen = calloc((size_t)s->linkage.n_link, sizeof *w.chosen);
+    w.choice = calloc(2*(size_t)s->linkage.n_link, sizeof *w.choice);
+    w.stale = calloc((size_t)s->linkage.n_link, sizeof *w.stale);
+    w.open = w.choice ? w.choice + s->linkage.n_link : NULL;
     if (st == LW_OK)
-        st = w.pair && w.clearance ? find_conflicts(&w) : LW_E_MEMORY;
+        st = w.pair && w.clearance && w.chosen && w.choice && w.stale ? find_conflicts(&w) : LW_E_MEMORY;
     int n = s->linkage.n_link;
     if (st == LW_OK && !(fill(&w, n + l->n_pin, n, meets, &w.beside) && fill(&w, n, l->n_pin, touches_pin, &w.pins)))
         st = LW_E_MEMORY;
@@ -649,7 +917,9 @@ lw_status lw_layers_find(const lw_scene *s, const lw_plate_size *size, lw_layers
         l->room = least_clearance(&w);
     else if (st == LW_E_MEMORY)
         lw_error_set(e, st, "out of memory for the layers of a linkage");
-    free(w.pair), free(w.clearance);
+    for (int i = 0; w.body && i < 2*(n + l->n_pin); i++)
+        free_body(&w.body[i]);
+    free(w.body), free(w.pair), free(w.clearance), free(w.chosen), free(w.choice), free(w.stale);
     free(w.beside.start), free(w.beside.item);
     free(w.pins.start), free(w.pins.item);
     return st;

@@ -12,8 +12,6 @@
 
 #include "catalogues/draw/scene.h"
 
-#define LW_LAYERS_MAX 64               /* more are not tried */
-
 typedef struct lw_hole { lw_vec2 a, b; } lw_hole;      /* centres of its ends; equal: a round hole       */
 
 typedef struct lw_plate {
@@ -38,6 +36,7 @@ typedef struct lw_layers {
     double   room;                     /* between plates in one layer, and pins and plates they pass, at
                                         * least, over all of the motion; INFINITY: nothing passes [m]  */
     int      n_layer, n_pin;
+    bool     fewest;                   /* no fewer layers are possible; false: not proved              */
     int      *layer;                   /* of each link; 0: the ground's                                */
     lw_plate *plate;                   /* of each link                                                 */
     lw_pin   *pin;
@@ -58,7 +57,7 @@ typedef struct lw_plate_size {
 
 /* Find the fewest layers. size NULL: the usual sizes. LW_E_ARG: a hole as wide as its plate, or a clearance as wide as
  * its hole; LW_E_KIND: gears, welds, or no motion is known (s->note); LW_NOTHING with a text: there are no such layers;
- * LW_STOPPED: none were found in a million steps. Free l with lw_layers_free, after a failure too. */
+ * LW_STOPPED: none were found in about a second of work, or *s->stop. Free l with lw_layers_free, after a failure too. */
 lw_status lw_layers_find(const lw_scene *s, const lw_plate_size *size, lw_layers *l, lw_error *e);
 void      lw_layers_free(lw_layers *l);
 

@@ -27,9 +27,8 @@ lw_status lw_plates_make(const lw_assembly *linkage, const lw_export_options *o,
     lw_plate_size size = { o ? o->width/2 : 0, o ? o->hole/2 : 0, o ? o->thickness : 0, o ? o->clearance : -1 };
     if (!w)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for plates");
-    lw_status s = lw_scene_make_any(linkage, o ? o->model : NULL, NULL, &(lw_scene_options){ .n_frame = LW_PLATES_FRAMES, .n_curve_point = 8 },
-                                &w->scene,
-                                e);
+    lw_status s = lw_scene_make_any(linkage, o ? o->model : NULL, NULL, &(lw_scene_options){ .n_frame = LW_PLATES_FRAMES, .stop = o ? o->stop : NULL },
+                                    &w->scene, e);
     w->scene.model = o ? o->model : NULL;                      /* layers make more postures of it */
     if (s == LW_OK)
         s = lw_layers_find(&w->scene, &size, &w->layers, e);
@@ -72,8 +71,10 @@ void lw_plates_room(const lw_plates *w, char *text, size_t size)
 {
     char room[32];
     lw_number_text(room, MM*w->layers.room, 3);
-    snprintf(text, size, isfinite(w->layers.room) ? "in each layer at least %s mm are free over the whole motion"
-             : "in no layer anything passes anything", room);
+    int n = snprintf(text, size, isfinite(w->layers.room) ? "in each layer at least %s mm are free over the whole motion"
+                     : "in no layer anything passes anything", room);
+    if (!w->layers.fewest && n < (int)size)
+        snprintf(text + n, size - (size_t)n, "; fewer layers may do");
 }
 
 void lw_loop_widen(const lw_vec2 *p, int n, double r, lw_plate_side *side, lw_plate_loop *loop)

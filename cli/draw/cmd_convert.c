@@ -213,7 +213,7 @@ static int run(const cli_call *call)
     if (!space)
         tell_unit(call, to, &k);
     lw_export_options o = { .model = m, .width = 1e-3*s->width, .thickness = 1e-3*s->thickness, .hole = 1e-3*s->hole,
-                            .clearance = s->clearance < 0 ? -1 : 1e-3*s->clearance };
+                            .clearance = s->clearance < 0 ? -1 : 1e-3*s->clearance, .stop = cli_stop_flag() };
     lw_status st = space ? lw_format_write_space(to, space, &b, &e) : lw_format_write(to, &k, &o, &b, &e);
     lw_assembly_free(&k);
     cli_free_model(m);
