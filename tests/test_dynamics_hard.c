@@ -194,6 +194,63 @@ TEST(damped_stop)
         }
 }
 
+/* ---- sign() in forces of the user's own ---------------------------------------------------------- */
+
+/* A mass of 1 at 1 m/s on a guide. */
+static void read_sign(const char *force, double speed)
+{
+    char text[1000];
+    snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0], 'inertia': 1}], 'joints': [{'name': "
+             "'S', 'kind': 't', 'links': ['ground', 'a'], 'at': [0, 0], 'along': [1, 0]}], 'input': {'joint': 'S', 'speed': %g}, 'forces': [{'link': 'a', 'at': "
+             "[0, 0], 'fx': '%s'}], 'tracers': [{'name': 'P', 'link': 'a', 'at': [0, 0]}]}", speed, force);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    drun_read_text(&d, text);
+}
+
+/* Where the motion crosses the jump, every formulation goes on: under -5 sign(x) arcs of 0.4 s follow each other, so that x = 0 and
+ * v = -1 at 2 s; -5 sign(v) v^2 does not jump at all, v = 1/(1 + 5 t), and comes to rest beside a strong damper. */
+TEST(sign_is_crossed)
+{
+    static const lw_formulation each[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_GGL,
+                                           LW_FORMULATION_RADAU };
+    for (int f = 0; f < 5; f++)
+        for (double tolerance = 1e-6; tolerance > 1e-11; tolerance *= 1e-2) {
+            double off = (f == 4 ? 30 : 1000)*tolerance;         /* radau locates jumps; the others see them by the errors of steps */
+            read_sign("-5*sign(x(P))", 1);
+            CHECK_INT(drun_to(&d, each[f], tolerance, 2, 4), LW_OK);
+            CHECK_NEAR(d.tracer[4].x, 0, off, 0);
+            CHECK_NEAR(d.v[0]*d.system.unit, -1, off, 0);
+            lw_model_free(&d.model);
+            read_sign("-5*sign(v(S))*v(S)^2", 1);
+            CHECK_INT(drun_to(&d, each[f], tolerance, 2, 4), LW_OK);
+            CHECK_NEAR(d.tracer[4].x, log(11)/5, off, 0);
+            lw_model_free(&d.model);
+            read_sign("-5*sign(v(S))*v(S)^2 - 1e4*v(S)", 1);
+            CHECK_INT(drun_to(&d, each[f], tolerance, 0.2, 4), LW_OK);
+            CHECK_NEAR(d.tracer[4].x, log(1 + 5e-4)/5, off, 0);
+            lw_model_free(&d.model);
+        }
+}
+
+/* Where it slides along the jump, none answers: a mass that friction of its own stops, that a force cannot move, a sliding mode. */
+TEST(sign_that_holds_is_an_error)
+{
+    static const lw_formulation each[] = { LW_FORMULATION_AUTO, LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
+                                           LW_FORMULATION_GGL, LW_FORMULATION_RADAU };
+    static const struct { const char *force; double speed; } known[] = { { "8*sin(3*t) - 5*sign(v(S))", 0 }, { "4*sin(3*t) - 5*sign(v(S))", 0 },
+                                                                         { "-5*sign(v(S) + 2*q(S))", 1 } };
+    for (int k = 0; k < 3; k++)
+        for (int f = 0; f < 6; f++)
+            for (double tolerance = 1e-8; tolerance > 1e-11; tolerance *= 1e-2) {
+                read_sign(known[k].force, known[k].speed);
+                CHECK_INT(drun_to(&d, each[f], tolerance, 2, 4), LW_E_NUMERIC);
+                CHECK(each[f] == LW_FORMULATION_GGL || strstr(d.e.text, "slides along the jump"));
+                CHECK(d.report.steps < 200000);
+                lw_model_free(&d.model);
+            }
+}
+
 /* ---- friction ---------------------------------------------------------------------------------- */
 
 static const char incline[] = "{'linkwright': 1, 'links': ['ground', {'name': 'block', 'mass': 3, 'centre': [0, 0]}],"

@@ -77,6 +77,10 @@ double lw_expression_next_kink(const lw_expression *x, int t_variable, double t,
 #define LW_CALM_SAMPLES 8
 double lw_expression_calm(const lw_expression *x, int t_variable, double from, double t, double end);
 
+/* Operations that jump (sign, mod) where something else than t changes.  Returns how many; side (unless v is NULL) gets for each a
+ * number that is > 0 on one side of the jump, at the values v of lw_expression_value. */
+int lw_expression_jumps(const lw_expression *x, int t_variable, const double *v, double *side);
+
 /* Takes an expression of a model, or NULL. */
 typedef void lw_expression_sink(void *context, const lw_expression *x);
 

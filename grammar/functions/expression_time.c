@@ -391,3 +391,26 @@ double lw_expression_calm(const lw_expression *x, int t_variable, double from, d
     }
     return any ? t + 1e-9*(end - from) : end;
 }
+
+/* ---- jumps ---------------------------------------------------------------------------------------- */
+
+int lw_expression_jumps(const lw_expression *x, int t_variable, const double *v, double *side)
+{
+    bool timed[LW_EXPRESSION_NODE_MAX];
+    double value[LW_EXPRESSION_NODE_MAX];
+    int count = 0;
+    for (int i = 0; i < x->n_node; i++) {
+        const lw_expression_node *n = &x->node[i];
+        bool variable = n->op == LW_OP_VARIABLE, second = !variable && two_operands(n->op);
+        double a = variable ? 0 : n->a.node < 0 ? n->a.value : value[n->a.node], b = !second ? 0 : n->b.node < 0 ? n->b.value : value[n->b.node];
+        timed[i] = variable ? x->variable[n->index] == t_variable
+                 : (n->a.node < 0 || timed[n->a.node]) && (!second || n->b.node < 0 || timed[n->b.node]);
+        value[i] = !v ? 0 : variable ? v[n->index] : lw_op_value(x, n, a, b);
+        if (timed[i] || (n->op != LW_OP_SIGN && n->op != LW_OP_MOD))
+            continue;
+        if (v)
+            side[count] = n->op == LW_OP_SIGN ? a : fmod(floor(a/b), 2) != 0 ? -1 : 1;
+        count++;
+    }
+    return count;
+}

@@ -256,6 +256,23 @@ static lw_status take_back(lw_run *run, stepper *w, double *y, int *taken)
     return s;
 }
 
+/* Newton's method of cvode takes a jump for a steep slope, and then a step in which nothing moves for a solution.  Do the equations
+ * hold behind the step?  y: scratch. */
+static const double most_unsolved = 100;         /* change of a velocity in the step, over its tolerance */
+
+static lw_status check_solved(lw_run *run, stepper *w, double *y)
+{
+    const lw_dynamics *d = run->d;
+    const lw_sundials *c = &w->implicit_one;
+    lw_status s = lw_sundials_slope(&w->implicit_one, y);
+    if (s == LW_OK)
+        s = lw_run_rate(run, c->t, c->y, run->y);
+    for (int i = d->n_q; s == LW_OK && i < d->n_q + d->n_v; i++)
+        if (fabs(y[i] - run->y[i])*(c->t - c->t_old) > most_unsolved*(d->o.absolute + d->o.relative*fabs(c->y[i])))
+            s = lw_run_slides(run, c->t);
+    return s;
+}
+
 static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
 {
     lw_dynamics *d = run->d;
@@ -298,7 +315,11 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         s = LW_OK;
         stop = lw_run_stop(run, time_of(w), stop);
         lw_run_watch(run, state(w));
-        s = lw_run_samples(run, time_of(w), state_at, w);
+        s = lw_run_jumps(run, time_of(w), state(w));
+        if (s == LW_OK && w->implicit && run->sides)
+            s = check_solved(run, w, y);
+        if (s == LW_OK)
+            s = lw_run_samples(run, time_of(w), state_at, w);
         if (s == LW_OK && stop == LW_ODE_EVENT) {
             memcpy(y, state(w), (size_t)run->n*sizeof *y);
             if (d->eq.next_piece) {

@@ -462,7 +462,9 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
         if (d->eq.accept)
             d->eq.accept(d->eq.context, run->y);
         lw_run_watch(run, run->y);
-        s = lw_run_samples(run, w->t, state_at, g);
+        s = lw_run_jumps(run, w->t, run->y);
+        if (s == LW_OK)
+            s = lw_run_samples(run, w->t, state_at, g);
         if (s == LW_OK)
             s = lw_run_limits(run, w->t, k);
         if (s == LW_OK && lw_run_at_kink(run, w->t)) {

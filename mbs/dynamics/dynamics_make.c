@@ -627,7 +627,7 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
     d->frames = calloc((size_t)d->s.n_body + 1, sizeof *d->frames);
     if (!d->frames)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    d->planar = (lw_planar){ &d->s, &d->f, d->frames, d->o.hold_inputs };
+    d->planar = (lw_planar){ .s = &d->s, .f = &d->f, .frames = d->frames, .hold_inputs = d->o.hold_inputs };
     lw_mbs_take_equations(d, lw_planar_equations(&d->planar));
     d->n_input = d->s.n_input;
     find_special_joints(d);

@@ -557,11 +557,19 @@ static bool switched(stages *g, double part)
         for (int j = 0; j < g->s; j++)
             v[i] += p.b[j]*g->vi[j*g->n + i];
     }
-    eq->switches(eq->context, g->qi, v, now);
+    for (int i = 0; i < g->n_x; i++) {
+        g->xi[i] = g->x[i];
+        for (int j = 0; j < g->s; j++)
+            g->xi[i] += p.b[j]*g->zx[j*g->n_x + i];
+    }
+    eq->place_states(eq->context, g->xi);
+    eq->switches(eq->context, g->t + part*g->h, g->qi, v, g->r, now);
     for (int i = 0; i < eq->n_switch; i++)
         other = other || (now[i] > 0) != (g->side[i] > 0);
     return other;
 }
+
+static const double least_jump = 1e-9;       /* of forces, in parts of the greatest so far */
 
 /* The last part of the step before a switch changes, and in *beyond the first one behind; 1: none does. */
 static double switch_within(stages *g, double *beyond)
@@ -569,7 +577,8 @@ static double switch_within(stages *g, double *beyond)
     const lw_equations *eq = &g->run->d->eq;
     double low = 0, high = 1;
     bool ends = false;
-    eq->switches(eq->context, g->q, g->v, g->side);
+    eq->place_states(eq->context, g->x);
+    eq->switches(eq->context, g->t, g->q, g->v, g->r, g->side);
     for (int k = 0; k < g->s && !ends; k++) {
         high = g->at[k];
         ends = switched(g, high);
@@ -580,7 +589,18 @@ static double switch_within(stages *g, double *beyond)
         *(switched(g, middle) ? &high : &low) = middle;
     }
     *beyond = high;
-    return ends ? low : 1;
+    double jump = 0;
+    bool stop = false;                       /* at the end of sign() and mod() forces may go on as before, as sign(v)*v^2 does */
+    if (ends && eq->n_jump) {
+        switched(g, low);
+        memcpy(g->b, g->r, (size_t)g->n*sizeof *g->b);
+        switched(g, high);
+        for (int i = 0; i < g->n; i++)
+            jump = fmax(jump, fabs(g->r[i] - g->b[i]));
+        for (int i = 0; i < eq->n_switch - eq->n_jump; i++)
+            stop = stop || (g->side[eq->n_switch + i] > 0) != (g->side[i] > 0);
+    }
+    return ends && (!eq->n_jump || stop || jump > least_jump*g->run->most_force) ? low : 1;
 }
 
 /* Take the stages as the step to t + h. */
@@ -905,6 +925,8 @@ static lw_status run_steps(stages *g)
         passed = other < 0;
         to_switch = fmax(other, 0);
         if (other < 0)
+            s = lw_run_jumps(run, g->t, state(g, run->y));
+        if (other < 0 && s == LW_OK)
             s = begin_again(g);
         if (other != 0)
             continue;
@@ -928,7 +950,8 @@ static lw_status run_steps(stages *g)
             d->eq.next_piece(d->eq.context, g->q, g->v, false);
         if (s == LW_OK) {
             lw_run_watch(run, state(g, run->y));
-            s = end_step(g);
+            s = lw_run_jumps(run, g->t, run->y);
+            s = s == LW_OK ? end_step(g) : s;
         }
         if (s == LW_OK)
             s = lw_run_limits(run, g->t, 0);

@@ -278,8 +278,10 @@ static lw_status run_steps(motion *m, stepper *w, double *t, double *out)
         stop = lw_run_stop(run, *t, stop);
         if (s == LW_OK && w->implicit)
             d->eq.accept(d->eq.context, out);
-        if (s == LW_OK)
+        if (s == LW_OK) {
             lw_run_watch(run, out);
+            s = lw_run_jumps(run, *t, out);
+        }
         if (s == LW_OK)
             s = lw_run_samples(run, *t, state_at, w);
         memcpy(w->y, now(w), (size_t)w->ode.n*sizeof *w->y);

@@ -510,6 +510,8 @@ static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *befor
         if (s == LW_OK)
             s = watch(m, w, y);
         if (s == LW_OK)
+            s = lw_run_jumps(run, w->t, y);
+        if (s == LW_OK)
             s = lw_run_samples(run, w->t, state_at, m);
         if (s == LW_OK)
             s = lw_run_limits(run, w->t, k);

@@ -33,6 +33,59 @@ void lw_run_watch(lw_run *run, const double *y)
     }
 }
 
+/* The motion slides along a jump if it jumps so often that there would be most_jumps in a run, or if so many steps in a row are as short and
+ * the jump is within the reach of some of them: the stages of a step jump, too.  A jump is at least this part of the greatest force. */
+static const double most_jumps = 2e5, least_jump = 1e-3, reach = 4, forget = 0.99;
+static const int most_near = 80;
+
+lw_status lw_run_slides(lw_run *run, double t)
+{
+    run->refused = true;                                 /* no formulation can follow it */
+    return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s a force with sign() or mod() jumps to and fro: the motion slides along the "
+                        "jump, where that force is not defined. Give the joint \"friction\", or take a smooth function, as tanh(x/0.001)", t);
+}
+
+lw_status lw_run_jumps(lw_run *run, double t, const double *y)
+{
+    const lw_equations *eq = &run->d->eq;
+    if (!run->sides)
+        return LW_OK;
+    double *side = run->sides, *now = side + eq->n_switch, *force = now + eq->n_switch, *before = force + eq->n_v, change = 0;
+    bool jumped = false;
+    memcpy(before, force, (size_t)eq->n_v*sizeof *before);
+    eq->place_states(eq->context, y + lw_run_states(run));
+    eq->switches(eq->context, t, y, y + eq->n_q, force, now);
+    for (int i = 0; i < eq->n_v; i++) {
+        change = fmax(change, fabs(force[i] - before[i]));
+        run->most_force = fmax(run->most_force, fabs(force[i]));
+    }
+    double all = run->d->o.to - run->d->o.from, h = t - run->jumps_t, *rate = before + eq->n_v;      /* rate (n_jump): of the sides */
+    double near = -1;                                    /* distance of a jump that the step could reach; < 0: there is none */
+    bool first_look = run->jumps_t == -INFINITY;
+    for (int k = 0, i = eq->n_switch - eq->n_jump; k < eq->n_jump; k++, i++) {
+        rate[k] = fmax(h > 0 ? fabs(now[i] - side[i])/h : 0, forget*rate[k]);
+        jumped = jumped || (!first_look && (now[i] > 0) != (side[i] > 0));
+        near = fabs(now[i]) <= reach*h*rate[k] ? fmax(near, fabs(now[i])) : near;
+    }
+    memcpy(side, now, (size_t)eq->n_switch*sizeof *side);
+    run->jumps_t = t;
+    run->n_near = near >= 0 && !first_look && h*most_jumps < all ? run->n_near + 1 : 0;
+    double *part = &run->near[run->n_near > most_near/2];        /* greatest distance in the first half of such steps, in the second */
+    *part = run->n_near % (most_near/2) == 1 ? near : fmax(*part, near);
+    double *last = &run->jumped[run->n_jumped % LW_RUN_JUMPS], first = *last;
+    if (jumped && change >= least_jump*run->most_force) {
+        *last = t;
+        if (++run->n_jumped > LW_RUN_JUMPS && (t - first)*most_jumps < LW_RUN_JUMPS*all)
+            return lw_run_slides(run, t);
+    }
+    double since = run->n_jumped > 0 ? t - run->jumped[(run->n_jumped - 1) % LW_RUN_JUMPS] : INFINITY;
+    if (run->n_near < most_near)
+        return LW_OK;
+    run->n_near = 0;
+    return since < 1e-3*all && run->near[1] <= 2*run->near[0] && run->near[0] <= 2*run->near[1]
+         ? lw_run_slides(run, t) : LW_OK;                /* else the motion comes to the jump, or leaves it */
+}
+
 double lw_run_energy(const lw_run *run, const double *y)
 {
     const lw_dynamics *d = run->d;

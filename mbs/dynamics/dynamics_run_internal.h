@@ -8,6 +8,8 @@
 
 /* The state y of a run: q (n_q), v (n_v), where some is done the work of what the potential does not hold, and the
  * first-order states z (n_z). */
+#define LW_RUN_JUMPS 64
+
 typedef struct lw_run {
     lw_dynamics    *d;
     lw_moment_sink *sink;
@@ -32,6 +34,11 @@ typedef struct lw_run {
     double  jam;                     /* time of the singular posture before which friction jams; 0: none */
     double *behind, fell;            /* with friction: (2 x n) states after the last two steps, and their times; last fall of the pivot */
     double  chosen;                  /* greatest of the least pivots since the kept rows were chosen */
+    double *sides;                   /* memory of lw_run_jumps; NULL: nothing jumps */
+    double  most_force, jumps_t, jumped[LW_RUN_JUMPS];       /* greatest force so far; time looked at last; times of the last jumps */
+    long    n_jumped;
+    int     n_near;                  /* short steps in a row beside a jump, */
+    double  near[2];                 /* and the greatest distances from it */
     double *y, *state;               /* (n) scratch; state: ggl only */
 } lw_run;
 
@@ -89,6 +96,11 @@ lw_status lw_run_pass_kink(lw_run *run, double *t, lw_run_state_at *state_at, vo
 
 /* Compare energy and momentum at y with those of the start. */
 void lw_run_watch(lw_run *run, const double *y);
+
+/* After a step to (t, y).  LW_E_NUMERIC: forces with sign() or mod() jump to and fro all the time, as where the motion would have to
+ * slide along the jump. */
+lw_status lw_run_jumps(lw_run *run, double t, const double *y);
+lw_status lw_run_slides(lw_run *run, double t);          /* that error */
 
 /* Kinetic and potential energy at y less the work done since the start [J], which is constant. */
 double lw_run_energy(const lw_run *run, const double *y);

@@ -200,6 +200,8 @@ static lw_status run_one(lw_run *run)
     run->has_work = !d->eq.conservative || d->n_driven || d->n_friction || d->n_stop || d->touch;
     run->n = d->n_q + d->n_v + run->has_work + d->eq.n_z;
     run->pivot_tried = 1;
+    run->n_jumped = run->n_near = 0;
+    run->jumps_t = -INFINITY;
     d->least_determinant = 1;
     r->smooth_friction = d->ideal_friction && r->formulation != LW_FORMULATION_DRIVEN &&
                          r->formulation != LW_FORMULATION_REDUCED &&
@@ -250,7 +252,7 @@ static lw_status run_others(lw_run *run, lw_status s)
         if (f == (int)tried || f == LW_FORMULATION_CAPTURE || f == LW_FORMULATION_RADAU || f == LW_FORMULATION_ALPHA || table[f]->able(d, true, &next) != LW_OK)
             continue;
         lw_error e = { 0 };
-        lw_run again = { .d = d, .sink = run->sink, .context = run->context, .r = &next, .e = &e, .shown = run->shown,
+        lw_run again = { .d = d, .sink = run->sink, .context = run->context, .r = &next, .e = &e, .sides = run->sides, .shown = run->shown,
                          .last_shown = run->last_shown };
         for (int i = 0; i < d->n_stop; i++)
             d->stop[i].resting = false;
@@ -288,6 +290,10 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
                && !d->touch && !d->o.pieces;
     if (others && !(run.last_shown = malloc((size_t)d->n_q*sizeof *run.last_shown)))
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (d->eq.n_jump && !(run.sides = calloc(2*(size_t)(d->eq.n_switch + d->n_v) + (size_t)d->eq.n_jump, sizeof *run.sides))) {
+        free(run.last_shown);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
     lw_status s = run_one(&run);
     if (s == LW_E_ARG && r->t > d->o.from && !run.refused)     /* on the way, where links without mass move alone */
         s = LW_E_NUMERIC;
@@ -295,5 +301,6 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     if (s == LW_E_NUMERIC && others && !run.refused)
         s = run_others(&run, s);
     free(run.last_shown);
+    free(run.sides);
     return s;
 }

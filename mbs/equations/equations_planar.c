@@ -4,6 +4,7 @@
 
 #include <string.h>
 #include "base/real.h"
+#include "mbs/equations/timed.h"
 
 /* ---- rows ---------------------------------------------------------------------------------------------- */
 
@@ -330,9 +331,12 @@ static void expressions(void *context, lw_expression_sink *see, void *of)
     lw_model_expressions(((const lw_planar *)context)->f->model, see, of);
 }
 
-static void switches(void *context, const double *q, const double *v, double *side)
+static void switches(void *context, double t, const double *q, const double *v, double *force, double *side)
 {
-    lw_forces_stop_sides(((const lw_planar *)context)->f, q, v, side);
+    const lw_planar *d = context;
+    lw_forces_stop_sides(d->f, q, v, side);
+    if (d->n_jump)
+        lw_forces_jumps(d->f, t, q, v, force, side + 2*d->f->n_stop);
 }
 
 static const char *name(void *context, lw_named what, int i)
@@ -396,6 +400,7 @@ lw_equations lw_planar_equations(lw_planar *p)
     bool consistent = false;
     for (int i = 0; i < m->n_beam; i++)
         consistent = consistent || m->beam[i].consistent;
+    p->n_jump = lw_timed_jumps(&(lw_timed){ .expressions = expressions, .context = p });
     return (lw_equations){ .n_q = p->s->n_q, .n_v = p->s->n_q, .n_block = p->s->n_body, .n_row = p->s->n_row,
                            .n_z = m->states.n_state, .z = p->f->z, .n_damper = m->n_spring + m->n_joint_spring + m->n_motor,
                            .mass = p->f->mass, .weight = p->f->weight, .unit = p->s->unit,
@@ -405,7 +410,7 @@ lw_equations lw_planar_equations(lw_planar *p)
                            .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
                            .pattern = pattern, .more_mass = consistent ? more_mass : NULL, .damper = damper,
                            .expressions = has_expressions(m) ? expressions : NULL,
-                           .n_switch = 2*p->f->n_stop, .switches = switches, .place_states = place_states,
+                           .n_switch = 2*p->f->n_stop + p->n_jump, .n_jump = p->n_jump, .switches = switches, .place_states = place_states,
                            .state_rates = state_rates, .state_start = state_start, .state_scale = state_scale,
                            .kinetic = kinetic, .potential = potential, .momentum = keeps_momentum(p) ? momentum : NULL,
                            .move = move, .rates = rates };

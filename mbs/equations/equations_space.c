@@ -4,6 +4,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "mbs/equations/timed.h"
 
 /* ---- making ------------------------------------------------------------------------------------------------ */
 
@@ -537,19 +538,21 @@ static bool has_expressions(const lw_spatial_scene *c)
     return any;
 }
 
-static void switches(void *context, const double *q, const double *v, double *side)
-{
-    lw_spatial_scene *c = context;
-    lw_space_place(&c->s, q, c->frame);
-    lw_space_stop_sides(&c->f, c->frame, v, side);
-}
-
-static int count_switches(const lw_spatial_scene *c)
+static int count_stops(const lw_spatial_scene *c)
 {
     int n = 0;
     for (int i = 0; i < c->model->n_joint; i++)
         n += 2*(c->model->joint[i].stop.stiffness > 0);
     return n;
+}
+
+static void switches(void *context, double t, const double *q, const double *v, double *force, double *side)
+{
+    lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_stop_sides(&c->f, c->frame, v, side);
+    if (c->n_jump)
+        lw_space_jumps(&c->f, t, c->frame, v, force, side + count_stops(c));
 }
 
 static void note_momenta(void *context, double t, const double *q, const double *v)
@@ -572,6 +575,7 @@ static void keep_momenta(void *context, double t, double *q, double *v, double *
 lw_equations lw_spatial_equations(lw_spatial_scene *c)
 {
     bool flies = c->flying.n > 0 && c->n_idle == 0;
+    c->n_jump = lw_timed_jumps(&(lw_timed){ .expressions = expressions, .context = c });
     return (lw_equations){ .n_q = c->s.n_q, .n_v = c->s.n_v, .n_block = 2*c->s.n_body, .n_row = c->s.n_row + c->n_idle,
                            .n_damper = lw_space_dampers(&c->s), .mass = c->mass, .weight = c->f.weight, .unit = c->s.unit,
                            .conservative = c->f.conservative, .smooth = true, .exact = true, .context = c, .name = name,
@@ -582,7 +586,7 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .more_inertia = c->model->n_super ? more_inertia : NULL,
                            .damper = damper, .n_z = c->model->states.n_state, .z = c->f.z, .place_states = place_states, .state_rates = state_rates,
                            .state_start = state_start, .state_scale = state_scale,
-                           .n_switch = count_switches(c), .switches = switches,
+                           .n_switch = count_stops(c) + c->n_jump, .n_jump = c->n_jump, .switches = switches,
                            .piece_left = c->model->n_contact ? piece_left : NULL,
                            .next_piece = c->model->n_contact ? next_piece : NULL,
                            .watch = c->model->n_contact ? watch : NULL, .expressions = has_expressions(c) ? expressions : NULL, .kinetic = kinetic,

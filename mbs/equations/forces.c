@@ -206,8 +206,14 @@ static void add(sum *to, const lw_measure *m, const double *v, double f, double 
     }
 }
 
+static void note_jumps(const lw_forces *f, const lw_expression *x, const double *value)
+{
+    if (f->side)
+        *f->side += lw_expression_jumps(x, lw_variable(LW_QUANTITY_T, 0), value, *f->side);
+}
+
 /* Pull of a spring with a law, and its derivatives by length and rate. */
-static double law_at(const lw_expression *law, const lw_measure *m, double t, double by[2])
+static double law_at(const lw_forces *f, const lw_expression *law, const lw_measure *m, double t, double by[2])
 {
     const int *which;
     double v[LW_EXPRESSION_VARIABLE_MAX], d[LW_EXPRESSION_VARIABLE_MAX];
@@ -215,6 +221,7 @@ static double law_at(const lw_expression *law, const lw_measure *m, double t, do
     for (int i = 0; i < n; i++)
         v[i] = which[i] == lw_variable(LW_QUANTITY_LENGTH, 0) ? m->value
              : which[i] == lw_variable(LW_QUANTITY_RATE, 0) ? m->rate : t;
+    note_jumps(f, law, v);
     double pull = lw_expression_gradient(law, v, d);
     by[0] = by[1] = 0;
     for (int i = 0; i < n; i++)
@@ -288,6 +295,7 @@ static double evaluate(const lw_forces *f, const lw_expression *x, const lw_meas
         measure_of(f, which[i], own, q, v, to->second, &m[i], &rate[i]);
         value[i] = rate[i] ? m[i].rate : m[i].value;
     }
+    note_jumps(f, x, value);
     if (!to->second)
         return lw_expression_value(x, value);
     double result = lw_expression_gradient(x, value, d);
@@ -340,7 +348,7 @@ static void apply_springs(const lw_forces *f, double t, const double *q, const d
         if (p->law && f->coupled) {
             to->power += add_law(f, p->law, -1, &m, t, q, v, to)*m.rate;
         } else if (p->law) {
-            double pull = law_at(p->law, &m, t, by);
+            double pull = law_at(f, p->law, &m, t, by);
             add(to, &m, v, -pull, -by[0], -by[1]);
             to->power -= pull*m.rate;
         } else {
@@ -354,7 +362,7 @@ static void apply_springs(const lw_forces *f, double t, const double *q, const d
         if (p->law && f->coupled) {
             to->power += add_law(f, p->law, 1, &m, t, q, v, to)*m.rate;
         } else if (p->law) {
-            double push = law_at(p->law, &m, t, by);
+            double push = law_at(f, p->law, &m, t, by);
             add(to, &m, v, push, by[0], by[1]);
             to->power += push*m.rate;
         } else {
@@ -595,6 +603,16 @@ void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const 
         add_caller_derivatives(f, t, q, v, by_rate, &to);
     for (int i = 0; sink->add_state && i < f->model->states.n_state; i++)
         evaluate(f, f->model->states.state[i].rate, NULL, t, q, v, &(rows_of){ 1, { to.n + i }, { 1 }, true }, &to);
+}
+
+void lw_forces_jumps(const lw_forces *f, double t, const double *q, const double *v, double *force, double *side)
+{
+    lw_forces noting = *f;
+    noting.side = &side;
+    sum to = { .n = f->system->n_q, .force = force };
+    apply_all(&noting, t, q, v, &to);
+    for (int i = 0; i < f->model->states.n_state; i++)
+        evaluate(&noting, f->model->states.state[i].rate, NULL, t, q, v, NULL, &to);
 }
 
 /* ---- states -------------------------------------------------------------------------------------- */

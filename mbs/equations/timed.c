@@ -21,6 +21,19 @@ static void find_calm(void *context, const lw_expression *x)
     s->found = x ? fmin(s->found, lw_expression_calm(x, lw_variable(LW_QUANTITY_T, 0), s->from, s->t, s->found)) : s->found;
 }
 
+static void count_jumps(void *context, const lw_expression *x)
+{
+    *(int *)context += x ? lw_expression_jumps(x, lw_variable(LW_QUANTITY_T, 0), NULL, NULL) : 0;
+}
+
+int lw_timed_jumps(const lw_timed *w)
+{
+    int n = 0;
+    if (w->expressions)
+        w->expressions(w->context, count_jumps, &n);
+    return n;
+}
+
 double lw_timed_next_kink(const lw_timed *w, double t, double end)
 {
     search s = { w->from, t, end, INFINITY };

@@ -13,6 +13,9 @@ typedef struct lw_timed {
     double  kink, calm, spacing;             /* the next kink; until when no pulse lies between samples that are so far apart */
 } lw_timed;
 
+/* How often the functions jump where something else than the time changes (lw_expression_jumps). */
+int lw_timed_jumps(const lw_timed *w);
+
 /* The first kink between t and end; infinite: none. */
 double lw_timed_next_kink(const lw_timed *w, double t, double end);
 

@@ -330,3 +330,12 @@ lw_status lw_sundials_dense(lw_sundials *w, double t, double *y)
     memcpy(y, t == w->t ? w->y : lw_sun_array(s->v[LW_SUN_SCRATCH]), bytes);
     return LW_OK;
 }
+
+lw_status lw_sundials_slope(lw_sundials *w, double *dy)
+{
+    lw_sun *s = w->own;
+    if (s->call->dense(s->solver, w->t, 1, s->v[LW_SUN_SCRATCH]) != 0)
+        return LW_E_ARG;
+    memcpy(dy, lw_sun_array(s->v[LW_SUN_SCRATCH]), sizeof(double)*(size_t)s->n);
+    return LW_OK;
+}

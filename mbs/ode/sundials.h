@@ -19,6 +19,7 @@ typedef struct lw_sundials {
 /* As lw_integrate_step, _dense.  t_end must not lie before t. */
 lw_status lw_sundials_step(lw_sundials *w, double t_end, lw_ode_stop *stop, lw_error *e);
 lw_status lw_sundials_dense(lw_sundials *w, double t, double *y);
+lw_status lw_sundials_slope(lw_sundials *w, double *dy);        /* of the continuous solution at the end of the last step */
 void      lw_sundials_free(lw_sundials *w);
 
 #endif

@@ -244,6 +244,8 @@ static law evaluate(const lw_space_forces *f, const lw_expression *x, double t, 
         out.is_rate[out.n++] = is_rate(what);
         at[i] = is_rate(what) ? to->rate : to->value;
     }
+    if (f->side)
+        *f->side += lw_expression_jumps(x, lw_variable(LW_QUANTITY_T, 0), at, *f->side);
     if (!m) {
         out.value = lw_expression_value(x, at);
         return out;
@@ -885,6 +887,16 @@ void lw_space_state_rates(const lw_space_forces *f, double t, const lw_space_fra
     const lw_states *z = &f->s->model->states;
     for (int i = 0; i < z->n_state; i++)
         rate[i] = evaluate(f, z->state[i].rate, t, frame, v, 0, 0, NULL).value;
+}
+
+void lw_space_jumps(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *force, double *side)
+{
+    lw_space_forces noting = *f;
+    const lw_states *z = &f->s->model->states;
+    noting.side = &side;
+    lw_space_forces_apply(&noting, t, frame, v, force, NULL, NULL);
+    for (int i = 0; i < z->n_state; i++)
+        evaluate(&noting, z->state[i].rate, t, frame, v, 0, 0, NULL);
 }
 
 void lw_space_state_start(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *start)
