@@ -93,18 +93,26 @@ static lw_status put_linkages(lw_bytes *b, const char *text, size_t size, const 
 {
     lw_linkage *k = malloc(sizeof *k);
     lw_status s = k ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
-    int n = 0;
     lw_bytes_text(b, "{");
     studio_put_text(b, "kind", "linkage");
     studio_put_key(b, "linkages");
     lw_bytes_text(b, "[");
-    if (s == LW_OK && text[strspn(text, " \t\r\n\xef\xbb\xbf")] == '{') {
-        while (n < 64 && lw_linkage_read_result(text, size, name, n + 1, k, NULL) == LW_OK) {
+    size_t blank = strspn(text, " \t\r\n\xef\xbb\xbf");
+    if (s == LW_OK && text[blank] == '{') {
+        s = lw_linkage_read(text, size, name, k, e);                   /* the first one, with places in messages */
+        json_t *all = s == LW_OK ? json_loadb(text + blank, size - blank, 0, NULL) : NULL;
+        json_t *results = json_object_get(all, "results");
+        if (s == LW_OK)
             studio_put_linkage(b, NULL, k);
-            n++;
+        for (size_t i = 1; s == LW_OK && i < json_array_size(results); i++) {
+            char *one = json_dumps(json_object_get(json_array_get(results, i), "linkage"), JSON_COMPACT | JSON_REAL_PRECISION(17));
+            s = one ? lw_linkage_read(one, strlen(one), name, k, e)
+                    : lw_error_set(e, LW_E_NOTATION, "result %zu has no linkage", i + 1);
+            if (s == LW_OK)
+                studio_put_linkage(b, NULL, k);
+            free(one);
         }
-        if (n == 0 && (s = lw_linkage_read(text, size, name, k, e)) == LW_OK)
-            studio_put_linkage(b, NULL, k);
+        json_decref(all);
     } else if (s == LW_OK) {
         lw_linkage *other = NULL;
         if ((s = lw_linkage_parse(text, size, name, NULL, &other, e)) == LW_OK)

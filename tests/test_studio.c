@@ -162,6 +162,19 @@ TEST(answers)
     CHECK(question("motion", "{\"linkage\":[]}") == 422 && strstr(reply, "an object or a text"));
     CHECK(question("open", "{\"name\":\"a.csv\",\"text\":\"x,y\\n0,0\\n1,0\\n1,1\\n\"}") == 200 && strstr(reply, "\"kind\":\"target\""));
     CHECK(question("open", "{\"name\":\"a.csv\",\"text\":\"x,y\\n0,zero\\n\"}") == 422 && strstr(reply, "\"line\":2"));
+    char *many = malloc(101*(sizeof FOURBAR + 20) + 100);
+    for (int bad = 0; bad < 2 && many; bad++) {                            /* all results of a file, or an error */
+        char *end = many + sprintf(many, "{\"name\":\"r.json\",\"text\":{\"results\":[");
+        int n = 0;
+        for (int i = 0; i < 100; i++)
+            end += sprintf(end, "%s{\"linkage\":%s}", i ? "," : "", bad && i == 90 ? "{}" : FOURBAR);
+        strcpy(end, "]}}");
+        CHECK_INT(question("open", many), bad ? 422 : 200);
+        for (const char *at = reply; (at = strstr(at, "\"joints\"")); at++)
+            n++;
+        CHECK(bad || n == 100);
+    }
+    free(many);
     CHECK(question("target", "{\"name\":\"d.csv\",\"unit\":\"mm\",\"force_unit\":true,\"stations\":9,\"closed\":true,"
                    "\"text\":\"x,y\\n0,0\\n10,0\\n10,10\\n0,10\\n\"}") == 200 && strstr(reply, "\"closed\":true"));
     CHECK(question("chains", "{\"links\":4}") == 200 && strstr(reply, "\"mechanism\":"));
