@@ -190,6 +190,19 @@ TEST(arms_count_among_the_lengths)
     expect("$P fit $D/needle.csv --rounds 4 2>&1 >/dev/null", 0, "the first row misses the target by", NULL);
 }
 
+/* A small budget counts the first round and the fits at other sizes, too: a few jobs of each search among six links. */
+TEST(a_small_budget_is_kept)
+{
+    double evals[2];
+    for (int i = 0; i < 2; i++) {
+        json_t *root = json_of(i == 0 ? "$P fit examples/walking-foot.csv --rounds 2 --links 4 --json -q"
+                                      : "$P fit examples/walking-foot.csv --rounds 2 --links 6 --budget 1000 --json -q");
+        evals[i] = member(root, "evaluations");
+        json_decref(root);
+    }
+    CHECK(evals[1] > evals[0] && evals[1] < evals[0] + 30000);
+}
+
 /* Five poses of a lamp that four-bars meet within a few tenths of a percent: four-bars near a change point, which have less error
  * but are left out, do not lead to six links. */
 TEST(six_links_are_left_out_where_four_are_near)

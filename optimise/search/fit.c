@@ -77,6 +77,11 @@ bool lw_search_stopped(const lw_search *s)
     return (s->o->interrupt && *s->o->interrupt) || (s->o->max_seconds > 0 && lw_clock_wall() > lw_search_end(s));
 }
 
+long lw_search_budget(const lw_search *s)
+{
+    return s->o->budget > 0 ? s->o->budget : LW_FIT_BUDGET;
+}
+
 /* Measured on closed targets compared both ways: with a condition on the transmission angle an evaluation of groups costs
  * three times as much as otherwise, one of dyads the same. */
 int lw_search_group_cost(const lw_search *s)

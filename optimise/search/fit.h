@@ -31,8 +31,9 @@ typedef struct lw_fit_options {
                                   * order the stations along the curves found                       */
     const char *types;           /* names or letters of mbs/plan/types.h with commas between, or "all" ("fourbar") */
     const lw_families *families; /* search in these by successive halving instead of in types; NULL: in types */
-    long        budget;          /* with `families`: no round begins after this many evaluations.  An evaluation of a
-                                  * linkage with higher groups counts as LW_HIGHER_COST.  0: LW_FIT_BUDGET */
+    long        budget;          /* with `families`: no round begins after this many evaluations, and finds are fitted again at
+                                  * other sizes with as many again.  An evaluation of a linkage with higher groups counts as
+                                  * LW_HIGHER_COST.  0: LW_FIT_BUDGET */
     long        sweep;           /* with `families`: evaluations that the first look of the first sweep may cost, and
                                   * the same number for its halvings; each further sweep costs twice as much as the
                                   * one before.  0: 500000                                          */

@@ -114,6 +114,9 @@ lw_status lw_search_fault(lw_search *s, int candidate, lw_error *e);
 /* The family of a candidate: the row of its type, or made in `made`. */
 lw_status lw_search_family(const lw_search *s, int candidate, lw_family_made *made, const lw_family **family);
 
+/* Evaluations of a search over families; fitting its finds again (lw_search_widen) may take as many again. */
+long      lw_search_budget(const lw_search *s);
+
 /* Evaluations of a linkage of dyads that one of a linkage with higher groups costs. */
 int       lw_search_group_cost(const lw_search *s);
 lw_effort lw_search_effort(const lw_search *s, const lw_problem *p);

@@ -1,5 +1,6 @@
 /* optimise/search/fit_round.c - one round of the search: draw low-discrepancy starts, improve the better ones, polish
  * the best. */
+#include <limits.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -647,6 +648,7 @@ typedef struct chain_list {
     double     until;                        /* wall clock; 0: no limit                              */
     double     shrink;                       /* factor of the size from step to step                 */
     int        n_rung;                       /* items after the chains                               */
+    long       allowance;                    /* evaluations of an item, counted by their cost        */
     double     largest;                      /* size of the first rung, scaled                       */
     chain      item[(WIDENED + RUNGS)*CHAINS];      /* chains, then rungs, each a chain of one find; item i has angle i % CHAINS */
 } chain_list;
@@ -720,10 +722,11 @@ static lw_problem *chain_problem(lw_search *s, int thread, int angle, lw_found *
     return p;
 }
 
-static lw_lm_options chain_options(const chain_list *list)
+static lw_lm_options chain_options(const chain_list *list, int steps, int cost)
 {
     lw_lm_options o = lw_lm_options_default();
-    o.max_steps = POLISH_STEPS;
+    long most = list->allowance/cost;
+    o.max_steps = most < 1 ? 1 : most < steps ? (int)most : steps;
     o.f_tol = 1e-9;
     o.until = list->until;
     o.interrupt = list->s->o->interrupt;
@@ -745,10 +748,11 @@ static void run_chain(void *context, size_t job, int thread)
     lw_found now = l->find[0];
     lw_problem *p = chain_problem(s, thread, angle, &now, &l->status);
     void *work = s->bench[thread].work;
-    const lw_lm_options o = chain_options(list);
     l->find[0].f = INFINITY;
     if (!p)
         return;
+    const int cost = lw_search_effort(s, p).cost;
+    const lw_lm_options o = chain_options(list, POLISH_STEPS, cost);
     l->of = lw_pool_variables(p);
     l->spent = -now.evals;
     double most = lw_problem_size(p, now.x), f_rough = fmax(MUCH_WORSE*now.f, ROUGH*ROUGH*(double)p->n);
@@ -756,7 +760,7 @@ static void run_chain(void *context, size_t job, int thread)
     if (fine)                                            /* beyond the tolerance in the mean: nobody asked for it   */
         f_rough = (double)p->n*tolerance*tolerance;
     for (int k = angle == 0; k < length && failed < FAILURES; k++) {
-        if (chains_end(&o))
+        if (chains_end(&o) || (l->spent + now.evals)*cost > list->allowance)
             break;
         if (!fit_smaller(s, p, most*pow(list->shrink, k), f_rough, &o, work, &now)) {
             failed++;
@@ -772,7 +776,7 @@ static void run_chain(void *context, size_t job, int thread)
         failed = 0;
         l->size[k] = lw_problem_size(p, now.x)*(fine ? lw_problem_uneven(p, now.x) : 1);
     }
-    l->spent = (l->spent + now.evals)*lw_search_effort(s, p).cost;
+    l->spent = (l->spent + now.evals)*cost;
 }
 
 /* One find of the chains that is not taken yet. */
@@ -803,11 +807,9 @@ static void run_rung(void *context, size_t job, int thread)
     chain *l = &list->item[(size_t)list->n + job];
     int angle = (int)job % CHAINS;
     double most = list->largest*pow(STEP, (double)(job/CHAINS));
-    lw_lm_options o = chain_options(list);
-    o.max_steps = RUNG_STEPS;
     const place start[] = { best_find(list, most, angle, CHAINS - 1), best_find(list, most/SHRINK, angle, CHAINS - 1),
                             best_find(list, most, 0, angle - 1) };
-    for (size_t i = 0; i < sizeof start/sizeof *start && !chains_end(&o); i++) {
+    for (size_t i = 0; i < sizeof start/sizeof *start && l->spent <= list->allowance; i++) {
         if (start[i].chain < 0 || (i > 0 && start[i].chain == start[0].chain && start[i].at == start[0].at))
             continue;
         lw_found now = *found_at(list, start[i]);
@@ -816,8 +818,12 @@ static void run_rung(void *context, size_t job, int thread)
         long before = now.evals;
         if (!p)
             return;
+        const int cost = lw_search_effort(s, p).cost;
+        const lw_lm_options o = chain_options(list, RUNG_STEPS, cost);
+        if (chains_end(&o))
+            return;
         bool found = fit_smaller(s, p, most, ROUGH*ROUGH*(double)p->n, &o, work, &now);
-        l->spent += (now.evals - before)*lw_search_effort(s, p).cost;
+        l->spent += (now.evals - before)*cost;
         if (found)
             judge(s, p, work, &now);
         if (!found || !(now.f < l->find[0].f))
@@ -975,6 +981,7 @@ lw_status lw_search_widen(lw_search *s)
     for (int pass = 0; pass < passes && st == LW_OK; pass++) {
         n = pass > 0 ? choose_smallest(list, first) : n;
         begin_chains(list, first, n);
+        list->allowance = s->o->families && list->n > 0 ? lw_search_budget(s)/(list->n + list->n_rung) : LONG_MAX;
         list->shrink = fine ? shrink_within[pass] : SHRINK;
         st = run_chains(s, list);
     }

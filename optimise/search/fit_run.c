@@ -70,18 +70,13 @@ static void search_free(lw_search *s)
     free(s);
 }
 
-static long budget_of(const lw_search *s)
-{
-    return s->o->budget > 0 ? s->o->budget : LW_FIT_BUDGET;
-}
-
 /* This part of the rounds, as their number. */
 static int part_of(int rounds, double part) { return (int)ceil(rounds*part - 1e-9); }
 
 static double done_part(const lw_search *s, int rounds)
 {
     double rounded = (s->round + 1.0)/rounds;
-    return s->o->families ? fmax(rounded, fmin(1, (double)s->evals/(double)budget_of(s))) : rounded;
+    return s->o->families ? fmax(rounded, fmin(1, (double)s->evals/(double)lw_search_budget(s))) : rounded;
 }
 
 /* Show the caller the best find, if it is better than the last one shown. */
@@ -138,7 +133,7 @@ static lw_status search_rounds(lw_search *s, lw_stop *stop, lw_error *e)
             *stop = LW_STOP_F_TARGET;
         else if (s->hits >= HITS && s->round >= 2 && !s->o->families)
             *stop = LW_STOP_F_TOL;
-        if (*stop != LW_STOP_EVALS || (s->o->families && s->evals >= budget_of(s)))
+        if (*stop != LW_STOP_EVALS || (s->o->families && s->evals >= lw_search_budget(s)))
             break;
         lw_search_halving(s);
     }

@@ -12,6 +12,7 @@
  * like one with less.  Each sweep may cost twice as much as the one before, so wide and deep sweeps share the budget
  * (as the brackets of Li, Jamieson, DeSalvo, Rostamizadeh & Talwalkar 2018). */
 #include <assert.h>
+#include <limits.h>
 #include <stdlib.h>
 
 #include "base/rng.h"
@@ -116,9 +117,15 @@ static long job_cost(const lw_search *s, int candidate)
     return !s->sweep.apart ? s->sweep.mean_job : has_groups(s, candidate) ? group_job(s) : DYAD_JOB;
 }
 
+/* What a round may cost. */
+static long most_cost(const lw_search *s) { return s->o->budget > 0 ? s->o->budget : LONG_MAX; }
+
+/* Of a round; fewer if they cost more than the budget. */
 static int least_jobs(const lw_search *s)
 {
-    return s->sweep.apart && s->sweep.n > 0 && has_groups(s, s->sweep.candidate[0]) ? LEAST_GROUP_JOBS : LEAST_JOBS;
+    bool any = s->sweep.n > 0, groups = any && s->sweep.apart && has_groups(s, s->sweep.candidate[0]);
+    long least = groups ? LEAST_GROUP_JOBS : LEAST_JOBS, most = most_cost(s)/(any ? job_cost(s, s->sweep.candidate[0]) : 1);
+    return most < 1 ? 1 : most < least ? (int)most : (int)least;
 }
 
 /* Fill the next sweep with the candidates whose turn it is, as many as a first look may cost; candidates with groups
@@ -136,7 +143,8 @@ static void begin_sweep(lw_search *s)
         if (s->candidate[candidate].state == LW_FIT_UNABLE)
             continue;
         job = w->n == 0 ? job_cost(s, candidate) : job;
-        if (job_cost(s, candidate) != job || (w->n >= least_jobs(s) && job*w->n >= most))
+        if (job_cost(s, candidate) != job || (w->n >= least_jobs(s) && job*w->n >= most)
+            || (w->n > 0 && job*(w->n + 1) > most_cost(s)))
             break;
         w->candidate[w->n++] = candidate;
     }
