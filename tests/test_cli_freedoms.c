@@ -264,11 +264,19 @@ TEST(threads_change_nothing)
            "grep -v 'command\\|seconds' | diff - $D/one", 0, "", "");
 }
 
+static double least_objective(const json_t *root)
+{
+    double least = INFINITY;
+    for (size_t i = 0; i < json_array_size(json_object_get(root, "results")); i++)
+        least = fmin(least, real(at(root, "results", i), "objective"));
+    return least;
+}
+
 TEST(a_resumed_fit_is_not_worse)
 {
     json_t *first = json_of("$P fit $D/m1.csv --dof 2 --budget 3000 -o $D/r.json -q; cat $D/r.json");
     json_t *then = json_of("$P fit $D/m1.csv --dof 2 --budget 3000 --seed 9 --start-from $D/r.json --json -q");
-    CHECK(real(at(then, "results", 0), "objective") <= real(at(first, "results", 0), "objective")*(1 + 1e-6) + 1e-18);
+    CHECK(least_objective(then) <= least_objective(first)*(1 + 1e-6) + 1e-18);
     json_decref(first);
     json_decref(then);
 }
@@ -277,7 +285,7 @@ TEST(a_resumed_fit_is_not_worse)
 TEST(given_in_a_task_file)
 {
     expect("printf '{\"linkwright-task\":1,\"target\":\"m1.csv\",\"dof\":2,\"links\":5}' > $D/task.json; "
-           "$P fit $D/task.json --input-ratios -1,2 --budget 1000 -q", 0, "; 3 searched", NULL);
+           "$P fit $D/task.json --input-ratios -1,2 --budget 1e4 -q", 0, "; 3 searched", NULL);
     expect("$P fit $D/task.json --dof 3 --budget 1000", 3, "", "--dof 3 --links 5: with 3 inputs");
     expect("$P fit $D/task.json --dof 1 --links 4 --starts 32 --rounds 1 -q", 0, "four-bar", NULL);
     expect("printf '{\"linkwright-task\":1,\"target\":\"m1.csv\",\"dof\":2,\"links\":6}' > $D/task.json; "

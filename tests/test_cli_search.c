@@ -34,7 +34,7 @@ TEST(smaller_mechanisms_are_searched_if_time_ends_while_larger_are_counted)
 /* Six links with sliders too: the report says how many families the budget did not reach. */
 TEST(a_small_budget_is_accounted_for)
 {
-    const char *fit = "$P fit $D/t.csv --unlimited --links 6 --joints r,t --budget 1000 --rounds 1 --json -q";
+    const char *fit = "$P fit $D/t.csv --unlimited --links 6 --joints r,t --budget 2e4 --rounds 1 --json -q";
     json_t *root = json_of(fit), *t = json_array_get(json_object_get(root, "topologies"), 0);
     check_accounts(t, (const long[]){ 6, 2, 5 });
     CHECK_INT(integer(t, "fitted"), 435);
@@ -304,7 +304,7 @@ TEST(slots_are_fitted_and_traced)
 TEST(gear_pairs_are_counted)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "
-                           "--budget 1000 --unlimited --json");
+                           "--budget 3e5 --unlimited --json");
     json_t *list = json_object_get(root, "topologies"), *three = json_array_get(list, 0);
     json_t *five = json_array_get(list, 2);
     CHECK_INT(json_array_size(list), 3);
@@ -322,7 +322,7 @@ TEST(gear_pairs_are_counted)
     CHECK(integer(five, "with_linkage") <= integer(five, "searched"));
     CHECK(integer(five, "with_linkage") >= integer(five, "searched") - integer(five, "groups"));     /* these get few starts */
     json_decref(root);
-    root = json_of("$P fit $D/t.csv --links 5 --joints r,g --gear-ratios -1,2,1/2 --rounds 1 --starts 8 --budget 1000 --unlimited "
+    root = json_of("$P fit $D/t.csv --links 5 --joints r,g --gear-ratios -1,2,1/2 --rounds 1 --starts 8 --budget 3e5 --unlimited "
                    "--topology 5.1.1,5.1.3 --json");
     five = json_array_get(json_object_get(root, "topologies"), 2);
     CHECK_INT(integer(five, "fitted"), 6 + 2 + 3);
@@ -336,7 +336,7 @@ TEST(gear_pairs_are_counted)
 TEST(racks_are_counted)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 4 --joints r,t,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "
-                           "--budget 1000 --unlimited --json");
+                           "--budget 1e5 --unlimited --json");
     json_t *three = json_array_get(json_object_get(root, "topologies"), 0);
     CHECK_INT(integer(three, "links"), 3);
     CHECK_INT(integer(three, "fitted"), 1 + 2);
