@@ -86,19 +86,19 @@ void lw_sparse_lu_free(lw_sparse_lu *f)
     free(f);
 }
 
-bool lw_sparse_lu_factor(lw_sparse_lu *f, const double *value)
+lw_status lw_sparse_lu_factor(lw_sparse_lu *f, const double *value)
 {
     int *at = f->pattern->at, *row = f->pattern->row;
     double *a = (double *)(uintptr_t)value;
     if (f->pattern->n == 0)
-        return true;
+        return LW_OK;
     if (f->numeric && (f->is_complex ? klu_z_refactor : klu_refactor)(at, row, a, f->symbolic, f->numeric, &f->common)
         && (f->is_complex ? klu_z_rgrowth : klu_rgrowth)(at, row, a, f->symbolic, f->numeric, &f->common)
         && f->common.rgrowth > weak_pivots)
-        return true;
+        return LW_OK;
     free_numeric(f);
     f->numeric = (f->is_complex ? klu_z_factor : klu_factor)(at, row, a, f->symbolic, &f->common);
-    return f->numeric != NULL;
+    return f->numeric ? LW_OK : f->common.status == KLU_OUT_OF_MEMORY ? LW_E_MEMORY : LW_OPEN;
 }
 
 void lw_sparse_lu_solve(lw_sparse_lu *f, double *b)

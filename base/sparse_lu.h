@@ -6,6 +6,7 @@
 #define LW_BASE_SPARSE_LU_H
 
 #include <stdbool.h>
+#include "base/status.h"
 
 /* Entries of column j: rows row[at[j]] .. row[at[j + 1] - 1], ascending. */
 typedef struct lw_columns { int n, *at, *row; } lw_columns;
@@ -36,8 +37,8 @@ typedef struct lw_sparse_lu lw_sparse_lu;
 lw_sparse_lu *lw_sparse_lu_create(const lw_columns *pattern, bool saddle, bool is_complex);
 void lw_sparse_lu_free(lw_sparse_lu *f);
 
-/* value: of the entries.  false: singular. */
-bool lw_sparse_lu_factor(lw_sparse_lu *f, const double *value);
+/* value: of the entries.  LW_OPEN: singular; LW_E_MEMORY. */
+lw_status lw_sparse_lu_factor(lw_sparse_lu *f, const double *value);
 
 /* Solve A x = b in place, after a successful _factor. */
 void lw_sparse_lu_solve(lw_sparse_lu *f, double *b);

@@ -796,6 +796,8 @@ static int fit_targets(const cli_call *call, cli_side_by_side *together, cli_fit
         lw_status st = fit_one(call, call->parsed.word[i], together, now, &e);
         if (st < 0 || st == LW_NOTHING) {
             code = cli_fail(call, &e);
+            if (st == LW_NOTHING && now->search.uncounted_links > 0)      /* the time ended before the search began */
+                code = CLI_LIMIT;
             set_free(now);
             memset(now, 0, sizeof *now);
             continue;

@@ -239,7 +239,7 @@ static void restore_rows(const capture *g)
 
 /* The system for the guess: J M^-1 P^T, where P are the directions in which the multipliers push: the rows, and at a place
  * that slips that of the gap less friction. */
-static bool factor_guess(capture *g)
+static lw_status factor_guess(capture *g)
 {
     lw_dynamics *d = g->d;
     memcpy(g->push, d->jac, (size_t)d->n_c*LW_ROW_SIZE*sizeof *g->push);
@@ -283,8 +283,9 @@ static void add_rows(const lw_dynamics *d, const double *rows, const double *l, 
 static lw_status solve_guess(capture *g, double h)
 {
     lw_dynamics *d = g->d;
-    if (!factor_guess(g))
-        return LW_OPEN;
+    lw_status s = factor_guess(g);
+    if (s != LW_OK)
+        return s;
     for (int i = 0; i < d->n_v; i++)
         g->next_v[i] = g->v[i] + h*g->force[i]*d->by_mass[i];
     for (int k = 0; k < g->n; k++) {

@@ -367,19 +367,22 @@ static lw_status factor(stages *g)
     d->eq.move(d->eq.context, g->qi, g->z + k_mid*g->n);
     lw_status s = lw_mbs_rows(d, t, g->qi);
     g->h_factored = 0;
-    if (s == LW_OK && g->alpha) {
+    if (s != LW_OK)
+        return s;
+    if (g->alpha) {
         const double c[2] = { g->gamma/(g->beta*g->h) }, m[2] = { (1 - g->am)/((1 - g->af)*g->beta*g->h*g->h) };
-        s = lw_tangent_factor(&g->real, t, g->qi, v, l, m, c) == LW_OK ? LW_OK : LW_OPEN;
+        s = lw_tangent_factor(&g->real, t, g->qi, v, l, m, c);
     }
     for (int k = 0; s == LW_OK && !g->alpha && k <= g->s/2; k++) {
         double re = (k ? g->way->pair[k - 1][0] : g->way->real)/g->h, im = k ? g->way->pair[k - 1][1]/g->h : 0;
         const double c[2] = { re, im }, m[2] = { re*re - im*im, 2*re*im };
-        if (lw_tangent_factor(k ? &g->pair[k - 1] : &g->real, t, g->qi, v, l, m, c) != LW_OK)
-            return LW_OPEN;
+        s = lw_tangent_factor(k ? &g->pair[k - 1] : &g->real, t, g->qi, v, l, m, c);
     }
     if (s == LW_OK)
         g->h_factored = g->h;
-    return s;
+    if (s == LW_E_MEMORY)
+        return lw_error_set(g->run->e, s, "out of memory");
+    return s == LW_E_NUMERIC ? LW_OPEN : s;
 }
 
 /* Newton's method from the predicted stages on, with the matrices at hand.  LW_OPEN: it does not converge. */

@@ -307,8 +307,9 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t,
         modes->unbalanced = force > 0 && left > rounding*stiffest ? left/force : 0;
         scale = ratio > 0 ? ratio : 1;
         z.shift = 1e-9*scale;
-        if (s == LW_OK && !small && lw_tangent_factor(z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) != LW_OK)
-            s = lw_error_set(e, LW_E_NUMERIC, "the stiffness is singular in this posture");
+        lw_status factored = s == LW_OK && !small ? lw_tangent_factor(z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) : s;
+        if (factored != s)
+            s = lw_error_set(e, factored, factored == LW_E_MEMORY ? "out of memory" : "the stiffness is singular in this posture");
         if (s == LW_OK)
             s = small ? find_basis(&z, room) : find_modes(&z, aim < room ? aim : room, room);
         if (s == LW_STOPPED)

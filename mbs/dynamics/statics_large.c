@@ -17,6 +17,7 @@ typedef struct search {
     lw_tangent   tangent;
     int     n_q, n, c;                       /* coordinates, velocities, kept rows */
     double  t;
+    lw_status factored;                      /* of the matrix of the last step */
     double *q, *l, *load, *residual, *step, *still, *old_q, *old_l, *aside;
 } search;
 
@@ -56,7 +57,8 @@ static lw_status find_residual(search *s, loads w)
 static double newton_step(search *s, double mass)
 {
     const double m[2] = { mass, 0 }, c[2] = { 0, 0 };
-    if (lw_tangent_factor(&s->tangent, s->t, s->q, s->still, s->l, m, c) != LW_OK)
+    s->factored = lw_tangent_factor(&s->tangent, s->t, s->q, s->still, s->l, m, c);
+    if (s->factored != LW_OK)
         return INFINITY;
     for (int i = 0; i < s->n + s->c; i++)
         s->step[i] = -s->residual[i];
@@ -92,6 +94,8 @@ static lw_status balance(search *s, loads w, int *iterations)
             return LW_OPEN;
         double size = newton_step(s, 0);
         ++*iterations;
+        if (s->factored == LW_E_MEMORY)
+            return s->factored;
         if (!(size < longest) || (pass > 3 && size > 2*before))
             return LW_OPEN;
         move(s);
@@ -123,7 +127,7 @@ static lw_status load_steps(search *s, loads from, loads to, lw_rest *r)
         double end = fmin(part + next, 1);
         loads w = { from.left + end*(to.left - from.left), from.aside + end*(to.aside - from.aside) };
         lw_status st = balance(s, w, &r->iterations);
-        if (st == LW_STOPPED)
+        if (st == LW_STOPPED || st == LW_E_MEMORY)
             return st;
         if (st == LW_OK) {
             keep(s);
@@ -172,6 +176,8 @@ static lw_status downhill(search *s, lw_rest *r)
         keep(s);
         double size = newton_step(s, mass);
         r->iterations++;
+        if (s->factored == LW_E_MEMORY)
+            return s->factored;
         if (size < longest) {
             move(s);
             if (mass < 1e-6*unit && is_last(s, size, before))
@@ -260,7 +266,7 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
     lw_error ignored = { 0 };
     memcpy(q, d->start_q, (size_t)d->n_q*sizeof *q);
     lw_status st = prepare(&s, d, t, q);
-    if (st == LW_OK && load_steps(&s, (loads){ 1, 0 }, (loads){ 0, 0 }, r) != LW_OK) {
+    if (st == LW_OK && (st = load_steps(&s, (loads){ 1, 0 }, (loads){ 0, 0 }, r)) != LW_OK && st != LW_E_MEMORY) {
         put_back(&s);
         st = downhill(&s, r);
     }
@@ -350,8 +356,11 @@ lw_status lw_statics_run_large(lw_run *run)
         do {                                     /* the whole interval, or parts of it */
             double next = to - now <= step*(1 + 1e-9) ? to : now + step;
             memcpy(safe, y, (size_t)d->n_q*sizeof *y);
-            if (follow(&s, next, &rest) == LW_OK)
+            lw_status near = follow(&s, next, &rest);
+            if (near == LW_OK)
                 now = next;
+            else if (near == LW_E_MEMORY)
+                st = lw_error_set(run->e, near, "out of memory");
             else {
                 memcpy(y, safe, (size_t)d->n_q*sizeof *y);
                 step *= 0.5;
@@ -362,8 +371,9 @@ lw_status lw_statics_run_large(lw_run *run)
             if (st == LW_OK)
                 st = lw_run_limits(run, now, 0);
         } while (st == LW_OK && now < to);
-        if (st == LW_OK && find_velocities(&s, y + d->n_q) != LW_OK)
-            st = lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the equilibrium is neutral: its stiffness is singular", now);
+        if (st == LW_OK && (st = find_velocities(&s, y + d->n_q)) != LW_OK)
+            st = st == LW_E_MEMORY ? lw_error_set(run->e, st, "out of memory")
+               : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the equilibrium is neutral: its stiffness is singular", now);
         if (st != LW_OK)
             break;
         memset(d->a, 0, (size_t)d->n_v*sizeof *d->a);

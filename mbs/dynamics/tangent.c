@@ -215,7 +215,8 @@ lw_status lw_tangent_factor(lw_tangent *t, double time, const double *q, const d
                             const double m[2], const double c[2])
 {
     lw_tangent_fill(t, time, q, v, l, m, c);
-    return lw_sparse_lu_factor(t->lu, t->value) ? LW_OK : LW_E_NUMERIC;
+    lw_status s = lw_sparse_lu_factor(t->lu, t->value);
+    return s == LW_OPEN ? LW_E_NUMERIC : s;
 }
 
 void lw_tangent_solve(lw_tangent *t, double *b)
@@ -267,7 +268,8 @@ lw_status lw_tangent_accelerate(lw_dynamics *d, const double *q, const double *v
         fastest = fmax(fastest, fabs(v[i]));
     memset(a, 0, (size_t)n*sizeof *a);
     memset(l, 0, (size_t)d->n_c*sizeof *l);
-    s = lw_sparse_lu_factor(t->lu, t->value) ? LW_NOTHING : LW_OPEN;
+    s = lw_sparse_lu_factor(t->lu, t->value);
+    s = s == LW_OK ? LW_NOTHING : s;
     for (int pass = 0; s == LW_NOTHING; pass++) {            /* the first solves, the next ones refine; friction takes more */
         double change = 0, size = 0;
         memset(b, 0, (size_t)all*sizeof *b);

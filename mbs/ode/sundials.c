@@ -64,7 +64,7 @@ static SUNLinearSolver lw_sun_linear_make(int n, SUNContext context)
 
 /* ---- large linear systems: a matrix is its values in a fixed pattern, factored by KLU -------------------- */
 
-typedef struct lw_sun_large { const lw_columns *pattern; double *value; lw_sparse_lu *f; } lw_sun_large;
+typedef struct lw_sun_large { const lw_columns *pattern; double *value; lw_sparse_lu *f; lw_status *failed; } lw_sun_large;
 
 double *lw_sun_values(SUNMatrix a) { return ((lw_sun_large *)a->content)->value; }
 static SUNMatrix_ID lw_sun_id(SUNMatrix a)
@@ -97,7 +97,11 @@ static int lw_sun_large_setup(SUNLinearSolver s, SUNMatrix a)
 {
     (void)s;
     lw_sun_large *l = a->content;
-    return lw_sparse_lu_factor(l->f, l->value) ? SUNLS_SUCCESS : SUNLS_LUFACT_FAIL;
+    lw_status status = lw_sparse_lu_factor(l->f, l->value);
+    if (status != LW_E_MEMORY)
+        return status == LW_OK ? SUNLS_SUCCESS : SUNLS_LUFACT_FAIL;
+    *l->failed = status;
+    return SUNLS_MEM_FAIL;
 }
 
 static int lw_sun_large_solve(SUNLinearSolver s, SUNMatrix a, N_Vector x, N_Vector b, realtype tolerance)
@@ -122,6 +126,7 @@ static bool lw_sun_large_make(lw_sun *s, const lw_columns *pattern)
     if (!l)
         return false;
     l->pattern = pattern;
+    l->failed = &s->failed;
     l->value = calloc((size_t)pattern->at[pattern->n] + 1, sizeof *l->value);
     l->f = lw_sparse_lu_create(pattern, false, false);
     s->linear = l->value && l->f ? SUNLinSolNewEmpty(s->context) : NULL;

@@ -307,6 +307,7 @@ lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_op
             lw_error_set(e, st, "no linkage of these types within these bounds and conditions was found; widen the "
                          "bounds or allow more types");
         lw_topology_search_free(out);
+        out->uncounted_links = p->set.uncounted;
     }
     plan_free(p);
     return st;
