@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/sparse.h"
-#include "mbs/dynamics/tangent_internal.h"
 #include "mbs/dynamics/touch_internal.h"
 #include "mbs/equations/friction.h"
 
@@ -460,7 +459,7 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
         return LW_E_NUMERIC;
     lw_status s = LW_OK;
     if (d->eq.more_inertia) {
-        s = lw_tangent_accelerate(d, q, v, d->force, a, l);
+        s = d->accelerate(d, q, v, d->force, a, l);
         if (s == LW_OK && d->n_friction && power)
             *power += lw_mbs_rub(d, q, v, d->hold);
         return s;

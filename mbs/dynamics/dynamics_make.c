@@ -39,6 +39,7 @@ void lw_mbs_take_equations(lw_dynamics *d, lw_equations eq)
     d->n_q = eq.n_q;
     d->n_v = eq.n_v;
     d->n_row = eq.n_row;
+    d->accelerate = lw_tangent_accelerate;
 }
 
 /* ---- memory ------------------------------------------------------------------------------------ */

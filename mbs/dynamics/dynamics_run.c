@@ -105,6 +105,7 @@ static lw_status check_phase(lw_run *run, const lw_moment *m)
     for (int i = 0; i < d->n_v; i++)
         fastest = fmax(fastest, fabs(m->v[i]));
     double off = DBL_EPSILON*fabs(m->t)*fastest;
+    run->refused = true;                                 /* no formulation knows more */
     if (!(off < least_known))
         return lw_error_set(run->e, LW_E_ARG, "t = %.9g s has too few digits: the linkage moves by %.3g, in radians "
                             "or multiples of its size, while t grows by its last digit", m->t, off);
@@ -113,6 +114,7 @@ static lw_status check_phase(lw_run *run, const lw_moment *m)
     if (!(off < least_known))
         return lw_error_set(run->e, LW_E_ARG, "at t = %.9g s, after %.3g periods, the phase is known to %.2g periods "
                             "only, less than one digit: give an earlier end or a smaller tolerance", m->t, periods, off);
+    run->refused = false;
     return LW_OK;
 }
 

@@ -22,7 +22,7 @@ typedef struct lw_run {
     int     next;                    /* the next sample */
     long    shown;                   /* samples that an earlier formulation handed out, which are left out, */
     double *last_shown;              /* and the posture (n_q) of the last of them; NULL: none will follow */
-    bool    refused;                 /* the sink ended the run */
+    bool    refused;                 /* the sink ended the run, or no other formulation could go on */
     lw_timed timed;                  /* where steps must end because of functions of time */
     double  flight;                  /* duration of a bounce that has just begun [s]; 0: none */
     double  energy0, potential0, momentum0;
