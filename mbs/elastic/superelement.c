@@ -288,106 +288,149 @@ static double dot(int rows, const double *a, const double *b)
     return sum;
 }
 
-/* lw_super_inertia; again: the nodes are where they were. */
-static double inertia(const lw_super *s, const lw_beam_node *node, const lw_vec3 *rate, bool again, double *force, double *momentum)
+static const lw_vec3 none = { 0, 0, 0 };
+
+/* How a superelement moves, in the axes of its frame: angular velocity of the frame and its rate; u, e and their rates (6n, in s->work).
+ * rates: du and dspin are known. */
+typedef struct motion { lw_mid_frame z; lw_vec3 spin, dspin; double *u, *du, *e, *de; bool rates; } motion;
+
+/* rate: accelerations of the nodes, or NULL. */
+static motion motion_of(const lw_super *s, const lw_beam_node *node, const lw_vec3 *rate)
+{
+    const lw_superelement *own = s->p;
+    const int rows = 6*own->n;
+    motion m = { .z = frame_of(s, node), .u = s->work, .du = s->work + rows, .e = s->work + 2*rows, .de = s->work + 3*rows, .rates = rate };
+    const lw_mat3 *turn = &m.z.turn;
+    const lw_vec3 ta = lw_m3_unapply(turn, node[s->a].omega), tb = lw_m3_unapply(turn, node[s->b].omega), w = lw_v3_sub(tb, ta);
+    const lw_vec3 va = lw_m3_unapply(turn, node[s->a].v);
+    lw_vec3 dva = none;
+    m.spin = lw_v3_sub(lw_v3_scale(lw_v3_add(ta, tb), 0.5), lw_v3_scale(lw_v3_cross(m.z.g, w), m.z.q));
+    if (rate) {
+        lw_vec3 dta = lw_v3_sub(lw_m3_unapply(turn, rate[2*s->a + 1]), lw_v3_cross(m.spin, ta));
+        lw_vec3 dtb = lw_v3_sub(lw_m3_unapply(turn, rate[2*s->b + 1]), lw_v3_cross(m.spin, tb));
+        lw_vec3 dg = lw_v3_add(lw_v3_scale(w, m.z.k), lw_v3_scale(m.z.g, m.z.n*lw_v3_dot(m.z.g, w)));
+        lw_vec3 qg = lw_v3_add(lw_v3_scale(m.z.g, 0.5*m.z.dq*lw_v3_dot(m.z.g, dg)), lw_v3_scale(dg, m.z.q));
+        m.dspin = lw_v3_sub(lw_v3_scale(lw_v3_add(dta, dtb), 0.5), lw_v3_cross(qg, w));
+        m.dspin = lw_v3_sub(m.dspin, lw_v3_scale(lw_v3_cross(m.z.g, lw_v3_sub(dtb, dta)), m.z.q));
+        dva = lw_v3_sub(lw_m3_unapply(turn, rate[2*s->a]), lw_v3_cross(m.spin, va));
+    }
+    for (int i = 0; i < own->n; i++) {
+        lw_vec3 x, g, v = lw_m3_unapply(turn, node[i].v), t = lw_m3_unapply(turn, node[i].omega), dv = none, dt = none;
+        place(s, &m.z, node, i, &x, &g);
+        lw_vec3 against = lw_v3_sub(t, m.spin), dx = lw_v3_add(lw_v3_sub(v, va), lw_v3_cross(x, m.spin)), dg = log_rate(g, against, -1);
+        if (rate) {
+            dv = lw_v3_sub(lw_m3_unapply(turn, rate[2*i]), lw_v3_cross(m.spin, v));
+            dt = lw_v3_sub(lw_m3_unapply(turn, rate[2*i + 1]), lw_v3_cross(m.spin, t));
+        }
+        put(m.e + 6*i, lw_v3_sub(x, lw_v3_sub(own->at[i], own->at[s->a]))), put(m.e + 6*i + 3, g);
+        put(m.de + 6*i, dx), put(m.de + 6*i + 3, dg);
+        if (i >= own->n_bound) {                 /* the rates of modes and those of these */
+            v = dx, t = dg;
+            dv = lw_v3_add(lw_v3_sub(dv, dva), lw_v3_add(lw_v3_cross(dx, m.spin), lw_v3_cross(x, m.dspin)));
+            dt = lw_v3_add(log_rate_change(g, dg, against), log_rate(g, lw_v3_sub(dt, m.dspin), -1));
+        }
+        put(m.u + 6*i, v), put(m.u + 6*i + 3, t);
+        put(m.du + 6*i, dv), put(m.du + 6*i + 3, dt);
+    }
+    return m;
+}
+
+/* Derivatives of T: by u (6n, in s->work) and, if rates are known, the rate of that, and by e; by the angular velocity of the frame and the
+ * rate of that. */
+typedef struct momenta { double *p, *dp, *by_e, c[3], dc[3], twice; } momenta;       /* twice: 2 T */
+
+/* Add what H and G give.  he (3 x 6n), ege (6): H_k e and e.G_kl e, which another motion of the same strains finds there (again). */
+static void add_turning(const lw_superelement *own, const motion *m, bool again, double *product, double *he, double *ege, momenta *to)
 {
     static const int pair[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
-    const lw_superelement *own = s->p;
-    const int n = own->n, rows = 6*n, size = rows*rows;
-    double *u = s->work, *du = u + rows, *e = du + rows, *de = e + rows, *m = de + rows, *dm = m + rows, *by_e = dm + rows, *hde = by_e + rows,
-           *all_he = hde + rows, *all_ege = all_he + 3*rows, turn[3] = { 0 }, dturn[3] = { 0 };
-    lw_mid_frame z = frame_of(s, node);
-    const lw_vec3 none = { 0, 0, 0 }, ta = lw_m3_unapply(&z.turn, node[s->a].omega), tb = lw_m3_unapply(&z.turn, node[s->b].omega);
-    const lw_vec3 w = lw_v3_sub(tb, ta), va = lw_m3_unapply(&z.turn, node[s->a].v);
-    lw_vec3 spin = lw_v3_sub(lw_v3_scale(lw_v3_add(ta, tb), 0.5), lw_v3_scale(lw_v3_cross(z.g, w), z.q)), dspin = none, dva = none;
-    if (rate) {
-        lw_vec3 dta = lw_v3_sub(lw_m3_unapply(&z.turn, rate[2*s->a + 1]), lw_v3_cross(spin, ta));
-        lw_vec3 dtb = lw_v3_sub(lw_m3_unapply(&z.turn, rate[2*s->b + 1]), lw_v3_cross(spin, tb));
-        lw_vec3 dg = lw_v3_add(lw_v3_scale(w, z.k), lw_v3_scale(z.g, z.n*lw_v3_dot(z.g, w)));
-        lw_vec3 qg = lw_v3_add(lw_v3_scale(z.g, 0.5*z.dq*lw_v3_dot(z.g, dg)), lw_v3_scale(dg, z.q));
-        dspin = lw_v3_sub(lw_v3_scale(lw_v3_add(dta, dtb), 0.5), lw_v3_cross(qg, w));
-        dspin = lw_v3_sub(dspin, lw_v3_scale(lw_v3_cross(z.g, lw_v3_sub(dtb, dta)), z.q));
-        dva = lw_v3_sub(lw_m3_unapply(&z.turn, rate[2*s->a]), lw_v3_cross(spin, va));
-    }
-    for (int i = 0; i < n; i++) {
-        lw_vec3 x, g, v = lw_m3_unapply(&z.turn, node[i].v), t = lw_m3_unapply(&z.turn, node[i].omega), dv = none, dt = none;
-        place(s, &z, node, i, &x, &g);
-        lw_vec3 against = lw_v3_sub(t, spin), dx = lw_v3_add(lw_v3_sub(v, va), lw_v3_cross(x, spin)), dg = log_rate(g, against, -1);
-        if (rate) {
-            dv = lw_v3_sub(lw_m3_unapply(&z.turn, rate[2*i]), lw_v3_cross(spin, v));
-            dt = lw_v3_sub(lw_m3_unapply(&z.turn, rate[2*i + 1]), lw_v3_cross(spin, t));
-        }
-        put(e + 6*i, lw_v3_sub(x, lw_v3_sub(own->at[i], own->at[s->a]))), put(e + 6*i + 3, g);
-        put(de + 6*i, dx), put(de + 6*i + 3, dg);
-        if (i >= own->n_bound) {
-            v = dx, t = dg;
-            dv = lw_v3_add(lw_v3_sub(dv, dva), lw_v3_add(lw_v3_cross(dx, spin), lw_v3_cross(x, dspin)));
-            dt = lw_v3_add(log_rate_change(g, dg, against), log_rate(g, lw_v3_sub(dt, dspin), -1));
-        }
-        put(u + 6*i, v), put(u + 6*i + 3, t);
-        put(du + 6*i, dv), put(du + 6*i + 3, dt);
-    }
-    memset(m, 0, 3*(size_t)rows*sizeof *m);      /* m, dm, by_e */
-    multiply(rows, own->rate, 1, u, m);
-    multiply(rows, own->rate, rate ? 1 : 0, du, dm);
-    double twice = dot(rows, u, m);
-    const double omega[3] = { spin.x, spin.y, spin.z }, domega[3] = { dspin.x, dspin.y, dspin.z };
-    for (int k = 0; own->turn && k < 3; k++) {
+    const int rows = 6*own->n, size = rows*rows;
+    const double omega[3] = { m->spin.x, m->spin.y, m->spin.z }, domega[3] = { m->dspin.x, m->dspin.y, m->dspin.z };
+    const bool change = m->rates && dot(rows, m->de, m->de) > 0;         /* of strains */
+    for (int k = 0; k < 3; k++, he += rows) {
         const double *h = own->turn + k*size;
-        double *he = all_he + k*rows, by = omega[k], side = 0;
         if (!again) {
             memset(he, 0, (size_t)rows*sizeof *he);
-            multiply(rows, h, 1, e, he);
+            multiply(rows, h, 1, m->e, he);
         }
-        memset(hde, 0, (size_t)rows*sizeof *hde);
-        multiply(rows, h, rate ? by : 0, de, hde);       /* s_k H_k e' */
+        memset(product, 0, (size_t)rows*sizeof *product);
+        multiply(rows, h, change, m->de, product);
+        double by = dot(rows, m->u, he);
         for (int i = 0; i < rows; i++) {
-            m[i] += by*he[i];
-            dm[i] += domega[k]*he[i] + hde[i];
-            side += u[i]*he[i];
-            for (int j = 0; rate && by != 0 && j < rows; j++)
-                by_e[j] += by*h[i*rows + j]*u[i];
+            to->p[i] += omega[k]*he[i];
+            to->dp[i] += domega[k]*he[i] + omega[k]*product[i];
+            for (int j = 0; m->rates && omega[k] != 0 && j < rows; j++)
+                to->by_e[j] += omega[k]*h[i*rows + j]*m->u[i];
         }
-        turn[k] += side;
-        dturn[k] += dot(rows, du, he) + (by != 0 ? dot(rows, u, hde)/by : 0);
-        twice += 2*by*side;
+        to->c[k] += by;
+        to->dc[k] += dot(rows, m->du, he) + dot(rows, m->u, product);
+        to->twice += 2*omega[k]*by;
     }
-    for (int k = 0; own->turn && k < 6; k++) {
+    for (int k = 0; k < 6; k++) {
         const int a = pair[k][0], b = pair[k][1], both = a == b ? 1 : 2;
         const double *g = own->turn + (3 + k)*size, by = both*omega[a]*omega[b];
-        double change = 0;
+        double rate = 0;
         if (!again || omega[a] != 0 || omega[b] != 0) {
-            memset(hde, 0, (size_t)rows*sizeof *hde);
-            multiply(rows, g, 1, e, hde);
-            all_ege[k] = dot(rows, e, hde);
-            change = 2*dot(rows, de, hde);
+            memset(product, 0, (size_t)rows*sizeof *product);
+            multiply(rows, g, 1, m->e, product);
+            ege[k] = dot(rows, m->e, product);
+            rate = 2*dot(rows, m->de, product);
+            for (int i = 0; i < rows; i++)
+                to->by_e[i] += by*product[i];
         }
-        for (int i = 0; i < rows && by != 0; i++)
-            by_e[i] += by*hde[i];
-        twice += by*all_ege[k];
+        to->twice += by*ege[k];
         for (int side = 0; side < both; side++) {
-            turn[side ? b : a] += omega[side ? a : b]*all_ege[k];
-            dturn[side ? b : a] += domega[side ? a : b]*all_ege[k] + omega[side ? a : b]*change;
+            to->c[side ? b : a] += omega[side ? a : b]*ege[k];
+            to->dc[side ? b : a] += domega[side ? a : b]*ege[k] + omega[side ? a : b]*rate;
         }
     }
-    for (int which = 0; which < 2; which++) {
-        double *out = which ? momentum : force;
-        lw_vec3 c = which ? vec(turn) : lw_v3_add(vec(dturn), lw_v3_cross(spin, vec(turn)));
-        if (!out)
-            continue;
-        for (int i = 0; i < rows; i++)
-            out[i] = (i/6 < own->n_bound ? 0 : which ? m[i] : dm[i]) - (which ? 0 : by_e[i]);
-        for (int i = 0; !which && i < 2*own->n_bound; i++)
-            c = lw_v3_add(c, lw_v3_cross(vec(u + 3*i), vec(m + 3*i)));
-        spread(s, &z, node, c, none, out);
-        for (int i = 0; i < 2*own->n_bound; i++) {
-            lw_vec3 here = vec((which ? m : dm) + 3*i), turns = i%2 ? lw_v3_sub(spin, vec(u + 3*i)) : spin;
-            if (!which)
-                here = lw_v3_add(here, lw_v3_cross(turns, vec(m + 3*i)));
-            put(out + 3*i, lw_v3_add(vec(out + 3*i), lw_m3_apply(&z.turn, here)));
-        }
+}
+
+/* The derivatives of T by velocities and angular velocities of the nodes, ground axes. */
+static void to_momentum(const lw_super *s, const lw_beam_node *node, const motion *m, const momenta *t, double *out)
+{
+    const int rows = 6*s->p->n, bound = 6*s->p->n_bound;
+    for (int i = 0; i < rows; i++)
+        out[i] = i < bound ? 0 : t->p[i];
+    spread(s, &m->z, node, vec(t->c), none, out);
+    for (int i = 0; i < bound; i += 3)
+        put(out + i, lw_v3_add(vec(out + i), lw_m3_apply(&m->z.turn, vec(t->p + i))));
+}
+
+/* Force and moment that each node takes, ground axes. */
+static void to_force(const lw_super *s, const lw_beam_node *node, const motion *m, const momenta *t, double *out)
+{
+    const int rows = 6*s->p->n, bound = 6*s->p->n_bound;
+    lw_vec3 c = lw_v3_add(vec(t->dc), lw_v3_cross(m->spin, vec(t->c)));
+    for (int i = 0; i < rows; i++)
+        out[i] = (i < bound ? 0 : t->dp[i]) - t->by_e[i];
+    for (int i = 0; i < bound; i += 3)
+        c = lw_v3_add(c, lw_v3_cross(vec(m->u + i), vec(t->p + i)));
+    spread(s, &m->z, node, c, none, out);
+    for (int i = 0; i < bound; i += 3) {
+        lw_vec3 turns = i%6 ? lw_v3_sub(m->spin, vec(m->u + i)) : m->spin;
+        lw_vec3 rate = lw_v3_add(vec(t->dp + i), lw_v3_cross(turns, vec(t->p + i)));
+        put(out + i, lw_v3_add(vec(out + i), lw_m3_apply(&m->z.turn, rate)));
     }
-    return 0.5*twice;
+}
+
+/* lw_super_inertia; again: the nodes are where they were in the call before. */
+static double inertia(const lw_super *s, const lw_beam_node *node, const lw_vec3 *rate, bool again, double *force, double *momentum)
+{
+    const int rows = 6*s->p->n;
+    double *work = s->work + 4*rows;
+    motion m = motion_of(s, node, rate);
+    momenta t = { .p = work, .dp = work + rows, .by_e = work + 2*rows };
+    memset(work, 0, 3*(size_t)rows*sizeof *work);
+    multiply(rows, s->p->rate, 1, m.u, t.p);
+    multiply(rows, s->p->rate, rate ? 1 : 0, m.du, t.dp);
+    t.twice = dot(rows, m.u, t.p);
+    if (s->p->turn)
+        add_turning(s->p, &m, again, work + 3*rows, work + 4*rows, work + 7*rows, &t);
+    if (momentum)
+        to_momentum(s, node, &m, &t, momentum);
+    if (force)
+        to_force(s, node, &m, &t, force);
+    return 0.5*t.twice;
 }
 
 double lw_super_inertia(const lw_super *s, const lw_beam_node *node, const lw_vec3 *rate, double *force, double *momentum)
