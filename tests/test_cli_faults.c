@@ -305,7 +305,7 @@ TEST(missing_libraries)
         expect(line, 3, "", missing[i].package);
     }
     expect("test ! -e $D/hidden/SHA256SUMS && rm -r $D/hidden && rm -f $D/hidden.db; ls -d $D/hidden* && exit 1; rm -r $D/one", 0, "", NULL);
-    expect("LW_HIDE=igraph $C catalogue release -o $D/hidden --links 7", 3, "", "a part of the data set, which has no SHA256SUMS");
+    expect("LW_HIDE=igraph $C catalogue release -o $D/hidden --links 7", 3, "", "only a part of the data set, without SHA256SUMS");
     expect("rm -r $D/hidden", 0, "", NULL);
 }
 

@@ -94,7 +94,7 @@ TEST(folders)
            "two/target-2.json");
     expect(PREPARE "$P fit target.csv --rounds 1 --starts 20 -q --save new/folder > table; ls new/folder", 0,
            "target-1.json", NULL);
-    expect("$P fit $D/target.csv --time 0.001 -q --save $D/none/folder; test $? = 5 || exit 1; ls -d $D/none", 2, "", NULL);
+    expect("LW_CLOCK_STEP=1 $C fit $D/target.csv --time 0.001 -q --save $D/none/folder; test $? = 5 || exit 1; ls -d $D/none", 2, "", NULL);
     expect("echo mine > $D/curves.csv; $P bench fit --seeds 1 -o $D", 2, "", "curves.csv");
     expect("$P catalogue build $D/a.db --links 4 -q; echo mine > $D/index.html; $P catalogue html $D/a.db -o $D", 2, "",
            "index.html exists");

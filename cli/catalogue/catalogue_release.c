@@ -43,7 +43,7 @@ int cli_catalogue_release(const cli_call *call)
     else
         code = cli_catalogue_watch_end(&w, cli_fail(call, &e));
     if (status != LW_OK)
-        cli_note(call, "files that are in %s are a part of the data set, which has no SHA256SUMS; the same command goes on", folder);
+        cli_note(call, "what is in %s is only a part of the data set, without SHA256SUMS; the same command goes on from there", folder);
     else
         cli_note(call, "complete: check it with 'cd %s && sha256sum -c SHA256SUMS'", folder);
     return code;

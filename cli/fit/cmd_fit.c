@@ -52,9 +52,9 @@ static const cli_option options[] = {
       "chain by its number of links and its own number, as 8.5; with slots or gears by number of links, number of such "
       "joints and its own number, as 5.1.3", 0, 0, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "1e6",
-      "number of evaluations of the objective, for each number of links above four (four links always have their whole search); as "
-      "many again for finds of other sizes and transmission angles, with sliders, and with slots or gears. With --time and "
-      "without --budget the search goes on until the time ends; the exit code is 0 if it had the default", 1e3, 1e12, NULL, NULL },
+      "number of evaluations of the objective, for each number of links above four; four links always have their whole search. The "
+      "same number again is for fits at other sizes and transmission angles, for mechanisms with sliders, and for those with slots or "
+      "gears. With --time and without --budget the search goes on until the time ends; the exit code is 0 if it had the default", 1e3, 1e12, NULL, NULL },
     { "start-from", 0, CLI_INPUT, offsetof(settings, resume), "FILE", NULL,
       "also start from the linkages in this file: results that an earlier fit or 'catalogue nearest' wrote with -o or --json, "
       "or a linkage of your own", 0, 0, NULL, NULL },

@@ -545,10 +545,10 @@ int cli_make_folder(const cli_call *call, const char *folder)
         if (end && end != '/')
             continue;
         *at = 0;
-        if (mkdir(path, 0777) == 0)
+        error = mkdir(path, 0777) == 0 ? 0 : errno;
+        if (error == 0)
             keep_made(path);
-        else if (errno != EEXIST)
-            error = errno;
+        error = error == EEXIST ? 0 : error;
         *at = end;
         if (!end)
             break;

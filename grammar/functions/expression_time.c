@@ -63,7 +63,7 @@ static range absolute(range a)
     return (range){ a.lo > 0 ? a.lo : a.hi < 0 ? -a.hi : 0, most(a) };
 }
 
-/* a to the power c, and its derivative by a. */
+/* a to the power c. */
 static range power(range a, double c)
 {
     bool even = fmod(c, 2) == 0, entire = c == floor(c);
@@ -146,8 +146,8 @@ static bool two_operands(lw_op op)
 static void bound_operation(const lw_expression *x, const lw_expression_node *n, const bound *p, const bound *q, bound *out)
 {
     range a = p->f, b = q->f, f = whole, slope = whole, one = point(1);      /* slope: by a */
-    bool both = true;                                        /* the derivative is slope times that of a, unless set here */
     range d = whole;
+    bool has_d = true;                                       /* d is set here; else the derivative is slope times that of a */
     switch (n->op) {
     case LW_OP_NEGATE:   f = minus(point(0), a), d = minus(point(0), p->d); break;
     case LW_OP_ADD:      f = plus(a, b), d = plus(p->d, q->d); break;
@@ -184,7 +184,7 @@ static void bound_operation(const lw_expression *x, const lw_expression_node *n,
         if (b.lo == b.hi && most(q->d) == 0 && floor(a.lo/b.lo) == floor(a.hi/b.lo))
             f = minus(a, point(b.lo*floor(a.lo/b.lo))), d = p->d;
         break;
-    default: both = false;
+    default: has_d = false;
     }
     switch (n->op) {
     case LW_OP_SIN:   f = sine(a), slope = cosine(a); break;
@@ -214,7 +214,7 @@ static void bound_operation(const lw_expression *x, const lw_expression_node *n,
     default: break;
     }
     out->f = f;
-    out->d = both ? d : times(slope, p->d);
+    out->d = has_d ? d : times(slope, p->d);
 }
 
 /* Bound all nodes between the times a and b. */

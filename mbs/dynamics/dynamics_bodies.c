@@ -19,7 +19,7 @@ double lw_run_held(lw_run *run, const double *q, const double *v, const double *
     double fastest = 0;
     if (run->has_work)
         return 0;
-    double all = d->eq.kinetic(d->eq.context, v), off = all + d->eq.potential(d->eq.context, q) - run->energy0;
+    double potential = d->eq.potential(d->eq.context, q), all = d->eq.kinetic(d->eq.context, v), off = all + potential - run->energy0;
     double kinetic = rigid ? all - d->eq.kinetic(d->eq.context, rigid) : all;
     for (int i = 0; i < d->n_v; i++)
         fastest = fmax(fastest, fabs(v[i]));

@@ -100,7 +100,7 @@ struct lw_dynamics {
     char    not_reduced[128];                 /* and if not, why */
     struct lw_panel_rule *rule;               /* of the quadrature formulation */
     struct lw_tangent *masses;                /* those that depend on the posture, with the rows; NULL: not yet made */
-    /* Accelerations a (n_v) and multipliers l with these (mbs/dynamics/tangent_internal.h). */
+    /* lw_tangent_accelerate, which finds accelerations with these masses; by a pointer, since it uses the functions below. */
     lw_status (*accelerate)(struct lw_dynamics *d, const double *q, const double *v, const double *force, double *a, double *l);
     double  settling;                         /* damping of all motion [1/s] at held inputs, statics of contacts only; 0: none */
     double  decay;                            /* fastest decay by dampers at the start [1/s] */

@@ -593,7 +593,8 @@ static double switch_within(stages *g, double *beyond)
     }
     *beyond = high;
     double jump = 0;
-    bool stop = false;                       /* at the end of sign() and mod() forces may go on as before, as sign(v)*v^2 does */
+    bool stop = false;                       /* a stop begins or ends to push; where sign() and mod() change, forces need not
+                                              * jump: sign(v)*v^2 does not */
     if (ends && eq->n_jump) {
         switched(g, low);
         memcpy(g->b, g->r, (size_t)g->n*sizeof *g->b);

@@ -20,7 +20,7 @@ void lw_run_watch(lw_run *run, const double *y)
 {
     const lw_dynamics *d = run->d;
     lw_dynamics_report *r = run->r;
-    double kinetic = d->eq.kinetic(d->eq.context, y + d->n_q), potential = d->eq.potential(d->eq.context, y);
+    double potential = d->eq.potential(d->eq.context, y), kinetic = d->eq.kinetic(d->eq.context, y + d->n_q);
     double work = run->has_work ? y[d->n_q + d->n_v] : 0;
     r->energy_error = fmax(r->energy_error, fabs(kinetic + potential - run->energy0 - work));
     r->energy_scale = fmax(r->energy_scale, fmax(kinetic, fabs(potential - run->potential0)));
@@ -33,10 +33,14 @@ void lw_run_watch(lw_run *run, const double *y)
     }
 }
 
-/* The motion slides along a jump if it jumps so often that there would be most_jumps in a run, or if so many steps in a row are as short and
- * the jump is within the reach of some of them: the stages of a step jump, too.  A jump is at least this part of the greatest force. */
-static const double most_jumps = 2e5, least_jump = 1e-3, reach = 4, forget = 0.99;
+/* A motion that slides along a jump of the forces shows it in one of two ways.  Forces jump LW_RUN_JUMPS times in so short a time that a run
+ * would have most_jumps.  Or most_near steps in a row are shorter than a run over most_jumps, all with a jump near them that neither
+ * comes nearer nor goes away, since stages within the steps jump.  A jump is near if its side, at the greatest rate of late (which
+ * is forgotten slowly), changes within `reach` steps. */
+static const double most_jumps = 2e5, reach = 4, forget = 0.99;
 static const int most_near = 80;
+static const double least_jump = 1e-3;                   /* part of the greatest force so far: less is no jump */
+static const double lately = 1e-3;                       /* part of the run: the last jump is not longer ago */
 
 lw_status lw_run_slides(lw_run *run, double t)
 {
@@ -82,14 +86,15 @@ lw_status lw_run_jumps(lw_run *run, double t, const double *y)
     if (run->n_near < most_near)
         return LW_OK;
     run->n_near = 0;
-    return since < 1e-3*all && run->near[1] <= 2*run->near[0] && run->near[0] <= 2*run->near[1]
+    return since < lately*all && run->near[1] <= 2*run->near[0] && run->near[0] <= 2*run->near[1]
          ? lw_run_slides(run, t) : LW_OK;                /* else the motion comes to the jump, or leaves it */
 }
 
 double lw_run_energy(const lw_run *run, const double *y)
 {
     const lw_dynamics *d = run->d;
-    return d->eq.kinetic(d->eq.context, y + d->n_q) + d->eq.potential(d->eq.context, y) - (run->has_work ? y[d->n_q + d->n_v] : 0);
+    double potential = d->eq.potential(d->eq.context, y);
+    return d->eq.kinetic(d->eq.context, y + d->n_q) + potential - (run->has_work ? y[d->n_q + d->n_v] : 0);
 }
 
 /* A period that is measured and repeated is off by this part, plus this share of the tolerance. */

@@ -6,10 +6,10 @@
 #include "mbs/equations/timed.h"
 #include "mbs/ode/integrate.h"
 
-/* The state y of a run: q (n_q), v (n_v), where some is done the work of what the potential does not hold, and the
- * first-order states z (n_z). */
 #define LW_RUN_JUMPS 64
 
+/* The state y of a run: q (n_q), v (n_v), where some is done the work of what the potential does not hold, and the
+ * first-order states z (n_z). */
 typedef struct lw_run {
     lw_dynamics    *d;
     lw_moment_sink *sink;
@@ -80,8 +80,8 @@ lw_status lw_run_show_solved(lw_run *run, double t, const double *y);
 typedef lw_status lw_run_state_at(void *context, double t, double *y);
 lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void *context);
 
-/* Where the next step from t must end (near: of a method that evaluates loads at the end of a step alone), and for what it has
- * ended: LW_ODE_END at the end of the run alone. */
+/* Where the next step from t must end; near: if the method evaluates the loads at the ends of steps only.  A solver stops with LW_ODE_END
+ * at each of these; lw_run_stop keeps that for the end of the run. */
 static inline double lw_run_end(lw_run *run, double t) { return lw_timed_end(&run->timed, t); }
 static inline double lw_run_near(lw_run *run, double t) { return lw_timed_near(&run->timed, t); }
 static inline lw_ode_stop lw_run_stop(const lw_run *run, double t, lw_ode_stop stop)

@@ -58,7 +58,8 @@ lw_status lw_tangent_make(lw_dynamics *d, bool is_complex, bool consistent, lw_t
     t->kept = t->lu ? malloc(((size_t)t->c + 1)*sizeof *t->kept) : NULL;
     bool more = consistent && d->eq.more_mass;
     t->heavy = t->kept && more ? calloc((size_t)t->columns.at[t->columns.n] + 1, sizeof *t->heavy) : NULL;
-    if (!t->kept || (more && !t->heavy))
+    t->work = t->heavy ? malloc((size_t)(first + t->c + 1)*sizeof *t->work) : NULL;
+    if (!t->kept || (more && !t->work))
         return LW_E_MEMORY;
     memcpy(t->kept, d->kept, (size_t)t->c*sizeof *t->kept);
     return LW_OK;
@@ -78,6 +79,7 @@ void lw_tangent_free(lw_tangent *t)
     lw_columns_free(&t->columns);
     free(t->value);
     free(t->heavy);
+    free(t->work);
     free(t->pair);
     free(t->kept);
     memset(t, 0, sizeof *t);
@@ -256,9 +258,9 @@ lw_status lw_tangent_accelerate(lw_dynamics *d, const double *q, const double *v
         return lw_error_set(d->e, LW_E_MEMORY, "out of memory");
     int n = d->n_v, first = n + d->eq.n_z, all = first + d->n_kept;
     lw_status s = lw_tangent_renew(d, false, true, t);
-    double *b = s == LW_OK ? malloc((size_t)(all + 1)*sizeof *b) : NULL, before = INFINITY, fastest = 0;
-    if (!b)
-        return lw_error_set(d->e, LW_E_MEMORY, "out of memory");
+    if (s != LW_OK)
+        return lw_error_set(d->e, s, "out of memory");
+    double *b = t->work, before = INFINITY, fastest = 0;
     memset(t->value, 0, (size_t)t->columns.at[t->columns.n]*sizeof *t->value);
     put_masses(t, q, (const double[]){ 1, 0 });
     for (int i = n; i < first; i++)
@@ -301,7 +303,6 @@ lw_status lw_tangent_accelerate(lw_dynamics *d, const double *q, const double *v
             s = LW_OK;
         before = change;
     }
-    free(b);
     return s;
 }
 

@@ -28,6 +28,7 @@ typedef struct lw_tangent {
     double  weight_re, weight_im;        /* of C, while it is filled; */
     double  mass_re, mass_im;            /* of M */
     double *heavy;                       /* entries of M besides its diagonal, as filled last; NULL: there are none */
+    double *work;                        /* (n + z + c) scratch, where there are such entries */
 } lw_tangent;
 
 /* LW_E_MEMORY.  t needs lw_tangent_free, after a failure too. */

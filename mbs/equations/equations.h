@@ -10,8 +10,8 @@
  *     equations_space.c     a body has two blocks: velocity of its centre, and angular velocity in its principal axes; it has
  *                           7 coordinates, centre and quaternion, so n_q is not n_v
  *
- * M is constant and diagonal in both, but for superelements (more_inertia).  A measure is a number that a posture has, such as the turn of a joint; how
- * measures are numbered is the filler's.
+ * M is constant and diagonal in both, but for superelements (more_inertia).  A measure is a number that a posture has, such as
+ * the turn of a joint; how measures are numbered is the filler's.
  *
  * place comes first; what has no q of its own holds at the q placed last, what has no z at the z placed last. */
 #ifndef LW_MBS_EQUATIONS_EQUATIONS_H
@@ -107,8 +107,8 @@ typedef struct lw_equations {
     void   (*state_rates)(void *context, double t, const double *q, const double *v, double *rate);
     void   (*state_start)(void *context, double t, const double *q, const double *v, double *z);
     double (*state_scale)(void *context, int i);
-    double (*kinetic)(void *context, const double *v);
-    double (*potential)(void *context, const double *q);
+    double (*potential)(void *context, const double *q);                 /* places q where M depends on it */
+    double (*kinetic)(void *context, const double *v);                   /* at the q placed last */
     /* A momentum that the scene keeps, and its size for comparison.  NULL: none is known. */
     double (*momentum)(void *context, const double *q, const double *v, double *size);
     /* Momenta of parts that nothing joins to the ground: note them at the start of a run; put v on them at time t, and rigid (n_v)

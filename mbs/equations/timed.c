@@ -1,7 +1,8 @@
-#include "base/real.h"
+/* mbs/equations/timed.c - kinks and pulses of all functions of time of a model. */
 #include "mbs/equations/timed.h"
 
 #include <float.h>
+#include "base/real.h"
 #include "grammar/model/model.h"
 
 /* Loads are not evaluated so near to a kink, because its time is rounded. */
