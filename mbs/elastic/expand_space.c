@@ -302,16 +302,23 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
     return LW_OK;
 }
 
-/* A superelement between the nodes link of the model; takes the matrices over: stiffness, mass, from which the masses of the nodes and the
- * weight come, rate and turn. */
-static lw_status add_superelement(work *w, int n, int n_bound, const int *link, double damping, double *const matrix[4], lw_error *e)
+/* Of a superelement: stiffness, rate and turn as lw_superelement's; mass, from which the masses of its nodes and its weight come. */
+typedef struct matrices { double *stiffness, *mass, *rate, *turn; } matrices;
+
+static void free_matrices(matrices *m)
+{
+    free(m->stiffness), free(m->mass), free(m->rate), free(m->turn);
+}
+
+/* A superelement between the nodes link of the model; takes the matrices over. */
+static lw_status add_superelement(work *w, int n, int n_bound, const int *link, double damping, const matrices *from, lw_error *e)
 {
     lw_spatial *to = &w->x->model;
     lw_superelement *p = &to->super[to->n_super++];
-    double total, rigid[6], *mass = matrix[1], *lump = calloc((size_t)n, sizeof *lump), *inertia = calloc(6*(size_t)n, sizeof *inertia);
+    double total, rigid[6], *mass = from->mass, *lump = calloc((size_t)n, sizeof *lump), *inertia = calloc(6*(size_t)n, sizeof *inertia);
     lw_vec3 centre;
     *p = (lw_superelement){ .n = n, .n_bound = n_bound, .link = calloc((size_t)n, sizeof *p->link), .at = calloc((size_t)n, sizeof *p->at),
-                            .stiffness = matrix[0], .rate = matrix[2], .turn = matrix[3],
+                            .stiffness = from->stiffness, .rate = from->rate, .turn = from->turn,
                             .first = calloc(18*(size_t)n, sizeof *p->first), .lump = lump, .turning = inertia, .damping = damping };
     lw_status s = lump && inertia && p->link && p->at && p->first ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int i = 0; s == LW_OK && i < n; i++)
@@ -343,10 +350,10 @@ static lw_status add_superelement(work *w, int n, int n_bound, const int *link, 
 }
 
 /* Matrices of the elements first .. last of a chain, whose nodes are links 0, 1, ... of m, condensed to its two ends and modes. */
-static lw_status condense(const lw_spatial *m, int first, int last, bool consistent, int modes, double *matrix[4])
+static lw_status condense(const lw_spatial *m, int first, int last, bool consistent, int modes, matrices *out)
 {
     int nodes = last - first + 1, rows = 6*nodes;
-    double *k = matrix[0] = calloc((size_t)rows*(size_t)rows, sizeof *k), *a = matrix[1] = calloc((size_t)rows*(size_t)rows, sizeof *a);
+    double *k = out->stiffness = calloc((size_t)rows*(size_t)rows, sizeof *k), *a = out->mass = calloc((size_t)rows*(size_t)rows, sizeof *a);
     if (!k || !a)
         return LW_E_MEMORY;
     for (int i = first; i < last; i++) {
@@ -376,7 +383,7 @@ static lw_status condense(const lw_spatial *m, int first, int last, bool consist
             }
     }
     return lw_super_reduce(rows, k, a, 2, (const int[]){ 0, nodes - 1 }, (const lw_vec3[]){ m->body[first].centre, m->body[last].centre }, modes,
-                           &matrix[2], &matrix[3]);
+                           &out->rate, &out->turn);
 }
 
 /* A bar of elements condensed to superelements between its nodes that are kept. */
@@ -397,21 +404,20 @@ static lw_status fill_pieces(work *w, int chain, lw_error *e)
     c->first_beam = w->x->model.n_super;
     for (int i = 0, first = 0; s == LW_OK && i + 1 < kept->n_node; i++) {
         int last = first + 1;
-        double *matrix[4] = { 0 };
+        matrices of = { 0 };
         while (full->node[last] < kept->node[i + 1])
             last++;
         if (6*(last - first - 1) < modes) {
             s = too_many_modes(w, c, last - first - 1, e);
             break;
         }
-        s = condense(&mesh.model, first, last, c->elastic->consistent, modes, matrix);
+        s = condense(&mesh.model, first, last, c->elastic->consistent, modes, &of);
         for (int k = 0; k < 2 + modes/6; k++)
             link[k] = c->node[k < 2 ? i + k : c->n_bound + i*(modes/6) + k - 2];
         if (s == LW_OK)
-            s = add_superelement(w, 2 + modes/6, 2, link, c->elastic->damping, matrix, e);
+            s = add_superelement(w, 2 + modes/6, 2, link, c->elastic->damping, &of, e);
         else {
-            for (int k = 0; k < 4; k++)
-                free(matrix[k]);
+            free_matrices(&of);
             lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed", named.body->name);
         }
         if (s == LW_OK)
@@ -430,22 +436,23 @@ static lw_status fill_matrices(work *w, int chain, lw_error *e)
     const lw_elastic *p = c->elastic;
     size_t size = 36*(size_t)p->n_node*(size_t)p->n_node*sizeof(double);
     lw_vec3 centre, *at = calloc((size_t)c->n_bound, sizeof *at);
-    double *stiffness = malloc(size), *mass = malloc(size), *rate = NULL, *turn = NULL, rigid[6];
-    lw_status s = stiffness && mass && at ? fill_nodes(w, c, NULL, w->keep[chain], e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    matrices m = { .stiffness = malloc(size), .mass = malloc(size) };
+    double rigid[6];
+    lw_status s = m.stiffness && m.mass && at ? fill_nodes(w, c, NULL, w->keep[chain], e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
-        memcpy(stiffness, p->stiffness, size);
-        memcpy(mass, p->mass, size);
-        lw_super_rigid_mass(p->n_node, p->node, mass, &c->mass, &centre, rigid);
+        memcpy(m.stiffness, p->stiffness, size);
+        memcpy(m.mass, p->mass, size);
+        lw_super_rigid_mass(p->n_node, p->node, m.mass, &c->mass, &centre, rigid);
     }
     for (int i = 0; s == LW_OK && i < c->n_bound; i++)
         at[i] = p->node[w->keep[chain][i]];
-    if (s == LW_OK && (s = lw_super_reduce(6*p->n_node, stiffness, mass, c->n_bound, w->keep[chain], at, p->modes, &rate, &turn)) != LW_OK)
+    if (s == LW_OK && (s = lw_super_reduce(6*p->n_node, m.stiffness, m.mass, c->n_bound, w->keep[chain], at, p->modes, &m.rate, &m.turn)) != LW_OK)
         lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed: its stiffness does not hold the inner nodes, or their mass is not "
                      "positive definite", w->m->body[c->link].name);
     free(at);
     if (s == LW_OK)
-        return add_superelement(w, c->n_node, c->n_bound, c->node, p->damping, (double *[]){ stiffness, mass, rate, turn }, e);
-    free(stiffness), free(mass), free(rate), free(turn);
+        return add_superelement(w, c->n_node, c->n_bound, c->node, p->damping, &m, e);
+    free_matrices(&m);
     return s;
 }
 
