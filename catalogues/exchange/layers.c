@@ -915,6 +915,8 @@ lw_status lw_layers_find(const lw_scene *s, const lw_plate_size *size, lw_layers
         st = find_layers(&w, e);
     if (st == LW_OK)
         l->room = least_clearance(&w);
+    if (st == LW_OK && is_stopped(&w))
+        st = lw_error_set(e, LW_STOPPED, "stopped before the clearance of the layers was known");
     else if (st == LW_E_MEMORY)
         lw_error_set(e, st, "out of memory for the layers of a linkage");
     for (int i = 0; w.body && i < 2*(n + l->n_pin); i++)
