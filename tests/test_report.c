@@ -227,14 +227,8 @@ TEST(stray_is_that_of_a_dense_curve)
         for (int q = 0; q <= LOOKS; q++)
             curve[q] = fourbar_at(k.c.dim, k.m.mode, k.st.input[0] + (k.st.input[4] - k.st.input[0])*q/LOOKS).p;
         lw_stray dense = lw_likeness_stray(&k.t, curve, LOOKS + 1);
-        double widest = 0, apart = 0;        /* between stations, in inputs; between looks of the report, which has 101 in a span, along the curve */
-        for (int i = 0; i < 4; i++)
-            widest = fmax(widest, (k.st.input[i + 1] - k.st.input[i])/(k.st.input[4] - k.st.input[0]));
-        int step = (int)ceil(widest*LOOKS/101) + 1;
-        for (int q = 0; q + step <= LOOKS; q++)
-            apart = fmax(apart, lw_v2_norm(lw_v2_sub(curve[q + step], curve[q])));
-        CHECK(fabs(r.stray.to_target - dense.to_target) <= 0.51*apart);      /* a distance changes by no more than the point moves */
-        CHECK(apart < 0.02*k.t.extent);
+        /* 1600 looks miss a crest of the distance by up to 6e-3 of it, where the curve has a corner; 48 looks, by up to 0.05 */
+        CHECK_NEAR(r.stray.to_target, dense.to_target, 1e-9, 7e-3);
         lw_target_free(&k.t);
     }
     free(curve);

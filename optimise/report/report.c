@@ -337,10 +337,9 @@ static size_t sample_curve(const lw_candidate *c, const lw_plan *plan, size_t a,
 static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
                            const lw_closed_motion *cycle, lw_fit_report *r)
 {
-    enum { STEPS = 12, WHOLE = 400 };
+    enum { STEPS = 12, WHOLE = 1600 };
     size_t spans = t->closed ? t->n : t->n - 1, n = 0;
-    int steps = spans*STEPS < WHOLE ? WHOLE/(int)spans + 1 : STEPS;       /* near an end the point may turn back within a span */
-    lw_vec2 *curve = malloc(sizeof *curve*(spans*(size_t)steps + WHOLE + 1));
+    lw_vec2 *curve = malloc(sizeof *curve*(spans*STEPS + WHOLE + 1));
     if (!curve) {
         r->no_memory = true;
         return;
@@ -350,12 +349,15 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
         n = lw_fit_report_cycle_points(plan, c, cycle, WHOLE, curve);
     else if (piece)
         n = sample_curve(c, plan, 0, covered_travel(t, c, r->turns), WHOLE, curve, r);
+    double whole = 0;
+    for (size_t i = 0; i < spans; i++)
+        whole += fabs(travel_to_next(t, c, r->turns, i));
     for (size_t i = 0; i < spans && !piece; i++) {
-        double here[LW_MODE_MAX], next[LW_MODE_MAX];
+        double here[LW_MODE_MAX], next[LW_MODE_MAX], travel = travel_to_next(t, c, r->turns, i);
+        int steps = STEPS + (int)(WHOLE*fabs(travel)/(whole + 1e-300));     /* within a wide span the point may turn back */
         modes_at(c, plan, i, here);
         modes_at(c, plan, (i + 1) % t->n, next);
-        n += sample_curve(c, plan, i, travel_to_next(t, c, r->turns, i), here[0] != next[0] ? 1 : steps, curve + n,
-                          r);
+        n += sample_curve(c, plan, i, travel, here[0] != next[0] ? 1 : steps, curve + n, r);
     }
     if (!t->closed && !piece)
         n += sample_curve(c, plan, t->n - 1, 0, 1, curve + n, r);
