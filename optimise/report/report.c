@@ -354,7 +354,7 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
         whole += fabs(travel_to_next(t, c, r->turns, i));
     for (size_t i = 0; i < spans && !piece; i++) {
         double here[LW_MODE_MAX], next[LW_MODE_MAX], travel = travel_to_next(t, c, r->turns, i);
-        int steps = STEPS + (int)(WHOLE*fabs(travel)/(whole + 1e-300));     /* within a wide span the point may turn back */
+        int steps = STEPS + (int)(WHOLE*fmin(fabs(travel)/(whole + 1e-300), 1));     /* within a wide span the point may turn back */
         modes_at(c, plan, i, here);
         modes_at(c, plan, (i + 1) % t->n, next);
         n += sample_curve(c, plan, i, travel, here[0] != next[0] ? 1 : steps, curve + n, r);
