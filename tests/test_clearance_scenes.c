@@ -253,6 +253,32 @@ TEST(impulse_with_friction)
     lw_model_free(&m);
 }
 
+/* A wheel of 0.5 kg m^2 at rest, on a pin that is judged only: torques of the time within milliseconds, and jumps, give it their impulse
+ * over its inertia.  At its stop it is held until the torque jumps. */
+TEST(torques_of_the_time)
+{
+    const double root_pi = sqrt(LW_PI);
+    const struct { const char *torque, *stop; double rate; } row[] = {
+        { "100*exp(-((t - 0.4973)/1e-3)^2)", "", 0.2*root_pi }, { "2e4*max(0, sign(t - 0.5)*sign(0.5001 - t))", "", 4 },
+        { "max(0, min(1e6*(t - 0.5), 1e6*(0.501 - t)))", "", 0.5 }, { "sign(sin(5*t))", "", 2*(2*LW_PI/5 - 1) },
+        { "-1 + 3*max(0, sign(t - 0.5))", ", \"stop\": {\"least\": 0}", 2 } };
+    for (int i = 0; i < 10; i++) {
+        char text[1000];
+        lw_model m;
+        track k;
+        snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"disc\", \"mass\": 2, \"centre\": [0, 0], \"inertia\": "
+                 "0.5}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"disc\"], \"at\": [0, 0], \"clearance\": {\"model\": \"zero\", "
+                 "\"gap\": 0.01}%s}], \"input\": {\"joint\": \"A\", \"speed\": 0}, \"forces\": [{\"link\": \"disc\", \"at\": [0, 0], \"torque\": "
+                 "\"%s\"}]}", row[i/2].stop, row[i/2].torque);
+        read_text(text, &m);
+        lw_clearance_options o = lw_clearance_options_default();
+        o.time = 1, o.settle = 0.3, o.every = i%2 ? 1 : 0.05, o.tolerance = 1e-9;
+        run(&m, o, &k);
+        CHECK_NEAR(k.s[k.n - 1].input_rate, row[i/2].rate, 1e-7, 0);
+        lw_model_free(&m);
+    }
+}
+
 /* A driven crank passes its start at known times. */
 TEST(passes)
 {

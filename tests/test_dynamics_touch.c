@@ -999,6 +999,33 @@ TEST(short_pulse)
     lw_model_free(&d.model);
 }
 
+/* A puck on the floor, and a cart at its rigid stop, are pushed off by a load that jumps at 0.5 s: by 2 kg, at 1 and 2 m/s^2 from there.
+ * Then the load jumps back, and they come to rest again. */
+TEST(loads_that_jump_lift_what_rests)
+{
+    static const lw_formulation each[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE };
+    for (int f = 0; f < 5; f++) {
+        double a = f < 3 ? 1 : 2;
+        drun_read_format(&d, f < 3 ? "{'linkwright': 1, 'links': ['ground', {'name': 'cart', 'mass': 2, 'centre': [0, 0], 'inertia': 1}], 'joints': ["
+                         "{'name': 'S', 'kind': 't', 'links': ['ground', 'cart'], 'at': [0, 0], 'along': [0, 1], 'stop': {'least': 0}}],"
+                         "'forces': [{'link': 'cart', 'at': [0, 0], 'fy': '-1 + 3*max(0, sign(t - 0.5)*sign(1 - t))'}], 'tracers': [{'name':"
+                         "'P', 'link': 'cart', 'at': [0, 0]}]}"
+                         : "{'linkwright': 1, 'links': [{'name': 'ground', 'shapes': [" FLOOR "]}, {'name': 'puck', 'mass': 2, 'centre': [0, 0.2],"
+                         "'inertia': 1, 'shapes': [{'circle': [0, 0.2], 'radius': 0.2}]}], 'joints': [{'name': 'F', 'kind': 'n', 'links': ["
+                         "'ground', 'puck']}], 'contacts': [{'links': ['ground', 'puck'], 'restitution': 0}], 'gravity': [0, -1], 'forces': ["
+                         "{'link': 'puck', 'at': [0, 0.2], 'fy': '6*max(0, sign(t - 0.5)*sign(1 - t))'}], 'tracers': [{'name': 'P', 'link':"
+                         "'puck', 'at': [0, 0]}]}", 0, 0);
+        CHECK_INT(drun_to(&d, each[f%3], 1e-9, 4, 16), LW_OK);
+        double fall = f < 3 ? 0.5 : 1, up = a/2, high = a/8, end = 1 + (up + sqrt(up*up + 2*fall*high))/fall;
+        for (int k = 0; k < d.n_moment; k++) {
+            double t = d.t[k], s = t - 1;
+            double y = t < 0.5 || t > end ? 0 : t < 1 ? a*(t - 0.5)*(t - 0.5)/2 : high + up*s - fall*s*s/2;
+            CHECK_NEAR(d.tracer[k].y, y, 1e-6, 0);
+        }
+        lw_model_free(&d.model);
+    }
+}
+
 int main(void)
 {
     check_run();

@@ -86,6 +86,20 @@ TEST(blocks_on_each_other)
     }
 }
 
+/* A load that jumps from 0 to 7 N moves 2 kg that stick by 2 N, at once; when it jumps back, they slow down and stick again. */
+TEST(a_load_jumps)
+{
+    run("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 2, \"centre\": [0, 0, 0], \"inertia\": [1, 1, 1]}], "
+        "\"joints\": [{\"name\": \"S\", \"kind\": \"prismatic\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0, 0], \"axis\": [0, 1, 0], "
+        "\"friction\": {\"coefficient\": 0.1}}], \"gravity\": [0, 0, -10], \"forces\": [{\"link\": \"A\", \"at\": [0, 0, 0], \"fy\": "
+        "\"7*max(0, sign(t - 0.5)*sign(0.7 - t))\"}], \"tracers\": [{\"name\": \"P\", \"link\": \"A\", \"at\": [0, 0, 0]}]}",
+        LW_FORMULATION_INDEX1, 2, 20, 1e-11);
+    for (int i = 0; i < k.n; i++) {
+        double on = fmin(fmax(k.t[i] - 0.5, 0), 0.2), off = fmin(fmax(k.t[i] - 0.7, 0), 0.5);
+        CHECK_NEAR(k.tracer[i][0].y, 2.5*on*on/2 + 0.5*off - off*off/2, 1e-11, 0);
+    }
+}
+
 /* A body of 1 kg on a pin of radius r: each half swing is smaller by 2 mu r/l, if angles and friction are small; then it sticks
  * where the weight cannot turn it. */
 TEST(a_pendulum_comes_to_rest)

@@ -10,6 +10,7 @@
 #include "mbs/equations/forces.h"
 #include "mbs/equations/friction.h"
 #include "mbs/equations/rigid_stops_internal.h"
+#include "mbs/equations/timed.h"
 
 /* ---- scenes and runs ----------------------------------------------------------------------------- */
 
@@ -67,6 +68,7 @@ typedef struct lw_clearance_work {
     lw_error undetermined;               /* set where friction leaves a reaction undetermined */
     double   heaviest;                   /* greatest entry of the mass matrix: scale of the rows */
     lw_rank  kkt, fit;
+    lw_timed timed;                      /* where steps must end because of functions of time */
     lw_clearance_result *r;
     double   quickest;                   /* fastest rate of the scene [1/s] */
     const double *held;                  /* NULL, or constant values of the inputs, scaled */

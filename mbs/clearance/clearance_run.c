@@ -347,13 +347,27 @@ static lw_status take_events(lw_clearance_work *w, lw_integrator *in, lw_error *
     return s == LW_OK ? rate_of(w, in->t, in->y, in->dy) : s;
 }
 
+/* Begin anew behind a kink of the functions of time, where forces may have jumped: a stop that would have to pull is left. */
+static lw_status pass_kink(lw_clearance_work *w, lw_integrator *in, lw_error *e)
+{
+    in->t = lw_timed_behind(&w->timed);
+    in->t_low = 0;
+    lw_status s = w->c->n_stop ? take_strikes(w, in, 0, e) : lw_integrate_restart(in, NULL, e);
+    for (int i = 0; i < w->c->n_journal; i++)
+        if (w->rows.link[i])
+            note_contact(w, i, in->t, in->side[PER_JOURNAL*i + CONTACT] > 0);
+    return s;
+}
+
+static void expressions(void *context, lw_expression_sink *see, void *of) { lw_model_expressions(context, see, of); }
+
 static lw_status run_until(lw_clearance_work *w, lw_integrator *in, double t_end, double *next, lw_error *e)
 {
     while (in->t < t_end) {
         lw_ode_stop stop;
         lw_status s = lw_limits_check(w->o.stop, w->o.until, in->n_step%256 == 0, in->t, e);
         if (s == LW_OK)
-            s = lw_integrate_step(in, t_end, &stop, e);
+            s = lw_integrate_step(in, fmin(t_end, lw_timed_end(&w->timed, in->t)), &stop, e);
         if (s != LW_OK)
             return s;
         s = sample_step(w, in, next);
@@ -362,6 +376,8 @@ static lw_status run_until(lw_clearance_work *w, lw_integrator *in, double t_end
         if (s != LW_OK)
             return lw_error_set(e, s, "the motion with clearance ends at t = %.9g s: %s", in->t, lw_status_text(s));
         if (stop == LW_ODE_EVENT && (s = take_events(w, in, e)) != LW_OK)
+            return s;
+        if (lw_timed_at_kink(&w->timed, in->t) && (s = pass_kink(w, in, e)) != LW_OK)
             return s;
     }
     return LW_OK;
@@ -434,6 +450,7 @@ static lw_status run(lw_clearance_work *w, double *memory, lw_error *e)
     lw_integrator in;
     lw_ode ode = equations(w);
     lw_ode_options o = { .absolute_each = each, .max_step = w->o.max_step };
+    w->timed = (lw_timed){ .expressions = expressions, .context = (void *)w->c->m, .to = w->o.time };
     s = lw_integrate_start(&in, &ode, &o, work, 0.0, start, e);
     if (s == LW_OK && w->o.sink && w->o.every > 0.0) {
         s = sample_at(w, w->o.sink, 0.0, in.y);

@@ -23,7 +23,7 @@ lw_status lw_clearance_reaction_rate(lw_clearance_work *w, double t, const doubl
                                      lw_vec2 *rate)
 {
     int n = w->n_u;
-    double du0[LW_SYSTEM_Q_MAX], a[LW_SYSTEM_Q_MAX], u[LW_SYSTEM_Q_MAX], du[LW_SYSTEM_Q_MAX], fast = 0.0;
+    double du0[LW_SYSTEM_Q_MAX], a[LW_SYSTEM_Q_MAX], u[LW_SYSTEM_Q_MAX], du[LW_SYSTEM_Q_MAX], fast = 1/w->o.time;
     lw_vec2 side[2];
     memcpy(du0, y + n, sizeof(double)*(size_t)n);
     lw_status s = lw_clearance_accelerate(w, t, y, du0, a);
@@ -32,8 +32,8 @@ lw_status lw_clearance_reaction_rate(lw_clearance_work *w, double t, const doubl
     *f = lw_clearance_reaction(w, i);
     for (int k = 0; k < n; k++)
         fast = fmax(fast, fabs(du0[k]) + sqrt(fabs(a[k])));
-    double h = fast > 0.0 ? FLOW_STEP/fast : 0.0;
-    for (int e = 0; h > 0.0 && e < 2; e++) {
+    double h = FLOW_STEP/fast;
+    for (int e = 0; e < 2; e++) {
         double d = e ? h : -h, trash[LW_SYSTEM_Q_MAX];
         for (int k = 0; k < n; k++) {
             u[k] = y[k] + d*du0[k] + 0.5*d*d*a[k];
@@ -43,7 +43,7 @@ lw_status lw_clearance_reaction_rate(lw_clearance_work *w, double t, const doubl
             return s;
         side[e] = lw_clearance_reaction(w, i);
     }
-    *rate = h > 0.0 ? lw_v2_scale(lw_v2_sub(side[1], side[0]), 0.5/h) : lw_v2(0.0, 0.0);
+    *rate = lw_v2_scale(lw_v2_sub(side[1], side[0]), 0.5/h);
     return LW_OK;
 }
 

@@ -273,11 +273,25 @@ static lw_status check_solved(lw_run *run, stepper *w, double *y)
     return s;
 }
 
+/* Impacts at the state y, and what rests, touches or sticks from here on; begin again. */
+static lw_status decide(stepper *w, double *y, unsigned long long events)
+{
+    lw_run *run = w->run;
+    double t = time_of(w);
+    bool changed;
+    lw_status s = run->d->touch ? lw_run_touch(run, t, y, events) : w->sticks ? lw_run_stick(run, t, y, events)
+                : lw_run_strike(run, t, y, events, &changed);
+    if (s == LW_OK)
+        s = restart(w, y, run->flight, run->e);
+    if (w->sticks)
+        memset(w->explicit_one.side, 1, (size_t)run->d->n_friction);
+    return s;
+}
+
 static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
 {
     lw_dynamics *d = run->d;
     lw_ode_stop stop = LW_ODE_STEP;
-    bool changed = false;
     long n_stuck = 0;
     int taken = 0;
     double redecided = -INFINITY;
@@ -326,13 +340,14 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
                 d->eq.next_piece(d->eq.context, y, y + d->n_q, false);
                 d->eq.watch(d->eq.context, time_of(w), y, y + d->n_q, false);
             }
-            s = d->touch ? lw_run_touch(run, time_of(w), y, w->explicit_one.events)
-              : w->sticks ? lw_run_stick(run, time_of(w), y, w->explicit_one.events)
-                         : lw_run_strike(run, time_of(w), y, w->implicit ? w->implicit_one.events : w->explicit_one.events, &changed);
-            if (s == LW_OK)
-                s = restart(w, y, run->flight, run->e);
-            if (w->sticks)
-                memset(w->explicit_one.side, 1, (size_t)d->n_friction);
+            s = decide(w, y, w->implicit ? w->implicit_one.events : w->explicit_one.events);
+        }
+        if (s == LW_OK && lw_run_at_kink(run, time_of(w))) {
+            memcpy(y, state(w), (size_t)run->n*sizeof *y);
+            s = lw_run_pass_kink(run, w->implicit ? &w->implicit_one.t : &w->explicit_one.t, state_at, w);
+            stop = lw_run_stop(run, time_of(w), LW_ODE_STEP);
+            if (s == LW_OK && stop != LW_ODE_END)        /* loads that jump lift what rests, and move what sticks */
+                s = decide(w, y, 0);
         }
         if (s == LW_OK && d->touch) {
             s = watch_touch(w, y);
@@ -341,13 +356,6 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
                 s = lw_run_samples(run, d->o.to, state_at, w);
                 stop = LW_ODE_END;
             }
-        }
-        if (s == LW_OK && lw_run_at_kink(run, time_of(w))) {
-            memcpy(y, state(w), (size_t)run->n*sizeof *y);
-            s = lw_run_pass_kink(run, w->implicit ? &w->implicit_one.t : &w->explicit_one.t, state_at, w);
-            stop = lw_run_stop(run, time_of(w), LW_ODE_STEP);
-            if (s == LW_OK && stop != LW_ODE_END)
-                s = restart(w, y, 0, run->e);
         }
         if (s == LW_OK)
             s = lw_run_limits(run, time_of(w), n);
