@@ -404,3 +404,24 @@ TEST(parallelogram)
     lw_model_free(&d.model);
     lw_model_free(&other.model);
 }
+
+/* A slider of 1 kg comes to the end of its stroke, where a crank of 1e-8 kg turns by some 1e4 rad/s for 1e-8 s, and goes back as fast as it
+ * came.  Implicit methods tell that to their tolerance, or end. */
+TEST(light_crank_at_its_dead_point)
+{
+    static const struct { lw_formulation f; double off; } way[] = { { LW_FORMULATION_INDEX1, 1 }, { LW_FORMULATION_CVODE, 1 },
+        { LW_FORMULATION_RADAU, 1000 }, { LW_FORMULATION_ALPHA, 5000 } };
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1e-8, 'centre': [0, 0.5], 'inertia': 1e-9}, {'name': 'rod',"
+        "'mass': 1e-8, 'centre': [1, 0.5], 'inertia': 1e-9}, {'name': 'slider', 'mass': 1, 'centre': [2, 0], 'inertia': 0.1}], 'joints': ["
+        "{'name': 'O', 'links': ['ground', 'crank'], 'at': [0, 0]}, {'name': 'A', 'links': ['crank', 'rod'], 'at': [0, 1]}, {'name': 'B',"
+        "'links': ['rod', 'slider'], 'at': [2, 0]}, {'name': 'S', 'kind': 't', 'links': ['ground', 'slider'], 'at': [2, 0], 'along': [1, 0]}],"
+        "'input': {'joint': 'S', 'speed': 1}}", 0, 0);
+    for (int f = 0; f < 4; f++)
+        for (double tolerance = 1e-4; tolerance > 1e-11; tolerance *= 1e-2) {
+            lw_status s = drun_to(&d, way[f].f, tolerance, 2, 1);
+            CHECK(s == LW_OK || (s == LW_E_NUMERIC && f > 1));
+            if (s == LW_OK)
+                CHECK_NEAR(d.v[6]*d.system.unit, -1, way[f].off*tolerance + 1e-8, 0);
+        }
+    lw_model_free(&d.model);
+}

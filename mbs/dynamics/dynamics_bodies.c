@@ -220,29 +220,17 @@ static lw_status pass_singular(lw_run *run, stepper *w, double weak, double *y)
 }
 
 /* A step over a singular posture can end on the other motion curve that meets there.  Then the energy has changed by
- * more than the error of a step.  Take such a step back and begin again with a shorter one; *taken: how often so far.
- * A linkage at rest moves by the errors allowed alone: its energy changes by theirs, and by
- * the rounding of its coordinates. */
-static const double most_energy = 100;       /* change of the energy over its scale and the tolerance */
-static const double rounded = 1e-13;         /* of coordinates after a step, over the greatest one */
+ * more than the error of a step.  Take such a step back and begin again with a shorter one; *taken: how often so far. */
+static const double most_energy = 100;       /* such a change over that of a step at its tolerance */
 static const int    most_taken = 6;
 
 static lw_status take_back(lw_run *run, stepper *w, double *y, int *taken)
 {
     const lw_dynamics *d = run->d;
     lw_integrator *e = &w->explicit_one;
-    double near = 2*LW_SINGULAR_STEP_HALF, after = lw_run_energy(run, e->y), length = e->t - e->t_old;
-    double scale = fmax(run->r->energy_scale, d->eq.kinetic(d->eq.context, e->y + d->n_q));
-    double farthest = 0, force = 0;
-    for (int i = 0; i < d->n_q; i++)
-        farthest = fmax(farthest, fabs(e->y[i]));
-    for (int i = 0; i < d->n_v; i++) {
-        force += fabs(d->force[i]);
-        y[i] = d->o.absolute;
-    }
-    double least = d->eq.kinetic(d->eq.context, y) + rounded*farthest*force;
-    double allowed = most_energy*(d->o.relative + d->o.absolute)*scale + 2*sqrt(scale*least) + least;
-    if (d->weak > near*near || fabs(after - lw_run_energy(run, e->y_old)) <= allowed || *taken == most_taken) {
+    double near = 2*LW_SINGULAR_STEP_HALF, length = e->t - e->t_old;
+    if (d->weak > near*near || *taken == most_taken
+        || fabs(lw_run_energy(run, e->y) - lw_run_energy(run, e->y_old)) <= lw_run_energy_error(run, most_energy, e->y, y)) {
         *taken = 0;
         return LW_NOTHING;
     }

@@ -55,6 +55,7 @@ typedef struct stages {
     double  t, h, h_old, work;
     double *q, *v, *a, *l, *x, *dx;          /* at t; l of the kept rows; states and their rates */
     double *v_old;                           /* (n) v at the start of the last step */
+    double *ahead;                           /* a state of the run: the end of the present step */
     double *z, *zl, *zx;                     /* (s n) displacements of the stages, (s c) l there, (s n_x) changes of states */
     double *last, *last_l, *last_x;          /* those of the last step */
     double *xi, *scale;                      /* (n_x) states of a stage; sizes of states */
@@ -346,7 +347,7 @@ static const int most_newton = 10;
 
 /* Steps of second order are short beside the time in which their errors die away, so errors add up: this part of the tolerance
  * gives errors of the size of those of Radau's method. */
-static const double alpha_part = 0.1;
+static const double alpha_part = 0.1, alpha_energy = 10;     /* its energy is off by more than its places */
 
 static double tolerance(const stages *g)
 {
@@ -607,19 +608,64 @@ static double switch_within(stages *g, double *beyond)
     return ends && (!eq->n_jump || stop || jump > least_jump*g->run->most_force) ? low : 1;
 }
 
-/* Take the stages as the step to t + h. */
-static lw_status accept(stages *g, double t)
+static double *state(stages *g, double *y)
+{
+    memcpy(y, g->q, (size_t)g->n_q*sizeof *y);
+    memcpy(y + g->n_q, g->v, (size_t)g->n*sizeof *y);
+    if (g->run->has_work)
+        y[g->n_q + g->n] = g->work;
+    memcpy(y + lw_run_states(g->run), g->x, (size_t)g->n_x*sizeof *y);
+    return y;
+}
+
+/* The work done in the step, and to *off how far a coarser sum, by trapeziums, is from it. */
+static double work_of(const stages *g, double *off)
+{
+    double work = 0, coarse = 0, at = 0, power = g->power_old;
+    for (int k = 0; k < g->s; k++) {
+        work += g->h*g->weight[k]*(g->alpha ? 0.5*(g->power_old + g->power[k]) : g->power[k]);
+        coarse += 0.5*g->h*(g->at[k] - at)*(power + g->power[k]);
+        at = g->at[k], power = g->power[k];
+    }
+    *off = fabs(work - coarse);
+    return work;
+}
+
+/* Posture and velocities at the end t of the step, on the constraints, into the state `ahead`; LW_OPEN: the energy has changed by more than
+ * the step's error.  So it does where motion turns quickly, as a crank of little mass does at its dead point: places hardly
+ * change in a step that is short enough, but velocities do.  Elastic links lose the energy of vibrations that are faster than the steps. */
+static lw_status end_state(stages *g, double t)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = run->d;
+    double *q = g->ahead, *v = q + g->n_q, off;
+    if (d->eq.next_piece && residuals(g) != LW_OK)       /* the power of stiff contacts, at the last iterate */
+        return LW_E_NUMERIC;
+    memcpy(q, g->q, (size_t)g->n_q*sizeof *q);
+    memcpy(v, g->vi + (g->s - 1)*g->n, (size_t)g->n*sizeof *v);
+    d->eq.move(d->eq.context, q, g->z + (g->s - 1)*g->n);
+    double before = lw_run_energy(run, state(g, run->y)), work = work_of(g, &off);
+    lw_status s = lw_mbs_settle(d, t, q, v);
+    if (run->has_work)
+        v[g->n] = g->work + work;
+    if (s != LW_OK || d->elastic || d->eq.next_piece)
+        return s;
+    return fabs(lw_run_energy(run, g->ahead) - before) <= lw_run_energy_error(run, g->alpha ? alpha_energy : 1, g->ahead, g->e) + off ? LW_OK : LW_OPEN;
+}
+
+/* Take the stages as the step to t, and `ahead` as its end. */
+static void accept(stages *g, double t)
 {
     lw_dynamics *d = g->run->d;
     int n = g->n;
-    if (d->eq.next_piece && residuals(g) != LW_OK)       /* the power of stiff contacts, at the last iterate */
-        return LW_E_NUMERIC;
-    d->eq.move(d->eq.context, g->q, g->z + (g->s - 1)*n);
+    double off;
     for (int i = 0; i < n && g->alpha; i++)
         g->aux[i] = auxiliary(g, g->z[i], g->v[i], auxiliary_old(g, i));
+    g->work += work_of(g, &off);
+    memcpy(g->q, g->ahead, (size_t)g->n_q*sizeof *g->q);
     for (int i = 0; i < n; i++) {
         g->v_old[i] = g->v[i];
-        g->v[i] = g->vi[(g->s - 1)*n + i];
+        g->v[i] = g->ahead[g->n_q + i];
         g->a[i] = g->ai[(g->s - 1)*n + i];
     }
     for (int i = 0; i < g->n_x; i++) {
@@ -633,33 +679,17 @@ static lw_status accept(stages *g, double t)
     memcpy(g->l, g->zl + (g->s - 1)*g->c, (size_t)g->c*sizeof *g->l);
     memcpy(g->last, g->z, (size_t)g->s*(size_t)n*sizeof *g->z);
     memcpy(g->last_l, g->zl, (size_t)g->s*(size_t)g->c*sizeof *g->zl);
-    for (int k = 0; k < g->s; k++)
-        g->work += g->h*g->weight[k]*(g->alpha ? 0.5*(g->power_old + g->power[k]) : g->power[k]);
     g->power_old = g->power[g->s - 1];
     g->h_old = g->h;
     g->t = t;
     g->since++;
-    lw_status s = lw_mbs_project_q(d, t, g->q, 0.1);
     if (d->eq.accept)
         d->eq.accept(d->eq.context, g->q);
-    if (s == LW_OK)
-        s = lw_mbs_project_v(d, t, g->v);
-    if (s == LW_OK && d->eq.keep_momenta)
+    if (d->eq.keep_momenta)
         d->eq.keep_momenta(d->eq.context, t, g->q, g->v, d->hold);
-    return s;
 }
 
 /* ---- the run ------------------------------------------------------------------------------------------------- */
-
-static double *state(stages *g, double *y)
-{
-    memcpy(y, g->q, (size_t)g->n_q*sizeof *y);
-    memcpy(y + g->n_q, g->v, (size_t)g->n*sizeof *y);
-    if (g->run->has_work)
-        y[g->n_q + g->n] = g->work;
-    memcpy(y + lw_run_states(g->run), g->x, (size_t)g->n_x*sizeof *y);
-    return y;
-}
 
 static lw_status show(stages *g)
 {
@@ -905,8 +935,8 @@ static lw_status run_steps(stages *g)
         if (to_piece > 0 || to_switch > 0)
             g->h = to_piece > 0 ? to_piece : to_switch, end = 0;
         if (!(g->h > 1e-14*fmax(fabs(g->t), d->o.to - d->o.from)))
-            return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the steps become too short: the motion jumps, or an "
-                                "elastic link buckles", g->t);
+            return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the steps become too short: the motion jumps, an elastic link buckles, "
+                                "or velocities change at once, as where a light crank passes its dead point: take index1", g->t);
         s = solve_stages(g);
         if (s == LW_OPEN) {
             h = 0.3*g->h;
@@ -945,7 +975,17 @@ static lw_status run_steps(stages *g)
             factor = fmin(factor, factor*g->h/g->h_old*pow(error/error_old, root));
         error_old = fmax(error, 1e-2);
         bool cut = g->h < 0.99*h;
-        s = accept(g, end > 0 ? end : g->t + g->h);
+        double t_end = end > 0 ? end : g->t + g->h;
+        s = end_state(g, t_end);
+        if (s == LW_OPEN) {
+            h = 0.3*g->h;
+            run->r->refused++;
+            s = LW_OK;
+            continue;
+        }
+        if (s != LW_OK)
+            break;
+        accept(g, t_end);
         run->r->steps++;
         double next = g->h_old*fmin(fmax(factor, 0.2), g->contraction > 0.3 ? 1 : 8);
         h = cut ? fmax(h, next) : next;
@@ -983,10 +1023,10 @@ static lw_status run_implicit(lw_run *run, bool alpha)
     g.watched_t = g.t;
     g.dense = !alpha && !d->n_friction && !d->elastic && !d->space && !d->eq.next_piece;
     size_t s_n = (size_t)g.s*n, s_x = (size_t)g.s*x, s_c = (size_t)g.s*c, all = n + x + c;
-    double *memory = calloc(2*(size_t)run->n + 2*q + 5*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 2*(size_t)d->eq.n_switch + 8, sizeof *memory), *p = memory;
+    double *memory = calloc(3*(size_t)run->n + 2*q + 5*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 2*(size_t)d->eq.n_switch + 8, sizeof *memory), *p = memory;
     if (!memory)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
-    run->y = p, p += 2*run->n;
+    run->y = p, p += 2*run->n, g.ahead = p, p += run->n;
     g.q = p, p += q, g.qi = p, p += q, g.v = p, p += n, g.a = p, p += n, g.e = p, p += n, g.l = p, p += c, g.aux = p, p += n, g.v_old = p, p += n;
     g.x = p, p += x, g.dx = p, p += x, g.aux_x = p, p += x, g.xi = p, p += x, g.scale = p, p += x;
     g.z = p, p += s_n, g.last = p, p += s_n, g.vi = p, p += s_n, g.ai = p, p += s_n, g.zx = p, p += s_x, g.last_x = p, p += s_x;

@@ -97,6 +97,23 @@ double lw_run_energy(const lw_run *run, const double *y)
     return d->eq.kinetic(d->eq.context, y + d->n_q) + potential - (run->has_work ? y[d->n_q + d->n_v] : 0);
 }
 
+/* A linkage at rest moves by the errors allowed alone: its energy changes by theirs, and by the rounding of its coordinates. */
+static const double rounded = 1e-13;         /* of coordinates after a step, over the greatest one */
+
+double lw_run_energy_error(const lw_run *run, double times, const double *y, double *scratch)
+{
+    const lw_dynamics *d = run->d;
+    double scale = fmax(run->r->energy_scale, d->eq.kinetic(d->eq.context, y + d->n_q)), farthest = 0, force = 0;
+    for (int i = 0; i < d->n_q; i++)
+        farthest = fmax(farthest, fabs(y[i]));
+    for (int i = 0; i < d->n_v; i++) {
+        force += fabs(d->force[i]);
+        scratch[i] = d->o.absolute;
+    }
+    double least = d->eq.kinetic(d->eq.context, scratch) + rounded*farthest*force;
+    return times*(d->o.relative + d->o.absolute)*scale + 2*sqrt(scale*least) + least;
+}
+
 /* A period that is measured and repeated is off by this part, plus this share of the tolerance. */
 static const double period_rounded = 1e-13, period_share = 0.01;
 static const double least_known = 0.1;       /* phase or turn [rad] to which a sample must be known: one digit */

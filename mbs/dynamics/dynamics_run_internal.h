@@ -105,6 +105,10 @@ lw_status lw_run_slides(lw_run *run, double t);          /* that error */
 /* Kinetic and potential energy at y less the work done since the start [J], which is constant. */
 double lw_run_energy(const lw_run *run, const double *y);
 
+/* The greatest change of it in a step to y that counts as an error of the step, so many times what the tolerance allows [J].  The
+ * posture of y is placed, d->force are the forces there.  scratch (n_v). */
+double lw_run_energy_error(const lw_run *run, double times, const double *y, double *scratch);
+
 /* The part of v less rigid to take away after an explicit step to (q, v) for a conservative model to keep its energy, which
  * constraints at rest allow; 0 where the correction is greater than the error allowed in a step.  rigid (n_v): a part of v that
  * stays, orthogonal to the rest in the metric of the masses; NULL: none. */
