@@ -213,6 +213,9 @@ check: $B/$(SONAME) $B/linkwright
 	@nm -A -P $(LIB_OBJ) $(CLI_OBJ) | awk '$$3 == "U" { user[$$2] = user[$$2] $$1 " " } $$3 ~ /^[TDBR]$$/ { owner[$$2] = $$1 } \
 	    END { for (s in user) { n = split(user[s], u, " "); for (i = 1; i <= n && s in owner; i++) print u[i], owner[s] } }' | \
 	    tsort > $B/order || { echo "these files use each other in a circle"; exit 1; }
+	@! objdump -d --no-show-raw-insn $B/linkwright | awk '/^[0-9a-f]+ </ { f = $$2 } \
+	    match($$0, /(sub +.|lea +-)0x[0-9a-f]+(,%rsp|\(%rsp\),%r11)/) { n = substr($$0, RSTART, RLENGTH); sub(/^.*0x/, "", n); sub(/[^0-9a-f].*/, "", n); \
+	    if (length(n) > 4 && length(n) < 9) print f, "takes 0x" n " bytes of stack, more than 64 KB" }' | grep .
 	@tests/test_install.sh B=$B CC="$(CC)" CFLAGS="$(CFLAGS)"
 # the kernels would take most of the compile time: KERNEL_CFLAGS compiles them without sanitizers
 sanitize:

@@ -309,6 +309,13 @@ TEST(missing_libraries)
     expect("rm -r $D/hidden", 0, "", NULL);
 }
 
+/* Work that would take too much memory is not begun, either, when memory runs out while this is estimated. */
+TEST(estimates_that_fail)
+{
+    expect("$C structures --loops 12 -q", MEMORY_ERROR, "", "need about");
+    expect("LW_FAIL=malloc:5000 timeout 60 $C structures --loops 12 -q", MEMORY_ERROR, "", "out of memory");
+}
+
 static const char *const kinds[] = { "malloc", "fsync", "rename", "pthread_create", "write", "jansson", "sqlite" };
 
 static ran run_once(const char *command, char **file)

@@ -179,10 +179,10 @@ static int run(const cli_call *call)
         cli_note(call, "9 loops take minutes, each further loop 20 to 40 times as long");
     lw_estimate size;
     lw_status guessed = stored > 8 ? lw_chains_estimate_while(2*stored + 2, 1, not_stopped, NULL, &size, &e) : LW_OK;
-    if (guessed == LW_STOPPED) {
+    if (guessed == LW_STOPPED)
         lw_error_set(&e, guessed, "stopped before the number of structures was known");
+    if (guessed == LW_STOPPED || guessed == LW_E_MEMORY)
         return cli_fail(call, &e);
-    }
     if (stored > 8 && guessed == LW_OK && size.bytes > cli_memory(call)) {
         lw_error_set(&e, LW_E_MEMORY, "the structures with %d loops need about %.2g GB", s->loops, size.bytes/1e9);
         return cli_fail(call, &e);
