@@ -425,3 +425,18 @@ TEST(light_crank_at_its_dead_point)
         }
     lw_model_free(&d.model);
 }
+
+/* Two four-bars that are parallelograms go through their flat posture at 0.714 s; at each tolerance as the explicit method tells. */
+TEST(implicit_steps_through_a_flat_posture)
+{
+    drun_read(&d, "examples/two-four-bars.json");
+    CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-12, 2, 20), LW_OK);
+    drun_keep_path(&other, &d);
+    for (double tolerance = 1e-4; tolerance > 1e-13; tolerance *= 1e-2) {
+        CHECK_INT(drun_to(&d, LW_FORMULATION_RADAU, tolerance, 2, 20), LW_OK);
+        CHECK_INT(d.n_moment, 21);
+        for (int k = 0; k < d.n_moment; k++)
+            CHECK_NEAR(lw_v2_norm(lw_v2_sub(d.tracer[k], other.tracer[k])), 0, 100*tolerance + 1e-10, 0);
+    }
+    lw_model_free(&d.model);
+}

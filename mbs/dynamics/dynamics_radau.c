@@ -56,6 +56,7 @@ typedef struct stages {
     double *q, *v, *a, *l, *x, *dx;          /* at t; l of the kept rows; states and their rates */
     double *v_old;                           /* (n) v at the start of the last step */
     double *ahead;                           /* a state of the run: the end of the present step */
+    double  weak;                            /* least pivot of the rows there; 1: not known */
     double *z, *zl, *zx;                     /* (s n) displacements of the stages, (s c) l there, (s n_x) changes of states */
     double *last, *last_l, *last_x;          /* those of the last step */
     double *xi, *scale;                      /* (n_x) states of a stage; sizes of states */
@@ -646,6 +647,7 @@ static lw_status end_state(stages *g, double t)
     d->eq.move(d->eq.context, q, g->z + (g->s - 1)*g->n);
     double before = lw_run_energy(run, state(g, run->y)), work = work_of(g, &off);
     lw_status s = lw_mbs_settle(d, t, q, v);
+    g->weak = d->by_rank ? 1 : d->weak;
     if (run->has_work)
         v[g->n] = g->work + work;
     if (s != LW_OK || d->elastic || d->eq.next_piece)
@@ -872,6 +874,27 @@ static lw_status rechoose(stages *g)
     return s == LW_OK ? begin_again(g) : lw_error_set(run->e, s, "out of memory");
 }
 
+/* Pass through the singular posture ahead, if there is one, and begin again behind it. */
+static lw_status pass_singular(stages *g)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = run->d;
+    double t = g->t, *y = state(g, g->ahead);
+    if (d->large || d->elastic || d->eq.next_piece || t >= d->o.to)
+        return LW_OK;
+    lw_status s = lw_run_singular_crossing(run, g->weak, NULL, &t, y);
+    if (s == LW_OK)
+        s = lw_run_project(run, t, y);
+    if (s != LW_OK)
+        return s == LW_NOTHING ? LW_OK : s;
+    memcpy(g->q, y, (size_t)g->n_q*sizeof *y);
+    memcpy(g->v, y + g->n_q, (size_t)g->n*sizeof *y);
+    memcpy(g->x, y + lw_run_states(run), (size_t)g->n_x*sizeof *y);
+    g->work = run->has_work ? y[g->n_q + g->n] : 0;
+    g->t = t;
+    return t < d->o.to ? begin_again(g) : LW_OK;
+}
+
 /* Hand out the samples of the last step, and begin again behind a kink. */
 static lw_status end_step(stages *g)
 {
@@ -1001,6 +1024,8 @@ static lw_status run_steps(stages *g)
             s = lw_run_limits(run, g->t, 0);
         if (s == LW_OK)
             s = rechoose(g);
+        if (s == LW_OK)
+            s = pass_singular(g);
         if (s == LW_OK && run->next <= d->o.intervals && is_slower(g) && (s = leave(g)) == LW_NOTHING)
             s = LW_OK;
         (void)k;
