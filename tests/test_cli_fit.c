@@ -223,6 +223,61 @@ TEST(six_links_are_announced)
     expect("$P fit examples/walking-foot.csv --rounds 1 2>&1 >/dev/null | wc -c", 0, "0\n", "");
 }
 
+/* Three poses are met by many four-bars, which may leave a smooth line between them as they like: no six links are searched, and no
+ * row is listed for less rounding. */
+TEST(three_poses_need_four_links)
+{
+    json_t *root = json_of("printf 'x [mm],y [mm],theta [deg]\n0,0,0\n60,80,30\n150,120,65\n' | $P fit --open - --rounds 4 --json -q");
+    json_t *rows = json_object_get(root, "results");
+    CHECK(json_array_size(rows) > 1);
+    for (size_t i = 0; i < json_array_size(rows); i++) {
+        json_t *b = json_array_get(rows, i);
+        CHECK_INT(integer(b, "links"), 4);
+        CHECK(member(b, "error_max") < 1e-9);
+        for (size_t k = 0; k < i; k++) {
+            json_t *a = json_array_get(rows, k);
+            CHECK(member(b, "stray") < member(a, "stray") || member(b, "size") < member(a, "size")
+                  || member(b, "transmission_min") > member(a, "transmission_min"));
+        }
+    }
+    json_decref(root);
+}
+
+/* Of a path with times that no four-bar follows well, rows that miss it by more than 5 % of its diagonal have at most twice the least
+ * error. */
+TEST(rows_end_where_nobody_would_build_them)
+{
+    json_t *root = json_of("printf 'x [mm],y [mm],angle [deg]\n0,0,0\n0,27,15\n6,46,30\n26,60,51\n75,60,90\n124,60,129\n144,46,150\n150,27,165\n150,0,180\n'"
+                           " | $P fit --open --links 4 - --json -q"), *rows = json_object_get(root, "results"), *r;
+    size_t i;
+    double least = INFINITY;
+    json_array_foreach(rows, i, r)
+        least = fmin(least, member(r, "objective"));
+    json_array_foreach(rows, i, r)
+        CHECK(fmax(member(r, "error_max"), member(r, "stray")) <= 0.05*162 || member(r, "objective") <= 4*least);
+    CHECK(json_array_size(rows) > 1);
+    json_decref(root);
+}
+
+/* The table of a function has all that is needed to build it: the rocker of its row is moved here by trigonometry. */
+TEST(tables_of_functions_say_where_angles_begin)
+{
+    ran r = run("awk 'BEGIN {print \"angle [deg],theta [deg]\"; for (i = 0; i <= 12; i++) printf \"%.9g,%.9g\\n\", 7.5*i, -80*i*i/144}' |"
+                " $P fit --open - --rounds 2");
+    double got[6], deg = 3.14159265358979/180;
+    const char *row = strstr(r.out, "\n  1  four-bar"), *from = row ? strstr(row, "r1=") : NULL;
+    bool other_way = row && strchr(row, '<') && strchr(row, '<') < from;
+    CHECK(strstr(r.out, "input0 + angle (<: it turns the other way, input0 - angle)") != NULL);
+    CHECK(from && sscanf(from, "r1=%lf r2=%lf r3=%lf r4=%lf input0=%lf tool0=%lf", got, got + 1, got + 2, got + 3, got + 4, got + 5) == 6);
+    for (int i = 0; from && i <= 12; i++) {
+        double a = (got[4] + (other_way ? -1 : 1)*7.5*i)*deg, x = got[1]*cos(a) - got[0], y = got[1]*sin(a), far = hypot(x, y);
+        double inner = acos((far*far + got[3]*got[3] - got[2]*got[2])/(2*far*got[3])), wanted = (-80.0*i*i/144 - got[5])*deg;
+        double off = fmin(fabs(remainder(atan2(y, x) + inner - wanted, 360*deg)), fabs(remainder(atan2(y, x) - inner - wanted, 360*deg)));
+        CHECK(off < 0.1*deg);
+    }
+    ran_free(&r);
+}
+
 /* The page has the angle errors of the table and of JSON. */
 TEST(pages_show_errors_of_angles)
 {

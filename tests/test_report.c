@@ -1,6 +1,7 @@
 /* Reports: what they say against sums by hand, and that the check of a result can fail. */
 #include "mbs/kinematics/motion.h"
 #include "optimise/report/report_internal.h"
+#include "optimise/report/results.h"
 #include "tests/fit_problem.h"
 #include "tests/mbs_linkage.h"
 
@@ -259,6 +260,109 @@ TEST(cognates_trace_the_curve)
 }
 
 /* ---- the check can fail ----------------------------------------------------------------------------- */
+
+static int by_objective(const void *a, const void *b)
+{
+    double u = ((const lw_candidate *)a)->objective, v = ((const lw_candidate *)b)->objective;
+    return (u > v) - (u < v);
+}
+
+/* Claim N copies of k whose dimensions differ by less than 2 %, but for the last one, `scale` times as large; best first. */
+enum { COPIES = 8 };
+static void claim_copies(const made *k, double scale, lw_rng *rng, made copy[COPIES], lw_candidate c[COPIES])
+{
+    for (int i = 0; i < COPIES; i++) {
+        copy[i] = *k;
+        for (int d = 0; d < k->m.plan.n_dim; d++)
+            if (k->m.plan.dim[d].kind != LW_DIM_ANGLE)
+                copy[i].m.dim[d] *= (i == COPIES - 1 ? scale : 1) + 0.008*(2*lw_rng_uniform(rng) - 1);
+        claim(&copy[i]);
+        c[i] = copy[i].c;
+        c[i].input = copy[i].input;
+    }
+    qsort(c, COPIES, sizeof *c, by_objective);
+}
+
+/* They are one row, though one has less error and another less stray; one a tenth smaller is another row. */
+TEST(the_same_mechanism_is_one_row)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 15);
+    int differ = 0;
+    for (int trial = 0; trial < 12; trial++) {
+        const bool smaller = trial % 2;
+        made k, copy[COPIES];
+        lw_candidate c[COPIES];
+        lw_fit_results found;
+        make("crank-rocker", 1, LW_TASK_PATH, smaller ? 0.3 : 0.02, &rng, &k);
+        lw_fit_spec_set_limits(&k.spec, &k.t, 0);
+        claim_copies(&k, smaller ? 0.9 : 1, &rng, copy, c);
+        lw_fit fit = { .n = COPIES, .candidate = c };
+        CHECK_INT(lw_fit_results_make(&k.t, &k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
+        CHECK_INT(found.n, smaller ? 2 : 1);
+        if (found.n > 0)
+            differ += c[0].objective < 0.95*c[found.candidate[0]].objective;
+        lw_fit_results_free(&found);
+        lw_target_free(&k.t);
+    }
+    CHECK(differ > 0);
+}
+
+/* The measures of a row: error, stray, Chamfer distance, size, and transmission angle up to 45 degrees.  Less is better. */
+enum { ROW_MEASURES = 5 };
+static void measures_of(const lw_fit_report *r, double m[ROW_MEASURES])
+{
+    const double all[ROW_MEASURES] = { r->objective, lw_fit_report_stray(r), r->likeness.chamfer, r->size, -fmin(r->transmission_min, LW_PI/4) };
+    memcpy(m, all, sizeof all);
+}
+
+/* A row after the first is the best so far in a measure, by more than a thousandth, or, beside each row before it, has 0.7 of its size,
+ * stray or error, or 5 degrees more. */
+TEST(rows_earn_their_place)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 16);
+    int rows = 0;
+    for (int trial = 0; trial < 40; trial++) {
+        made k, copy[COPIES];
+        lw_candidate c[COPIES];
+        lw_fit_results found;
+        make("crank-rocker", 1, LW_TASK_PATH, 0.1, &rng, &k);
+        lw_fit_spec_set_limits(&k.spec, &k.t, 0);
+        for (int i = 0; i < COPIES; i++) {                   /* most have the same size, that of r1; the one with the least error is longer */
+            copy[i] = k;
+            for (int d = 1; d < k.m.plan.n_dim && i > 0; d++)
+                if (k.m.plan.dim[d].kind != LW_DIM_ANGLE)
+                    copy[i].m.dim[d] *= 1 + 0.1*(2*lw_rng_uniform(&rng) - 1);
+            *dim_named(&copy[i].m, "r1") *= i > 0 ? 1 : 1.01;
+            claim(&copy[i]);
+            c[i] = copy[i].c;
+            c[i].input = copy[i].input;
+        }
+        qsort(c, COPIES, sizeof *c, by_objective);
+        lw_fit fit = { .n = COPIES, .candidate = c };
+        CHECK_INT(lw_fit_results_make(&k.t, &k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
+        for (int i = 1; i < found.n; i++) {
+            double m[ROW_MEASURES], first[ROW_MEASURES];
+            bool best[ROW_MEASURES] = { true, true, true, true, true }, any = false, covered = false;
+            measures_of(&found.report[i], m);
+            for (int j = 0; j < i; j++) {
+                measures_of(&found.report[j], first);
+                for (int n = 0; n < ROW_MEASURES; n++)
+                    best[n] &= m[n] < first[n] - 0.99e-3*fabs(first[n]);
+                covered |= found.report[j].turns >= found.report[i].turns && m[3] >= 0.7*first[3] && m[1] >= 0.7*first[1]
+                        && m[0] >= 0.49*first[0] && (first[4] <= -LW_PI/4 || -m[4] <= -first[4] + 5*LW_PI/180);
+            }
+            for (int n = 0; n < ROW_MEASURES; n++)
+                any |= best[n];
+            CHECK(any || !covered);
+            rows++;
+        }
+        lw_fit_results_free(&found);
+        lw_target_free(&k.t);
+    }
+    CHECK(rows > 20);
+}
 
 TEST(what_was_tampered_with_is_not_verified)
 {

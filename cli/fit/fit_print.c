@@ -56,6 +56,28 @@ static int title_width(const cli_fit_set *s)
     return (int)width;
 }
 
+/* The dimensions; of a function those that it has, and the angles from which the target counts. */
+static void dimensions(const cli_fit_set *s, const lw_candidate *c, const lw_fit_report *r, FILE *f)
+{
+    static const char *const place[] = { "cx", "cy", "x0", "y0", "theta0" };
+    const bool has_place = lw_task_has_place(s->spec.task);
+    for (int d = 0; d < c->n_dim; d++) {                             /* rounding is printed as 0 */
+        double least = r->dim_kind[d] == LW_DIM_ANGLE ? 1e-13 : 1e-13*r->size;
+        bool idle = false;
+        for (size_t k = 0; k < sizeof place/sizeof *place && !has_place; k++)
+            idle |= strcmp(r->dim_name[d], place[k]) == 0;
+        if (!idle)
+            fprintf(f, " %s=%.6g", r->dim_name[d], fabs(c->dim[d]) < least ? 0 : cli_fit_value(s, r, d, c->dim[d]));
+    }
+    const double turn = 2*LW_PI*r->input_turns_per_period, deg = 180/LW_PI;
+    if (!has_place && lw_joint_slides(r->linkage.joint[r->linkage.input[0].joint].kind))
+        fprintf(f, " input0=%.6g", length(s, c->input0));
+    else if (!has_place)
+        fprintf(f, " input0=%.6g", remainder(r->input_turns_per_period*c->input0, turn)*deg);
+    if (!has_place)
+        fprintf(f, " tool0=%.6g", remainder(c->tool0, 2*LW_PI)*deg);
+}
+
 static void table_row(const cli_fit_set *s, int i, int width, FILE *f)
 {
     const lw_fit_report *r = &s->search.results.report[i];
@@ -82,10 +104,7 @@ static void table_row(const cli_fit_set *s, int i, int width, FILE *f)
         fputs(c->intended.sense < 0 ? " <" : " ", f);
     if (s->is_exact)
         cli_fit_exact_row(s, i, f);
-    for (int d = 0; d < c->n_dim; d++) {                             /* rounding is printed as 0 */
-        double least = r->dim_kind[d] == LW_DIM_ANGLE ? 1e-13 : 1e-13*r->size;
-        fprintf(f, " %s=%.6g", r->dim_name[d], fabs(c->dim[d]) < least ? 0 : cli_fit_value(s, r, d, c->dim[d]));
-    }
+    dimensions(s, c, r, f);
     fputc('\n', f);
     limits_row(r, f);
     cli_fit_points_row(s, i, f);
@@ -189,7 +208,7 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
     fprintf(f, "%s: %s, timing %s, %zu points, %s\n", s->path, lw_task_table[s->spec.task].name,
             lw_timing_names[s->spec.timing], s->target.n, s->target.closed ? "closed" : "open");
     if (!lw_task_has_place(s->spec.task))
-        fprintf(f, "  #  %-*s class  mean[deg]  max[deg] @point   objective  transm.    input  dimensions\n", width, "type");
+        fprintf(f, "  #  %-*s class  mean[deg]  max[deg] @point   objective  transm.    input  dimensions, angles in deg\n", width, "type");
     else
         fprintf(f, "  #  %-*s class  of path       mean       max @point %s     stray   objective  "
                 "transm.    input  size  dimensions [%s, rad]\n", width, "type",
@@ -203,11 +222,9 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
     if (s->spec.angle_length > 0 && (s->target.theta || s->target.n_also > 0))
         fprintf(f, "an angle error of 1 rad counts as %.4g %s (--angle-length)\n", length(s, s->spec.angle_length),
                 s->target.units.length[0] ? s->target.units.length : "units");
-    for (int i = 0; i < s->search.results.n && !lw_task_has_place(s->spec.task); i++)
-        if (cli_fit_candidate(s, i)->intended.sense < 0) {
-            fprintf(f, "<: the input turns the other way: its angle is input0 - angle\n");
-            break;
-        }
+    if (!lw_task_has_place(s->spec.task))
+        fprintf(f, "the input is at input0 + angle (<: it turns the other way, input0 - angle), counted from the line of the fixed pivots; "
+                "the angle of the output's link plus tool0 is theta\n");
     if (s->search.found.n_stage > 1)
         print_stages(s, f);
     print_unfit(s, f);

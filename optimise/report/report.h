@@ -7,6 +7,9 @@
 #include "optimise/search/fit.h"
 #include "optimise/report/likeness.h"
 
+/* An error of this part of the diagonal, 1 mm of a metre, is as good as none: play and tolerances are more. */
+#define LW_EXACT_ENOUGH 1e-3
+
 /* Errors of a further point at the stations. */
 typedef struct lw_also_error {
     double mean, rms, max;         /* distances [m]; NaN when its place is not asked for            */
@@ -92,6 +95,12 @@ double lw_fit_report_stray(const lw_fit_report *r);
 /* The same, but not less than the greatest error at a station, with its angle counted over half the diagonal of the
  * target [m]. */
 double lw_fit_report_misses(const lw_target *t, const lw_fit_report *r);
+
+/* How far the linkage is from what is known of the target [m]: its point at the stations, with the angle as above, and its curve.
+ * Between the stations the target is an interpolation.  If a linkage meets all of many stations, its curve is more exact than that.
+ * If a four-bar meets all of a few stations, it may leave the interpolation as far as other smooth curves through them do.  Longer
+ * linkages may not: they can meet a few stations with any curve. */
+double lw_fit_report_distance(const lw_target *t, const lw_fit_report *r);
 
 /* The active limits with commas between. */
 void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size);

@@ -123,10 +123,27 @@ double lw_fit_report_stray(const lw_fit_report *r)
     return isnan(r->stray.to_target) ? NAN : fmax(r->stray.to_curve, r->stray.to_target);
 }
 
+/* The error of the angle, as a distance. */
+static double turned(const lw_target *t, const lw_fit_report *r)
+{
+    return isnan(r->angle_max) ? 0 : 0.5*t->extent*r->angle_max;
+}
+
 double lw_fit_report_misses(const lw_target *t, const lw_fit_report *r)
 {
-    double turned = isnan(r->angle_max) ? 0 : 0.5*t->extent*r->angle_max;
-    return fmax(r->error_max + turned, lw_fit_report_stray(r));
+    return fmax(r->error_max + turned(t, r), lw_fit_report_stray(r));
+}
+
+#define FEW        16              /* stations                                                              */
+#define SAME_CURVE 1e-5            /* stations met so well, by a linkage with few dimensions, were drawn by that linkage   */
+
+double lw_fit_report_distance(const lw_target *t, const lw_fit_report *r)
+{
+    int links = r->linkage.n_link;
+    if (links <= 4 && t->n < FEW && r->error_max < LW_EXACT_ENOUGH*t->extent)
+        return fmax(r->stray.to_curve, r->stray.to_target - r->stray.unsure) + turned(t, r);
+    bool drawn_by_it = r->error_max < SAME_CURVE*t->extent && (int)t->n >= 4*links;
+    return (drawn_by_it ? r->stray.to_curve : fmax(r->error_max, lw_fit_report_stray(r))) + turned(t, r);
 }
 
 void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size)

@@ -40,10 +40,13 @@ static double bulk_of(const lw_target *t, const lw_fit_report *r)
 /* ... its least transmission angle is greater by this, as long as the other has less than enough [rad]. */
 #define GENTLER (5*LW_PI/180)
 #define ENOUGH  (45*LW_PI/180)
-/* The list ends where errors exceed WORSE times the least, and these parts of the target or angles [rad]. */
+/* The list ends where errors exceed WORSE times the least, and these parts of the target or angles [rad]; for linkages that leave the
+ * target by FAR of its diagonal, FAR_WORSE times. */
 #define WORSE       5
 #define ROUGH       0.01
 #define ROUGH_ANGLE (1*LW_PI/180)
+#define FAR         0.05
+#define FAR_WORSE   2
 
 static bool same_type(const lw_candidate *a, const lw_candidate *b)
 {
@@ -58,6 +61,14 @@ static bool is_fine(const lw_target *t, const lw_fit_report *r)
     return t->extent > 0 && lw_fit_report_misses(t, r) <= FINE*t->extent && !(r->angle_max > FINE);
 }
 
+#define NOISE 1e-9                 /* parts of the target, and angles [rad]: linkages that err by less meet it equally well */
+
+/* The objective, but 0 where it is rounding. */
+static double error_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
+{
+    return r->error_max > NOISE*t->extent || r->angle_max > NOISE ? c->objective : 0;
+}
+
 /* Is the result with report a at least as good as b as far as it matters: b is neither smaller nor nearer by `factor`? */
 static bool covers(const lw_target *t, double factor, const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb,
                    const lw_fit_report *b)
@@ -65,7 +76,7 @@ static bool covers(const lw_target *t, double factor, const lw_candidate *ca, co
     return lw_candidate_links(ca) <= lw_candidate_links(cb) && same_type(ca, cb) && a->turns >= b->turns
         && !(bulk_of(t, b) < factor*bulk_of(t, a))
         && (is_fine(t, a) || !(lw_fit_report_stray(b) < factor*lw_fit_report_stray(a)
-                               || cb->objective < factor*factor*ca->objective))
+                               || error_of(t, cb, b) < factor*factor*error_of(t, ca, a)))
         && (a->transmission_min >= ENOUGH || !(b->transmission_min > a->transmission_min + GENTLER));
 }
 
@@ -76,7 +87,8 @@ static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report 
 {
     const lw_candidate *first = &fit->candidate[least];
     const lw_fit_report *best = &all[least];
-    return c->objective > WORSE*WORSE*first->objective && !(lw_fit_report_stray(r) < lw_fit_report_stray(best))
+    double worse = lw_fit_report_misses(t, r) > FAR*t->extent ? FAR_WORSE : WORSE;
+    return c->objective > worse*worse*first->objective && !(lw_fit_report_stray(r) < lw_fit_report_stray(best))
         && (r->error_max > ROUGH*t->size || r->angle_max > ROUGH_ANGLE);
 }
 
@@ -86,18 +98,36 @@ enum { MEASURES = 7 };
 
 static void measures(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, double m[MEASURES])
 {
-    const double all[MEASURES] = { c->objective, lw_fit_report_stray(r), r->likeness.chamfer, r->angle_max, bulk_of(t, r),
-                                   -fmin(r->transmission_min, ENOUGH), r->spread };
+    const double all[MEASURES] = { error_of(t, c, r), lw_fit_report_stray(r), r->likeness.chamfer, r->angle_max > NOISE ? r->angle_max : 0,
+                                   bulk_of(t, r), -fmin(r->transmission_min, ENOUGH), r->spread };
     for (int i = 0; i < MEASURES; i++)
         m[i] = isnan(all[i]) ? INFINITY : all[i];
 }
 
 #define TWIN 0.02                  /* a row has to be better than each row before it, by this part in at least one measure */
 
-/* Is b, which comes after a, a linkage of the same type and number of links that is not better in any measure, nor turns alone? */
+/* Are they the same mechanism but for TWIN of each length, and of the size for places? */
+static bool same_mechanism(const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb, const lw_fit_report *b)
+{
+    bool same = strcmp(lw_family_title(ca->family), lw_family_title(cb->family)) == 0 && ca->n_dim == cb->n_dim
+             && ca->n_dyad == cb->n_dyad && ca->intended.sense == cb->intended.sense;
+    for (int i = 0; i < ca->n_dyad && same; i++)
+        same = ca->intended.mode[i] == cb->intended.mode[i];
+    for (int i = 0; i < ca->n_dim && same; i++) {
+        double u = ca->dim[i], v = cb->dim[i], size = fmax(a->size, b->size);
+        same = a->dim_kind[i] == LW_DIM_ANGLE ? fabs(remainder(u - v, 2*LW_PI)) <= TWIN
+             : fabs(u - v) <= TWIN*(a->dim_kind[i] == LW_DIM_LENGTH ? fmax(fabs(u), fabs(v)) : size);
+    }
+    return same;
+}
+
+/* Is b, which comes after a, a linkage of the same type and number of links that is not better in any measure, nor turns alone; or the same
+ * mechanism? */
 static bool is_twin(const lw_target *t, const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb, const lw_fit_report *b)
 {
     double m[MEASURES], first[MEASURES];
+    if (same_mechanism(ca, a, cb, b))
+        return true;
     measures(t, ca, a, first);
     measures(t, cb, b, m);
     bool twin = lw_candidate_links(ca) == lw_candidate_links(cb) && same_type(ca, cb) && a->turns >= b->turns;
@@ -116,6 +146,23 @@ static bool is_best(const front *f, int i)
     for (int k = 0; k < MEASURES; k++)
         best |= f->best[k] == i;
     return best;
+}
+
+/* Is candidate i the best in a measure in which none of the n rows is as good? */
+static bool is_needed(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, const front *f, const int *row, int n, int i)
+{
+    double m[MEASURES], of_row[MEASURES];
+    unsigned missing = 0;
+    measures(t, &fit->candidate[i], &all[i], m);
+    for (int k = 0; k < MEASURES; k++)
+        missing |= (unsigned)(f->best[k] == i) << k;
+    for (int r = 0; r < n; r++) {
+        measures(t, &fit->candidate[row[r]], &all[row[r]], of_row);
+        for (int k = 0; k < MEASURES; k++)
+            if (of_row[k] <= m[k] + NO_BETTER*fabs(m[k]))
+                missing &= ~(1u << k);
+    }
+    return missing != 0;
 }
 
 static void find_front(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, const bool *usable, unsigned broken,
@@ -175,21 +222,6 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 #define PER_LINK     0.2           /* for each link more                                                            */
 #define ROCKING      0.2           /* an input that has to be reversed                                              */
 
-#define SAME_CURVE   1e-5          /* stations met so well, by a linkage with few dimensions, were drawn by that linkage   */
-
-/* How far the linkage is from the target [m]: the curve, and the point at the stations.  Between the stations the target is an
- * interpolation.  If a linkage meets all of many stations, its curve is more exact than that.  If a four-bar meets all of a few
- * stations, it may leave the interpolation as far as other smooth curves through them do.  Longer linkages may not: they can meet
- * a few stations with any curve. */
-static double distance_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
-{
-    int links = lw_candidate_links(c);
-    if (links <= 4 && t->n < 16 && r->error_max < LW_EXACT_ENOUGH*t->extent)
-        return fmax(r->stray.to_curve, r->stray.to_target - r->stray.unsure);
-    bool drawn_by_it = r->error_max < SAME_CURVE*t->extent && (int)t->n >= 4*links;
-    return drawn_by_it ? r->stray.to_curve : fmax(r->error_max, lw_fit_report_stray(r));
-}
-
 static double cost_of_size(double bulk)
 {
     double most = fmax(bulk, 0.1)/COMPACT;
@@ -201,7 +233,7 @@ static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_re
 {
     double error = isnan(r->angle_max) ? 0 : r->angle_max, bulk = bulk_of(t, r);
     if (t->extent > 0 && isfinite(lw_fit_report_stray(r)))
-        error = (distance_of(t, c, r) + (isnan(r->spread) ? 0 : r->spread) + (t->theta ? 0.5*error*t->extent : 0))/t->extent;
+        error = (lw_fit_report_distance(t, r) + (isnan(r->spread) ? 0 : r->spread))/t->extent;
     return log(error + (t->extent > 0 ? NO_ERROR : LW_EXACT_ENOUGH)) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/LW_NEAR)) : 0)
          + cost_of_size(bulk) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
          + (t->extent > 0 ? PER_RATIO*log(lw_uneven(r->length_most, r->length_least)) : 0)
@@ -232,7 +264,7 @@ static void order_front(const lw_target *t, const lw_fit *fit, int most, const l
             twin = is_twin(t, better, &all[out->candidate[k]], &fit->candidate[now], &all[now]);
             covered |= covers(t, MUCH_SMALLER, better, &all[out->candidate[k]], &fit->candidate[now], &all[now]);
         }
-        if (!twin && (is_best(f, now) || (!covered && n + to_come < most) || first_with_its_links(out, fit, now)))
+        if (!twin && (is_needed(t, fit, all, f, out->candidate, n, now) || (!covered && n + to_come < most) || first_with_its_links(out, fit, now)))
             out->candidate[n++] = now;
     }
     out->n = n;

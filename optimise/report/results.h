@@ -7,9 +7,6 @@
 /* A linkage that leaves the target by no more than this part of its diagonal follows it well. */
 #define LW_NEAR 0.02
 
-/* An error of this part of the diagonal, 1 mm of a metre, is as good as none: play and tolerances are more. */
-#define LW_EXACT_ENOUGH 1e-3
-
 /* A candidate that is no result. */
 typedef struct lw_left_out {
     int  candidate;

@@ -394,7 +394,7 @@ static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unle
         st = lw_fit_report_make(t, s, &all->candidate[i], r, NULL);
         bool usable = st == LW_OK && r->verified && !r->broken;
         seen += usable;
-        *enough = usable && lw_fit_report_misses(t, r) <= unless;
+        *enough = usable && (s->tolerance > 0 ? lw_fit_report_misses(t, r) : lw_fit_report_distance(t, r)) <= unless;
         st = st == LW_E_MEMORY ? st : LW_OK;
     }
     free(r);
