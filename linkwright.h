@@ -837,8 +837,8 @@ LW_API lw_status lw_spatial_parse(const char *text, size_t size, const char *fil
 LW_API lw_status lw_spatial_load(const char *path, lw_spatial **out, lw_error *error);
 LW_API void      lw_spatial_destroy(lw_spatial *model);
 
-/* Number and name of the parts: what is 'l' links (the ground too), 'j' joints, 'i' inputs, 'd' drives, 't' tracers. 
- * The name of an input or drive is that of its joint or tracer.  NULL: there is no such part. */
+/* Number and name of the parts: what is 'l' links (the ground too), 'j' joints, 'i' inputs, 'd' drives, 't' tracers,
+ * 'c' couplings. The name of an input or drive is that of its joint or tracer.  NULL: there is no such part. */
 LW_API int         lw_spatial_count(const lw_spatial *model, char what);
 LW_API const char *lw_spatial_name(const lw_spatial *model, char what, int index);
 
@@ -884,6 +884,8 @@ typedef struct lw_spatial_sample {
     const double              *drive;            /* torque or force of each drive, or input without drives        */
     double                     kinetic, potential, work;   /* [J]; work NaN where every freedom is driven         */
     double                     residual;         /* of the constraints, over the size of the model                */
+    const double              *coupling;         /* (n_coupling) times a factor: force [N] or torque [N m] that the coupling
+                                                    puts on the second link of the joint                          */
 } lw_spatial_sample;
 typedef lw_status lw_spatial_callback(void *context, const lw_spatial_sample *sample);
 

@@ -40,6 +40,7 @@ int lw_spatial_count(const lw_spatial *model, char what)
     case 'j': return model->n_joint;
     case 'i': return model->n_input;
     case 'd': return model->n_drive;
+    case 'c': return model->n_coupling;
     case 't': return model->n_tracer;
     default:  return 0;
     }
@@ -51,7 +52,7 @@ const char *lw_spatial_name(const lw_spatial *model, char what, int index)
         return NULL;
     lw_spatial_measure of = what == 'i' ? model->input[index].measure : what == 'd' ? model->drive[index]
                           : (lw_spatial_measure){ what == 't' ? LW_OF_X : LW_OF_TURN, index };
-    return what == 'l' ? model->body[index].name : of.of >= LW_OF_X ? model->tracer[of.index].name
+    return what == 'l' ? model->body[index].name : what == 'c' ? model->coupling[index].name : of.of >= LW_OF_X ? model->tracer[of.index].name
         : model->joint[of.index].name;
 }
 
@@ -120,7 +121,7 @@ lw_status lw_surface_spatial_take(lw_surface_spatial *s, const lw_moment *moment
     lw_space_links(space, &m, s->link);
     lw_space_tracers(space, m.frame, m.q, m.v, m.a, s->tracer);
     s->sample = (lw_spatial_sample){ m.t, s->link, s->tracer, m.joint, m.input, m.input_rate, m.drive, m.kinetic, m.potential,
-                                     m.work, m.off };
+                                     m.work, m.off, m.coupling };
     return LW_OK;
 }
 

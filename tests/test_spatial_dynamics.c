@@ -11,7 +11,7 @@
 #include "tests/spatial_models.h"
 
 typedef struct sample { double t, input, input_rate, drive[8], energy, q[64], v[64]; lw_vec3 tracer, linear,
-                        angular; lw_spatial_reaction joint[16]; } sample;
+                        angular; lw_spatial_reaction joint[16]; double coupling[4]; } sample;
 
 typedef struct kept { lw_dynamics *d; const lw_space *s; int n, idle; bool many_drives; lw_rest rest; double off, off_rate; sample at[1002]; } kept;
 
@@ -41,6 +41,8 @@ static lw_status keep(void *context, const lw_moment *moment)
         s->q[i] = o->q[i];
     for (int i = 0; i < m->n_joint && i < 16; i++)
         s->joint[i] = o->joint[i];
+    for (int i = 0; i < m->n_coupling && i < 4; i++)
+        s->coupling[i] = o->coupling[i];
     lw_dynamics_space_momentum(to->d, o, &s->linear, &s->angular);
     to->off = fmax(to->off, o->off);
     to->off_rate = fmax(to->off_rate, o->off_rate);
@@ -798,7 +800,10 @@ TEST(a_gantry_on_two_belts)
     for (int i = 0; i < k.n; i++) {
         double t = k.at[i].t, ax = -2.5*sin(5*t), ay = 0.4;
         for (int d = 0; d < 2; d++)
+        {
             CHECK_NEAR(k.at[i].drive[d], r/2*(head*ax + (d ? -1 : 1)*both*ay) + pulley*(ax + (d ? -ay : ay))/r, 1e-12, 1e-10);
+            CHECK_NEAR(k.at[i].coupling[d], -(head*ax + (d ? -1 : 1)*both*ay)/2, 1e-12, 1e-10);      /* forces of the belts */
+        }
         double x = 0.1*sin(5*t), y = 0.2*t*t - 0.05*t;
         for (int d = 0; d < 2; d++) {        /* the pulleys turn about z: a quaternion of half the angle, several turns */
             double turn = (x + (d ? -y : y))/r;
@@ -915,6 +920,7 @@ TEST(a_hook_on_a_winch)
             CHECK_NEAR(k.at[i].tracer.x, l*sin(y[0]), allowed, 0);
             CHECK_NEAR(k.at[i].tracer.z, -l*cos(y[0]), allowed, 0);
             CHECK_NEAR(k.at[i].drive[0], 3*ddl/0.3 - 0.3*pull, 0, f < 2 ? 1e-9 : 1e-5);     /* implicit: of stages */
+            CHECK_NEAR(k.at[i].coupling[0], pull, 0, f < 2 ? 1e-9 : 1e-5);
         }
     }
     formulation = LW_FORMULATION_AUTO;
@@ -923,7 +929,73 @@ TEST(a_hook_on_a_winch)
     CHECK_NEAR(k.at[0].tracer.x, 0, 1e-9, 0);
     CHECK_NEAR(k.at[0].tracer.z, -6, 1e-9, 0);
     CHECK_NEAR(k.at[0].drive[0], -0.3*800*9.81, 1e-5, 0);
+    CHECK_NEAR(k.at[0].coupling[0], 800*9.81, 1e-4, 0);
     lw_spatial_free(&m);
+}
+
+/* A load on a massless elastic rope whose free length is 5 - 0.25 t^2, from the end of a jib that turns by 0.1 t^2. */
+static lw_status crane_rate(void *context, double t, const double *y, double *dy)
+{
+    double turn = 0.1*t*t, c = cos(turn), s = sin(turn);
+    lw_vec3 arm = lw_v3_sub(lw_v3(y[0], y[1], y[2]), lw_v3(6*c, 6*s, 8)), rate = lw_v3_sub(lw_v3(y[3], y[4], y[5]), lw_v3(-1.2*t*s, 1.2*t*c, 0));
+    double length = lw_v3_norm(arm);
+    double pull = 8e5*(length - 5 + 0.25*t*t + 0.00981) + 4e3*(lw_v3_dot(arm, rate)/length + 0.5*t);
+    if (context)
+        *(double *)context = pull;
+    memcpy(dy, y + 3, 3*sizeof *dy);
+    dy[3] = -pull*arm.x/length/800, dy[4] = -pull*arm.y/length/800, dy[5] = -pull*arm.z/length/800 - 9.81;
+    return LW_OK;
+}
+
+TEST(a_crane_turns_and_hoists)
+{
+    lw_spatial m;
+    lw_error e = { 0 };
+    load_spatial("crane", &m);
+    for (int i = 3; i <= 5; i++) {           /* rope and block become massless beside the load, and the load a point */
+        m.body[i].mass = i < 5 ? 1e-4 : 800;
+        for (int c = 0; c < 3; c++)
+            m.body[i].inertia[c] = 1e-4;
+    }
+    CHECK_INT(lw_spatial_set_motion(&m, 0, "0.1*t^2", &e), LW_OK);
+    CHECK_INT(lw_spatial_set_motion(&m, 1, "t^2", &e), LW_OK);
+    double y[6] = { 6, 0, 3 }, dy[6], pull;
+    run(&m, LW_ANALYSIS_TRANSIENT, 3, 6, 1e-10);
+    for (int i = 1; i < k.n; i++) {
+        drun_exact(&(lw_ode){ .n = 6, .rate = crane_rate }, k.at[i - 1].t, y, k.at[i].t);
+        crane_rate(&pull, k.at[i].t, y, dy);
+        CHECK(lw_v3_norm(lw_v3_sub(k.at[i].tracer, lw_v3(y[0], y[1], y[2]))) < 1e-6);
+        CHECK_NEAR(k.at[i].coupling[0], pull, 0, 1e-5);
+        CHECK_NEAR(k.at[i].drive[1], 7*2 + 0.25*pull, 0, 1e-5);
+    }
+    lw_spatial_free(&m);
+}
+
+/* A rack pulls its slide along the joint's axis, as a drive would: the joint carries what the mass beside the axis adds, whether the
+ * wheel is driven or the slide. */
+TEST(a_coupling_pulls_along_the_axis_of_the_slide)
+{
+    static const char *const driven[] = { "'D', 'motion': 't^2'", "'S', 'motion': '0.5*t^2'" };
+    for (int i = 0; i < 2; i++) {
+        char text[1200], *c = text;
+        lw_spatial m;
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'd', 'mass': 1, 'centre': [0, 0, 1], 'inertia': [1, 1, 1]}, {'name': 'c', "
+            "'mass': 2, 'centre': [0, 0.5, 0.3], 'inertia': [1, 2, 2.5], 'frame': {'x': [3, 4, 0], 'y': [-4, 3, 0]}}], 'joints': [{'name': 'D', 'links': "
+            "['ground', 'd'], 'at': [0, 0, 1], 'axis': [0, 0, 1]}, {'name': 'S', 'kind': 'prismatic', 'links': ['ground', 'c'], 'at': [0, 0, 0], 'axis': "
+            "[1, 0, 0]}], 'couplings': [{'name': 'rack', 'terms': [{'joint': 'D', 'factor': 0.5}, {'joint': 'S', 'factor': -1}]}], 'input': {'joint': %s}}",
+            driven[i]);
+        for (; *c; c++)
+            *c = *c == '\'' ? '"' : *c;
+        read_spatial(text, strlen(text), "rack", &m);
+        run(&m, LW_ANALYSIS_TRANSIENT, 1, 2, 1e-10);
+        for (int n = 0; n < k.n; n++) {      /* 2 kg at 1 m/s^2; the wheel at 2 rad/s^2 */
+            CHECK_NEAR(k.at[n].drive[0], i ? 6 : 3, 1e-12, 0);
+            CHECK_NEAR(k.at[n].coupling[0], i ? 4 : -2, 1e-12, 0);
+            CHECK(lw_v3_norm(lw_v3_sub(k.at[n].joint[1].moment, lw_v3(0, 0.6, -1))) < 1e-12);
+            CHECK(lw_v3_norm(k.at[n].joint[1].force) < 1e-12);
+        }
+        lw_spatial_free(&m);
+    }
 }
 
 /* A weight hung on three springs: at rest where the potential is least. */

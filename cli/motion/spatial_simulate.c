@@ -138,6 +138,8 @@ static void make_columns(run *r)
         add_vector(r, m->joint[j].name, "f", "N", 1);
         add_vector(r, m->joint[j].name, "m", "N m", 1);
     }
+    for (int i = 0; i < m->n_coupling; i++)
+        add(r, m->coupling[i].name, "force", lw_spatial_coupling_slides(&m->coupling[i]) ? "N" : "N m", 1);
     for (int i = 0; i < m->n_contact; i++) {
         add(r, m->joint[m->contact[i]].name, "distance", length, 1/m->units.metre);
         add(r, m->joint[m->contact[i]].name, "contact", "N", 1);
@@ -263,6 +265,8 @@ static lw_status put_row(void *context, const lw_moment *moment)
         to = put_body(to, &r->link[s->link_of[b]]);
     for (int j = 0; j < m->n_joint; j++)
         to = put(put(to, o->joint[j].force), o->joint[j].moment);
+    for (int i = 0; i < m->n_coupling; i++)
+        *to++ = o->coupling[i];
     for (int i = 0; i < m->n_contact; i++) {
         lw_space_touch touch = lw_dynamics_space_touch(r->d, i, o);
         *to++ = touch.distance, *to++ = touch.force;

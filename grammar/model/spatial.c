@@ -97,6 +97,14 @@ double lw_spatial_size(const lw_spatial *m)
     return size > 1e-9 ? size : 1;
 }
 
+bool lw_spatial_coupling_slides(const lw_spatial_coupling *c)
+{
+    for (int i = 0; i < c->n; i++)
+        if (c->of[i].of == LW_OF_SLIDE)
+            return true;
+    return false;
+}
+
 int lw_spatial_coupling_parts(const lw_spatial *m, const lw_spatial_coupling *c)
 {
     int part[3*LW_COUPLING_TERMS], n = 0;

@@ -212,6 +212,8 @@ double lw_spatial_size(const lw_spatial *m);
  * link and on the place of the second.  How many it depends on, the ground not counted; at most LW_COUPLING_PARTS may be. */
 #define LW_COUPLING_PARTS 4
 int lw_spatial_coupling_parts(const lw_spatial *m, const lw_spatial_coupling *c);
+/* Has it a slide, so that its sum is a length? */
+bool lw_spatial_coupling_slides(const lw_spatial_coupling *c);
 
 /* A name for messages: "A", or "x of P" of a tracer. */
 void lw_spatial_measure_name(const lw_spatial *m, lw_spatial_measure of, char *text, size_t size);

@@ -637,7 +637,6 @@ static lw_status read_coupling(const lw_json_node *object, size_t index, lw_spat
     static const char *const known[] = { "name", "terms" }, *const known_of_term[] = { "joint", "coordinate", "factor" };
     lw_spatial_coupling *c = &m->coupling[index];
     lw_json_node all;
-    double length = 0;                       /* of slides, in the unit of the file */
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
         (s = read_new_name(object, "coupling", NAMES(m->coupling, m->n_coupling, lw_spatial_coupling), c->name, e)) == LW_OK &&
@@ -657,12 +656,10 @@ static lw_status read_coupling(const lw_json_node *object, size_t index, lw_spat
         for (int k = 0; s == LW_OK && k < c->n; k++)
             if (c->of[k].of == of->of && c->of[k].index == of->index)
                 s = lw_json_fault(&one, e, "this is a term already");
-        if (s == LW_OK && of->of == LW_OF_SLIDE)
-            length = m->units.metre;
         c->n++;
     }
-    for (int i = 0; s == LW_OK && length > 0 && i < c->n; i++)
-        c->factor[i] *= c->of[i].of == LW_OF_TURN ? length : 1;
+    for (int i = 0; s == LW_OK && lw_spatial_coupling_slides(c) && i < c->n; i++)
+        c->factor[i] *= c->of[i].of == LW_OF_TURN ? m->units.metre : 1;
     if (s == LW_OK && lw_spatial_coupling_parts(m, c) > LW_COUPLING_PARTS)
         s = lw_json_fault(object, e, "coupling \"%s\" depends on %d places and turns of links, and %d are possible: divide it into two "
                           "couplings with a shaft between them, a link of its own that turns in the ground", c->name,

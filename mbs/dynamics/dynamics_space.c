@@ -231,7 +231,8 @@ static lw_status make_drives(lw_dynamics *d, lw_error *e)
     c->drive_l = calloc(rows + (size_t)(m->n_drive > m->n_input ? m->n_drive : m->n_input) + 2*(size_t)m->n_input + 1, sizeof(double));
     c->drive_f = calloc(2*(size_t)d->n_v + rows*(LW_SPACE_ROW + 1) + 1, sizeof(double));
     c->joint = calloc((size_t)m->n_joint + 1, sizeof *c->joint);
-    if (!c->drive_l || !c->drive_f || !c->joint)
+    c->pull = calloc((size_t)m->n_coupling + 1, sizeof *c->pull);
+    if (!c->drive_l || !c->drive_f || !c->joint || !c->pull)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (m->n_drive == 0)
         return LW_OK;
@@ -349,7 +350,8 @@ static lw_status load_drives(lw_dynamics *d, double t, const double *q, const do
 
 /* ---- moments -------------------------------------------------------------------------------------------------- */
 
-/* Forces of the joints on their second links for multipliers l. */
+/* Forces of the joints on their second links, and of the couplings, for multipliers l.  The row of a slide in a coupling pulls at the
+ * centre of the second link; a coupling pulls along the axis through the joint's point, as drives do, so the joint carries the moment. */
 static void find_reactions(lw_spatial_scene *c, const double *v, const double *l, double *phi, double *all)
 {
     const lw_space *s = &c->s;
@@ -370,6 +372,20 @@ static void find_reactions(lw_spatial_scene *c, const double *v, const double *l
         about = lw_v3_add(about, lw_v3_cross(lw_v3_sub(c->frame[j->body[end] + 1].at, p[1]), load));
         c->joint[i].force = lw_v3_scale(load, end == 1 ? 1 : -1);
         c->joint[i].moment = lw_v3_scale(about, end == 1 ? 1 : -1);
+    }
+    for (int i = 0; i < s->n_coupling; i++) {
+        const lw_space_coupling *p = &s->coupling[i];
+        c->pull[i] = -l[s->n_joint_row + i]/p->most;
+        for (int k = 0; k < p->n; k++) {
+            const lw_space_term *t = &p->term[k];
+            const lw_space_joint *j = &s->joint[t->index];
+            if (t->turn || j->body[1] < 0)
+                continue;
+            const lw_space_frame *of = &c->frame[j->body[1] + 1];
+            lw_vec3 arm = lw_m3_apply(&of->turn, lw_v3_scale(j->arm[1], -1)), axis = lw_m3_apply(&of->turn, j->z[1]);
+            lw_vec3 *moment = &c->joint[t->index].moment;
+            *moment = lw_v3_add(*moment, lw_v3_cross(arm, lw_v3_scale(axis, c->pull[i]*t->factor*p->most/s->unit)));
+        }
     }
     for (int i = 0; i < c->model->n_contact; i++) {
         const lw_space_contact *p = &c->f.contact[i];
@@ -392,7 +408,7 @@ lw_status lw_dynamics_space_moment(lw_dynamics *d, const lw_moment *m, lw_space_
     const double *l = m->l;
     lw_status st = LW_OK;
     *out = (lw_space_moment){ .t = m->t, .q = m->q, .v = m->v, .a = m->a, .frame = c->frame, .input = input, .input_rate = rate,
-                              .drive = drive, .joint = c->joint, .kinetic = m->kinetic, .potential = m->potential,
+                              .drive = drive, .joint = c->joint, .coupling = c->pull, .kinetic = m->kinetic, .potential = m->potential,
                               .work = d->freedom == 0 || still ? NAN : m->work, .off = m->off, .off_rate = m->off_rate };
     for (int i = 0; i < inputs || i < model->n_drive; i++)
         drive[i] = 0;                        /* what runs freely */

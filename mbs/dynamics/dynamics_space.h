@@ -22,6 +22,7 @@ typedef struct lw_space_moment {
     const double *drive;                 /* force [N] or torque [N m] of each drive (or input, if the model has no drives);
                                             0 for inputs that run freely */
     const lw_spatial_reaction *joint;    /* on link[1], about the joint's point there, ground axes */
+    const double *coupling;              /* times a factor: force [N] or torque [N m] on the second link of the joint */
     double kinetic, potential, work;     /* [J] */
     double off, off_rate;                /* greatest residual of the rows, and of their rates */
 } lw_space_moment;

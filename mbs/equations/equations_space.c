@@ -128,6 +128,7 @@ void lw_spatial_scene_free(lw_spatial_scene *c)
     free(c->drive_l);
     free(c->drive_f);
     free(c->joint);
+    free(c->pull);
     lw_flying_free(&c->flying);
     free(c->frame);
     free(c->idle);

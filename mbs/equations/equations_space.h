@@ -31,6 +31,7 @@ typedef struct lw_spatial_scene {
     lw_space_dense    drives_least;              /* the same, for drives that share a force */
     double           *drive_l, *drive_f;         /* scratch, of results too */
     lw_spatial_reaction *joint;                  /* (n_joint) */
+    double         *pull;                        /* (n_coupling) forces of couplings */
 } lw_spatial_scene;
 
 /* The model must outlive c.  LW_E_MEMORY.  c needs lw_spatial_scene_free, after a failure too. */

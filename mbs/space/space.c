@@ -132,7 +132,6 @@ static lw_status make_coupling(lw_space *s, int i, lw_error *e)
 {
     const lw_spatial_coupling *p = &s->model->coupling[i];
     lw_space_coupling *c = &s->coupling[i];
-    double most = 0;
     *c = (lw_space_coupling){ .n = p->n, .body = { -1, -1, -1, -1 } };
     if (lw_spatial_coupling_parts(s->model, p) > LW_COUPLING_PARTS)       /* elastic links have a body for each node */
         return lw_error_set(e, LW_E_KIND, "coupling \"%s\" depends on too many nodes of elastic links: divide it into two couplings with "
@@ -154,10 +153,10 @@ static lw_status make_coupling(lw_space *s, int i, lw_error *e)
         add_part(c, t->side[1], turn);
         if (!turn)
             add_part(c, t->side[0], false);
-        most = fmax(most, fabs(t->factor));
+        c->most = fmax(c->most, fabs(t->factor));
     }
     for (int k = 0; k < c->n; k++)
-        c->term[k].factor /= most;
+        c->term[k].factor /= c->most;
     return LW_OK;
 }
 

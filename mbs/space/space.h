@@ -41,6 +41,7 @@ typedef struct lw_space_coupling {
     int  n, body[LW_SPACE_SIDES];            /* bodies, -1 after the last                              */
     int  n_part, part[LW_COUPLING_PARTS];    /* groups of three of the 24 derivatives that are not 0   */
     lw_space_term term[LW_COUPLING_TERMS];
+    double most;                             /* greatest factor, of a slide times `unit`               */
 } lw_space_coupling;
 
 /* A point of a body, in its axes; of the ground for body -1. */

@@ -46,6 +46,7 @@ class SpatialSimulation(NamedTuple):
     energy: np.ndarray                   #: (n, 3) kinetic, potential, work done [J]; work NaN: every freedom is driven
     residual: np.ndarray                 #: (n) of the constraints, over the size of the model
     report: dict                         #: how it was computed
+    coupling: np.ndarray                 #: (n, couplings) times a factor: torque [N m] or force [N] on the second link
 
     def __repr__(self):
         return (f"<linkwright.SpatialSimulation: {len(self.t)} samples to {self.t[-1]:g} s, "
@@ -158,24 +159,25 @@ class SpatialModel:
             options["from"] = options.pop("from_")
         fill(what, {**options, "to": to, "intervals": n}, keep, special=("stop", "force"))
         what.stop = stop
-        links, tracers, joints, inputs = (self._count(k) for k in (b"l", b"t", b"j", b"i"))
+        links, tracers, joints, inputs, couplings = (self._count(k) for k in (b"l", b"t", b"j", b"i", b"c"))
         drives, frame = self._count(b"d") or inputs, ffi.sizeof("lw_frame_motion")
         samples = []
 
         def visit(s):
             samples.append((s.t, _bytes(s.link, links*frame), _bytes(s.tracer, tracers*frame), _bytes(s.joint, 48*joints),
                             _bytes(s.input, 8*inputs), _bytes(s.rate, 8*inputs), _bytes(s.drive, 8*drives),
-                            (s.kinetic, s.potential, s.work), s.residual))
+                            (s.kinetic, s.potential, s.work), s.residual, _bytes(s.coupling, 8*couplings)))
 
         def end():
             stop[0] = 1
 
         self._run(lambda calls, error: lib.lw_spatial_simulate(self._handle, what, lib.lw_py_spatial_sample,
                                                                calls.handle, report, error), visit, end)
-        t, link, tracer, joint, place, rate, drive, energy, residual = zip(*samples)
+        t, link, tracer, joint, place, rate, drive, energy, residual, coupling = zip(*samples)
         return SpatialSimulation(np.array(t), _frames(link, links), _frames(tracer, tracers), _numbers(joint, joints, 6),
                                  _numbers(place, inputs), _numbers(rate, inputs), _numbers(drive, drives),
-                                 np.array(energy), np.array(residual), plain(report[0]))
+                                 np.array(energy), np.array(residual), plain(report[0]),
+                                 _numbers(coupling, couplings))
 
     @staticmethod
     def _run(work, visit, end=None):
