@@ -286,7 +286,7 @@ static bool beside_dead_point(const lw_problem *p, const double *g, size_t i)
     return false;
 }
 
-/* Where differences with two steps disagree a condition has a kink (the least of several distances, say) and is not
+/* Where differences with two steps, or to the two sides, disagree a condition has a kink (the least of several distances, say) and is not
  * compared; *smooth counts the others. */
 static void compare_derivatives(const lw_problem *p, const double *x, long *smooth, long *all)
 {
@@ -306,7 +306,8 @@ static void compare_derivatives(const lw_problem *p, const double *x, long *smoo
                 slope[k] = (to[k][0][i] - 8*to[k][1][i] + 8*to[k][2][i] - to[k][3][i])/(12*(k ? 5e-6 : 2e-5));
             double off = 2e-5*(1 + fabs(g[i]) + fabs(slope[0]));
             ++*all;
-            if (!(fabs(slope[0] - slope[1]) < off) || beside_dead_point(p, g, i))
+            double turn = (to[1][2][i] - 2*g[i] + to[1][1][i])/5e-6;      /* of the slope at x itself: a kink there is seen by no central difference */
+            if (!(fabs(slope[0] - slope[1]) < off) || !(fabs(turn) < off) || beside_dead_point(p, g, i))
                 continue;
             ++*smooth;
             if (!(fabs(j[i*nv + v] - slope[0]) <= 2*off))

@@ -272,11 +272,11 @@ static void propose(const lw_problem *p, lw_work *w, bool have_old)
     }
 }
 
-/* Limit the move of each station; returns the longest move. This comes after the ordering, because the mean of
+/* Limit the move of each station to `most`; returns the longest move. This comes after the ordering, because the mean of
  * shortened steps is no step of a block. */
-static double shorten(const lw_problem *p, lw_work *w)
+static double shorten(const lw_problem *p, lw_work *w, double most)
 {
-    const double most = LW_TIMING_MOVE_MAX, *old = w->try_theta;
+    const double *old = w->try_theta;
     double longest = 0;
     for (size_t k = 0; k < p->n; k++) {
         double move = w->phase[k] - old[k];
@@ -292,30 +292,35 @@ bool lw_timing_refine(const lw_problem *p, const double *x, lw_work *w, int step
     /* An f this little above the least counts as equal: f is flat there, and a return to the inputs of the least would
      * keep only half of their digits. */
     const double rounding = 1e-9;
-    double least = INFINITY, *kept = w->keep_theta;
-    bool back = false;
+    double least = INFINITY, *kept = w->keep_theta, most = LW_TIMING_MOVE_MAX;
+    int last = steps;
+    bool careful = false, back = false;
     for (int i = 0;; i++) {
         if (!lw_problem_turn_stations(p, x, w) || !lw_problem_lanes(p, x, w))
             return false;
         double f = lw_problem_rows(p, x, w, false);
+        bool worse = f > least*(1 + rounding);
         if (f <= least) {
             least = f;
             memcpy(kept, w->phase, p->n*sizeof *kept);
         }
-        if (i >= steps && (f <= least*(1 + rounding) || back))
+        if (i >= last && (!worse || back))
             return true;
-        if (i >= steps) {
-            /* Newton's method diverged: return to the best inputs. Only once, because f of groups solved by
-             * continuation is not exactly reproducible. */
+        if (worse && (careful || i >= last)) {
+            /* Newton's method led to a worse extreme: once more from the best inputs, with shorter steps, or these themselves.  Those only
+             * once, because f of groups solved by continuation is not exactly reproducible. */
             memcpy(w->phase, kept, p->n*sizeof *kept);
-            back = true;
+            back = i >= last && careful;
+            last = careful ? last : i + 1 + steps;
+            careful = true;
+            most *= 0.3;
             continue;
         }
         propose(p, w, i > 0);
         if (p->timing == LW_TIMING_FREE)
             lw_timing_order(p, w->phase, w->try_theta + 2*w->ld, w->pool);
-        if (shorten(p, w) < 1e-12)
-            steps = i + 1;
+        if (shorten(p, w, most) < 1e-12)
+            last = i + 1;
     }
 }
 
