@@ -619,13 +619,13 @@ static double *state(stages *g, double *y)
     return y;
 }
 
-/* The work done in the step, and to *off how far a coarser sum, by trapeziums, is from it. */
+/* The work done in the step, and to *off how far a coarser sum is from it: by trapeziums, and of generalised alpha with the first power. */
 static double work_of(const stages *g, double *off)
 {
     double work = 0, coarse = 0, at = 0, power = g->power_old;
     for (int k = 0; k < g->s; k++) {
         work += g->h*g->weight[k]*(g->alpha ? 0.5*(g->power_old + g->power[k]) : g->power[k]);
-        coarse += 0.5*g->h*(g->at[k] - at)*(power + g->power[k]);
+        coarse += g->alpha ? g->h*power : 0.5*g->h*(g->at[k] - at)*(power + g->power[k]);
         at = g->at[k], power = g->power[k];
     }
     *off = fabs(work - coarse);
@@ -907,6 +907,8 @@ static lw_status end_step(stages *g)
         s = lw_run_samples(run, g->t, state_at, g);
     if (s == LW_OK && !g->dense && run->next <= run->d->o.intervals && g->t >= lw_run_time(run->d, run->next))
         s = show(g);
+    if (s == LW_OK && kink && g->t < run->d->o.to)       /* motions that change their speed at once push */
+        s = lw_mbs_settle(run->d, g->t, g->q, g->v);
     return s == LW_OK && kink && g->t < run->d->o.to ? begin_again(g) : s;
 }
 
