@@ -35,10 +35,10 @@ void lw_run_watch(lw_run *run, const double *y)
 
 /* A motion that slides along a jump of the forces shows it in one of two ways.  Forces jump LW_RUN_JUMPS times in so short a time that a run
  * would have most_jumps.  Or most_near steps in a row are shorter than a run over most_jumps, all with a jump near them that neither
- * comes nearer nor goes away, since stages within the steps jump.  A jump is near if its side, at the greatest rate of late (which
- * is forgotten slowly), changes within `reach` steps. */
+ * comes nearer nor goes away, since stages within the steps jump; most_steady times as many where no end of a step of late was behind the
+ * jump.  A jump is near if its side, at the greatest rate of late (which is forgotten slowly), changes within `reach` steps. */
 static const double most_jumps = 2e5, reach = 4, forget = 0.99;
-static const int most_near = 80;
+static const int most_near = 80, most_steady = 10;
 static const double least_jump = 1e-3;                   /* part of the greatest force so far: less is no jump */
 static const double lately = 1e-3;                       /* part of the run: the last jump is not longer ago */
 
@@ -73,7 +73,9 @@ lw_status lw_run_jumps(lw_run *run, double t, const double *y)
     }
     memcpy(side, now, (size_t)eq->n_switch*sizeof *side);
     run->jumps_t = t;
-    run->n_near = near >= 0 && !first_look && h*most_jumps < all ? run->n_near + 1 : 0;
+    bool beside = near >= 0 && !first_look && h*most_jumps < all;
+    run->n_near = beside ? run->n_near + 1 : 0;
+    run->n_steady = beside ? run->n_steady : 0;
     double *part = &run->near[run->n_near > most_near/2];        /* greatest distance in the first half of such steps, in the second */
     *part = run->n_near % (most_near/2) == 1 ? near : fmax(*part, near);
     double *last = &run->jumped[run->n_jumped % LW_RUN_JUMPS], first = *last;
@@ -86,8 +88,9 @@ lw_status lw_run_jumps(lw_run *run, double t, const double *y)
     if (run->n_near < most_near)
         return LW_OK;
     run->n_near = 0;
-    return since < lately*all && run->near[1] <= 2*run->near[0] && run->near[0] <= 2*run->near[1]
-         ? lw_run_slides(run, t) : LW_OK;                /* else the motion comes to the jump, or leaves it */
+    bool steady = run->near[1] <= 2*run->near[0] && run->near[0] <= 2*run->near[1];       /* else the motion comes to the jump, or leaves it */
+    run->n_steady = steady ? run->n_steady + 1 : 0;
+    return steady && (since < lately*all || run->n_steady >= most_steady) ? lw_run_slides(run, t) : LW_OK;
 }
 
 double lw_run_energy(const lw_run *run, const double *y)

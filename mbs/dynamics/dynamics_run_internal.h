@@ -37,7 +37,7 @@ typedef struct lw_run {
     double *sides;                   /* memory of lw_run_jumps; NULL: nothing jumps */
     double  most_force, jumps_t, jumped[LW_RUN_JUMPS];       /* greatest force so far; time looked at last; times of the last jumps */
     long    n_jumped;
-    int     n_near;                  /* short steps in a row beside a jump, */
+    int     n_near, n_steady;        /* short steps in a row beside a jump, and how often before as many stayed so near; */
     double  near[2];                 /* and the greatest distances from it */
     double *y, *state;               /* (n) scratch; state: ggl only */
 } lw_run;
