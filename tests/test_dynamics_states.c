@@ -477,3 +477,19 @@ TEST(others_refuse)
     }
     lw_model_free(&d.model);
 }
+
+/* A force that a lag of 0.1 s raises from -1 to 3 N lifts 1 kg off its rigid stop at ln(4/3)/10 s; from there on a = 3 - 4 exp(-10 t). */
+TEST(a_state_lifts_off_a_stop)
+{
+    static const lw_formulation each[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE };
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0], 'inertia': 0.1}], 'states': [{'name': 'u',"
+        "'rate': '-10*state(u) + 10', 'start': 0}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'a'], 'at': [0, 0], 'along': [1, 0],"
+        "'stop': {'least': 0}}], 'forces': [{'link': 'a', 'at': [0, 0], 'fx': '-1 + 4*state(u)'}]}", 0, 0);
+    double t0 = log(4.0/3)/10, v = 3*(0.5 - t0) + 0.4*(exp(-5) - exp(-10*t0));
+    for (int f = 0; f < 3; f++)
+        for (double tolerance = 1e-6; tolerance > 1e-13; tolerance *= 1e-2) {
+            CHECK_INT(drun_to(&d, each[f], tolerance, 0.5, 5), LW_OK);
+            CHECK_NEAR(d.v[0]*d.system.unit, v, (f == 2 ? 100 : 10)*tolerance, 0);
+        }
+    lw_model_free(&d.model);
+}

@@ -68,11 +68,9 @@ static lw_status motion(void *context, int i, double t, const double *y, double 
     d->eq.place(d->eq.context, y);
     *out = (lw_gap){ .value = gap_of(d, i, g) };
     out->acceleration = d->stop[i].sign*d->eq.measure_bias(d->eq.context, d->stop[i].measure, y + d->n_q);
-    out->size = fabs(out->acceleration);
     for (int k = 0; k < d->n_v; k++) {
         out->rate += g[k]*y[d->n_q + k];
         out->acceleration += g[k]*d->a[k];
-        out->size += fabs(g[k]*d->a[k]);
     }
     return s;
 }

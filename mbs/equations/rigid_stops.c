@@ -5,7 +5,6 @@
 
 static const double passed = 1e-6;           /* a gap below minus this: the stop is passed, scaled */
 static const double still = 1e-13;           /* a rate below this over the greatest velocity is rounding */
-static const double even = 1e-9;             /* an acceleration below this over its terms is rounding where a force has just passed 0 */
 
 int lw_rigid_stops_find(const lw_model *m, const lw_system *s, lw_rigid_stop *stop)
 {
@@ -45,8 +44,6 @@ lw_gap lw_rigid_stop_motion(const lw_system *s, const lw_rigid_stop *stop, const
     }
     lw_system_measure_series(s, stop->joint, 2, series, out);
     gap.acceleration = 2*stop->sign*out[2];
-    for (int i = 0; i < n; i++)
-        gap.size += fabs(row[i]*a[i]);
     return gap;
 }
 
@@ -76,6 +73,7 @@ static lw_status strike(const lw_stops *s, int i, double t, double *y, double *g
     return LW_OK;
 }
 
+/* Its force has just passed 0: it is left, for its acceleration there is rounding. */
 static bool is_due(const lw_stops *s, int i) { return i < 64 && s->due >> i & 1; }
 
 static bool closes(const lw_stops *s, int i, const double *y, const lw_gap *gap)
@@ -83,8 +81,7 @@ static bool closes(const lw_stops *s, int i, const double *y, const lw_gap *gap)
     double fastest = 0;
     for (int k = 0; k < s->n; k++)
         fastest = fmax(fastest, fabs(y[s->v + k]));
-    double least = is_due(s, i) ? -even*gap->size : 0;
-    return gap->rate <= 0 && !(gap->rate >= -still*fastest && gap->acceleration >= least);
+    return gap->rate <= 0 && !(gap->rate >= -still*fastest && (is_due(s, i) || gap->acceleration >= 0));
 }
 
 static lw_status strike_all(const lw_stops *s, double t, double *y, bool *any, lw_error *e)

@@ -23,7 +23,7 @@ typedef struct lw_rigid_stop {
     bool   resting;
 } lw_rigid_stop;
 
-typedef struct lw_gap { double value, rate, acceleration, size; } lw_gap;      /* size: of the terms that add up to acceleration */
+typedef struct lw_gap { double value, rate, acceleration; } lw_gap;
 
 /* The rigid stops of a model into stop (2*LW_JOINT_MAX), by joint; returns how many. */
 int lw_rigid_stops_find(const lw_model *m, const lw_system *s, lw_rigid_stop *stop);
