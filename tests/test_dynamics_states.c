@@ -493,3 +493,20 @@ TEST(a_state_lifts_off_a_stop)
         }
     lw_model_free(&d.model);
 }
+
+/* A mass rests at its stop, on which no force presses at 0 s; then one pushes it against the stop.  It stays, or the run ends. */
+TEST(pushed_against_a_stop_from_rest)
+{
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0], 'inertia': 0.1}], 'joints': [{'name': 'S',"
+        "'kind': 't', 'links': ['ground', 'a'], 'at': [0, 0], 'along': [1, 0], 'stop': {'least': 0}}], 'forces': [{'link': 'a', 'at': [0, 0],"
+        "'fx': 'cos(10*t) - 1'}]}", 0, 0);
+    for (double tolerance = 1e-6; tolerance > 1e-11; tolerance *= 1e-2) {
+        for (int f = 0; f < 2; f++) {
+            lw_status status = drun_to(&d, f ? LW_FORMULATION_CVODE : LW_FORMULATION_INDEX1, tolerance, 1, 5);
+            CHECK(status == LW_E_NUMERIC ? strstr(d.e.text, "passed its rigid stop") != NULL : status == LW_OK);
+            if (status == LW_OK)
+                CHECK_NEAR(d.q[0], 0, 1e-6 + 10*tolerance, 0);
+        }
+    }
+    lw_model_free(&d.model);
+}
