@@ -49,25 +49,35 @@ lw_status lw_passage_begin(lw_passage *z)
  * others.  The panel's points integrate it exactly. */
 static void weights(const lw_passage *z, int first, int last, double x, double weight[LW_PASSAGE_NODES])
 {
+    double all[LW_PASSAGE_NODES], after[LW_PASSAGE_NODES + 1];
     memset(weight, 0, LW_PASSAGE_NODES*sizeof *weight);
-    for (int k = first; k <= last; k++)
-        for (int p = 0; p < LW_PANEL_NODES; p++) {
-            double product = (x - z->anchor)*z->rule->gauss[p], at = z->anchor + (x - z->anchor)*z->rule->gauss_at[p];
-            for (int j = first; j <= last; j++)
-                product *= j == k ? 1 : (at - z->at[j])/(z->at[k] - z->at[j]);
-            weight[k] += product;
-        }
+    for (int k = first; k <= last; k++) {
+        double apart = 1;
+        for (int j = first; j <= last; j++)
+            apart *= j == k ? 1 : z->at[k] - z->at[j];
+        all[k] = (x - z->anchor)/apart;
+    }
+    for (int p = 0; p < LW_PANEL_NODES; p++) {
+        double before = z->rule->gauss[p], at = z->anchor + (x - z->anchor)*z->rule->gauss_at[p];
+        after[last + 1] = 1;
+        for (int k = last; k > first; k--)
+            after[k] = after[k + 1]*(at - z->at[k]);
+        for (int k = first; k <= last; before *= at - z->at[k++])
+            weight[k] += all[k]*before*after[k + 1];
+    }
 }
 
 /* State at x in 0 .. 1. */
-static void state_in_gap(const lw_passage *z, const double weight[LW_PASSAGE_NODES], double *y)
+static void state_in_gap(const lw_passage *z, const double weight[LW_PASSAGE_NODES], double *restrict y)
 {
-    for (int i = 0; i < z->run->n; i++) {
-        double sum = 0;
-        for (int k = 0; k < LW_PASSAGE_NODES; k++)
-            sum += weight[k]*z->rate[k*z->run->n + i];
-        y[i] = z->begun[i] + z->length*sum;
-    }
+    const double *restrict rate = z->rate;
+    size_t n = (size_t)z->run->n;
+    memset(y, 0, n*sizeof *y);
+    for (int k = 0; k < LW_PASSAGE_NODES; k++, rate += n)
+        for (size_t i = 0; i < n; i++)
+            y[i] += weight[k]*rate[i];
+    for (size_t i = 0; i < n; i++)
+        y[i] = z->begun[i] + z->length*y[i];
 }
 
 void lw_passage_state(const lw_passage *z, double x, double *y)
@@ -179,7 +189,8 @@ lw_status lw_passage_solve(lw_passage *z, double *y, double *tail)
     double before = INFINITY, change = INFINITY, least = INFINITY, weight[LW_PASSAGE_NODES][LW_PASSAGE_NODES], whole[LW_PASSAGE_NODES];
     for (int k = 0; k < LW_PASSAGE_NODES; k++)
         weights(z, 0, LW_PASSAGE_NODES - 1, z->at[k], weight[k]);
-    for (int pass = 0, since = 0; change > settled && !(change < unsettled && change > 0.5*before) && pass - since < lingers; pass++) {
+    bool ended = false;
+    for (int pass = 0, since = 0; !ended && pass - since < lingers; pass++) {
         for (int k = 0; k < LW_PASSAGE_NODES; k++) {
             lw_status s = lw_run_rate(run, z->start + z->length*z->at[k], z->state + k*n, z->rate + k*n);
             if (s != LW_OK)
@@ -200,6 +211,7 @@ lw_status lw_passage_solve(lw_passage *z, double *y, double *tail)
             return LW_OPEN;
         if (change < 0.5*least)
             least = change, since = pass;
+        ended = change <= settled || (change < unsettled && (change > 0.5*before || change*change <= z->enough*before));
     }
     *tail = 0;
     weights(z, 1, LW_PASSAGE_NODES - 2, 1, whole);
@@ -236,6 +248,7 @@ bool lw_passage_meets(const lw_passage *z, double tolerance)
  * the product of multiplier and time from the pole is a polynomial too (mbs/dynamics/dynamics_driven.c). */
 static const double longest_window = 0.3, shortest_window = 0.03;    /* half of it, scaled: about radians */
 static const double agreed = 1e-9, disagreed = 1e-5;     /* orders 20 and 18: good, and too far apart, relative */
+static const double enough_for_forces = 1e-13;           /* error of the states at the nodes that `agreed` does not notice */
 static const double no_pole = 1e-8;          /* strength of a pole that counts as 0, relative */
 static const double at_pole = 1e-7;          /* distance from a pole, over half the window, without a value */
 static const double least_apart = 1e-3;      /* nearer to a singular posture multipliers are rounding */
@@ -326,7 +339,7 @@ lw_status lw_run_singular_forces(lw_run *run, double t, const double *y)
     double apart = d->by_rank ? d->rank_of.weakest : sqrt(fmax(d->weak, 0)), speed = greatest(y + n_q, d->n_v);
     double tail, best = INFINITY, *old = run->state;
     double *memory = malloc((n*(3 + 2*LW_PASSAGE_NODES) + 2*(n_v + n_c) + (LW_PASSAGE_NODES + 4)*n_c + n_v)*sizeof *memory);
-    lw_passage z = { .run = run, .begun = memory };
+    lw_passage z = { .run = run, .begun = memory, .enough = enough_for_forces };
     lw_status s = memory ? lw_passage_begin(&z) : LW_E_MEMORY;
     lw_error was = *run->e;
     if (s == LW_OK) {

@@ -19,6 +19,7 @@ typedef struct lw_passage {
     double  start, length, *begun;           /* begun (n): state at `anchor`, a fraction of the length */
     double  anchor;
     double  at[LW_PASSAGE_NODES];                /* nodes as fractions of the length */
+    double  enough;                          /* change of the states that the next pass is not worth; 0: passes go on to rounding */
     double  rounding;                        /* change of the states in the last pass of a solution */
     double *rate, *state;                    /* (LW_PASSAGE_NODES x n) at the nodes */
 } lw_passage;
