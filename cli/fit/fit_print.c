@@ -128,7 +128,7 @@ static void print_stages(const cli_fit_set *s, FILE *f)
         const lw_links_summary *l = &s->search.by_links[k];
         if (l->n_stage == 0)
             continue;
-        fprintf(f, "best with up to %d links: ", l->links);
+        fprintf(f, "best row with up to %d links: ", l->links);
         if (l->best < 0)
             fputs(s->spec.by_default ? "none within the limits" : "none", f);
         else if (!lw_task_has_place(s->spec.task))
