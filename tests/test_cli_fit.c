@@ -278,6 +278,21 @@ TEST(tables_of_functions_say_where_angles_begin)
     ran_free(&r);
 }
 
+/* No linkage of pins draws a star of five rays; what is said instead does, within 0.4 % of the diagonal of 133 mm. */
+TEST(stars_are_left_to_gears)
+{
+    char star[200] = "printf '# closed: yes\nx [mm],y [mm]\n", line[400];
+    for (int k = 0; k < 10; k++)
+        snprintf(star + strlen(star), sizeof star - strlen(star), "%.3f,%.3f\n", -(k % 2 ? 22 : 50)*sin(0.62831853*k), (k % 2 ? 22 : 50)*cos(0.62831853*k));
+    snprintf(line, sizeof line, "%s' | $P fit - --links 4 --rounds 1", star);
+    expect(line, 0, NULL, "it has 5 equal parts, which gears draw: '--links 5 --joints r,g --gear-ratios 5,-5 --timing none'");
+    snprintf(line, sizeof line, "%s' | $P fit - --links 5 --joints r,g --gear-ratios 5,-5 --timing none --rounds 1 --budget 5e3 --json -q", star);
+    json_t *root = json_of(line), *r;
+    r = json_array_get(json_object_get(root, "results"), 0);
+    CHECK(member(r, "stray") < 0.5 && member(r, "error_max") < 0.5);
+    json_decref(root);
+}
+
 /* The page has the angle errors of the table and of JSON. */
 TEST(pages_show_errors_of_angles)
 {

@@ -584,6 +584,37 @@ TEST(made_from_arrays)
     CHECK(t.store == NULL);
 }
 
+/* Stars of k rays, anywhere and turned, have k equal parts; with one ray longer, or drawn open, they have not.  A rectangle has two, which do
+ * not count; 30 points of a wave round a circle have as many as the wave. */
+TEST(equal_parts_are_counted)
+{
+    enum { MOST = 60 };
+    double x[MOST], y[MOST];
+    for (int k = 3; k <= 12; k++)
+        for (int kind = 0; kind < 4; kind++) {               /* star, with one ray longer, open, wave                   */
+            lw_target t;
+            size_t n = kind == 3 ? (size_t)(k == 7 || k > 8 ? 5*k : 60/k*k) : (size_t)(2*k);
+            for (size_t i = 0; i < n; i++) {
+                double a = 0.3 + 2*LW_PI*(double)i/(double)n, r = kind == 3 ? 1 + 0.3*cos(k*a) : i % 2 ? 0.5 : 1;
+                r *= kind == 1 && i == 2 ? 1.2 : 1;
+                x[i] = 7 + r*cos(a);
+                y[i] = -3 + r*sin(a);
+            }
+            CHECK_INT(lw_target_make(n, x, y, NULL, NULL, NULL, kind != 2, &t, NULL), LW_OK);
+            CHECK_INT(lw_target_parts(&t, 0.02*t.extent), kind == 0 || kind == 3 ? k : 1);
+            lw_target_free(&t);
+        }
+    lw_target t;
+    static const double u[] = { 0, 3, 3, 0 }, v[] = { 0, 0, 1, 1 }, still[] = { 2, 2 };
+    CHECK_INT(lw_target_make(4, u, v, NULL, NULL, NULL, true, &t, NULL), LW_OK);
+    CHECK_INT(lw_target_parts(&t, 0.01), 1);
+    lw_target_free(&t);
+    if (lw_target_make(2, still, still, NULL, NULL, NULL, true, &t, NULL) == LW_OK) {
+        CHECK_INT(lw_target_parts(&t, 0.01), 1);
+        lw_target_free(&t);
+    }
+}
+
 TEST(circles_are_recognised)
 {
     double x[12], y[12], r;

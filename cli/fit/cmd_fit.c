@@ -539,6 +539,22 @@ static void note_circle(const cli_call *call, const cli_fit_set *set)
                  r/m, unit, c.x/m, c.y/m, off/m, unit);
 }
 
+/* What to search next if no linkage found is near.  A closed path of equal parts is what a gear pair of that ratio makes. */
+static void advise(const cli_call *call, const cli_fit_set *set, char *text, size_t size)
+{
+    const settings *s = call->settings;
+    int links = 4, parts = set->spec.timing == LW_TIMING_PRESCRIBED || strchr(s->joints, 'g') ? 1
+                         : lw_target_parts(&set->target, LW_NEAR*set->target.extent);
+    for (int i = 0; i < set->search.found.n_stage; i++)
+        links = set->search.found.stage[i].links > links ? set->search.found.stage[i].links : links;
+    if (parts > 1)
+        snprintf(text, size, "it has %d equal parts, which gears draw: '--links 5 --joints r,g --gear-ratios %d,-%d --timing none'", parts, parts, parts);
+    else
+        snprintf(text, size, "%s", links < 6 ? "'--links 6' searches linkages with six links too"
+                                   : links < 8 ? "'--links 8' searches longer, and linkages with eight links too"
+                                   : "a larger --budget searches longer");
+}
+
 static void warn(const cli_call *call, const cli_fit_set *set)
 {
     const lw_fit_results *found = &set->search.results;
@@ -559,9 +575,8 @@ static void warn(const cli_call *call, const cli_fit_set *set)
                  least/set->target.units.metre);
     if (found->n > 0 && set->spec.by_default && lw_task_has_place(set->spec.task) && found->n_within == 0
         && lw_fit_report_misses(&set->target, r) > LW_NEAR*set->target.extent) {
-        int links = 4;
-        for (int i = 0; i < set->search.found.n_stage; i++)
-            links = set->search.found.stage[i].links > links ? set->search.found.stage[i].links : links;
+        char advice[128];
+        advise(call, set, advice, sizeof advice);
         double misses = lw_fit_report_misses(&set->target, r), m = set->target.units.metre;
         const char *unit = set->target.units.length[0] ? set->target.units.length : "units";
         int nearest = 0;
@@ -578,10 +593,7 @@ static void warn(const cli_call *call, const cli_fit_set *set)
                      misses/m, unit, 100*misses/set->target.extent, nearest + 1, least_miss/m, unit);
         else
             cli_note(call, "%s: no linkage found follows the target well: the first row misses it by %.3g %s, %.2g %% of its "
-                     "diagonal; %s", set->path, misses/m, unit, 100*misses/set->target.extent,
-                     links < 6 ? "'--links 6' searches linkages with six links too"
-                     : links < 8 ? "'--links 8' searches longer, and linkages with eight links too"
-                     : "a larger --budget searches longer");
+                     "diagonal; %s", set->path, misses/m, unit, 100*misses/set->target.extent, advice);
     }
     if (found->n > 0 && set->spec.timing == LW_TIMING_FREE && set->target.n >= 8 && r->curve_max > 3*r->error_max
         && r->curve_max > 0.05*set->target.size)

@@ -252,3 +252,35 @@ double lw_target_circle(const lw_target *t, lw_vec2 *centre, double *radius)
     free(a);
     return round ? most : INFINITY;
 }
+
+enum { PARTS_MOST = 12, TURNED = 200 };      /* stations that are turned, at most */
+
+int lw_target_parts(const lw_target *t, double off)
+{
+    size_t n = t->x && t->closed ? t->n : 0;
+    lw_vec2 sum = lw_v2(0, 0);
+    double length = 0;
+    int parts = PARTS_MOST;
+    for (size_t i = 0; i < n; i++) {
+        lw_vec2 a = lw_v2(t->x[i], t->y[i]), b = lw_v2(t->x[(i + 1)%n], t->y[(i + 1)%n]);
+        double side = lw_v2_norm(lw_v2_sub(b, a));
+        sum = lw_v2_add(sum, lw_v2_scale(lw_v2_add(a, b), 0.5*side));
+        length += side;
+    }
+    if (!(length > 0))
+        return 1;
+    lw_vec2 centre = lw_v2_scale(sum, 1/length);
+    double least = off, worst[PARTS_MOST + 1];
+    for (int k = 3; k <= PARTS_MOST; k++) {
+        lw_vec2 turn = lw_v2_polar(1, 2*LW_PI/k);
+        worst[k] = 0;
+        for (size_t i = 0; i < n && worst[k] <= off; i += 1 + n/TURNED) {
+            lw_vec2 turned = lw_v2_turn(lw_v2_sub(lw_v2(t->x[i], t->y[i]), centre), turn);
+            worst[k] = fmax(worst[k], lw_target_distance(t, lw_v2_add(centre, turned)));
+        }
+        least = fmin(least, worst[k]);
+    }
+    while (parts > 2 && !(worst[parts] <= fmin(off, 2*least + 0.05*off)))       /* six parts are three parts, too */
+        parts--;
+    return parts > 2 ? parts : 1;
+}

@@ -79,4 +79,8 @@ double lw_target_distance(const lw_target *t, lw_vec2 place);
  * than 6 points, or a straight line. */
 double    lw_target_circle(const lw_target *t, lw_vec2 *centre, double *radius);
 
+/* Of how many equal parts round a centre the closed path consists, 3 to 12, as a star of five rays has 5: turned by one part, no station
+ * leaves the polygon of the stations by more than `off` [m].  1: none. */
+int       lw_target_parts(const lw_target *t, double off);
+
 #endif
