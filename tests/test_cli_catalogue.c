@@ -117,6 +117,22 @@ TEST(full_disk)
     expect("$P catalogue build /dev/full --links 6", 3, NULL, "no plain file");
 }
 
+/* A row of 40 loops: 82 links, 120 pins.  The first loop is a parallelogram. */
+TEST(linkages_of_any_size)
+{
+    expect("awk 'BEGIN {n = 40; printf \"{@linkwright@:1,@links@:[@ground@,@c0@\"; "
+           "for (i = 1; i <= n; i++) printf \",@c%d@,@r%d@\", i, i; "
+           "printf \"],@input@:{@joint@:@A0@},@tracers@:[{@name@:@P@,@link@:@r40@,@at@:[39.5,2]}],"
+           "@joints@:[{@name@:@A0@,@links@:[@ground@,@c0@],@at@:[0,0]}\"; "
+           "for (i = 1; i <= n; i++) printf \",{@name@:@A%d@,@links@:[@ground@,@c%d@],@at@:[%d,0]},{@name@:@B%d@,@links@:[@c%d@,@r%d@],"
+           "@at@:[%d,1]},{@name@:@C%d@,@links@:[@r%d@,@c%d@],@at@:[%d,1]}\", i, i, i, i, i-1, i, i-1, i, i, i, i; "
+           "print \"]}\"}' | tr @ '\"' > $D/row.json; rm -f $D/rows.db; $P catalogue add $D/rows.db $D/row.json", 0, NULL, "1 added");
+    expect("$P catalogue add $D/rows.db $D/row.json", 0, NULL, "1 linkages read, 0 added");
+    expect("$P catalogue query $D/rows.db --sql 'SELECT links, joints, dof, class, length(curve) > 1000 FROM linkage'", 0, "82", NULL);
+    expect("$P catalogue export $D/rows.db | sed 's/.*\"linkage\": *//; s/}$//' > $D/again.json; $P catalogue add $D/rows.db $D/again.json", 0,
+           NULL, "0 added");
+}
+
 TEST(files_that_are_none)
 {
     expect("chmod 444 $D/a.db; $P catalogue build $D/a.db --links 6; c=$?; chmod 644 $D/a.db; exit $c", 3, NULL,

@@ -64,6 +64,47 @@ TEST(rest_and_motion)
     ran_free(&r);
 }
 
+/* 20 parallel cranks' loops: (n + 1)/3 + n [kg m^2] turn against a spring, and gravity pushes them down. */
+TEST(heard_in_large_models)
+{
+    expect("awk 'BEGIN {n = 20; q = \"\\\"\"; printf \"{@linkwright@:1,@gravity@:[0,-9.81],@links@:[@ground@\"; "
+           "for (i = 0; i <= n; i++) printf \",{@name@:@c%d@,@mass@:1,@centre@:[%d,0.5],@inertia@:%.17g}\", i, i, 1/12; "
+           "for (i = 0; i < n; i++) printf \",{@name@:@r%d@,@mass@:1,@centre@:[%.1f,1],@inertia@:0.1}\", i, i + .5; "
+           "printf \"],@springs@:[{@joint@:@A0@,@stiffness@:1000}],@joints@:[{@name@:@A0@,@links@:[@ground@,@c0@],@at@:[0,0]}\"; "
+           "for (i = 1; i <= n; i++) printf \",{@name@:@A%d@,@links@:[@ground@,@c%d@],@at@:[%d,0]},{@name@:@B%d@,@links@:[@c%d@,"
+           "@r%d@],@at@:[%d,1]},{@name@:@C%d@,@links@:[@r%d@,@c%d@],@at@:[%d,1]}\", i, i, i, i, i-1, i-1, i-1, i, i-1, i, i; "
+           "print \"]}\"}' | tr @ '\"' > $D/row.json", 0, NULL, NULL);
+    ran r = run("$P simulate $D/row.json --analysis linear --fft");
+    CHECK_INT(r.code, 0);
+    const char *row = strstr(r.out, "\n1,");
+    double want = sqrt((1000 - 9.81*(10.5 + 20))/(7 + 20.0))/(2*3.14159265358979323846);
+    CHECK_NEAR(field(row ? row + 1 : NULL, 3), want, 0, 1e-9);
+    CHECK_NEAR(field(row ? row + 1 : NULL, 9), want, 0, 1e-6);
+    CHECK_HAS(r.err, "1 peak of the free vibration");
+    ran_free(&r);
+    /* a top in space; elastic links have other masses in time */
+    r = run("$P simulate examples/space/top.json --analysis linear --rest --fft");
+    row = strstr(r.out, "\n1,0,2,") ? strstr(r.out, "\n1,0,2,") : strstr(r.out, "\n1,nan,2,");
+    CHECK_NEAR(field(row ? row + 1 : NULL, 9), 1.00658424209, 0, 1e-6);
+    ran_free(&r);
+    expect("$P simulate examples/space/delta-elastic.json --analysis linear --fft", 3, NULL, "lumped masses");
+}
+
+/* Neighbours less than a tenth apart: no mode is taken for another one. */
+TEST(heard_neighbours)
+{
+    expect("printf '%s' '{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"inertia\": 1, \"centre\": [0, 0]}, "
+           "{\"name\": \"b\", \"mass\": 1, \"inertia\": 1, \"centre\": [0, 0]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", "
+           "\"a\"], \"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"ground\", \"b\"], \"at\": [0, 0]}], \"springs\": [{\"joint\": \"A\", "
+           "\"stiffness\": 100}, {\"joint\": \"B\", \"stiffness\": 100}, {\"links\": [\"a\", \"b\"], \"at\": [[1, 0], [1, 1]], "
+           "\"stiffness\": 3}]}' > $D/beat.json; $P simulate $D/beat.json --analysis linear --fft > $D/heard", 0, NULL, "2 peaks");
+    ran r = run("cat $D/heard");
+    const char *row = strstr(r.out, "\n1,");
+    for (int k = 0; k < 2; k++, row = row ? strchr(row + 1, '\n') : NULL)
+        CHECK_NEAR(field(row ? row + 1 : NULL, 9), field(row ? row + 1 : NULL, 3), 0, 1e-5);
+    ran_free(&r);
+}
+
 TEST(wrong_use)
 {
     expect("$P simulate $D/free.json --analysis linear --along 4", 3, NULL, "has none");

@@ -32,9 +32,9 @@ typedef struct job {
 /* The memory that the texts of a row point to. */
 typedef struct entry {
     lw_store_linkage row;
-    lw_linkage       k;
-    char             hash[LW_SHA256_TEXT], label[LW_GRAPH6_SIZE], kinds[LW_JOINT_MAX + 1], type[8];
-    char            *json;
+    lw_assembly      k;
+    char             hash[LW_SHA256_TEXT], label[LW_GRAPH6_SIZE], type[8];
+    char            *json, *kinds;
     float            curve[2*CURVE_MAX];
     lw_packed        terms;
 } entry;
@@ -60,7 +60,7 @@ static int flag_of(const json_t *object, const char *key)
 }
 
 /* The joint letters of a four-link chain in loop order, from the driven joint at the ground; "" for other chains. */
-static void set_type(const lw_linkage *linkage, char type[8])
+static void set_type(const lw_assembly *linkage, char type[8])
 {
     int link = linkage->ground, joint = linkage->n_input == 1 ? linkage->input[0].joint : -1;
     type[0] = 0;
@@ -86,7 +86,7 @@ static void set_type(const lw_linkage *linkage, char type[8])
 }
 
 /* Canonical label of the chain of the links; "" when the links form no chain (welded links, two joints between the same
- * two links). */
+ * two links, more links than a chain has). */
 static lw_status set_label(entry *x)
 {
     lw_chain c, form;
@@ -104,7 +104,7 @@ static lw_status set_label(entry *x)
     return s;
 }
 
-static int pin_between(const lw_linkage *linkage, int a, int b)
+static int pin_between(const lw_assembly *linkage, int a, int b)
 {
     for (int j = 0; j < linkage->n_joint; j++)
         if (lw_joint_turns(linkage->joint[j].kind)
@@ -114,28 +114,41 @@ static int pin_between(const lw_linkage *linkage, int a, int b)
     return -1;
 }
 
-/* Lengths of the first loop of four pins through the ground and the driven link: frame, input, coupler, output. */
-static bool driven_four_bar(const lw_linkage *linkage, double r[4])
+/* The link that a pin joins to `link`; -1: joint j is no pin of it, or leads to the ground or to the driven link. */
+static int pinned_to(const lw_assembly *linkage, int j, int link, int driven)
 {
-    int first = linkage->n_input == 1 ? linkage->input[0].joint : -1;
+    const lw_joint *q = &linkage->joint[j];
+    int other = q->link[q->link[0] == link];
+    bool pin = lw_joint_turns(q->kind) && (q->link[0] == link || q->link[1] == link);
+    return pin && other != linkage->ground && other != driven ? other : -1;
+}
+
+/* Lengths of the first loop of four pins through the ground and the driven link: frame, input, coupler, output. */
+static bool driven_four_bar(const lw_assembly *linkage, double r[4])
+{
+    int first = linkage->n_input == 1 ? linkage->input[0].joint : -1, found[2] = { -1, -1 };
     if (first < 0 || !lw_joint_turns(linkage->joint[first].kind))
         return false;
     const int *side = linkage->joint[first].link;
     if (side[0] != linkage->ground && side[1] != linkage->ground)
         return false;
     int driven = side[0] == linkage->ground ? side[1] : side[0];
-    for (int b = 0; b < linkage->n_link; b++)
-        for (int c = 0; c < linkage->n_link; c++) {
-            int loop[4] = { first, pin_between(linkage, driven, b), pin_between(linkage, b, c),
-                            pin_between(linkage, c, linkage->ground) };
-            bool others = b != linkage->ground && b != driven && c != linkage->ground && c != driven;
-            if (!others || loop[1] < 0 || loop[2] < 0 || loop[3] < 0)
-                continue;
-            for (int i = 0; i < 4; i++)
-                r[i] = lw_v2_norm(lw_v2_sub(linkage->joint[loop[i]].at, linkage->joint[loop[(i + 3) % 4]].at));
-            return true;
+    for (int i = 0; i < linkage->n_joint; i++) {
+        int b = pinned_to(linkage, i, driven, driven);
+        for (int k = 0; b >= 0 && k < linkage->n_joint; k++) {
+            int c = pinned_to(linkage, k, b, driven);
+            bool sooner = found[0] < 0 || b < found[0] || (b == found[0] && c < found[1]);
+            if (c >= 0 && sooner && pin_between(linkage, c, linkage->ground) >= 0)
+                found[0] = b, found[1] = c;
         }
-    return false;
+    }
+    if (found[0] < 0)
+        return false;
+    int loop[4] = { first, pin_between(linkage, driven, found[0]), pin_between(linkage, found[0], found[1]),
+                    pin_between(linkage, found[1], linkage->ground) };
+    for (int i = 0; i < 4; i++)
+        r[i] = lw_v2_norm(lw_v2_sub(linkage->joint[loop[i]].at, linkage->joint[loop[(i + 3) % 4]].at));
+    return true;
 }
 
 static void set_class(entry *x)
@@ -157,7 +170,7 @@ static lw_status set_curve(entry *x)
     lw_descriptor d;
     o.n_curve_point = CURVE_POINTS;
     o.n_frame = 2;
-    lw_status s = lw_scene_make(&x->k, NULL, &o, &scene, NULL);
+    lw_status s = lw_scene_make_any(&x->k, NULL, NULL, &o, &scene, NULL);
     if (s == LW_E_MEMORY)
         return s;
     const lw_curve *c = s == LW_OK && scene.n_curve > 0 ? &scene.curve[0] : NULL;
@@ -173,8 +186,11 @@ static lw_status set_curve(entry *x)
         x->row.closed = c->closed;
         x->row.size = d.size;
         lw_descriptor_pack(&d, &x->terms);
-        x->row.terms = &x->terms;
-        x->row.terms_size = sizeof x->terms;
+        if (x->k.n_link <= LW_LINK_MAX && x->k.n_joint <= LW_JOINT_MAX && x->k.n_input <= LW_INPUT_MAX
+            && x->k.n_tracer <= LW_TRACER_MAX) {      /* nearest.c lays linkages on targets */
+            x->row.terms = &x->terms;
+            x->row.terms_size = sizeof x->terms;
+        }
     }
     lw_scene_free(&scene);
     return LW_OK;
@@ -232,11 +248,11 @@ static lw_status read_linkage(job *j, const json_t *linkage, entry *x)
     char *text = json_dumps(linkage, JSON_COMPACT | JSON_REAL_PRECISION(17));
     if (!text)
         return lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
-    lw_status s = lw_linkage_read(text, strlen(text), j->file, &x->k, &j->e);
+    lw_status s = lw_assembly_read_result(text, strlen(text), j->file, 0, &x->k, &j->e);
     free(text);
     if (s == LW_E_NOTATION)                     /* the reader does not know some columns of the compact text */
         j->e.line = j->line, j->e.column = 0;
-    if (s == LW_OK && !(x->json = lw_linkage_write(&x->k, 0)))
+    if (s == LW_OK && !(x->json = lw_assembly_write(&x->k, 0)))
         s = lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
     return s;
 }
@@ -244,6 +260,8 @@ static lw_status read_linkage(job *j, const json_t *linkage, entry *x)
 static lw_status describe(const job *j, entry *x)
 {
     lw_store_linkage *r = &x->row;
+    if (!(x->kinds = calloc((size_t)x->k.n_joint + 1, 1)))
+        return LW_E_MEMORY;
     for (int i = 0; i < x->k.n_joint; i++) {
         x->kinds[i] = (char)x->k.joint[i].kind;
         r->sliders += lw_joint_translates(x->k.joint[i].kind);
@@ -254,7 +272,7 @@ static lw_status describe(const job *j, entry *x)
     r->kinds = x->kinds;
     r->links = x->k.n_link;
     r->joints = x->k.n_joint;
-    r->dof = lw_linkage_mobility(&x->k);
+    r->dof = lw_assembly_mobility(&x->k);
     r->source = j->file;
     if (!r->four_bar)
         set_class(x);
@@ -302,6 +320,8 @@ static lw_status add_one(job *j, const json_t *linkage, const json_t *result, co
     j->counts->done += s == LW_OK;
     j->counts->added += s == LW_OK && !has;
     free(x->json);
+    free(x->kinds);
+    lw_assembly_free(&x->k);
     free(x);
     if (s == LW_OK && lw_build_due(&j->transaction))
         s = lw_build_commit(&j->transaction, &j->e);

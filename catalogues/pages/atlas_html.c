@@ -16,7 +16,7 @@
 #include "catalogues/pages/page.h"
 #include "catalogues/pages/page_files.h"             /* made from *.css and *.js by the Makefile */
 #include "catalogues/pages/page_head.h"
-#include "grammar/linkage/linkage.h"
+#include "grammar/linkage/assembly.h"
 #include "grammar/topology/edges.h"
 #include "grammar/topology/multiple.h"
 #include "grammar/topology/notation.h"
@@ -742,7 +742,6 @@ typedef struct found {
     lw_scene        *scene;                    /* (capacity) */
     lw_page_result  *result;
     char           (*text)[2][64];             /* type and class */
-    lw_linkage      *linkage;                  /* scratch */
     lw_error        *e;
 } found;
 
@@ -754,9 +753,11 @@ static lw_status read_linkage(void *context, int n, const char *const *name, con
         return LW_OK;
     lw_scene *s = &f->scene[f->n];
     const char *json = text_of_value(&v[4]);
-    lw_status st = lw_linkage_read(json, strlen(json), "linkage of the catalogue", f->linkage, f->e);
+    lw_assembly k = { 0 };
+    lw_status st = lw_assembly_read_result(json, strlen(json), "linkage of the catalogue", 0, &k, f->e);
     if (st == LW_OK)
-        st = lw_scene_make(f->linkage, NULL, NULL, s, f->e);
+        st = lw_scene_make_any(&k, NULL, NULL, NULL, s, f->e);
+    lw_assembly_free(&k);
     if (st != LW_OK) {
         lw_scene_free(s);
         return st;
@@ -807,8 +808,7 @@ static lw_status linkage_page(atlas *a, const leaf *l, lw_bytes *out, int *n, lw
     f.scene = calloc(capacity, sizeof *f.scene);
     f.result = calloc(capacity, sizeof *f.result);
     f.text = calloc(capacity, sizeof *f.text);
-    f.linkage = malloc(sizeof *f.linkage);
-    lw_status s = f.scene && f.result && f.text && f.linkage ? read_linkages(a, l, &f, e)
+    lw_status s = f.scene && f.result && f.text ? read_linkages(a, l, &f, e)
                 : lw_error_set(e, LW_E_MEMORY, "out of memory for %zu linkages", capacity);
     if (s == LW_OK && f.n > 0)
         s = write_linkage_page(l, &f, out, e);
@@ -818,7 +818,6 @@ static lw_status linkage_page(atlas *a, const leaf *l, lw_bytes *out, int *n, lw
     free(f.scene);
     free(f.result);
     free(f.text);
-    free(f.linkage);
     return s;
 }
 

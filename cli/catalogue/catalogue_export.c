@@ -7,7 +7,7 @@
 #include "catalogues/store/query.h"
 #include "cli/catalogue/catalogue.h"
 #include "cli/program/json.h"
-#include "grammar/linkage/linkage.h"
+#include "grammar/linkage/assembly.h"
 #include "grammar/topology/graph6.h"
 #include "grammar/topology/notation.h"
 
@@ -92,8 +92,10 @@ static lw_status write_linkage(job *j, int n_column, const char *const *name, co
 {
     cli_json w = cli_json_begin(j->out.f, 0);
     char *json = v[L_JSON].kind == LW_VALUE_TEXT ? strndup(v[L_JSON].text, v[L_JSON].size) : NULL;
-    lw_linkage k;
-    if (!json || lw_linkage_read(json, strlen(json), NULL, &k, NULL) != LW_OK) {
+    lw_assembly k = { 0 };
+    bool good = json && lw_assembly_read_result(json, strlen(json), NULL, 0, &k, NULL) == LW_OK;
+    lw_assembly_free(&k);
+    if (!good) {
         free(json);
         return damaged(j, "a linkage that is none");
     }

@@ -162,7 +162,7 @@ static int linear(const cli_call *call, lw_model *m)
 
 static int run_spatial(const cli_call *call, lw_spatial *m)
 {
-    static const char *const planar[] = { "balance", "along", "fft", NULL };
+    static const char *const planar[] = { "balance", "along", NULL };
     const settings *s = call->settings;
     lw_dynamics_options o = dynamics_options(call, m->n_elastic > 0);
     int code = cli_spatial_refuse(call, planar);

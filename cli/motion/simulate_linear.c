@@ -182,6 +182,28 @@ static const lw_mode *growing(const lw_modes *m)
     return most;
 }
 
+/* The model made ready, at time t, for equilibrium and modes. */
+static lw_status make_ready(const linear *l, lw_dynamics **d, lw_error *e)
+{
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.analysis = LW_ANALYSIS_STATIC;
+    o.from = l->o->t;
+    o.stop = cli_stop_flag();
+    o.hold_inputs = l->o->hold;
+    o.rigid = l->o->rigid;
+    return l->space ? lw_dynamics_make_spatial(l->space, &o, d, e) : lw_dynamics_make(l->given, &o, d, e);
+}
+
+static lw_status listen(linear *l, lw_error *e)
+{
+    lw_dynamics *d = NULL;
+    lw_status s = make_ready(l, &d, e);
+    if (s == LW_OK)
+        s = lw_modes_from_spectra(d, l->q, &l->modes, l->peak, e);
+    lw_dynamics_free(d);
+    return s;
+}
+
 static lw_status one(linear *l, bool rest, lw_error *e)
 {
     lw_modes_options o = { .hold_inputs = l->o->hold, .rest = rest };
@@ -193,7 +215,7 @@ static lw_status one(linear *l, bool rest, lw_error *e)
     if (l->space && l->modes.unbalanced > 1e-6)
         return lw_error_set(e, LW_E_ARG, "the posture is no equilibrium: %.3g of the greatest force is left over; modes in space are "
                             "those of an equilibrium: --rest goes to one", l->modes.unbalanced);
-    if (l->o->fft && (s = lw_modes_from_spectra(l->f, &o, l->o->t, l->q, &l->modes, l->peak, e)) < 0)
+    if (l->o->fft && (s = listen(l, e)) < 0)
         return s;
     if (l->o->fft)
         compare(l);
@@ -204,14 +226,9 @@ static lw_status one(linear *l, bool rest, lw_error *e)
 /* Make a large model or one with elastic links ready, at its posture. */
 static lw_status open_large(linear *l, lw_error *e)
 {
-    lw_dynamics_options o = lw_dynamics_options_default();
-    o.analysis = LW_ANALYSIS_STATIC;
-    o.from = l->o->t;
-    o.stop = cli_stop_flag();
-    o.hold_inputs = l->o->hold;
-    o.rigid = l->o->rigid;
     lw_dynamics_free(l->d);
-    lw_status s = l->space ? lw_dynamics_make_spatial(l->space, &o, &l->d, e) : lw_dynamics_make(l->given, &o, &l->d, e);
+    l->d = NULL;
+    lw_status s = make_ready(l, &l->d, e);
     if (s != LW_OK)
         return s;
     const char *massless = lw_dynamics_massless(l->d);
@@ -299,9 +316,9 @@ int cli_simulate_linear(const cli_call *call, lw_model *m, lw_spatial *space, co
     l->call = call, l->m = l->given = m, l->space = space, l->o = o;
     const lw_linkage *small;
     bool large = space || m->n_elastic || lw_model_small(m, &small, NULL) != LW_OK;
-    if (large && o->fft)
-        lw_error_set(&e, LW_E_KIND, "--fft compares all modes and is for models of at most %d rigid links; larger ones give the "
-                     "slowest modes", LW_LINK_MAX);
+    if (o->fft && !o->rigid && (space ? space->n_elastic : m->n_elastic))
+        lw_error_set(&e, LW_E_KIND, "--fft is for rigid links: motion in time knows lumped masses of elastic ones only, and these have "
+                     "other frequencies (--rigid leaves elasticity out)");
     if (e.status != LW_OK || (large ? open_large(l, &e) : open_small(l, &e)) != LW_OK || cli_open(call, &out, &e) != LW_OK) {
         free_linear(l);
         return cli_fail(call, &e);

@@ -82,9 +82,6 @@ typedef struct lw_clearance_work {
 lw_status lw_clearance_work_make(const lw_clearance_scene *c, const lw_clearance_options *o, lw_clearance_work *w);
 void      lw_clearance_work_free(lw_clearance_work *w);
 
-/* A scene without journals: the plain linkage in tree coordinates.  Not for lw_clearance_run. */
-void lw_clearance_plain(const lw_forces *f, lw_clearance_scene *c);
-
 /* Number of rows in force. */
 int lw_clearance_count_rows(const lw_clearance_scene *c, const lw_row_choice *choice);
 

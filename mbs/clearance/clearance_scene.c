@@ -151,17 +151,6 @@ lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_er
     return LW_OK;
 }
 
-void lw_clearance_plain(const lw_forces *f, lw_clearance_scene *c)
-{
-    bool opened[LW_JOINT_MAX] = { false };
-    memset(c, 0, sizeof *c);
-    c->m = f->model;
-    c->s = *f->system;
-    c->f = *f;
-    c->f.system = &c->s;
-    lw_tree_make(&c->s, opened, opened, &c->tree);
-}
-
 void lw_clearance_free(lw_clearance_scene *scene)
 {
     if (scene) {

@@ -32,10 +32,18 @@ void lw_mbs_driven_inputs(void *context, double t, int order, double *u)
 
 lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3])
 {
-    lw_status s = d->eq.motion(d->eq.context, d->driven[i], d->settling > 0 ? d->o.from : t, out);
-    if (d->settling > 0)
-        out[1] = out[2] = 0;
-    return s;
+    if (!d->frozen)
+        return d->eq.motion(d->eq.context, d->driven[i], t, out);
+    out[0] = d->held[i], out[1] = out[2] = 0;
+    return LW_OK;
+}
+
+void lw_mbs_freeze(lw_dynamics *d, const double *q)
+{
+    d->eq.place(d->eq.context, q);
+    for (int i = 0, row = d->n_row; i < d->n_driven; i++, row++)
+        d->held[i] = d->eq.measure(d->eq.context, d->driven_measure[i], d->jac + row*LW_ROW_SIZE, d->row_block[row]);
+    d->frozen = true;
 }
 
 int lw_mbs_bends(const lw_dynamics *d, int row, lw_bend *out)
@@ -444,7 +452,7 @@ static lw_status refine(lw_dynamics *d, double *a, double *l)
 lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                        double *power)
 {
-    d->eq.forces(d->eq.context, d->settling > 0 ? d->o.from : t, q, v, d->force, power);
+    d->eq.forces(d->eq.context, d->frozen ? d->o.from : t, q, v, d->force, power);
     for (int i = 0; d->settling > 0 && i < d->n_v; i++)
         d->force[i] -= d->settling*v[i]/d->by_mass[i];
     if (d->touch)

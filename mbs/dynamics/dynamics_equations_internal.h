@@ -102,7 +102,9 @@ struct lw_dynamics {
     struct lw_tangent *masses;                /* those that depend on the posture, with the rows; NULL: not yet made */
     /* lw_tangent_accelerate, which finds accelerations with these masses; by a pointer, since it uses the functions below. */
     lw_status (*accelerate)(struct lw_dynamics *d, const double *q, const double *v, const double *force, double *a, double *l);
-    double  settling;                         /* damping of all motion [1/s] at held inputs, statics of contacts only; 0: none */
+    bool    frozen;                           /* time stands at o.from, and what is driven at `held` (n_driven): lw_mbs_freeze */
+    double *held;
+    double  settling;                         /* damping of all motion [1/s], frozen, statics of contacts only; 0: none */
     double  decay;                            /* fastest decay by dampers at the start [1/s] */
     bool    decay_known;
     lw_dynamics_report choice;                /* the formulation chosen */
@@ -128,6 +130,9 @@ lw_status lw_mbs_start_states(lw_dynamics *d, lw_error *e);
 
 /* Value, rate and second rate at t that the motion of driven input i prescribes for its row, scaled. */
 lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3]);
+
+/* From now on time stands, and driven inputs are held where they are in q. */
+void lw_mbs_freeze(lw_dynamics *d, const double *q);
 
 /* Second derivatives of a row in force at the posture placed last, as in lw_equations; those of resting stops are left out. */
 int lw_mbs_bends(const lw_dynamics *d, int row, lw_bend *out);

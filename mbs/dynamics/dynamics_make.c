@@ -56,8 +56,9 @@ static lw_status reserve_lists(lw_dynamics *d, lw_error *e)
     d->friction_row = calloc(joints + 1, sizeof *d->friction_row);
     d->driven = calloc(2*inputs, sizeof *d->driven);
     d->driven_measure = d->driven + inputs;
+    d->held = calloc(inputs, sizeof *d->held);
     d->at_rest = calloc(inputs, sizeof *d->at_rest);
-    return d->stop && d->friction && d->friction_row && d->driven && d->at_rest
+    return d->stop && d->friction && d->friction_row && d->driven && d->held && d->at_rest
          ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
@@ -130,7 +131,7 @@ void lw_dynamics_free(lw_dynamics *d)
     if (!d)
         return;
     void *const array[] = { d->work, d->ints, d->pair, d->weld, d->parts, d->row_block, d->frames, d->stop, d->friction, d->friction_row,
-                            d->driven, d->at_rest, d->reduced, d->rule };
+                            d->driven, d->held, d->at_rest, d->reduced, d->rule };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
     if (d->masses)

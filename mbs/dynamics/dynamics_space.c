@@ -35,8 +35,9 @@ static lw_status reserve_lists(lw_dynamics *d, lw_error *e)
     d->friction_row = calloc((size_t)m->n_joint + 1, sizeof *d->friction_row);
     d->driven = calloc(2*inputs, sizeof *d->driven);
     d->driven_measure = d->driven + inputs;
+    d->held = calloc(inputs, sizeof *d->held);
     d->at_rest = calloc(inputs, sizeof *d->at_rest);
-    return d->stop && d->friction && d->friction_row && d->driven && d->at_rest
+    return d->stop && d->friction && d->friction_row && d->driven && d->held && d->at_rest
          ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 

@@ -58,6 +58,7 @@ static lw_status settle(lw_dynamics *d, double t, double *q, lw_rest *r, lw_erro
     z.push = fmax(z.push, 1e-6);
     d->settling = 2*sqrt(z.push);
     d->o.from = t;
+    lw_mbs_freeze(d, d->start_q);
     d->o.to = t + SETTLING_TIME/d->settling;
     d->o.intervals = 4*SETTLING_TIME;
     lw_status s = lw_dynamics_run(d, see, &z, &report, e ? e : &own);
