@@ -6,6 +6,7 @@
 #include <string.h>
 #include "base/file.h"
 #include "base/real.h"
+#include "catalogues/exchange/format.h"
 #include "grammar/text/json_internal.h"
 #include "linkwright.h"
 #include "optimise/task/target.h"
@@ -91,36 +92,33 @@ static bool is_target(const char *text, const char *name)
 /* Every result of a fit, or one linkage. */
 static lw_status put_linkages(lw_bytes *b, const char *text, size_t size, const char *name, lw_error *e)
 {
-    lw_linkage *k = malloc(sizeof *k);
-    lw_status s = k ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_assembly k = { 0 };
+    json_t *all = NULL;
+    size_t blank = strspn(text, " \t\r\n\xef\xbb\xbf");
+    bool json = text[blank] == '{';
     lw_bytes_text(b, "{");
     studio_put_text(b, "kind", "linkage");
     studio_put_key(b, "linkages");
     lw_bytes_text(b, "[");
-    size_t blank = strspn(text, " \t\r\n\xef\xbb\xbf");
-    if (s == LW_OK && text[blank] == '{') {
-        s = lw_linkage_read(text, size, name, k, e);                   /* the first one, with places in messages */
-        json_t *all = s == LW_OK ? json_loadb(text + blank, size - blank, 0, NULL) : NULL;
-        json_t *results = json_object_get(all, "results");
+    lw_status s = json ? lw_assembly_read_result(text, size, name, 0, &k, e)         /* the first one, with places in messages */
+                       : lw_format_parse(text, size, name, NULL, &k, e);
+    if (s == LW_OK)
+        studio_put_linkage(b, NULL, &k);
+    if (s == LW_OK && json)
+        all = json_loadb(text + blank, size - blank, 0, NULL);
+    json_t *results = json_object_get(all, "results");
+    for (size_t i = 1; s == LW_OK && i < json_array_size(results); i++) {
+        char *one = json_dumps(json_object_get(json_array_get(results, i), "linkage"), JSON_COMPACT | JSON_REAL_PRECISION(17));
+        lw_assembly_free(&k);
+        s = one ? lw_assembly_read_result(one, strlen(one), name, 0, &k, e)
+                : lw_error_set(e, LW_E_NOTATION, "result %zu has no linkage", i + 1);
         if (s == LW_OK)
-            studio_put_linkage(b, NULL, k);
-        for (size_t i = 1; s == LW_OK && i < json_array_size(results); i++) {
-            char *one = json_dumps(json_object_get(json_array_get(results, i), "linkage"), JSON_COMPACT | JSON_REAL_PRECISION(17));
-            s = one ? lw_linkage_read(one, strlen(one), name, k, e)
-                    : lw_error_set(e, LW_E_NOTATION, "result %zu has no linkage", i + 1);
-            if (s == LW_OK)
-                studio_put_linkage(b, NULL, k);
-            free(one);
-        }
-        json_decref(all);
-    } else if (s == LW_OK) {
-        lw_linkage *other = NULL;
-        if ((s = lw_linkage_parse(text, size, name, NULL, &other, e)) == LW_OK)
-            studio_put_linkage(b, NULL, other);
-        lw_linkage_destroy(other);
+            studio_put_linkage(b, NULL, &k);
+        free(one);
     }
+    json_decref(all);
+    lw_assembly_free(&k);
     lw_bytes_text(b, "]}\n");
-    free(k);
     return s;
 }
 
@@ -272,7 +270,7 @@ lw_status studio_chain_linkage(studio *s, const json_t *ask, studio_reply *r, lw
         lw_linkage_lay(k, false, 0, scale, (lw_vec2){ -scale*(least.x + most.x)/2, -scale*(least.y + most.y)/2 });
         k->units = u;
         lw_bytes_text(&r->body, "{");
-        studio_put_linkage(&r->body, "linkage", k);
+        studio_put_linkage(&r->body, "linkage", LW_VIEW(k));
         lw_bytes_text(&r->body, "}\n");
     }
     lw_linkage_destroy(k);
@@ -292,7 +290,7 @@ static const struct { const char *format, *type; bool picture; } formats[] = {
     { "motiongen", "application/json", false },
 };
 
-static lw_status export_picture(const json_t *ask, const lw_linkage *k, const char *format, char **out, size_t *size,
+static lw_status export_picture(const json_t *ask, const lw_model *m, const char *format, char **out, size_t *size,
                                 lw_error *e)
 {
     lw_picture *p = NULL;
@@ -302,7 +300,8 @@ static lw_status export_picture(const json_t *ask, const lw_linkage *k, const ch
     if (json_object_get(ask, "target") && studio_source(ask, "target", &text, &n, NULL) == LW_OK)
         lw_target_parse(text, n, NULL, NULL, &t, NULL);
     free(text);
-    lw_status s = lw_picture_of_linkage(k, t, NULL, &p, e);
+    lw_status s = lw_model_linkage(m) ? lw_picture_of_linkage(lw_model_linkage(m), t, NULL, &p, e)
+                                      : lw_picture_of_model(m, t, NULL, &p, e);
     if (s == LW_OK)
         s = lw_picture_write(p, format, 0, 0, out, size, e);
     lw_picture_destroy(p);
@@ -327,13 +326,11 @@ lw_status studio_export(studio *s, const json_t *ask, studio_reply *r, lw_error 
     if (st != LW_OK)
         return st;
     st = lw_model_parse(text, size, NULL, &m, e);
-    if (st == LW_OK && !lw_model_linkage(m))
-        st = lw_error_set(e, LW_E_ARG, "the linkage is too large");
     if (st == LW_OK && strcmp(format, "json") == 0) {
         out = text;
         text = NULL;
     } else if (st == LW_OK && formats[i].picture)
-        st = export_picture(ask, lw_model_linkage(m), format, &out, &size, e);
+        st = export_picture(ask, m, format, &out, &size, e);
     else if (st == LW_OK)
         st = lw_model_export(m, format, NULL, &out, &size, e);
     if (st == LW_OK) {

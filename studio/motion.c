@@ -8,6 +8,7 @@
 #include "catalogues/draw/scene.h"
 #include "grammar/model/model.h"
 #include "linkwright.h"
+#include "mbs/analysis/freedoms.h"
 #include "mbs/batch/posture.h"
 #include "mbs/kinematics/output_limits.h"
 #include "mbs/plan/plan.h"
@@ -122,16 +123,16 @@ lw_status studio_motion(studio *st, const json_t *ask, studio_reply *r, lw_error
 {
     double start = lw_clock_wall();
     lw_scene_options o = lw_scene_options_default();
-    lw_linkage *k = malloc(sizeof *k);
+    lw_assembly k = { 0 };
     lw_scene *scene = calloc(1, sizeof *scene);
     (void)st;
-    lw_status s = k && scene ? studio_linkage(ask, "linkage", k, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = scene ? studio_parts(ask, "linkage", &k, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     o.n_curve_point = (size_t)fmin(fmax(studio_real(ask, "points", 1000), 16), 20000);
     o.n_frame = (size_t)fmin(fmax(studio_real(ask, "frames", 180), 2), 2000);
     o.other_branches = studio_bool(ask, "others");
     o.draft = studio_bool(ask, "draft");
     if (s == LW_OK)
-        s = lw_scene_make(k, NULL, &o, scene, e);
+        s = lw_scene_make_any(&k, NULL, NULL, &o, scene, e);
     if (s == LW_OK) {
         put_motion(&r->body, scene);
         studio_put_real(&r->body, "ms", 1e3*(lw_clock_wall() - start));
@@ -140,30 +141,44 @@ lw_status studio_motion(studio *st, const json_t *ask, studio_reply *r, lw_error
     if (scene)
         lw_scene_free(scene);
     free(scene);
-    free(k);
+    lw_assembly_free(&k);
     return s;
 }
 
 /* { linkage }: how freely it moves, found by moving it. */
 lw_status studio_mobility(studio *st, const json_t *ask, studio_reply *r, lw_error *e)
 {
-    lw_linkage *k = malloc(sizeof *k);
-    lw_mobility_info m;
+    lw_assembly k = { 0 };
+    lw_linkage *small = malloc(sizeof *small);
+    lw_model m = { 0 };
+    lw_freedoms f = { 0 };
+    lw_mobility_info i = { 0 };
     (void)st;
-    lw_status s = k ? studio_linkage(ask, "linkage", k, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK)
-        s = lw_linkage_analyse_mobility(k, 1e-12, 1, &m, e);
+    lw_status s = small ? studio_parts(ask, "linkage", &k, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    bool large = s == LW_OK && lw_assembly_linkage(&k, small, NULL) != LW_OK;
+    if (large) {
+        s = lw_model_from_assembly(&k, &m);
+        if (s == LW_OK)
+            s = lw_freedoms_find(&m, 1e-12, 1, &f, e);
+        i = (lw_mobility_info){ .kind = lw_mobility_kind_text(f.kind), .count = f.count, .freedom = f.freedom,
+                                .redundant = f.n_redundant, .driven = f.driven };
+        lw_freedoms_free(&f);
+        lw_model_free(&m);
+    } else if (s == LW_OK)
+        s = lw_linkage_analyse_mobility(small, 1e-12, 1, &i, e);
     if (s >= 0) {
         lw_bytes_text(&r->body, "{");
-        studio_put_text(&r->body, "kind", m.kind);
-        studio_put_real(&r->body, "count", m.count);
-        studio_put_real(&r->body, "freedom", m.freedom);
-        studio_put_real(&r->body, "redundant", m.redundant);
-        studio_put_real(&r->body, "driven", m.driven);
-        studio_put_real(&r->body, "idle", m.idle);
+        studio_put_text(&r->body, "kind", i.kind);
+        studio_put_real(&r->body, "count", i.count);
+        studio_put_real(&r->body, "freedom", i.freedom);
+        studio_put_real(&r->body, "redundant", i.redundant);
+        studio_put_real(&r->body, "driven", i.driven);
+        if (!large)
+            studio_put_real(&r->body, "idle", i.idle);
         lw_bytes_text(&r->body, "}\n");
     }
-    free(k);
+    lw_assembly_free(&k);
+    free(small);
     return s;
 }
 
@@ -417,7 +432,7 @@ static void put_cognates(lw_bytes *b, const lw_linkage *k)
             c->input[0].first = c->input[0].last = 0;
         }
         if (c && lw_plan_write(&plan, other[i], &other_mode[i], angle[i], c) == LW_OK)
-            studio_put_linkage(b, NULL, c);
+            studio_put_linkage(b, NULL, LW_VIEW(c));
         b->failed = b->failed || !c;
         free(c);
     }
@@ -469,7 +484,8 @@ static void put_analysis(lw_bytes *b, const lw_linkage *k, const lw_scene *s, lw
     put_class(b, s);
 }
 
-/* { linkage, frames }: what the overlays show, frame by frame as `motion` counts them. */
+/* { linkage, frames }: what the overlays show, frame by frame as `motion` counts them.  LW_E_NOTATION for more parts
+ * than a linkage holds: they have no plan. */
 lw_status studio_analyse(studio *st, const json_t *ask, studio_reply *r, lw_error *e)
 {
     lw_scene_options o = lw_scene_options_default();
@@ -521,7 +537,7 @@ static lw_status keep_row(void *context, const lw_simulation_sample *sample)
     return LW_OK;
 }
 
-static void put_loads(lw_bytes *b, const load_rows *rows, const lw_linkage *k)
+static void put_loads(lw_bytes *b, const load_rows *rows, const lw_assembly *k)
 {
     size_t width = 3 + rows->joints;
     lw_bytes_text(b, "{");
@@ -558,8 +574,8 @@ lw_status studio_forces(studio *st, const json_t *ask, studio_reply *r, lw_error
         s = lw_model_parse(text, size, NULL, &m, e);
         free(text);
     }
-    const lw_linkage *k = s == LW_OK ? lw_model_linkage(m) : NULL;
-    if (s == LW_OK && (!k || k->n_input == 0))
+    const lw_assembly *k = s == LW_OK ? &m->linkage : NULL;
+    if (s == LW_OK && k->n_input == 0)
         s = lw_error_set(e, LW_E_ARG, "forces need an input that moves");
     if (s == LW_OK) {
         char start[32], rate[32];

@@ -45,6 +45,18 @@ lw_status studio_linkage(const json_t *ask, const char *key, lw_linkage *k, lw_e
     return s;
 }
 
+lw_status studio_parts(const json_t *ask, const char *key, lw_assembly *a, lw_error *e)
+{
+    char *text;
+    size_t size;
+    lw_status s = studio_source(ask, key, &text, &size, e);
+    if (s == LW_OK) {
+        s = lw_assembly_read_result(text, size, "", 0, a, e);
+        free(text);
+    }
+    return s;
+}
+
 void studio_put_key(lw_bytes *b, const char *key)
 {
     char last = b->size ? b->data[b->size - 1] : '{';
@@ -105,9 +117,9 @@ void studio_put_reals(lw_bytes *b, const char *key, const double *v, size_t n, s
     lw_bytes_add(b, "]", 1);
 }
 
-void studio_put_linkage(lw_bytes *b, const char *key, const lw_linkage *k)
+void studio_put_linkage(lw_bytes *b, const char *key, const lw_assembly *a)
 {
-    char *text = lw_linkage_write(k, 0);
+    char *text = lw_assembly_write(a, 0);
     studio_put_key(b, key);
     if (text)
         lw_bytes_text(b, text);

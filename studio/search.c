@@ -121,7 +121,7 @@ static void found(void *context, const lw_linkage *linkage, double objective, do
 {
     studio_search *q = context;
     lw_bytes best = { 0 };
-    studio_put_linkage(&best, NULL, linkage);
+    studio_put_linkage(&best, NULL, LW_VIEW(linkage));
     pthread_mutex_lock(&q->s->lock);
     lw_bytes_free(&q->best);
     q->best = best;
@@ -161,7 +161,7 @@ static void put_result(lw_bytes *b, const lw_results *all, int i, double unit)
     for (int d = 0; lw_results_dimension(all, i, d, &value); d++)
         studio_put_real(b, lw_results_dimension(all, i, d, NULL), value);
     lw_bytes_text(b, "}");
-    studio_put_linkage(b, "linkage", k);
+    studio_put_linkage(b, "linkage", LW_VIEW(k));
     lw_bytes_text(b, "}");
     lw_linkage_destroy(k);
 }
@@ -430,7 +430,7 @@ static lw_status put_hit(void *context, const lw_catalogue_hit *hit)
     studio_put_text(all->b, "family", hit->family);
     studio_put_real(all->b, "turns", hit->turns);
     studio_put_real(all->b, "transmission", hit->transmission*180/LW_PI);
-    studio_put_linkage(all->b, "linkage", k);
+    studio_put_linkage(all->b, "linkage", LW_VIEW(k));
     lw_bytes_text(all->b, "}");
     lw_linkage_destroy(k);
     return LW_OK;

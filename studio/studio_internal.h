@@ -6,6 +6,7 @@
 #include <pthread.h>
 #include <stdbool.h>
 #include "base/bytes.h"
+#include "grammar/linkage/assembly.h"
 #include "grammar/linkage/linkage.h"
 #include "studio/studio.h"
 
@@ -59,6 +60,8 @@ bool        studio_bool(const json_t *ask, const char *key);
 /* The member `key`, a JSON object or a text, as allocated text.  LW_E_ARG: there is none. */
 lw_status studio_source(const json_t *ask, const char *key, char **text, size_t *size, lw_error *e);
 lw_status studio_linkage(const json_t *ask, const char *key, lw_linkage *k, lw_error *e);
+/* The same of any number of parts; free *a by lw_assembly_free, after a failure too. */
+lw_status studio_parts(const json_t *ask, const char *key, lw_assembly *a, lw_error *e);
 
 /* ---- what it gets: JSON, written as it is made */
 
@@ -69,6 +72,6 @@ void studio_put_bool(lw_bytes *b, const char *key, bool v);
 void studio_put_reals(lw_bytes *b, const char *key, const double *v, size_t n, size_t stride, double unit);
 
 /* The linkage as docs/notation.md writes it. */
-void studio_put_linkage(lw_bytes *b, const char *key, const lw_linkage *k);
+void studio_put_linkage(lw_bytes *b, const char *key, const lw_assembly *a);
 
 #endif

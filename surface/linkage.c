@@ -84,30 +84,15 @@ lw_status lw_linkage_create(int n_link, int ground, int n_joint, const lw_joint_
 lw_status lw_linkage_parse(const char *text, size_t size, const char *file, const char *format, lw_linkage **out,
                            lw_error *error)
 {
-    const lw_format *f = format ? lw_format_find(format) : lw_formats;
-    lw_units units = lw_units_si();
-    lw_units_set_angle(&units, "deg");                       /* what other programs write */
+    lw_assembly parts;
     *out = NULL;
-    if (!f || !f->read)
-        return lw_error_set(error, LW_E_ARG, "there is no format '%s' to read", format);
-    char *copy = malloc(size + 1);                           /* with a terminator, to be looked at */
     lw_linkage *k = calloc(1, sizeof *k);
-    lw_status s = copy && k ? LW_OK : lw_error_set(error, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK) {
-        memcpy(copy, text, size);
-        copy[size] = 0;
-        for (const lw_format *g = lw_formats; !format && g->name; g++)
-            if (g->read && g->begins(copy)) {
-                f = g;
-                break;
-            }
-        lw_assembly parts = { 0 };
-        s = f->read(copy, size, file, &units, &parts, error);
-        if (s == LW_OK)
-            s = lw_assembly_linkage(&parts, k, error);
-        lw_assembly_free(&parts);
-    }
-    free(copy);
+    if (!k)
+        return lw_error_set(error, LW_E_MEMORY, "out of memory");
+    lw_status s = lw_format_parse(text, size, file, format, &parts, error);
+    if (s == LW_OK)
+        s = lw_assembly_linkage(&parts, k, error);
+    lw_assembly_free(&parts);
     if (s == LW_OK)
         *out = k;
     else

@@ -185,6 +185,40 @@ TEST(answers)
     CHECK(question("nearest", "{\"x\":[0,1],\"y\":[0,1]}") == 422);
 }
 
+/* 201 links: a row of 100 parallelograms.  Its crank turns, rods stay level, and all cranks draw the circle of the first. */
+TEST(linkages_of_any_size)
+{
+    enum { N = 100 };
+    char *body = malloc(1 << 16), *row = body + (1 << 15), *end = row;
+    end += sprintf(end, "{\"linkwright\":1,\"links\":[\"ground\",\"c0\"");
+    for (int i = 1; i <= N; i++)
+        end += sprintf(end, ",\"c%d\",{\"name\":\"r%d\",\"mass\":1,\"centre\":[%g,1]}", i, i, i - 0.5);
+    end += sprintf(end, "],\"input\":{\"joint\":\"A0\"},\"tracers\":[{\"name\":\"P\",\"link\":\"r%d\",\"at\":[%d,1]}],\"joints\":["
+                   "{\"name\":\"A0\",\"links\":[\"ground\",\"c0\"],\"at\":[0,0]}", N, N);
+    for (int i = 1; i <= N; i++)
+        end += sprintf(end, ",{\"name\":\"A%d\",\"links\":[\"ground\",\"c%d\"],\"at\":[%d,0]},{\"name\":\"B%d\",\"links\":[\"c%d\",\"r%d\"],"
+                       "\"at\":[%d,1]},{\"name\":\"C%d\",\"links\":[\"r%d\",\"c%d\"],\"at\":[%d,1]}", i, i, i, i, i - 1, i, i - 1, i, i, i, i);
+    strcpy(end, "]}");
+    const struct { const char *name, *format, *wanted; } about[] = {
+        { "open", "{\"name\":\"row.json\",\"text\":%s}", "\"r100\"" },
+        { "motion", "{\"linkage\":%s,\"points\":24,\"frames\":8}", "\"mobility\":1" },
+        { "mobility", "{\"linkage\":%s}", "\"kind\":\"moves\",\"count\":1,\"freedom\":1,\"redundant\":0" },
+        { "export", "{\"format\":\"svg\",\"linkage\":%s}", "<svg" },
+        { "export", "{\"format\":\"mjcf\",\"linkage\":%s}", "<mujoco" },
+        { "forces", "{\"speed\":1,\"seconds\":0.1,\"linkage\":%s}", "\"unit\":\"N m\"" },
+    };
+    for (size_t i = 0; i < sizeof about/sizeof *about; i++) {
+        char *text = malloc(1 << 16);
+        snprintf(text, 1 << 16, about[i].format, row);
+        CHECK_INT(question(about[i].name, text), 200);
+        CHECK_HAS(reply, about[i].wanted);
+        if (strcmp(about[i].name, "motion") == 0)
+            CHECK(strstr(reply, "\"loops\":true") && strstr(reply, "\"note\":\"\""));
+        free(text);
+    }
+    free(body);
+}
+
 /* A search tells what it finds, and ends when it is asked to. */
 TEST(search_ends)
 {

@@ -102,6 +102,29 @@ const lw_format *lw_format_find(const char *name)
     return NULL;
 }
 
+lw_status lw_format_parse(const char *text, size_t size, const char *file, const char *format, lw_assembly *parts, lw_error *e)
+{
+    const lw_format *f = format ? lw_format_find(format) : lw_formats;
+    lw_units units = lw_units_si();
+    lw_units_set_angle(&units, "deg");                       /* what other programs write */
+    *parts = (lw_assembly){ 0 };
+    if (!f || !f->read)
+        return lw_error_set(e, LW_E_ARG, "there is no format '%s' to read", format);
+    char *copy = malloc(size + 1);                           /* with a terminator, to be looked at */
+    if (!copy)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    memcpy(copy, text, size);
+    copy[size] = 0;
+    for (const lw_format *g = lw_formats; !format && g->name; g++)
+        if (g->read && g->begins(copy)) {
+            f = g;
+            break;
+        }
+    lw_status s = f->read(copy, size, file, &units, parts, e);
+    free(copy);
+    return s;
+}
+
 lw_status lw_format_write(const lw_format *f, const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out,
                           lw_error *e)
 {

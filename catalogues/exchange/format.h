@@ -31,6 +31,10 @@ lw_status lw_format_write(const lw_format *f, const lw_assembly *linkage, const 
 /* The same of a spatial model; LW_E_KIND also: the format holds planar linkages only. */
 lw_status lw_format_write_space(const lw_format *f, const lw_spatial *m, lw_bytes *out, lw_error *e);
 
+/* Read text of the format with this name, angles without unit in degrees; NULL: of the first that it looks like.  Free *parts by
+ * lw_assembly_free, after a failure too.  LW_E_ARG: there is no such format. */
+lw_status lw_format_parse(const char *text, size_t size, const char *file, const char *format, lw_assembly *parts, lw_error *e);
+
 /* NULL: there is none of that name. */
 const lw_format *lw_format_find(const char *name);
 
