@@ -2,8 +2,8 @@
  *
  * The model is displaced along a random motion of first order and its joints are closed again, by least squares, as the
  * rows may depend on each other.  If they close in another posture, the model moves, and the rank there is that of the
- * motion; if they close only where it was, it is shaky.  Large models whose rows are clearly independent are solved without full
- * matrices: they move with all the freedoms that the rows leave. */
+ * motion; if they close only where it was, it is shaky.  Large models each of whose rows is clearly independent of the others or
+ * dependent on them are solved without full matrices: all rows hold where the independent ones lead. */
 #include "mbs/space/space_mobility.h"
 
 #include <stdlib.h>
@@ -99,18 +99,24 @@ static double distance(const search *x)
     return most;
 }
 
-/* Are all rows clearly independent, and does the model move a little along a random motion?  Fills m then. */
-static bool find_regular(search *x, uint64_t seed, lw_space_mobility *m)
+static void name_row(const search *x, int r, lw_space_mobility *m)
+{
+    lw_space_redundant *p = &m->redundant[m->n_redundant++];
+    p->row = lw_space_row_name(x->s, r, &p->joint);
+}
+
+/* Of a large model: is each row clearly independent of the others or dependent on them, does the model move a little along a random
+ * motion that the independent ones leave, and do all rows hold there?  Fills m then; else LW_NOTHING. */
+static lw_status find_clear(search *x, uint64_t seed, lw_space_mobility *m, lw_error *e)
 {
     static const double length = 0.01;
     const lw_space *s = x->s;
+    int rank = x->z.n_kept, free = s->n_v - rank;
     lw_rng rng;
     lw_rng_seed(&rng, seed, 0);
-    if (s->n_row <= LW_SPACE_MANY_ROWS || x->z.n_kept < s->n_row)
-        return false;
     lw_space_rows_fill(&x->z, s->start, NULL);
-    if (!lw_space_rows_factor(&x->z) || x->z.weak < LW_SPACE_CLEAR_SHARE)
-        return false;
+    if (s->n_row <= LW_SPACE_MANY_ROWS || !lw_space_rows_factor(&x->z) || x->z.weak < LW_SPACE_CLEAR_SHARE)
+        return LW_NOTHING;
     for (int i = 0; i < s->n_v; i++)
         x->v[i] = 2*lw_rng_uniform(&rng) - 1;
     lw_space_rows_solve(&x->z, x->v, NULL, true, x->by, x->b);
@@ -118,19 +124,31 @@ static bool find_regular(search *x, uint64_t seed, lw_space_mobility *m)
     for (int i = 0; i < s->n_v; i++)
         x->by[i] *= length/most;
     memcpy(x->q, s->start, (size_t)s->n_q*sizeof *x->q);
-    if (s->n_v > s->n_row)
+    if (free > 0)
         lw_space_move(s, x->q, x->by);
     if (lw_space_rows_close(&x->z, x->q, NULL, 0, NULL) != LW_OK)
-        return false;
+        return LW_NOTHING;
     lw_space_rows_fill(&x->z, x->q, NULL);
-    double far = distance(x);
-    if (!lw_space_rows_factor(&x->z) || x->z.weak < LW_SPACE_CLEAR_SHARE || (s->n_v > s->n_row && far < 0.3*length))
-        return false;
-    m->rank = s->n_row;
-    m->instant = m->freedom = s->n_v - s->n_row;
-    m->moved = m->freedom > 0 ? far : 0;
-    m->residual = m->freedom > 0 ? residual(x)*s->unit : 0;
-    return true;
+    double far = distance(x), off = residual(x);
+    if (!lw_space_rows_factor(&x->z) || x->z.weak < LW_SPACE_CLEAR_SHARE || (free > 0 && far < 0.3*length)
+        || (free > 0 && rank < s->n_row && !(off < x->rounding)))
+        return LW_NOTHING;
+    if (rank < s->n_row) {                   /* those that depend on others there */
+        x->z.n_kept = 0;
+        lw_status st = lw_space_rows_arrange(&x->z, x->q, e);
+        if (st != LW_OK)
+            return st;
+        if (x->z.n_kept != rank)
+            return LW_NOTHING;
+    }
+    m->rank = rank;
+    m->instant = m->freedom = free;
+    m->moved = free > 0 ? far : 0;
+    m->residual = free > 0 ? off*s->unit : 0;
+    for (int r = 0; rank < s->n_row && r < s->n_row; r++)
+        if (x->z.place[r] < 0)
+            name_row(x, r, m);
+    return LW_OK;
 }
 
 static lw_status find(search *x, uint64_t seed, double tolerance, lw_space_mobility *m)
@@ -176,11 +194,8 @@ static lw_status name_redundant(search *x, lw_space_mobility *m, lw_error *e)
     int rows = x->z.n_row, n = s->n_v;
     double *basis = malloc(((size_t)n*(size_t)n + (size_t)n)*sizeof *basis), *row = basis ? basis + (size_t)n*(size_t)n
         : NULL;
-    m->redundant = calloc((size_t)rows + 1, sizeof *m->redundant);
-    if (!basis || !m->redundant) {
-        free(basis);
+    if (!basis)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    }
     int rank = 0;
     lw_space_rows_fill(&x->z, m->freedom > 0 ? x->q : s->start, NULL);
     for (int r = 0; r < rows; r++) {
@@ -205,10 +220,8 @@ static lw_status name_redundant(search *x, lw_space_mobility *m, lw_error *e)
             for (int i = 0; i < n; i++)
                 basis[(size_t)rank*(size_t)n + (size_t)i] = row[i]/sqrt(after);
             rank++;
-        } else {
-            lw_space_redundant *p = &m->redundant[m->n_redundant++];
-            p->row = lw_space_row_name(s, r, &p->joint);
-        }
+        } else
+            name_row(x, r, m);
     }
     free(basis);
     return LW_OK;
@@ -226,7 +239,8 @@ lw_status lw_space_mobility_find(const lw_spatial *model, double tolerance, uint
     double *weight = malloc(((size_t)s.n_q + 3*(size_t)s.n_v + (size_t)s.n_row + 1)*sizeof *weight);
     lw_space_extra *idle = calloc((size_t)s.n_body + 1, sizeof *idle);
     m->idle_link = calloc((size_t)s.n_body + 1, sizeof *m->idle_link);
-    if (!weight || !idle || !m->idle_link)
+    m->redundant = calloc((size_t)s.n_row + 1, sizeof *m->redundant);
+    if (!weight || !idle || !m->idle_link || !m->redundant)
         st = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (st == LW_OK) {
         x.q = weight + s.n_v, x.by = x.q + s.n_q, x.v = x.by + s.n_v, x.b = x.v + s.n_v;
@@ -239,7 +253,7 @@ lw_status lw_space_mobility_find(const lw_spatial *model, double tolerance, uint
             m->idle_link[i] = s.link_of[idle[i].body];
         st = lw_space_rows_make(&s, NULL, 0, weight, s.start, &x.z, e);
     }
-    if (st == LW_OK && !find_regular(&x, seed, m) && (st = lw_space_dense_make(&x.z, &x.d, e)) == LW_OK) {
+    if (st == LW_OK && (st = find_clear(&x, seed, m, e)) == LW_NOTHING && (st = lw_space_dense_make(&x.z, &x.d, e)) == LW_OK) {
         x.d.rank.stop = stop;
         if ((st = find(&x, seed, tolerance, m)) == LW_OK)
             st = stop && *stop ? lw_error_set(e, LW_STOPPED, "stopped before the freedoms were found") : name_redundant(&x, m, e);
