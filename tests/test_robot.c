@@ -186,6 +186,141 @@ TEST(delta_workspace)
     lw_spatial_free(&m);
 }
 
+/* ---- postures in which the drives lose the tool ------------------------------------------------------------ */
+
+typedef struct proportions { double base, plate, arm, bar, z; } proportions;
+
+/* Place of the knee of arm i, in closed form as above; NAN out of reach. */
+static lw_vec3 knee_of(const proportions *d, int i, lw_vec3 p)
+{
+    double c = cos(2*LW_PI*i/3), s = sin(2*LW_PI*i/3), x = c*p.x + s*p.y - (d->base - d->plate), y = c*p.y - s*p.x;
+    double reach = (x*x + y*y + p.z*p.z + d->arm*d->arm - d->bar*d->bar)/(2*d->arm);
+    double q = atan2(-p.z, x) - acos(reach/hypot(x, p.z)), far = d->base + d->arm*cos(q);
+    return lw_v3(c*far, s*far, -d->arm*sin(q));
+}
+
+/* Volume of the three bars, of one side of the parallelograms: the tool is lost where they lie in one plane. */
+static double bars_apart(const proportions *d, lw_vec3 p)
+{
+    lw_vec3 u[3];
+    for (int i = 0; i < 3; i++)
+        u[i] = lw_v3_sub(lw_v3_add(p, lw_v3(d->plate*cos(2*LW_PI*i/3), d->plate*sin(2*LW_PI*i/3), 0)), knee_of(d, i, p));
+    return lw_v3_dot(u[0], lw_v3_cross(u[1], u[2]));
+}
+
+/* The same of the axes about which the parallelograms let the plate turn: where they lie in one plane, it tilts. */
+static double plate_held(const proportions *d, lw_vec3 p)
+{
+    lw_vec3 u[3];
+    for (int i = 0; i < 3; i++) {
+        double c = cos(2*LW_PI*i/3), s = sin(2*LW_PI*i/3);
+        lw_vec3 along = lw_v3_sub(lw_v3_add(p, lw_v3(d->plate*c, d->plate*s, 0)), knee_of(d, i, p));
+        u[i] = lw_v3_cross(lw_v3_scale(along, 1/d->bar), lw_v3(-s, c, 0));
+    }
+    return fabs(lw_v3_dot(u[0], lw_v3_cross(u[1], u[2])));
+}
+
+static bool make_delta(const proportions *d, lw_spatial *m, lw_robot *r)
+{
+    static char text[8192];
+    size_t n = 0, size = sizeof text;
+    lw_error e = { 0 };
+    n += (size_t)snprintf(text, size, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"plate\"}");
+    for (int i = 0; i < 3; i++)
+        n += (size_t)snprintf(text + n, size - n, ", {\"name\": \"a%d\"}, {\"name\": \"l%d\"}, {\"name\": \"r%d\"}", i, i, i);
+    n += (size_t)snprintf(text + n, size - n, "], \"joints\": [");
+    for (int i = 0; i < 3; i++) {
+        double c = cos(2*LW_PI*i/3), s = sin(2*LW_PI*i/3);
+        lw_vec3 knee = knee_of(d, i, lw_v3(0, 0, d->z));
+        n += (size_t)snprintf(text + n, size - n, "%s{\"name\": \"M%d\", \"links\": [\"ground\", \"a%d\"], \"at\": [%.17g, %.17g, 0], \"axis\": [%.17g, %.17g, 0]}",
+                              i ? ", " : "", i, i, d->base*c, d->base*s, -s, c);
+        for (int side = 0; side < 2; side++) {
+            double x = side ? 0.05*s : -0.05*s, y = side ? -0.05*c : 0.05*c;
+            n += (size_t)snprintf(text + n, size - n, ", {\"name\": \"E%d%d\", \"kind\": \"b\", \"links\": [\"a%d\", \"%c%d\"], \"at\": [%.17g, %.17g, %.17g]}, "
+                                  "{\"name\": \"P%d%d\", \"kind\": \"b\", \"links\": [\"plate\", \"%c%d\"], \"at\": [%.17g, %.17g, %.17g]}", i, side, i,
+                                  side ? 'r' : 'l', i, knee.x + x, knee.y + y, knee.z, i, side, side ? 'r' : 'l', i, d->plate*c + x, d->plate*s + y, d->z);
+        }
+    }
+    n += (size_t)snprintf(text + n, size - n, "], \"drives\": [{\"joint\": \"M0\"}, {\"joint\": \"M1\"}, {\"joint\": \"M2\"}], \"tracers\": [{\"name\": \"T\", "
+                          "\"link\": \"plate\", \"at\": [0, 0, %.17g]}]}", d->z);
+    return lw_spatial_read(text, n, "delta", m, &e) == LW_OK && lw_robot_make(m, NULL, r, &e) == LW_OK;
+}
+
+/* A way ends where the three bars lie in one plane, also if the robot could be assembled beyond: DELTA robots of any proportions. */
+TEST(tools_that_their_drives_lose)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 2);
+    int lost = 0, made = 0;
+    while (made < 8) {
+        lw_spatial m;
+        lw_robot r;
+        lw_error e = { 0 };
+        proportions d = { lw_rng_range(&rng, 0.1, 0.5), lw_rng_range(&rng, 0.05, 0.3), lw_rng_range(&rng, 0.2, 0.5), lw_rng_range(&rng, 0.4, 0.9),
+                          lw_rng_range(&rng, -0.9, -0.2) };
+        double first = bars_apart(&d, lw_v3(0, 0, d.z));
+        if (!(fabs(first) > 0.02))
+            continue;
+        made++;
+        bool good = make_delta(&d, &m, &r);
+        CHECK(good);
+        for (int ray = 0; good && ray < 5; ray++) {
+            double a = 1.2*ray + made, far, least = 0, step = 2e-4;
+            lw_robot_reset(&r);
+            CHECK_INT(lw_robot_reach(&r, lw_v3(cos(a), sin(a), 0), 3, &far, &e), LW_OK);
+            while (bars_apart(&d, lw_v3((least + step)*cos(a), (least + step)*sin(a), d.z))*first > 0)
+                least += step;
+            if (plate_held(&d, lw_v3(least*cos(a), least*sin(a), d.z)) < 0.02)
+                continue;
+            CHECK_NEAR(far, least + step/2, step, 0);
+            lost += isfinite(bars_apart(&d, lw_v3((least + step)*cos(a), (least + step)*sin(a), d.z)));
+        }
+        lw_robot_free(&r);
+        lw_spatial_free(&m);
+    }
+    CHECK(lost > 5);
+}
+
+/* A five-bar whose rods come into one line 0.22 along this way, where the next posture of the same cranks is near. */
+TEST(a_five_bar_is_stretched)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", \"a\", \"b\", \"c\", \"d\"], \"joints\": ["
+        "{\"name\": \"A\", \"kind\": \"r\", \"links\": [\"ground\", \"a\"], \"at\": [-0.3323, 0]}, {\"name\": \"B\", \"kind\": \"r\", \"links\": [\"ground\", "
+        "\"b\"], \"at\": [0.3662, -0.0158]}, {\"name\": \"C\", \"kind\": \"r\", \"links\": [\"a\", \"c\"], \"at\": [-0.371, 0.4874]}, {\"name\": \"D\", "
+        "\"kind\": \"r\", \"links\": [\"b\", \"d\"], \"at\": [0.6394, 0.4602]}, {\"name\": \"P\", \"kind\": \"r\", \"links\": [\"c\", \"d\"], \"at\": "
+        "[-0.3779, 0.58]}], \"inputs\": [{\"joint\": \"A\"}, {\"joint\": \"B\"}], \"tracers\": [{\"name\": \"P\", \"link\": \"c\", \"at\": [-0.3779, 0.58]}]}";
+    const lw_vec3 axis[] = { { -0.3323, 0, 0 }, { 0.3662, -0.0158, 0 } }, at = { -0.3779, 0.58, 0 }, way = { cos(-LW_PI/6), sin(-LW_PI/6), 0 };
+    const lw_vec3 knee[] = { { -0.371, 0.4874, 0 }, { 0.6394, 0.4602, 0 } };
+    lw_model p;
+    lw_spatial m;
+    lw_robot r;
+    lw_error e = { 0 };
+    double far, least = 0, first = 0;
+    CHECK_INT(lw_model_read(text, sizeof text - 1, "five-bar", &p, &e), LW_OK);
+    CHECK_INT(lw_spatial_of_planar(&p, &m, &e), LW_OK);
+    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+    CHECK_INT(lw_robot_reach(&r, way, 2, &far, &e), LW_OK);
+    for (double step = 1e-5; least < 1; least += step) {             /* the rods by intersecting circles */
+        lw_vec3 place = lw_v3_add(at, lw_v3_scale(way, least)), rod[2];
+        for (int i = 0; i < 2; i++) {
+            double crank = lw_v3_norm(lw_v3_sub(knee[i], axis[i])), length = lw_v3_norm(lw_v3_sub(at, knee[i]));
+            lw_vec3 d = lw_v3_sub(place, axis[i]), first_d = lw_v3_sub(at, axis[i]);
+            double c = lw_v3_norm(d), along = (crank*crank - length*length + c*c)/(2*c), across = sqrt(crank*crank - along*along);
+            double side = lw_v3_cross(first_d, lw_v3_sub(knee[i], axis[i])).z > 0 ? 1 : -1;
+            rod[i] = lw_v3_sub(d, lw_v3_add(lw_v3_scale(d, along/c), lw_v3_scale(lw_v3_cross(lw_v3(0, 0, side), d), across/c)));
+        }
+        double turn = lw_v3_cross(rod[0], rod[1]).z;
+        first = least > 0 ? first : turn;
+        if (!(turn*first > 0))
+            break;
+    }
+    CHECK_NEAR(least, 0.221, 5e-4, 0);
+    CHECK_NEAR(far, least, 2e-5, 0);
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+    lw_model_free(&p);
+}
+
 /* Unit forces (eq. 9-15): drive torques that hold a force on the tool are J^T of it.  The second opinion is the multiplier
  * of each drive's row. */
 static void unit_forces(const char *file)

@@ -10,7 +10,10 @@
 #include "base/vec3.h"
 
 #define CLOSE 1e-11              /* of the size, and [rad]: the tool is there                          */
-#define LONGEST_STEP 0.1         /* of the size: stops, cones and the condition are looked at so often  */
+#define LONGEST_STEP 0.1         /* of the size: stops and cones are looked at so often                 */
+#define SURE_STEP 0.005          /* so far on, or no farther than half of the way to where the drives seem to lose the tool */
+#define CONDITION_STEP 0.02      /* the same of a limit of the condition: it is exceeded in a tube about singular postures of an arm,
+                                  * whose radius is about the size over the limit                       */
 
 /* ---- making ---------------------------------------------------------------------------------------------- */
 
@@ -70,8 +73,10 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
                             LW_ROBOT_DRIVES);
     for (int i = 0; i < r->n_drive; i++)
         drive[i] = m->n_drive ? m->drive[i] : m->input[i].measure;
-    lw_vec3 normal;
-    r->turns = r->n_drive >= (lw_spatial_is_planar(m, &normal) ? 3 : 6);
+    bool flat = lw_spatial_is_planar(m, &r->normal);
+    if (!flat)
+        r->normal = lw_v3(0, 0, 0);
+    r->turns = r->n_drive >= (flat ? 3 : 6);
     s = lw_space_make(m, &r->space, e);
     if (s != LW_OK)
         return s;
@@ -415,6 +420,55 @@ static void take_posture(lw_robot *r, const double *q)
         lw_space_count_turns(&r->space, r->follow.z.frame, r->follow.z.near + r->follow.z.n_extra);
 }
 
+static const char not_held[] = "a posture in which the drives do not hold the tool";
+
+/* Determinant of the Jacobian of the freedoms that the drives command: place, in a plane and with six drives turn, too.  0: not square. */
+static double determinant(const lw_robot *r, const lw_robot_pose *p)
+{
+    double a[6*6], diag[6];
+    int n = r->n_drive;
+    bool flat = r->normal.x != 0 || r->normal.y != 0 || r->normal.z != 0;
+    if (n != (flat ? (r->turns ? 3 : 2) : r->turns ? 6 : 3))
+        return 0;
+    lw_vec3 right = lw_v3_across(r->normal), ahead = lw_v3_cross(r->normal, right);
+    for (int i = 0; i < n; i++) {
+        lw_vec3 v = lw_v3(p->jacobian[0][i], p->jacobian[1][i], p->jacobian[2][i]), w = lw_v3(p->jacobian[3][i], p->jacobian[4][i], p->jacobian[5][i]);
+        double space[] = { v.x, v.y, v.z, w.x, w.y, w.z }, plane[] = { lw_v3_dot(right, v), lw_v3_dot(ahead, v), lw_v3_dot(r->normal, w) };
+        memcpy(a + i*n, flat ? plane : space, (size_t)n*sizeof *a);
+    }
+    lw_qr_factor(n, n, a, diag);
+    return lw_qr_determinant(n, diag);
+}
+
+/* How far may the next step go, after one of h over which the determinant changed from `before`?  Its inverse has a zero where the drives
+ * lose the tool; a second zero may be near, so the first has to fall between two steps. */
+static double wary(const lw_robot *r, double before, double h)
+{
+    double now = 1/r->determinant, rate = (now - 1/before)/h;
+    return before != 0 && r->determinant != 0 && now*rate < 0 ? fmax(-0.5*now/rate, SURE_STEP) : LONGEST_STEP;
+}
+
+/* Has the tool passed a posture between the last one and this in which the drives lose it?  The determinant has a pole there, where it
+ * changes its sign.  It also changes it in a zero, a singular posture of an arm, through which the drives can follow: over nested
+ * intervals with both ends on different sides the difference of the ends grows about a pole, and falls in proportion about a zero.  A
+ * first such interval counts as a pole until a shorter one decides. */
+static bool drives_were_lost(lw_robot *r, double det)
+{
+    double jump = fabs(det - r->determinant), before = r->jump;
+    if (!(det*r->determinant < 0)) {
+        r->determinant = det;
+        r->jump = 0;
+        return false;
+    }
+    r->jump = jump;
+    if (before > 0 && jump < 0.75*before && !(r->condition_limit > 0)) {
+        r->determinant = det;
+        r->jump = 0;
+        return false;
+    }
+    return true;
+}
+
 /* Is the posture reached one in which the robot may be? */
 static bool may_be_there(lw_robot *r, char why[120])
 {
@@ -422,14 +476,20 @@ static bool may_be_there(lw_robot *r, char why[120])
     if (r->free)
         return true;
     if (lw_robot_measure(r, &now, NULL) != LW_OK) {
-        snprintf(why, 120, "a posture in which the drives do not hold the tool");
+        snprintf(why, 120, not_held);
         return false;
     }
     if (r->condition_limit > 0 && now.condition > r->condition_limit) {
         snprintf(why, 120, "the limit of the condition number");
         return false;
     }
-    return !passed(r, why);
+    if (passed(r, why))
+        return false;
+    if (drives_were_lost(r, determinant(r, &now))) {
+        snprintf(why, 120, r->condition_limit > 0 ? "the limit of the condition number" : not_held);
+        return false;
+    }
+    return true;
 }
 
 /* Remember a failure that is no limit of the motion. */
@@ -471,7 +531,7 @@ static bool close_tool(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, ch
     double error[6], change[LW_ROBOT_DRIVES], before = INFINITY;
     for (int round = 0; round < 12; round++) {
         if (lw_robot_measure(r, &now, NULL) != LW_OK) {
-            snprintf(why, 120, "a posture in which the drives do not hold the tool");
+            snprintf(why, 120, not_held);
             return false;
         }
         double far = pose_error(r, place, turn, error);
@@ -514,24 +574,33 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         free(kept);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
+    lw_robot_pose begin;
     r->broken = LW_OK;
+    r->jump = 0;
+    r->determinant = lw_robot_measure(r, &begin, NULL) == LW_OK ? determinant(r, &begin) : 0;
+    h = fmin(h, 0.5*LONGEST_STEP);
     while (at < length) {
-        h = fmin(h, LONGEST_STEP);
-        double next = fmin(at + h, length), part = next/length;
+        h = fmin(h, r->condition_limit > 0 ? CONDITION_STEP : LONGEST_STEP);
+        double next = fmin(at + h, length), before = r->determinant, part = next/length;
         lw_quaternion now = lw_quaternion_times(lw_quaternion_of_vector(lw_v3_scale(spin, part)), from);
         memcpy(kept, r->follow.q, (size_t)s->n_q*sizeof *kept);
         memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_near*sizeof *near);
         lw_vec3 to_go = lw_v3_add(first, lw_v3_scale(way, part));
         bool end = false;
         if (r->by_tool.memory ? pull_tool(r, to_go, &end, why) : close_tool(r, to_go, &now, why)) {
+            h = fmin(2*h, wary(r, before, next - at));
             at = next;
-            h *= 2;
             continue;
         }
         if (r->broken != LW_OK) {
             free(kept);
             free(near);
             return lw_error_set(e, r->broken, "the tool could not be moved: %s", lw_status_text(r->broken));
+        }
+        if (r->by_tool.memory && !end) {         /* the links themselves may have ended the step early */
+            lw_vec3 reached;
+            tool_pose(r, &reached, &now);
+            h = fmax(fmin(h, lw_v3_norm(lw_v3_sub(reached, first))/s->unit - at), r->least);
         }
         if (end) {
             memcpy(kept, r->follow.q, (size_t)s->n_q*sizeof *kept);

@@ -19,6 +19,7 @@ typedef struct lw_robot {
     int    n_drive;
     int    rank;                                 /* of the tool's velocity, where it is not singular: 2 in a plane */
     int    freedoms;                             /* of the tool's velocity and turn together, where they are not singular */
+    lw_vec3 normal;                              /* of the plane in which the model moves; 0: it moves in space */
     bool   turns;                                /* six freedoms or more, in the plane three: the tool's turn is a part of its pose */
     lw_space space;
     lw_space_follow follow;                      /* the drives as inputs                                */
@@ -27,6 +28,7 @@ typedef struct lw_robot {
     double from[LW_ROBOT_DRIVES];
     lw_vec3 goal, begin;                         /* the same of the tool                                */
     double *column, *start;                      /* (n_drive x n_v) velocities of unit drive rates; (n_q) posture of the file */
+    double determinant, jump;                    /* of the Jacobian at the last posture of a way, where it is square; its change beyond */
     lw_status broken;                            /* of the last move: what went wrong besides a limit, such as LW_E_MEMORY */
     double condition_limit;                      /* going ends where the condition number exceeds it; 0: no limit (0) */
     double least;                                /* of the size: a limit is found so well (1e-8) */
