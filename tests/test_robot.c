@@ -188,7 +188,7 @@ TEST(delta_workspace)
 
 /* ---- postures in which the drives lose the tool ------------------------------------------------------------ */
 
-typedef struct proportions { double base, plate, arm, bar, z; } proportions;
+typedef struct proportions { double base, plate, arm, bar, z, stop, cone; } proportions;     /* stop of arms and cone of knees [rad]; 0: none */
 
 /* Place of the knee of arm i, in closed form as above; NAN out of reach. */
 static lw_vec3 knee_of(const proportions *d, int i, lw_vec3 p)
@@ -232,13 +232,16 @@ static bool make_delta(const proportions *d, lw_spatial *m, lw_robot *r)
     for (int i = 0; i < 3; i++) {
         double c = cos(2*LW_PI*i/3), s = sin(2*LW_PI*i/3);
         lw_vec3 knee = knee_of(d, i, lw_v3(0, 0, d->z));
-        n += (size_t)snprintf(text + n, size - n, "%s{\"name\": \"M%d\", \"links\": [\"ground\", \"a%d\"], \"at\": [%.17g, %.17g, 0], \"axis\": [%.17g, %.17g, 0]}",
+        n += (size_t)snprintf(text + n, size - n, "%s{\"name\": \"M%d\", \"links\": [\"ground\", \"a%d\"], \"at\": [%.17g, %.17g, 0], \"axis\": [%.17g, %.17g, 0]",
                               i ? ", " : "", i, i, d->base*c, d->base*s, -s, c);
+        n += d->stop > 0 ? (size_t)snprintf(text + n, size - n, ", \"stop\": {\"least\": %.17g, \"greatest\": %.17g}}", -d->stop, d->stop)
+                         : (size_t)snprintf(text + n, size - n, "}");
+        lw_vec3 along = lw_v3_sub(lw_v3(d->plate*c, d->plate*s, d->z), knee);
         for (int side = 0; side < 2; side++) {
             double x = side ? 0.05*s : -0.05*s, y = side ? -0.05*c : 0.05*c;
-            n += (size_t)snprintf(text + n, size - n, ", {\"name\": \"E%d%d\", \"kind\": \"b\", \"links\": [\"a%d\", \"%c%d\"], \"at\": [%.17g, %.17g, %.17g]}, "
-                                  "{\"name\": \"P%d%d\", \"kind\": \"b\", \"links\": [\"plate\", \"%c%d\"], \"at\": [%.17g, %.17g, %.17g]}", i, side, i,
-                                  side ? 'r' : 'l', i, knee.x + x, knee.y + y, knee.z, i, side, side ? 'r' : 'l', i, d->plate*c + x, d->plate*s + y, d->z);
+            n += (size_t)snprintf(text + n, size - n, ", {\"name\": \"E%d%d\", \"kind\": \"b\", \"links\": [\"a%d\", \"%c%d\"], \"at\": [%.17g, %.17g, %.17g], \"cone\": {\"axis\": "
+                                  "[%.17g, %.17g, %.17g], \"angle\": %.17g}}, {\"name\": \"P%d%d\", \"kind\": \"b\", \"links\": [\"plate\", \"%c%d\"], \"at\": [%.17g, %.17g, %.17g]}", i, side, i,
+                                  side ? 'r' : 'l', i, knee.x + x, knee.y + y, knee.z, along.x, along.y, along.z, d->cone > 0 ? d->cone : LW_PI, i, side, side ? 'r' : 'l', i, d->plate*c + x, d->plate*s + y, d->z);
         }
     }
     n += (size_t)snprintf(text + n, size - n, "], \"drives\": [{\"joint\": \"M0\"}, {\"joint\": \"M1\"}, {\"joint\": \"M2\"}], \"tracers\": [{\"name\": \"T\", "
@@ -257,7 +260,7 @@ TEST(tools_that_their_drives_lose)
         lw_robot r;
         lw_error e = { 0 };
         proportions d = { lw_rng_range(&rng, 0.1, 0.5), lw_rng_range(&rng, 0.05, 0.3), lw_rng_range(&rng, 0.2, 0.5), lw_rng_range(&rng, 0.4, 0.9),
-                          lw_rng_range(&rng, -0.9, -0.2) };
+                          lw_rng_range(&rng, -0.9, -0.2), 0, 0 };
         double first = bars_apart(&d, lw_v3(0, 0, d.z));
         if (!(fabs(first) > 0.02))
             continue;
@@ -279,6 +282,77 @@ TEST(tools_that_their_drives_lose)
         lw_spatial_free(&m);
     }
     CHECK(lost > 5);
+}
+
+/* Does a stop of an arm or the cone of a knee end the way at p?  Turns count from the posture of the file, the cone's axis lies along the bar there. */
+static bool stopped_at(const proportions *d, lw_vec3 p)
+{
+    for (int i = 0; i < 3; i++) {
+        lw_vec3 c = lw_v3(cos(2*LW_PI*i/3), sin(2*LW_PI*i/3), 0), axis = lw_v3(-c.y, c.x, 0), along[2], upper[2];
+        for (int k = 0; k < 2; k++) {
+            lw_vec3 at = k ? p : lw_v3(0, 0, d->z), knee = knee_of(d, i, at);
+            along[k] = lw_v3_sub(lw_v3_add(at, lw_v3_scale(c, d->plate)), knee);
+            upper[k] = lw_v3_sub(knee, lw_v3_scale(c, d->base));
+        }
+        double turn = atan2(lw_v3_dot(axis, lw_v3_cross(upper[0], upper[1])), lw_v3_dot(upper[0], upper[1]));
+        lw_quaternion by = lw_quaternion_of_vector(lw_v3_scale(axis, turn));
+        lw_mat3 m = lw_quaternion_matrix(by);
+        double tilt = acos(lw_v3_dot(lw_m3_apply(&m, along[0]), along[1])/lw_v3_dot(along[1], along[1]));
+        if (!(d->stop > 0 && fabs(turn) <= d->stop) && !(d->cone > 0 && tilt <= d->cone))
+            return true;
+    }
+    return false;
+}
+
+/* Ends of ways at the stops of arms, or the cones of knees, in closed form. */
+TEST(stops_and_cones_of_a_delta)
+{
+    for (int by_cone = 0; by_cone < 2; by_cone++) {
+        lw_spatial m;
+        lw_robot r;
+        lw_error e = { 0 };
+        proportions d = { 0.4, 0.25, 0.35, 0.75, -0.65, by_cone ? 0 : 0.4, by_cone ? 0.5 : 0 };
+        bool good = make_delta(&d, &m, &r);
+        CHECK(good);
+        for (int ray = 0; good && ray < 7; ray++) {
+            double a = 0.9*ray, far, least = 0, most = 0.6;
+            lw_robot_reset(&r);
+            CHECK_INT(lw_robot_reach(&r, lw_v3(cos(a), sin(a), 0), 3, &far, &e), LW_OK);
+            CHECK_HAS(e.text, by_cone ? "the cone of joint \"E" : "the stop of joint \"M");
+            while (most - least > 1e-10) {
+                double middle = 0.5*(least + most);
+                *(stopped_at(&d, lw_v3(middle*cos(a), middle*sin(a), d.z)) ? &most : &least) = middle;
+            }
+            CHECK_NEAR(far, least, 5e-8, 0);
+        }
+        lw_robot_free(&r);
+        lw_spatial_free(&m);
+    }
+}
+
+/* A stop beyond half a turn: the drive at 190 degrees of -10 to 200 is free, and is stopped at 200. */
+TEST(a_stop_beyond_half_a_turn)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\"}, {\"name\": \"b\"}], \"joints\": [{\"name\": \"A\", \"links\": "
+        "[\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1], \"stop\": {\"least\": -0.17453292519943295, \"greatest\": 3.4906585039886591}}, {\"name\": "
+        "\"E\", \"links\": [\"a\", \"b\"], \"at\": [1, 0, 0], \"axis\": [0, 0, 1]}], \"drives\": [{\"joint\": \"A\"}, {\"joint\": \"E\"}], \"tracers\": "
+        "[{\"name\": \"T\", \"link\": \"b\", \"at\": [1, 0.8, 0]}]}";
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    const double at = 190*LW_PI/180;
+    CHECK_INT(lw_spatial_read(text, sizeof text - 1, "arm", &m, &e), LW_OK);
+    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+    CHECK_INT(lw_robot_drive(&r, (const double[]){ at, 0 }, &e), LW_OK);
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_INT(lw_robot_move(&r, lw_v3(p.place.x, p.place.y + 0.01, 0), NULL, &e), LW_OK);
+    CHECK_INT(lw_robot_move(&r, lw_v3(p.place.x, p.place.y - 1, 0), NULL, &e), LW_OPEN);
+    CHECK_HAS(e.text, "the stop of joint \"A\"");
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_NEAR(p.drive[0], 200*LW_PI/180, 1e-6, 0);
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
 }
 
 /* A five-bar whose rods come into one line 0.22 along this way, where the next posture of the same cranks is near. */

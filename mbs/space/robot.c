@@ -320,6 +320,8 @@ lw_status lw_robot_drive(lw_robot *r, const double *value, lw_error *e)
 static const char *passed(const lw_robot *r, char text[120])
 {
     const lw_spatial *m = r->model;
+    double drive[LW_ROBOT_DRIVES];
+    lw_space_follow_values(&r->follow, drive);
     for (int j = 0; j < m->n_joint && !r->free; j++) {
         const lw_spatial_joint *p = &m->joint[j];
         const lw_space_joint *q = &r->space.joint[j];
@@ -334,7 +336,11 @@ static const char *passed(const lw_robot *r, char text[120])
         if (!p->stop.has_least && !p->stop.has_greatest)
             continue;
         lw_spatial_measure of = { p->kind == LW_SPATIAL_PRISMATIC ? LW_OF_SLIDE : LW_OF_TURN, j };
-        double value = lw_space_scale(&r->space, of)*lw_space_measure(&r->space, r->follow.z.frame, of, 0, NULL);
+        double near = 0, value;
+        for (int i = 0; i < r->n_drive && of.of == LW_OF_TURN; i++)        /* drives count their turns, stops may lie beyond half of one */
+            if (measure_of(r, i).of == of.of && measure_of(r, i).index == j)
+                near = drive[i];
+        value = lw_space_scale(&r->space, of)*lw_space_measure(&r->space, r->follow.z.frame, of, near, NULL);
         if ((p->stop.has_least && value < p->stop.least) || (p->stop.has_greatest && value > p->stop.greatest)) {
             snprintf(text, 120, "the stop of joint \"%s\"", p->name);
             return text;
