@@ -117,7 +117,7 @@ static void end_after_failed_write(void);
 
 static bool write_held(FILE *real, const char *data, size_t n)
 {
-    bool done = fwrite(watched.held, 1, watched.n, real) == watched.n && fwrite(data, 1, n, real) == n;
+    bool done = fwrite(watched.held, 1, watched.n, real) == watched.n && (n == 0 || fwrite(data, 1, n, real) == n);
     watched.n = 0;
     if (!done)
         end_after_failed_write();
