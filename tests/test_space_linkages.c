@@ -5,12 +5,15 @@
  *     Goldberg 1943        two of them with one link in common, which is left out: 5R
  *     Schatz 1942          six axes at right angles to their neighbours but for two parallel ones (Phillips 1990)
  *     Bricard 1897         line-symmetric, plane-symmetric 6R
+ *     RCCC                 turns of a spherical four-bar; slides without bound at its limits
  *     Sarrus, Bennett's own example files: test_spatial.c */
 #include <string.h>
 
+#include "base/rng.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/statics.h"
 #include "mbs/space/space_mobility.h"
+#include "mbs/space/space_trace.h"
 #include "tests/spatial_models.h"
 
 /* Frame of a joint: z its axis, x along the normal from the joint before. */
@@ -369,4 +372,64 @@ TEST(rccc_turns_as_a_spherical_four_bar)
     check_mobility(4, a, 1, 0);
     check_motion(4, a, 0);
     turn_input(4, a, 2*LW_PI, 60, see_rccc, &s);
+}
+
+static lw_status see_row(void *context, double u, const double *input, const lw_space_tracer *tracer)
+{
+    (void)u, (void)input, (void)tracer;
+    ++*(int *)context;
+    return LW_OK;
+}
+
+static lw_vec3 random_direction(lw_rng *rng)
+{
+    lw_vec3 v = lw_v3(lw_rng_normal(rng), lw_rng_normal(rng), lw_rng_normal(rng));
+    return lw_v3_scale(v, 1/lw_v3_norm(v));
+}
+
+/* At a limit of the input the axes z1, z2, z3 lie in a plane, z1.z3 = cos(a +- b), and links slide away without bound.  z1.z3 is
+ * A + B cos u + C sin u for the turn u of the input. */
+TEST(rccc_is_traced_between_limits_where_links_slide_away)
+{
+    lw_rng rng;
+    int limits = 0, turning = 0;
+    lw_rng_seed(&rng, check_seed(), 7);
+    for (int trial = 0; trial < 30; trial++) {
+        frame f[4];
+        axis a[4];
+        lw_spatial m;
+        lw_error e = { 0 };
+        int rows = 0;
+        for (int i = 0; i < 4; i++) {
+            f[i] = (frame){ .at = random_direction(&rng), .z = random_direction(&rng) };
+            a[i] = pin(f[i], i ? "l" : "g", i - 1, i < 3 ? "l" : "g", i < 3 ? i : -1);
+            a[i].kind = i ? "cylindrical" : "revolute";
+        }
+        lw_vec3 z0 = f[0].z, z1 = f[1].z, z2 = f[2].z, z3 = f[3].z;
+        double along = lw_v3_dot(z0, z1)*lw_v3_dot(z0, z3), b = lw_v3_dot(z1, z3) - along, c = lw_v3_dot(lw_v3_cross(z0, z1), z3);
+        double arc[2] = { acos(lw_v3_dot(z1, z2)), acos(lw_v3_dot(z2, z3)) }, to[2] = { 10, -10 };
+        for (int k = 0; k < 4; k++) {        /* the nearest solutions on both sides */
+            double by = (cos(k%2 ? arc[0] + arc[1] : arc[0] - arc[1]) - along)/hypot(b, c);
+            if (fabs(by) >= 1)
+                continue;
+            double u = remainder(atan2(c, b) + (k/2 ? 1 : -1)*acos(by), 2*LW_PI), up = u > 0 ? u : u + 2*LW_PI;
+            to[0] = fmin(to[0], up), to[1] = fmax(to[1], up - 2*LW_PI);
+        }
+        bool turns = to[0] > 9;
+        make_model(4, a, false, &m);
+        lw_space_trace o = { .whole = true, .intervals = 12 };
+        CHECK_INT(lw_space_trace_run(&m, &o, see_row, &rows, &e), LW_OK);
+        CHECK_INT(rows, 13);
+        CHECK_INT(o.limit[1], !turns);
+        if (turns)
+            turning++;
+        else {
+            CHECK(o.from > to[1] && o.to < to[0]);
+            for (int k = 0; k < 2; k++)      /* a slide c/sqrt(left) is 100 sizes at (c/100)^2: 0.016 for the greatest c drawn */
+                CHECK_NEAR(k ? o.to : o.from, to[!k], o.away[k] < 0 ? 1e-6 : o.distance[k] < 100 ? 1e-2 : 0.1, 0);
+            limits += (o.away[0] >= 0) + (o.away[1] >= 0);
+        }
+        lw_spatial_free(&m);
+    }
+    CHECK(limits > 0 && turning > 0);
 }

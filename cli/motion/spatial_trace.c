@@ -309,6 +309,10 @@ int cli_spatial_trace_run(const cli_call *call, const lw_spatial *m, const cli_s
         cli_note(call, "the input runs from %.9g to %.9g %s: %s", t.from/input_unit(m, 0), t.to/input_unit(m, 0),
                  m->input[0].measure.of == LW_OF_TURN ? m->units.angle : m->units.length,
                  t.limit[0] && t.limit[1] ? "both ends are limits of the motion" : "one end is a limit of the motion");
+    for (int k = 0; k < 2 && st == LW_OK; k++)
+        if (t.away[k] >= 0)
+            cli_note(call, "beyond its %s value link \"%s\" slides away without bound; rows end where it is %.3g times the size of the model from "
+                     "its place in the file", k ? "greatest" : "least", m->body[t.away[k]].name, t.distance[k]);
     if (st == LW_OK && t.open > 1e-9)
         cli_note(call, "joints stay open by up to %.2g (over the size of the model, or radians): the linkage is overconstrained and its numbers are "
                  "rounded; taken as drawn it does not move (\"mobility\"), and limits may be those of the rounding", t.open);

@@ -251,6 +251,26 @@ static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context
     return LW_OK;
 }
 
+int lw_space_away(const lw_space_follow *f, double *distance, double *left)
+{
+    const lw_space *s = f->z.s;
+    int far = -1;
+    *distance = 2;                           /* at a common limit links stay nearer, and only their rates have no bound */
+    for (int b = 0; b < s->n_body; b++) {
+        const double *q = f->q + 7*b, *p = s->start + 7*b;
+        double d = lw_v3_norm(lw_v3(q[0] - p[0], q[1] - p[1], q[2] - p[2]));
+        if (d >= *distance)
+            far = b, *distance = d;
+    }
+    if (far < 0 || !f->has_second)
+        return -1;
+    const double *v = f->v + 6*far, *a = f->a + 6*far;
+    double rate = lw_v3_norm(lw_v3(v[0], v[1], v[2])), second = lw_v3_norm(lw_v3(a[0], a[1], a[2]));
+    *left = *distance/(2*rate);
+    double as_well = 1.5*rate/second;        /* x ~ left^-1/2: x' = x/(2 left), x'' = 3 x'/(2 left) */
+    return *left < 1e-3 && *left < 2*as_well && as_well < 2**left ? s->link_of[far] : -1;
+}
+
 /* Why the path to u ends at f->u. */
 static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e)
 {
@@ -279,6 +299,13 @@ static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, 
         used += (size_t)snprintf(where + used, sizeof where - used, "%s%s = %.9g %s", i ? ", " : "", name, value[i],
                                  of.of == LW_OF_TURN ? "rad" : "m");
         used = used < sizeof where ? used : sizeof where - 1;
+    }
+    double distance, left;
+    int away = lw_space_away(f, &distance, &left);
+    if (away >= 0) {
+        free(want), free(got);
+        return lw_error_set(e, LW_OPEN, "the motion ends near %s, where link \"%s\" slides away without bound: it is %.3g m from its place in the file",
+                            where, s->model->body[away].name, distance*s->unit);
     }
     bool small = f->z.n_row <= LW_SPACE_MANY_ROWS;       /* the search for the gap takes full matrices */
     double gap = known && small ? lw_space_gap(f, want, &joint, &angle) : 0;

@@ -43,6 +43,11 @@ lw_status lw_space_follow_to(lw_space_follow *f, lw_space_path *path, void *cont
 /* f->a, which going fills only where it is needed: the second rates by f->u, just after going there. */
 void lw_space_follow_second(lw_space_follow *f);
 
+/* Does a link slide away without bound where going has ended, as those of an RCCC linkage do at limits of its crank?  The link that is farthest
+ * from its place in the file, if it moves as 1 over the square root of what is left of the parameter; that distance over the size of the model,
+ * and what is left; otherwise -1. */
+int lw_space_away(const lw_space_follow *f, double *distance, double *left);
+
 /* Values of the inputs at f->q [SI]. */
 void lw_space_follow_values(const lw_space_follow *f, double *value);
 

@@ -45,6 +45,30 @@ static lw_status first_alone(void *context, double u, double (*out)[3])
     return LW_OK;
 }
 
+/* Links that slide away without bound are followed to so many times the size of the model. */
+static const double away_most = 100;
+
+/* The end of the input in one direction, k 0 down and 1 up, from the posture of the file; *inside: how far before it a trace ends where a link
+ * slides away. */
+static lw_status find_end(const lw_space *s, const lw_spatial_measure *input, int k, double *end, double *inside, lw_space_trace *o, lw_error *e)
+{
+    lw_space_follow f;
+    double distance, left;
+    lw_status st = lw_space_follow_make(s, input, 1, false, &f, e);
+    if (st != LW_OK)
+        return st;
+    lw_space_follow_values(&f, end);
+    st = lw_space_reach(&f, *end + (k ? 2 : -2)*LW_PI, end, &o->limit[k], e);
+    *inside = 0;
+    if (st == LW_OK && o->limit[k] && (o->away[k] = lw_space_away(&f, &distance, &left)) >= 0) {
+        o->distance[k] = fmin(0.5*distance, away_most);
+        double times = distance/o->distance[k];
+        *inside = left*(times*times - 1);
+    }
+    lw_space_follow_free(&f);
+    return st;
+}
+
 /* Ends of the first input where none are given: its range in the file, a whole turn, or as far as it goes.  value (n):
  * scratch. */
 static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, int n, double *value, lw_space_trace *o,
@@ -60,26 +84,20 @@ static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, i
         return lw_error_set(e, LW_E_ARG, "the range of the input is needed: give it \"first\" and \"last\" in the file, or "
                             "--input-range%s", in->motion ? "; or move all inputs in time (--time-range)" : "");
     lw_space_follow f;
+    double inside[2] = { 0, 0 };
     lw_status st = lw_space_follow_make(s, input, n, false, &f, e);
     if (st != LW_OK)
         return st;
     lw_space_follow_values(&f, value);
-    double start = value[0];
-    if (n == 1) {
-        st = lw_space_reach(&f, start + 2*LW_PI, &o->to, &o->limit[1], e);
-        o->from = start;
-        if (st == LW_OK && o->limit[1]) {
-            lw_space_follow_free(&f);
-            if ((st = lw_space_follow_make(s, input, n, false, &f, e)) != LW_OK)
-                return st;
-            st = lw_space_reach(&f, start - 2*LW_PI, &o->from, &o->limit[0], e);
-        }
-    } else
-        o->from = start, o->to = start + 2*LW_PI;
-    double inside = limit_inside*(o->to - o->from);
-    o->from += offset + (o->limit[0] ? inside : 0);
-    o->to += offset - (o->limit[1] ? inside : 0);
     lw_space_follow_free(&f);
+    o->from = value[0], o->to = value[0] + 2*LW_PI;
+    if (n == 1)
+        st = find_end(s, input, 1, &o->to, &inside[1], o, e);
+    if (st == LW_OK && o->limit[1])
+        st = find_end(s, input, 0, &o->from, &inside[0], o, e);
+    double least = limit_inside*(o->to - o->from);
+    o->from += offset + (o->limit[0] ? fmax(least, inside[0]) : 0);
+    o->to += offset - (o->limit[1] ? fmax(least, inside[1]) : 0);
     return st;
 }
 
@@ -90,6 +108,7 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
 {
     lw_space s;
     lw_space_follow f = { 0 };
+    o->away[0] = o->away[1] = -1;
     lw_status st = m->n_input > 0 ? LW_OK : lw_error_set(e, LW_E_ARG, "the model has no input, so there is nothing "
                                                                       "to move");
     if (st == LW_OK)

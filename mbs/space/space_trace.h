@@ -17,6 +17,8 @@ typedef struct lw_space_trace {
     int    intervals;
     const volatile sig_atomic_t *stop;           /* may be NULL                                        */
     bool   limit[2];                             /* out: an end is a limit of the motion               */
+    int    away[2];                              /* out: there this link slides away without bound; -1: none */
+    double distance[2];                          /* out: where rows end it is so many times the size of the model from its place in the file */
     double open;                                 /* out: greatest residual of a joint, lengths over the size of the model, radians */
 } lw_space_trace;
 
