@@ -268,7 +268,7 @@ int lw_space_away(const lw_space_follow *f, double *distance, double *left)
     double rate = lw_v3_norm(lw_v3(v[0], v[1], v[2])), second = lw_v3_norm(lw_v3(a[0], a[1], a[2]));
     *left = *distance/(2*rate);
     double as_well = 1.5*rate/second;        /* x ~ left^-1/2: x' = x/(2 left), x'' = 3 x'/(2 left) */
-    return *left < 1e-3 && *left < 2*as_well && as_well < 2**left ? s->link_of[far] : -1;
+    return *left < 1e-3 && *left < 2*as_well && as_well < 2*(*left) ? s->link_of[far] : -1;
 }
 
 /* Why the path to u ends at f->u. */
