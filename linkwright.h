@@ -1016,6 +1016,8 @@ typedef struct lw_load {
     double        step;                      /* [s]                                                                  */
     const double *speed, *torque, *acceleration;         /* (n)                                                      */
     double        inertia[2];                /* least and greatest reflected inertia [kg m^2] or [kg]; NaN: not known */
+    const double *kink;                      /* (n) where the motion has a kink in the interval before each sample, as a share of the
+                                              * interval, and where the torque may step; 0: nowhere.  NULL: none */
 } lw_load;
 
 typedef struct lw_loads { int n; lw_load *load; void *memory; } lw_loads;
@@ -1032,7 +1034,7 @@ typedef struct lw_load_figures {
     double energy_out, energy_back;          /* of the drive into the load; from the load into the drive [J]         */
 } lw_load_figures;
 
-/* Integrals by the trapezoidal rule; the power is taken as straight between two samples. */
+/* Torque and power are taken as straight between two samples, and up to a kink and from there. */
 LW_API lw_load_figures lw_load_figures_of(const lw_load *load);
 
 typedef struct lw_drive_parts lw_drive_parts;            /* motors, gears and amplifiers                              */

@@ -94,6 +94,14 @@ TEST(delta)
     CHECK_NEAR(figure(r.out, "\"torque_peak\":"), 37.7817, 5e-5, 0);
     CHECK_NEAR(figure(r.out, "\"speed_peak\":"), 16.7965, 5e-5, 0);
     ran_free(&r);
+    for (int n = 200; n <= 201; n++) {                       /* the torque steps on a sample, and between two */
+        char line[128];
+        snprintf(line, sizeof line, "$P drive load examples/space/delta.json --to 0.1 -n %d --json", n);
+        r = run(line);
+        CHECK_NEAR(figure(r.out, "\"torque_rms\":"), 30.3835, 1e-4, 0);
+        CHECK_NEAR(figure(r.out, "\"power_least\":"), -532.4, 0.1, 0);
+        ran_free(&r);
+    }
     r = run("$P drive load examples/space/delta.json --from 0.05000001 --to 0.1 -n 20 --json");    /* brakes from the middle */
     CHECK_NEAR(figure(r.out, "\"power_least\":"), -532.4, 0.05, 0);
     ran_free(&r);

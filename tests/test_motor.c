@@ -97,7 +97,7 @@ TEST(known_choice)
         a[k] = top*w*cos(w*k/1000.0);
         f[k] = mass*a[k];
     }
-    lw_load l = { "x", true, N, 1e-3, v, f, a, { mass, mass } };
+    lw_load l = { "x", true, N, 1e-3, v, f, a, { mass, mass }, NULL };
     lw_load_figures g = lw_load_figures_of(&l);
     CHECK_NEAR(g.torque_peak, mass*top*w, 1e-9, 0);
     CHECK_NEAR(g.torque_rms, mass*top*w/sqrt(2), 0, 1e-5);
@@ -162,7 +162,7 @@ TEST(ranking)
                                     .speed = 300, .price = 100*(1 + i) };
     for (int i = 1; i < 7; i++)
         gear[i] = (lw_gear_part){ .ratio = 4*i*i, .efficiency = 0.9, .price = 50 + 10*i };
-    lw_load l = { "q", false, N, 1e-3, v, f, a, { NAN, NAN } };
+    lw_load l = { "q", false, N, 1e-3, v, f, a, { NAN, NAN }, NULL };
     lw_drive_parts p = { 6, 7, 0, motor, gear, NULL };
     lw_drive_choice *c;
     bool *front;

@@ -7,6 +7,7 @@
 #include "mbs/analysis/reactions.h"
 #include "mbs/dynamics/dynamics_equations_internal.h"
 #include "mbs/dynamics/dynamics_space.h"
+#include "mbs/equations/timed.h"
 
 static lw_status make_room(int n, const lw_load_options *o, lw_loads *out, lw_error *e)
 {
@@ -16,14 +17,15 @@ static lw_status make_room(int n, const lw_load_options *o, lw_loads *out, lw_er
     if (o->intervals < 1 || !(o->from < o->to))
         return lw_error_set(e, LW_E_ARG, "a cycle needs a begin before its end, and an interval or more");
     out->load = calloc((size_t)n, sizeof *out->load);
-    out->memory = calloc(3*(size_t)n*rows, sizeof(double));
+    out->memory = calloc((3*(size_t)n + 1)*rows, sizeof(double));
     if (!out->load || !out->memory)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     out->n = n;
     for (int i = 0; i < n; i++) {
         double *at = (double *)out->memory + 3*(size_t)i*rows;
         out->load[i] = (lw_load){ .step = (o->to - o->from)/o->intervals, .speed = at, .torque = at + rows,
-                                  .acceleration = at + 2*rows, .inertia = { NAN, NAN } };
+                                  .acceleration = at + 2*rows, .inertia = { NAN, NAN },
+                                  .kink = (double *)out->memory + 3*(size_t)n*rows };
     }
     return LW_OK;
 }
@@ -34,6 +36,22 @@ static double *torque_of(const lw_loads *l, int i) { return speed_of(l, i) + (l-
 static double *acceleration_of(const lw_loads *l, int i)
 {
     return speed_of(l, i) + (l->load[i].acceleration - l->load[i].speed);
+}
+
+/* Where functions of time have kinks.  Two in one interval count as none: it is shorter than what the samples show. */
+static void find_kinks(const lw_dynamics *d, const lw_load_options *o, lw_loads *out)
+{
+    lw_timed w = { .expressions = d->eq.expressions, .context = d->eq.context, .from = o->from, .to = o->to };
+    double *kink = (double *)out->memory + 3*(size_t)out->n*((size_t)o->intervals + 1), step = out->load[0].step;
+    int marked = 0;
+    for (int i = 1; i <= o->intervals && d->eq.expressions; i++) {
+        double begin = o->from + (i - 1)*step, beside = 1e-9*step, found = lw_timed_next_kink(&w, begin + beside, begin + step + beside);
+        bool second = isfinite(found) && isfinite(lw_timed_next_kink(&w, found + beside, begin + step - beside));
+        marked += isfinite(found) && !second;
+        kink[i] = isfinite(found) && !second ? fmin((found - begin)/step, 1) : 0;
+    }
+    for (int i = 0; i < out->n && marked == 0; i++)
+        out->load[i].kink = NULL;
 }
 
 void lw_loads_free(lw_loads *l)
@@ -109,6 +127,7 @@ static lw_status run_planar(const lw_model *m, const lw_load_options *o, lw_load
     d.stop = o->stop;
     lw_status s = lw_dynamics_make(m, &d, &r.d, e);
     if (s == LW_OK) {
+        find_kinks(r.d, o, out);
         s = lw_dynamics_run(r.d, take_planar, &r, &report, e);
         lw_dynamics_free(r.d);
     }
@@ -233,8 +252,10 @@ lw_status lw_loads_spatial(const lw_spatial *m, const lw_load_options *o, lw_loa
         else if (fits != LW_OK)
             r.follow.memory = NULL;
     }
-    if (s == LW_OK)
+    if (s == LW_OK) {
+        find_kinks(r.d, o, out);
         s = lw_dynamics_run(r.d, take_spatial, &r, &report, r.e);
+    }
     if (r.follow.memory)
         lw_space_follow_free(&r.follow);
     lw_dynamics_free(r.d);

@@ -13,26 +13,69 @@ const char *lw_drive_limit_text(int limit)
     return limit >= 0 && limit < LW_DRIVE_N_LIMIT ? texts[limit] : "";
 }
 
+/* x on both sides of the kink in the interval before sample k, straight on from the intervals beside it, and the share of the interval
+ * before the kink.  Without one the end of the interval, x[k] twice. */
+typedef struct two_sides { double share, before, behind; } two_sides;
+
+static two_sides sides(const lw_load *l, const double *x, size_t k)
+{
+    double c = l->kink ? l->kink[k] : 0;
+    if (!(c > 0))
+        return (two_sides){ 1, x[k], x[k] };
+    double rise = k > 1 && !(l->kink[k - 1] > 0) ? x[k - 1] - x[k - 2] : 0;
+    double fall = k + 1 < l->n && !(l->kink[k + 1] > 0) ? x[k + 1] - x[k] : 0;
+    return (two_sides){ c, x[k - 1] + c*rise, x[k] - (1 - c)*fall };
+}
+
+/* Mean square over the interval before sample k. */
+static double mean_square(const lw_load *l, const double *x, size_t k)
+{
+    two_sides s = sides(l, x, k);
+    double a = x[k - 1], b = s.before, c = s.behind, d = x[k];
+    return (s.share*(a*a + a*b + b*b) + (1 - s.share)*(c*c + c*d + d*d))/3;
+}
+
+/* Greatest |x| of sample k and of the kink before it. */
+static double greatest(const lw_load *l, const double *x, size_t k)
+{
+    two_sides s = k > 0 ? sides(l, x, k) : (two_sides){ 1, x[k], x[k] };
+    return fmax(fabs(x[k]), fmax(fabs(s.before), fabs(s.behind)));
+}
+
+/* Power that goes straight from a to b during a time. */
+static void add_energy(lw_load_figures *f, double a, double b, double time)
+{
+    double cross = a != b ? a/(a - b) : 0;                     /* where it changes its sign */
+    if (a*b < 0) {
+        *(a > 0 ? &f->energy_out : &f->energy_back) += fabs(a)*cross/2*time;
+        *(b > 0 ? &f->energy_out : &f->energy_back) += fabs(b)*(1 - cross)/2*time;
+    } else
+        *(a + b > 0 ? &f->energy_out : &f->energy_back) += fabs(a + b)/2*time;
+}
+
 lw_load_figures lw_load_figures_of(const lw_load *l)
 {
     lw_load_figures f = { .power_least = INFINITY, .power_peak = -INFINITY };
     double square = 0;
     for (size_t i = 0; i < l->n; i++) {
-        double power = l->speed[i]*l->torque[i];
-        f.torque_peak = fmax(f.torque_peak, fabs(l->torque[i]));
+        double power[4] = { 0, l->speed[i]*l->torque[i], l->speed[i]*l->torque[i], l->speed[i]*l->torque[i] }, share = 1;
+        if (i > 0) {
+            two_sides torque = sides(l, l->torque, i);
+            double speed = sides(l, l->speed, i).behind;          /* the speed does not step */
+            power[0] = l->speed[i - 1]*l->torque[i - 1];
+            power[1] = speed*torque.before;
+            power[2] = speed*torque.behind;
+            share = torque.share;
+            square += mean_square(l, l->torque, i);
+            add_energy(&f, power[0], power[1], share*l->step);
+            add_energy(&f, power[2], power[3], (1 - share)*l->step);
+        }
+        f.torque_peak = fmax(f.torque_peak, greatest(l, l->torque, i));
         f.speed_peak = fmax(f.speed_peak, fabs(l->speed[i]));
-        f.power_peak = fmax(f.power_peak, power + 0.0);       /* no -0 */
-        f.power_least = fmin(f.power_least, power + 0.0);
-        if (i == 0)
-            continue;
-        double before = l->speed[i - 1]*l->torque[i - 1], a = l->torque[i - 1], b = l->torque[i];
-        double cross = power != before ? before/(before - power) : 0;      /* where the power changes its sign */
-        square += (a*a + a*b + b*b)/3;
-        if (before*power < 0) {
-            *(before > 0 ? &f.energy_out : &f.energy_back) += fabs(before)*cross/2*l->step;
-            *(power > 0 ? &f.energy_out : &f.energy_back) += fabs(power)*(1 - cross)/2*l->step;
-        } else
-            *(before + power > 0 ? &f.energy_out : &f.energy_back) += fabs(before + power)/2*l->step;
+        for (int k = 1; k < 4; k++) {
+            f.power_peak = fmax(f.power_peak, power[k] + 0.0);    /* no -0 */
+            f.power_least = fmin(f.power_least, power[k] + 0.0);
+        }
     }
     double time = (double)(l->n - 1)*l->step, energy = f.energy_out - f.energy_back;
     f.torque_rms = sqrt(square*l->step/time);
@@ -100,7 +143,7 @@ lw_drive_choice lw_drive_try(const lw_load *l, const lw_drive_parts *p, int moto
     const lw_amplifier_part *a = amplifier >= 0 ? &p->amplifier[amplifier] : NULL;
     lw_drive_choice c = { .motor = motor, .gear = gear, .amplifier = amplifier };
     double efficiency = g->efficiency > 0 ? g->efficiency : 1, inertia = m->inertia + g->inertia;
-    double square = 0, out_square = 0, out_peak = 0, before = 0, out_before = 0;
+    double square = 0, out_square = 0, out_peak = 0, wheel = l->slides ? g->radius : 1;
     for (int i = 0; i < LW_DRIVE_N_LIMIT; i++)
         c.use[i] = NAN;
     c.ratio = l->slides ? g->ratio/g->radius : g->ratio;
@@ -108,16 +151,13 @@ lw_drive_choice lw_drive_try(const lw_load *l, const lw_drive_parts *p, int moto
         double torque = lw_drive_torque(l, k, c.ratio, efficiency, inertia), speed = c.ratio*l->speed[k];
         work[k] = torque;
         work[l->n + k] = speed;
-        double out = l->torque[k]*(l->slides ? g->radius : 1);
-        c.torque_peak = fmax(c.torque_peak, fabs(torque));
-        c.speed = fmax(c.speed, fabs(speed));
-        out_peak = fmax(out_peak, fabs(out));
-        if (k > 0) {
-            square += (torque*torque + torque*before + before*before)/3;
-            out_square += (out*out + out*out_before + out_before*out_before)/3;
-        }
-        before = torque;
-        out_before = out;
+    }
+    for (size_t k = 0; k < l->n; k++) {
+        c.torque_peak = fmax(c.torque_peak, greatest(l, work, k));
+        c.speed = fmax(c.speed, fabs(work[l->n + k]));
+        out_peak = fmax(out_peak, wheel*greatest(l, l->torque, k));
+        square += k > 0 ? mean_square(l, work, k) : 0;
+        out_square += k > 0 ? wheel*wheel*mean_square(l, l->torque, k) : 0;
     }
     c.torque_rms = sqrt(square/(double)(l->n - 1));
     c.current_peak = c.torque_peak/m->torque_constant;
