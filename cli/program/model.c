@@ -46,10 +46,12 @@ static lw_status or_spatial(const char *path, const char *text, size_t size, lw_
     if (!m)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     s = lw_spatial_read(text, size, path, m, e);
+    for (const char *file = m->files; s == LW_OK && file && *file; file += strlen(file) + 1)
+        s = cli_name_input(file, e);
     if (s == LW_OK)
         *out = m;
     else
-        free(m);
+        cli_free_spatial(m);
     return s;
 }
 

@@ -314,18 +314,23 @@ static bool is_input(const char *path, const struct stat *st)
 static char **named;                   /* files that are named inside the inputs */
 static int n_named;
 
-int cli_add_input(const cli_call *call, const char *path)
+/* Copies the path. */
+static lw_status add_name(const char *path, lw_error *e)
 {
     char *copy = strdup(path), **more = realloc(named, sizeof *named*((size_t)n_named + 1));
     named = more ? more : named;
     if (!copy || !more) {
-        lw_error e = { 0 };
         free(copy);
-        lw_error_set(&e, LW_E_MEMORY, "out of memory");
-        return cli_fail(call, &e);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
     named[n_named++] = copy;
-    return cli_check_outputs(call);
+    return LW_OK;
+}
+
+int cli_add_input(const cli_call *call, const char *path)
+{
+    lw_error e = { 0 };
+    return add_name(path, &e) == LW_OK ? cli_check_outputs(call) : cli_fail(call, &e);
 }
 
 /* The input of this run that is the same file as `st`, as the user wrote it; NULL if none is. */
@@ -484,10 +489,13 @@ static int check_ends(const cli_call *call)
     return CLI_DONE;
 }
 
+static const char *outputs[CLI_OPTION_MAX + 1];          /* of this run, for cli_name_input */
+static int n_output;
+
 int cli_check_outputs(const cli_call *call)
 {
     const cli_option *o = call->command->options;
-    const char *path[CLI_OPTION_MAX + 1];
+    const char **path = outputs;
     int n = 0, code = CLI_DONE;
     if (call->common.output)
         path[n++] = call->common.output;
@@ -495,6 +503,7 @@ int cli_check_outputs(const cli_call *call)
         if ((o[i].kind == CLI_OUTPUT || o[i].kind == CLI_PLOT || o[i].kind == CLI_GIF || o[i].kind == CLI_STORE) && option_text(call, i)
             && !(o[i].kind == CLI_STORE && access(option_text(call, i), F_OK) == 0))
             path[n++] = option_text(call, i);
+    n_output = n;
     for (int i = 0; i < n && code == CLI_DONE; i++) {
         for (int k = 0; k < i; k++)
             if (strcmp(path[i], "-") != 0 && same_place(path[i], path[k]))
@@ -507,6 +516,15 @@ int cli_check_outputs(const cli_call *call)
             code = try_output(call, path[i]);
     }
     return code == CLI_DONE ? check_ends(call) : code;
+}
+
+lw_status cli_name_input(const char *path, lw_error *e)
+{
+    struct stat st;
+    for (int i = 0; i < n_output; i++)
+        if (is_file(outputs[i], &st) && is_input(path, &st))
+            return lw_error_set(e, LW_E_ARG, "%.200s is an input of this command and is not overwritten; name another file", outputs[i]);
+    return add_name(path, e);
 }
 
 /* A folder that this command made, and those it made before. */

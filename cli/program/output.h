@@ -40,6 +40,9 @@ int cli_check_outputs(const cli_call *call);
  * again. */
 int cli_add_input(const cli_call *call, const char *path);
 
+/* The same where no call is at hand, after cli_check_outputs. LW_E_ARG: the file is an output of this run. */
+lw_status cli_name_input(const char *path, lw_error *e);
+
 /* Make the folder and those above it. CLI_BAD_INPUT with a message: this failed, or the folder cannot be written. */
 int cli_make_folder(const cli_call *call, const char *folder);
 

@@ -34,6 +34,14 @@ lw_status lw_read_beside(const lw_json_node *object, const char *key, const char
         return lw_json_fault(at, e, "the path is too long");
     if (lw_file_read(path, text, size, e) != LW_OK)
         return lw_json_fault(at, e, "the file \"%.200s\" cannot be read", path);
+    size_t n = strlen(path) + 1;
+    char *longer = realloc(at->json->beside, at->json->beside_size + n + 1);
+    if (!longer)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    memcpy(longer + at->json->beside_size, path, n);
+    at->json->beside = longer;
+    at->json->beside_size += n;
+    longer[at->json->beside_size] = 0;
     return LW_OK;
 }
 

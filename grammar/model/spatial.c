@@ -35,7 +35,7 @@ void lw_spatial_free(lw_spatial *m)
     for (int i = 0; m->elastic && i < m->n_link; i++)
         lw_elastic_free(&m->elastic[i]);
     void *const array[] = { m->profile, m->body, m->joint, m->coupling, m->input, m->drive, m->tracer, m->spring, m->joint_spring,
-                            m->force, m->motor, m->elastic, m->beam };
+                            m->force, m->motor, m->elastic, m->beam, m->files };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
     memset(m, 0, sizeof *m);

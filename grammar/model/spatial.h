@@ -175,6 +175,8 @@ typedef struct lw_spatial {
     int      n_super;                    /* a file has none                                            */
     lw_superelement         *super;
     int      n_contact, *contact;        /* joints whose clearance is opened; a file has none          */
+    char    *files;                      /* paths of the meshes and matrices it was read from, one after the other, each with its NUL, and an
+                                            empty one; NULL: none */
     lw_vec3  gravity;                    /* [m/s^2]                                                    */
     lw_units units;
 } lw_spatial;

@@ -85,6 +85,7 @@ void lw_json_close(lw_json *json)
 {
     json_decref(json->root);
     json->root = NULL;
+    free(json->beside);
     for (int i = 0; i < LW_JSON_LISTS; i++)
         lw_key_table_free(&json->list[i].table);
 }

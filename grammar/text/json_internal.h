@@ -21,6 +21,8 @@ typedef struct lw_json {
     const char *file;
     void       *root;          /* jansson's                              */
     lw_json_names list[LW_JSON_LISTS];     /* the lists that names of the text were looked for in */
+    char       *beside;        /* paths of the files read for names in the text, as lw_spatial's `files` */
+    size_t      beside_size;
 } lw_json;
 
 typedef struct lw_json_node {
