@@ -42,7 +42,7 @@ static lw_status or_spatial(const char *path, const char *text, size_t size, lw_
 {
     if (s != LW_E_NOTATION || !out || !lw_spatial_text(text, size))
         return hint(path, text, size, s, e);
-    lw_spatial *m = malloc(sizeof *m);
+    lw_spatial *m = calloc(1, sizeof *m);
     if (!m)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     s = lw_spatial_read(text, size, path, m, e);

@@ -89,9 +89,8 @@ static lw_status read_matrix(const lw_json_node *object, const char *key, int no
     int n = 0;
     double most = 0, skew = 0;
     lw_status s = lw_read_beside(object, key, ".mtx", "a file of the Matrix Market", path, &text, &size, &at, e);
-    if (s != LW_OK)
-        return s;
-    s = lw_matrix_market_read(text, size, path, &n, out, e);
+    if (s == LW_OK)
+        s = lw_matrix_market_read(text, size, path, &n, out, e);
     free(text);
     for (int i = 0; s == LW_OK && i < n*n; i++) {
         most = fmax(most, fabs((*out)[i]));
