@@ -128,7 +128,7 @@ TEST(linkages_of_any_size)
            "@at@:[%d,1]},{@name@:@C%d@,@links@:[@r%d@,@c%d@],@at@:[%d,1]}\", i, i, i, i, i-1, i, i-1, i, i, i, i; "
            "print \"]}\"}' | tr @ '\"' > $D/row.json; rm -f $D/rows.db; $P catalogue add $D/rows.db $D/row.json", 0, NULL, "1 added");
     expect("$P catalogue add $D/rows.db $D/row.json", 0, NULL, "1 linkages read, 0 added");
-    expect("$P catalogue query $D/rows.db --sql 'SELECT links, joints, dof, class, length(curve) > 1000 FROM linkage'", 0, "82", NULL);
+    expect("$P catalogue query $D/rows.db --sql 'SELECT links, joints, dof, class, length(curve) > 1000 FROM linkage' -f csv", 0, "82,121,1,CP3X,1", NULL);
     expect("$P catalogue export $D/rows.db | sed 's/.*\"linkage\": *//; s/}$//' > $D/again.json; $P catalogue add $D/rows.db $D/again.json", 0,
            NULL, "0 added");
 }

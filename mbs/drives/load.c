@@ -42,15 +42,17 @@ static double *acceleration_of(const lw_loads *l, int i)
 static void find_kinks(const lw_dynamics *d, const lw_load_options *o, lw_loads *out)
 {
     lw_timed w = { .expressions = d->eq.expressions, .context = d->eq.context, .from = o->from, .to = o->to };
-    double *kink = (double *)out->memory + 3*(size_t)out->n*((size_t)o->intervals + 1), step = out->load[0].step;
-    int marked = 0;
-    for (int i = 1; i <= o->intervals && d->eq.expressions; i++) {
-        double begin = o->from + (i - 1)*step, beside = 1e-9*step, found = lw_timed_next_kink(&w, begin + beside, begin + step + beside);
-        bool second = isfinite(found) && isfinite(lw_timed_next_kink(&w, found + beside, begin + step - beside));
-        marked += isfinite(found) && !second;
-        kink[i] = isfinite(found) && !second ? fmin((found - begin)/step, 1) : 0;
+    double *kink = (double *)out->memory + 3*(size_t)out->n*((size_t)o->intervals + 1), step = out->load[0].step, beside = 1e-9*step;
+    bool any = false;
+    for (double at = o->from; isfinite(at = lw_timed_next_kink(&w, at + beside, o->to + beside));) {
+        double k = fmin(fmax(1, ceil((at - o->from - beside)/step)), o->intervals), end = o->from + k*step;
+        bool second = at < end - beside && isfinite(lw_timed_next_kink(&w, at + beside, end - beside));
+        if (!second && !(kink[(size_t)k] > 0))
+            kink[(size_t)k] = fmin(1 + (at - end)/step, 1);
+        any |= !second;
+        at = second ? end : at;
     }
-    for (int i = 0; i < out->n && marked == 0; i++)
+    for (int i = 0; i < out->n && !any; i++)
         out->load[i].kink = NULL;
 }
 

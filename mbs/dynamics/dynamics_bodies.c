@@ -283,7 +283,9 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     long n_stuck = 0;
     int taken = 0;
     double redecided = -INFINITY;
-    unsigned long long beyond = d->touch || w->sticks ? 0 : lw_run_stops_passed(run, y);     /* drawn so */
+    bool has_stops = !d->touch && !w->sticks;
+    if (has_stops)
+        lw_run_stop_passed(run, y, true);
     good_state f = { t, 0, 1, calloc((size_t)run->n, sizeof *y) };
     lw_status s = f.y ? begin_steps(w, run, t, y) : LW_E_MEMORY;
     if (s == LW_OK && d->touch)
@@ -321,7 +323,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         s = lw_run_jumps(run, time_of(w), state(w));
         if (s == LW_OK && w->implicit && run->sides)
             s = check_solved(run, w, y);
-        if (s == LW_OK && !d->touch && !w->sticks && (lw_run_stops_passed(run, state(w)) & ~beyond))
+        if (s == LW_OK && has_stops && lw_run_stop_passed(run, state(w), false))
             s = lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s a joint has passed its rigid stop unseen, which it was pushed against from rest: "
                              "let it begin a little away from the stop, or press on it from the start", time_of(w));
         if (s == LW_OK)

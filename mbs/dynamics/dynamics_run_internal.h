@@ -126,8 +126,8 @@ lw_status lw_formulation_say(lw_dynamics_report *r, lw_status status, int unknow
  * the forces' smooth piece, where they have pieces. */
 lw_status lw_run_stop_events(void *context, double t, const double *y, double *g);
 
-/* Bit i: y is beyond stop i. */
-unsigned long long lw_run_stops_passed(const lw_run *run, const double *y);
+/* Is y beyond a rigid stop, but for those that the start of the run is beyond?  begin: y is that start. */
+bool lw_run_stop_passed(const lw_run *run, const double *y, bool begin);
 
 /* Apply the impacts, rests and departures at t, where events happened; *changed is set if y or the rows changed. */
 lw_status lw_run_strike(lw_run *run, double t, double *y, unsigned long long events, bool *changed);

@@ -54,15 +54,19 @@ lw_status lw_run_stop_events(void *context, double t, const double *y, double *g
     return s;
 }
 
-unsigned long long lw_run_stops_passed(const lw_run *run, const double *y)
+bool lw_run_stop_passed(const lw_run *run, const double *y, bool begin)
 {
     const lw_dynamics *d = run->d;
-    unsigned long long beyond = 0;
-    d->eq.place(d->eq.context, y);
-    for (int i = 0; i < d->n_stop && i < 64; i++)
-        if (!d->stop[i].resting && gap_of(d, i, NULL) < -(1e-6 + 10*d->o.absolute))
-            beyond |= 1ull << i;
-    return beyond;
+    bool passed = false;
+    if (d->n_stop > 0)
+        d->eq.place(d->eq.context, y);
+    for (int i = 0; i < d->n_stop; i++) {
+        lw_rigid_stop *p = &d->stop[i];
+        bool beyond = !p->resting && gap_of(d, i, NULL) < -(1e-6 + 10*d->o.absolute);
+        passed |= beyond && !p->beyond;
+        p->beyond = begin ? beyond : p->beyond;
+    }
+    return passed;
 }
 
 static double gap(void *context, int i, const double *y)

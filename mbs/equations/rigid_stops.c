@@ -15,9 +15,9 @@ int lw_rigid_stops_find(const lw_model *m, const lw_system *s, lw_rigid_stop *st
         if (p->stiffness > 0)
             continue;
         if (p->has_least)
-            stop[n++] = (lw_rigid_stop){ j, j, 1, p->least*scale, p->restitution, false };
+            stop[n++] = (lw_rigid_stop){ j, j, 1, p->least*scale, p->restitution, false, false };
         if (p->has_greatest)
-            stop[n++] = (lw_rigid_stop){ j, j, -1, p->greatest*scale, p->restitution, false };
+            stop[n++] = (lw_rigid_stop){ j, j, -1, p->greatest*scale, p->restitution, false, false };
     }
     return n;
 }

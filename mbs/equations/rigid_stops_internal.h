@@ -21,6 +21,7 @@ typedef struct lw_rigid_stop {
     int    joint, measure;
     double sign, limit, restitution;
     bool   resting;
+    bool   beyond;                       /* is the start of the run beyond it? */
 } lw_rigid_stop;
 
 typedef struct lw_gap { double value, rate, acceleration; } lw_gap;

@@ -307,8 +307,8 @@ bool lw_timing_refine(const lw_problem *p, const double *x, lw_work *w, int step
         if (i >= last && (!worse || back))
             return true;
         if (worse && (careful || i >= last)) {
-            /* Newton's method led to a worse extreme: once more from the best inputs, with shorter steps, or these themselves.  Those only
-             * once, because f of groups solved by continuation is not exactly reproducible. */
+            /* Newton's method led to a worse extreme: try again from the best inputs, with shorter steps.  If that ends worse, too, take the
+             * best inputs themselves; this happens once, because f of groups solved by continuation is not exactly reproducible. */
             memcpy(w->phase, kept, p->n*sizeof *kept);
             back = i >= last && careful;
             last = careful ? last : i + 1 + steps;
