@@ -178,7 +178,7 @@ static const struct { const char *slow, *then; } long_runs[] = {
     { "classify $D/lengths -o $D/x", "test ! -e $D/x" },
     { "simulate $D/pile.json --to 10", NULL },
     { "simulate $D/snake.json --to 10", NULL },
-    { "mobility $D/row.json", NULL },
+    { "mobility $D/flat.json", NULL },
     { "draw $D/whip.json -f svg -o $D/x", "test ! -e $D/x" },
     { "draw $D/whip.json -f html -o $D/x", "test ! -e $D/x" },
     { "trace $D/whip.json -n 2 -o $D/x", "test ! -e $D/x" },
@@ -534,7 +534,7 @@ static void prepare(void)
            "");
     /* an eight-bar with a higher group */
     demand("cp tests/data/linkages/triad-eight-bar.json $D/group.json", "");
-    /* a pile of 300 boxes, chains of 4000 links in the plane and of 1000 bodies in space, a row of 299 parallelograms in space, many linkages, tables of many motors and gears */
+    /* a pile of 300 boxes, chains of 4000 links in the plane and of 1000 bodies in space, a row of 299 parallelograms in space, as drawn and flat, many linkages, tables of many motors and gears */
     demand("python3 - $D << 'END'\n"
            "import json, sys\n"
            "def write(name, **model): json.dump({'linkwright': 1, 'gravity': [0, -9.81], **model}, open(sys.argv[1] + name, 'w'))\n"
@@ -566,6 +566,8 @@ static void prepare(void)
            "links.pop(), joints.pop(-2)\n"
            "write('/row.json', links=links, joints=joints, gravity=[0, 0, -9.81], inputs=[{'joint': 'G0', 'motion': 't'}],\n"
            "    tracers=[{'name': 'tool', 'link': 'c298', 'at': [299, 1, 0]}])\n"
+           "flat = [{**j, 'at': [j['at'][0] + j['at'][1]/2, 0, 0]} for j in joints]\n"
+           "write('/flat.json', links=links, joints=flat, gravity=[0, 0, -9.81], inputs=[{'joint': 'G0', 'motion': 't'}])\n"
            "write('/whip.json', joints=[{'name': 'J%d' % i, 'links': ['p%d' % i, 'p%d' % (i + 1)], 'at': [i, 0]} for i in range(500)],\n"
            "    ground='p0', inputs=[{'joint': 'J%d' % i, 'motion': '1000*t'} for i in range(500)])\n"
            "model, f = json.load(open('examples/chebyshev.json')), open(sys.argv[1] + '/many.json', 'w')\n"
