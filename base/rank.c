@@ -123,7 +123,7 @@ void lw_rank_factor(lw_rank *r, double least)
         r->weakest = longest/first;
         r->rank++;
     }
-    for (int k = r->rank - 1; k >= 0; k--)
+    for (int k = r->rank - 1; k >= 0 && !(r->stop && *r->stop); k--)
         fold_row(r, k);
 }
 

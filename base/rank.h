@@ -13,7 +13,7 @@
 
 typedef struct lw_rank {
     int     m, n, rank;
-    const volatile sig_atomic_t *stop;   /* the factorisation ends with a lower rank when it is not 0; may be NULL */
+    const volatile sig_atomic_t *stop;   /* the factorisation ends when it is not 0, and is of no use then; may be NULL */
     int     most;                /* known upper bound of the rank; 0: none                              */
     double  weakest;             /* |last kept diagonal| / |first|: distance from lower rank; 0: rank 0  */
     double *a;                   /* (m*n) reflectors and triangle, by columns                           */
