@@ -177,8 +177,9 @@ static int help(int argc, char **argv)
         cli_bash_completion(commands, N_COMMAND, stdout);
         return finish_text(CLI_DONE);
     }
+    bool itself = argc == 1 && strcmp(argv[0], "help") == 0;
     const cli_command *c = argc > 0 ? find(argv[0]) : NULL;
-    if (argc > 0 && !c)
+    if (argc > 0 && !c && !itself)
         return unknown_command(argv[0]);
     const cli_action *action = c && argc > 1 ? find_action(c, argv[1]) : NULL;
     if (argc > 1 && !action)

@@ -45,6 +45,7 @@ TEST(read_all)
             read_help(name);
     ran_free(&r);
     CHECK(n_all > 150);
+    expect("[ \"$($P help help)\" = \"$($P help)\" ]", 0, NULL, NULL);
 }
 
 /* Choices may differ, a list is several of one value, and -o names a folder where a command writes several files. */
