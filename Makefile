@@ -8,7 +8,7 @@ CC       = gcc
 endif
 ifeq ($(origin CFLAGS),undefined)
 CFLAGS   = -O2 -g1
-# rooms of loops that run millions of times, and rooms without any: the last compile in half the time
+# rooms of loops that run millions of times; rooms without any, and tests, which mostly call the library: these compile in half the time
 HOT      = base enumerate grammar/functions grammar/topology mbs/plan mbs/batch mbs/kinematics mbs/constraints mbs/ode \
            mbs/dynamics mbs/space mbs/equations mbs/elastic optimise/problem optimise/solvers optimise/search catalogues/curves
 PLAIN    = cli/program cli/topologies cli/motion cli/family cli/fit cli/draw cli/catalogue cli/studio studio surface grammar/text \
