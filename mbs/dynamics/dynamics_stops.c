@@ -30,9 +30,16 @@ static int place_of(const lw_dynamics *d, int i)
     return place;
 }
 
+static const double rounding = 1e-13;        /* of a force or acceleration, over the greatest one that acts */
+static const double least_press = 1e-100;    /* where no force acts; its product with a force does not underflow (CVODE) */
+
+/* What presses on a stop that is rested on; > 0 where it is 0 up to rounding, since a stop that does not pull is not left. */
 static double press_of(const lw_dynamics *d, int place)
 {
-    return -d->stop[d->resting[place]].sign*d->l[d->n_row + d->n_driven + place];
+    double most = 0;
+    for (int k = 0; k < d->n_v; k++)
+        most = fmax(most, fabs(d->force[k]));
+    return -d->stop[d->resting[place]].sign*d->l[d->n_row + d->n_driven + place] + rounding*most + least_press;
 }
 
 lw_status lw_run_stop_events(void *context, double t, const double *y, double *g)
@@ -86,6 +93,7 @@ static lw_status motion(void *context, int i, double t, const double *y, double 
     for (int k = 0; k < d->n_v; k++) {
         out->rate += g[k]*y[d->n_q + k];
         out->acceleration += g[k]*d->a[k];
+        out->rounding = fmax(out->rounding, rounding*fabs(d->force[k])*d->by_mass[k]);
     }
     return s;
 }

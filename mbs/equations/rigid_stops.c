@@ -76,12 +76,23 @@ static lw_status strike(const lw_stops *s, int i, double t, double *y, double *g
 /* Its force has just passed 0: it is left, for its acceleration there is rounding. */
 static bool is_due(const lw_stops *s, int i) { return i < 64 && s->due >> i & 1; }
 
-static bool closes(const lw_stops *s, int i, const double *y, const lw_gap *gap)
+static double rounding_of_rate(const lw_stops *s, const double *y)
 {
     double fastest = 0;
     for (int k = 0; k < s->n; k++)
         fastest = fmax(fastest, fabs(y[s->v + k]));
-    return gap->rate <= 0 && !(gap->rate >= -still*fastest && (is_due(s, i) || gap->acceleration >= 0));
+    return still*fastest;
+}
+
+static bool closes(const lw_stops *s, int i, const double *y, const lw_gap *gap)
+{
+    return gap->rate <= 0 && !(gap->rate >= -rounding_of_rate(s, y) && (is_due(s, i) || gap->acceleration >= 0));
+}
+
+/* At a closed stop nothing moves and nothing pushes, so later pushes decide: it is rested on, and left by the first that pulls. */
+static bool touches(const lw_stops *s, int i, const double *y, const lw_gap *gap)
+{
+    return !is_due(s, i) && fabs(gap->rate) <= rounding_of_rate(s, y) && fabs(gap->acceleration) <= gap->rounding;
 }
 
 static lw_status strike_all(const lw_stops *s, double t, double *y, bool *any, lw_error *e)
@@ -97,6 +108,13 @@ static lw_status strike_all(const lw_stops *s, double t, double *y, bool *any, l
                 return lw_error_set(e, LW_E_ARG, "the stop of joint \"%s\" is passed at t = %.9g s",
                                     s->name(s->context, i), t);
             continue;
+        }
+        if (st == LW_OK && touches(s, i, y, &gap)) {
+            s->stop[i].resting = true;
+            st = s->arrange(s->context, i, t, y);
+            *any |= s->stop[i].resting;
+            if (st == LW_OK)
+                continue;
         }
         if (st == LW_OK && !closes(s, i, y, &gap))
             continue;
@@ -121,7 +139,7 @@ static lw_status leave_one(const lw_stops *s, double t, double *y, bool first, b
         lw_status st = s->pressure(s->context, i, t, y, &press);
         if (st != LW_OK)
             return st;
-        if (press > 0 && !(first && is_due(s, i)))
+        if (press >= 0 && !(first && is_due(s, i)))
             continue;
         if (s->note)
             s->note(s->context, i, t, false, 0);

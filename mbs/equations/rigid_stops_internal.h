@@ -24,7 +24,8 @@ typedef struct lw_rigid_stop {
     bool   beyond;                       /* is the start of the run beyond it? */
 } lw_rigid_stop;
 
-typedef struct lw_gap { double value, rate, acceleration; } lw_gap;
+/* rounding: of the acceleration. */
+typedef struct lw_gap { double value, rate, acceleration, rounding; } lw_gap;
 
 /* The rigid stops of a model into stop (2*LW_JOINT_MAX), by joint; returns how many. */
 int lw_rigid_stops_find(const lw_model *m, const lw_system *s, lw_rigid_stop *stop);
@@ -51,7 +52,7 @@ typedef struct lw_stops {
     lw_status (*motion)(void *context, int i, double t, const double *y, double *g, lw_gap *gap);
     /* Change (n) of the velocities by the impulse g; *mobility = g.change.  LW_NOTHING: nothing gives way. */
     lw_status (*impulse)(void *context, double t, const double *y, const double *g, double *change, double *mobility);
-    /* Force of resting stop i, > 0 presses. */
+    /* Force of resting stop i, >= 0 presses. */
     lw_status (*pressure)(void *context, int i, double t, const double *y, double *press);
     /* stop[i].resting has changed: arrange the constraints, put y on them. */
     lw_status (*arrange)(void *context, int i, double t, double *y);
