@@ -343,3 +343,10 @@ TEST(lanes_close_to_limits_keep_to_the_way)
     eight_bars_from(19, same_way, 0, 0.5);
     eight_bars_from(80, same_way, 3, 0.5);
 }
+
+/* Drawn so close to a singular posture that Newton's step is left by rounding, and that the way begins in steps below 1e-6. */
+TEST(seeds_close_to_limits_are_left)
+{
+    eight_bars_from(94, moves, 0, 1);
+    eight_bars_from(142, same_way, 0, 0.5);
+}

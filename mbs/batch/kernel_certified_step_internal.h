@@ -22,7 +22,7 @@
 #define COARSE 1e-10                       /* after this squared step of Newton's method one more step */
 #define COARSE_LAST 1e-14                  /* with the old inverse follows, which must be this short   */
 #define FINE 1e-24                         /* after this squared step none follows                     */
-#define ROUNDING 1e-30                     /* divided by the margin: squared step left by rounding     */
+#define ROUNDING 1e-28                     /* divided by the margin: squared step left by 50 roundings  */
 #define SINGULAR 1e-24                     /* a smaller margin is that of a singular Jacobian and rounding */
 #define CONTRACTION 0.7
 #define GEARED_MOST 0.5                    /* largest turn in a box of a group with gears             */

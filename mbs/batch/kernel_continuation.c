@@ -134,7 +134,8 @@ static size_t follow_path(follower *f, const input_path *path, const chunk *q)
         }
         if (n == 0) {
             f->at.stride = gap*fmin(0.5, fmax(0.125, 0.5/f->need[0]));
-            if (!(f->at.stride >= (f->fine ? END_FINE : END)*unit))
+            bool at_seed = f->at.n_past == 1;       /* a seed beside a limit: the way from there begins in short steps */
+            if (!(f->at.stride >= (f->fine || at_seed ? END_FINE : END)*unit))
                 break;
             continue;
         }
