@@ -88,6 +88,11 @@ TEST(files_for_other_programs)
     expect("$P convert examples/klann.json -o $D/k.slvs && grep -a -c AddConstraint $D/k.slvs", 0, NULL, NULL);
     expect("$P convert examples/klann.json --format motiongen", 0, "\"couplerPoints\"", NULL);
     expect("$P convert examples/hoeken.json --from-format mjcf", 3, NULL, "no format 'mjcf' to read");
+    expect("printf '%s' '{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"arm\", \"mass\": 1, \"centre\": [1, 0], \"omega\": 3}], "
+           "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"arm\"], \"at\": [0, 0]}]}' > $D/spun.json; "
+           "$P convert $D/spun.json --format mjcf", 3, NULL, "link 'arm' starts with a speed, which is not written to mjcf");
+    expect("$P convert $D/spun.json --format adams", 3, NULL, "link 'arm' starts with a speed, which is not written to adams");
+    expect("$P convert $D/spun.json --format urdf", 0, "URDF holds no gravity and no speeds", NULL);
 }
 
 /* Every kind of linkage is written in every format, or refused with the joint that the format cannot hold. */

@@ -223,10 +223,6 @@ static lw_status check_loads(const writer *w, lw_error *e)
             return lw_error_set(e, LW_E_KIND, "joint '%s' has %s, which is not written to ADAMS",
                                 w->k->joint[j].name, what);
     }
-    for (int i = 0; m && i < w->k->n_input; i++)
-        if (!m->motion[i] && m->has_speed[i] && m->speed[i] != 0)
-            return lw_error_set(e, LW_E_KIND, "input '%s' starts with a speed, which is not written to ADAMS",
-                                w->k->joint[w->k->input[i].joint].name);
     return LW_OK;
 }
 

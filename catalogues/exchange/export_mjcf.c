@@ -182,17 +182,21 @@ static void put_rod(writer *w, int depth, lw_vec2 a, lw_vec2 b)
     w->rods += STEEL*(4*LW_PI/3*r*r*r + (ball ? 0 : LW_PI*r*r*lw_v2_norm(lw_v2_sub(b, a))));
 }
 
-/* Write mass and inertia of a body, by whose frame the centre is given. MuJoCo needs some of both, so bodies without
- * them get a millionth of what all bodies have. */
+/* MuJoCo needs some mass and inertia, so bodies without them get a millionth of what all bodies have. */
+static double body_mass(const writer *w, double mass) { return fmax(mass, 1e-6*w->mass); }
+
+static double body_inertia(const writer *w, double mass, double inertia) { return fmax(inertia, 1e-6*mass*w->size*w->size); }
+
+/* Write mass and inertia of a body, by whose frame the centre is given. */
 static void put_inertia(writer *w, int depth, double mass, lw_vec2 centre, double inertia)
 {
     put_indent(w, depth);
     put(w, "<inertial pos=\"");
     put_vec(w, centre);
     put(w, "\"");
-    mass = fmax(mass, 1e-6*w->mass);
+    mass = body_mass(w, mass);
     put_attribute(w, "mass", mass);
-    inertia = fmax(inertia, 1e-6*mass*w->size*w->size);
+    inertia = body_inertia(w, mass, inertia);
     put(w, " diaginertia=\"");
     for (int i = 0; i < 3; i++) {
         put(w, i ? " " : "");
@@ -459,10 +463,6 @@ static lw_status check_loads(const writer *w, lw_error *e)
         if (varies(m->force[i].fx) || varies(m->force[i].fy) || varies(m->force[i].torque))
             return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which has no form in MJCF",
                                 m->force[i].name);
-    for (int i = 0; m && i < k->n_input; i++)
-        if (!m->motion[i] && m->has_speed[i] && m->speed[i] != 0)
-            return lw_error_set(e, LW_E_KIND, "input '%s' starts with a speed, which this file does not hold; leave "
-                                "the speed out", k->joint[k->input[i].joint].name);
     for (int j = 0; m && j < k->n_joint; j++) {
         const lw_joint_stop *stop = &m->stop[j];
         bool stops = stop->has_least || stop->has_greatest;
@@ -542,20 +542,49 @@ static void put_forces(writer *w)
     }
 }
 
-/* The step of time: a fifth of the shortest time 1/omega of a spring on the lightest body, at most STEP. */
+/* Mass or inertia that moves along or about a joint when one link is held: the lesser of its two links. */
+static double least_inertia(const writer *w, int joint)
+{
+    const lw_joint *p = &w->k->joint[joint];
+    double least = INFINITY;
+    for (int side = 0; side < 2; side++) {
+        const lw_body *b = &w->m->body[p->link[side]];
+        double mass = body_mass(w, b->mass), r = b->given ? lw_v2_norm(lw_v2_sub(b->centre, p->at)) : 0;
+        if (p->link[side] != w->k->ground)
+            least = fmin(least, lw_joint_turns(p->kind) ? body_inertia(w, mass, b->inertia) + mass*r*r : mass);
+    }
+    return least;
+}
+
+/* The longest step for a spring and a damper on an inertia: a fifth of 1/omega, half of the damper's time constant. */
+static double step_for(double inertia, double stiffness, double damping)
+{
+    return fmin(stiffness > 0 ? 0.2*sqrt(inertia/stiffness) : INFINITY, damping > 0 ? 0.5*inertia/damping : INFINITY);
+}
+
+/* The step of time: what all springs, dampers and motors allow, a whole part of STEP.  A stop gives way for some steps. */
 static double choose_step(const writer *w)
 {
-    double least = INFINITY, stiffest = 0, turning = 0;
+    double least = INFINITY, step = STEP;
     for (int i = 0; i < w->k->n_link; i++)
         if (w->weighed && i != w->k->ground && w->m->body[i].mass > 0)
             least = fmin(least, w->m->body[i].mass);
-    for (int i = 0; w->m && i < w->m->n_spring; i++)
-        stiffest = fmax(stiffest, w->m->spring[i].stiffness);
-    for (int i = 0; w->m && i < w->m->n_joint_spring; i++)
-        turning = fmax(turning, w->m->joint_spring[i].stiffness
-                                /(lw_joint_turns(w->k->joint[w->m->joint_spring[i].joint].kind) ? w->size*w->size : 1));
-    stiffest = fmax(stiffest, turning);
-    return fmax(1e-6, fmin(STEP, stiffest > 0 ? 0.2*sqrt(least/stiffest) : STEP));
+    if (!w->weighed)
+        return step;
+    for (int i = 0; i < w->m->n_spring; i++)
+        step = fmin(step, step_for(least, w->m->spring[i].stiffness, w->m->spring[i].damping));
+    for (int i = 0; i < w->m->n_joint_spring; i++) {
+        const lw_joint_spring *p = &w->m->joint_spring[i];
+        step = fmin(step, step_for(least_inertia(w, p->joint), p->stiffness, p->damping));
+    }
+    for (int i = 0; i < w->m->n_motor; i++) {
+        const lw_motor *p = &w->m->motor[i];
+        step = fmin(step, step_for(least_inertia(w, p->joint), 0, p->stall/p->free_speed));
+    }
+    for (int j = 0; j < w->k->n_joint; j++)
+        if (w->m->stop[j].has_least || w->m->stop[j].has_greatest)
+            step = fmin(step, STEP/5);
+    return STEP/ceil(STEP/fmax(1e-6, step));
 }
 
 /* ---- the whole ------------------------------------------------------------------------------------ */
@@ -618,14 +647,17 @@ static void put_head(writer *w)
         "the "
            "keyframe. -->"
            "\n  <compiler angle=\"radian\" boundmass=\"1e-12\" boundinertia=\"1e-18\"/>"
-           "\n  <option gravity=\"");
+           "\n  <option integrator=\"RK4\" gravity=\"");
     put_vec(w, g);
     put(w, "\"");
     put_attribute(w, "timestep", w->step);
     put(w, "/>\n  <statistic");
     put_attribute(w, "extent", w->size);
-    put(w, "/>\n  <default>"
-           "\n    <joint limited=\"false\"/>"
+    put(w, "/>\n  <default>\n    <joint limited=\"false\" solreflimit=\"");
+    put_number(w, 2*w->step);
+    put(w, " ");
+    put_number(w, LW_MJCF_STOP);
+    put(w, "\" solimplimit=\"0.9999 0.9999 0.001\"/>"
            "\n    <geom contype=\"0\" conaffinity=\"0\" density=\"7850\" rgba=\"0.35 0.55 0.75 1\"/>"
            "\n    <site rgba=\"0.85 0.35 0 1\"/>"
            "\n    <equality solref=\"");

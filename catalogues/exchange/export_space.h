@@ -50,6 +50,7 @@ bool lw_space_weighed(const lw_spatial *m);      /* Has a link a mass? */
 void lw_mjcf_spring(lw_bytes *out, const char *name, double free, double stiffness, double damping, double width);
 
 #define LW_MJCF_DEEPEST 40         /* greatest indentation: bodies of a chain stand inside each other */
+#define LW_MJCF_STOP    10         /* damping of stops over the critical one: nothing rebounds */
 
 /* Value of an expression without variables; 0 of NULL. */
 double lw_export_constant(const lw_expression *x);

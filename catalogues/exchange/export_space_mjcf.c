@@ -637,7 +637,9 @@ static void put_head(writer *w)
     put_attribute(w, "timestep", w->step);
     put(w, "/>\n  <statistic");
     put_attribute(w, "extent", w->size);
-    put(w, "/>\n  <default>\n    <joint limited=\"false\"/>"
+    put(w, "/>\n  <default>\n    <joint limited=\"false\"");
+    put_numbers(w, "solreflimit", (double[]){ 2*w->step, LW_MJCF_STOP }, 2);
+    put(w, " solimplimit=\"0.9999 0.9999 0.001\"/>"
            "\n    <geom contype=\"0\" conaffinity=\"0\" density=\"7850\" rgba=\"0.35 0.55 0.75 1\"/>"
            "\n    <site rgba=\"0.85 0.35 0 1\"/>\n    <equality");
     put_numbers(w, "solref", (double[]){ 2*w->step, 1 }, 2);

@@ -268,8 +268,8 @@ static lw_status check(const writer *w, lw_error *e)
 
 static void put_note(writer *w, int loops)
 {
-    put(w, w->sdf ? "  <!-- The coordinates of all joints are 0 in this posture; gravity is set in the world." :
-        "  <!-- The coordinates of all joints are 0 in this posture; URDF holds no gravity.");
+    put(w, w->sdf ? "  <!-- The coordinates of all joints are 0 in this posture; gravity is set in the world, speeds in the program." :
+        "  <!-- The coordinates of all joints are 0 in this posture; URDF holds no gravity and no speeds.");
     if (loops > 0) {
         put(w, w->sdf ? " Joints that close a loop:" : " URDF is a tree. These joints close a loop and are left out; "
             "add them in the simulator as constraints:");

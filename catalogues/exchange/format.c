@@ -1,5 +1,6 @@
 #include "catalogues/exchange/format.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "catalogues/exchange/adams.h"
@@ -125,6 +126,18 @@ lw_status lw_format_parse(const char *text, size_t size, const char *file, const
     return s;
 }
 
+/* What moves at the start, "link 'arm'", for files that are simulated and hold no speeds.  false: nothing. */
+static bool has_speed(const lw_assembly *k, const lw_model *m, char *what, size_t size)
+{
+    for (int i = 0; i < k->n_link; i++)
+        if (m->body[i].has_velocity && (m->body[i].velocity.x != 0 || m->body[i].velocity.y != 0 || m->body[i].omega != 0))
+            return snprintf(what, size, "link '%s'", k->link_name[i]) > 0;
+    for (int i = 0; i < k->n_input; i++)
+        if (!m->motion[i] && m->has_speed[i] && m->speed[i] != 0)
+            return snprintf(what, size, "input '%s'", k->joint[k->input[i].joint].name) > 0;
+    return false;
+}
+
 lw_status lw_format_write(const lw_format *f, const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out,
                           lw_error *e)
 {
@@ -138,6 +151,10 @@ lw_status lw_format_write(const lw_format *f, const lw_assembly *linkage, const 
     if (what)
         return lw_error_set(e, LW_E_KIND, "the model has %s, which are not written to %s: take them out of a copy of "
                             "the file to export the rest", what, f->name);
+    char moving[LW_NAME_SIZE + 16];
+    if (m && f->write_space && has_speed(linkage, m, moving, sizeof moving))
+        return lw_error_set(e, LW_E_KIND, "%s starts with a speed, which is not written to %s: take it out of a copy of the file, "
+                            "and set it in the other program", moving, f->name);
     return f->write(linkage, o, out, e);
 }
 
