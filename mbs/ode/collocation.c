@@ -444,7 +444,7 @@ lw_status lw_collocation_step(lw_collocation *w, double t_end, lw_ode_stop *stop
         h = last ? left : 2*h > left ? 0.5*left : h;
         if (!(h > 4*DBL_EPSILON*fabs(w->t_old) && h > DBL_MIN))
             return lw_error_set(e, LW_E_NUMERIC, "at t = %.12g s the steps became too short (%.3g s): the motion is "
-                                "singular there, or the tolerance is below rounding", w->t_old, h);
+                                "singular there, a load is not a number behind it, or the tolerance is below rounding", w->t_old, h);
         double end = last ? t_end : w->t_old + (h + t_low);
         s = try_step(w, h, end, &by);
         if (s == LW_OK) {

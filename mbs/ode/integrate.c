@@ -320,6 +320,9 @@ static lw_status first_step(lw_integrator *w, double sign)
     return LW_OK;
 }
 
+/* Has a callback said more about its failure than its status does? */
+static bool told(const lw_error *e, lw_status s) { return s == LW_STOPPED || (e && e->status == s && e->text[0]); }
+
 static lw_status bad_start(const lw_ode *ode, const lw_ode_options *o, lw_error *e)
 {
     bool each = o->absolute_each != NULL;
@@ -385,8 +388,10 @@ lw_status lw_integrate_start(lw_integrator *w, const lw_ode *ode, const lw_ode_o
     memcpy(w->y, y, bytes);
     memcpy(w->y_old, y, bytes);
     memset(w->low, 0, bytes);
+    if (e)
+        e->status = LW_OK;
     if ((s = rate_at(w, t, w->y, w->dy)) != LW_OK)
-        return s == LW_STOPPED ? s : lw_error_set(e, s, "the equations of motion have no meaning at the start: %s", lw_status_text(s));
+        return told(e, s) ? s : lw_error_set(e, s, "the equations of motion have no meaning at the start: %s", lw_status_text(s));
     return look_at_events(w, e);
 }
 
@@ -801,7 +806,7 @@ static lw_status too_short(const lw_integrator *w, double h, lw_error *e)
     if (fabs(h) > 4.0*DBL_EPSILON*fabs(w->t_old) && fabs(h) > DBL_MIN)
         return LW_OK;
     return lw_error_set(e, LW_E_NUMERIC, "at t = %.12g s the steps became too short (%.3g s): the motion is "
-                        "singular there, or the tolerance is below rounding", w->t_old, fabs(h));
+                        "singular there, a load is not a number behind it, or the tolerance is below rounding", w->t_old, fabs(h));
 }
 
 /* Length of the next step by proportional-integral control, so that steps at the stability limit settle instead of
@@ -817,6 +822,8 @@ static double growth(const lw_integrator *w, double err)
 static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_error *e)
 {
     double sign = t_end < w->t_old ? -1.0 : 1.0, factor_max = 6.0, moved = INFINITY;
+    if (e)
+        e->status = LW_OK;
     for (;;) {
         if (w->o.max_step > 0 && w->n_step + w->n_refused >= w->o.max_step)
             return lw_error_set(e, LW_STOPPED, "stopped at t = %.9g s after %ld steps", w->t_old, w->o.max_step);
@@ -850,10 +857,8 @@ static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_erro
             w->n_step++;
             return LW_OK;
         }
-        if (s == LW_STOPPED)                             /* the callback has set the text */
-            return s;
         if (s != LW_OK && s != LW_OPEN)
-            return lw_error_set(e, s, "the equations of motion fail near t = %.9g s: %s", w->t_old, lw_status_text(s));
+            return told(e, s) ? s : lw_error_set(e, s, "the equations of motion fail near t = %.9g s: %s", w->t_old, lw_status_text(s));
         if (w->o.fixed > 0.0)
             return lw_error_set(e, LW_E_NUMERIC, "a step of fixed length fails at t = %.9g s", w->t_old);
         w->n_refused++;
