@@ -87,7 +87,7 @@ TEST(names_and_letters)
 TEST(options_name_their_actions)
 {
     static const char *const of_all = " bench --output bench --time catalogue --time family --set family --view robot --tool "
-                                      "robot --tool-at ";
+                                      "robot --tool-at robot --tool-turn robot --drives-at ";
     char words[64][48], command[20], action[20], line[900], key[80];
     int n = all_commands(words, 64);
     for (int i = 0, k; i < n; i = k) {

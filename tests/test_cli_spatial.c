@@ -13,6 +13,18 @@ TEST(robots)
     expect("$P robot jacobian examples/space/arm.json", 0, "the tool's point cannot move in (0.000000, 1.000000, 0.000000); (0.000000, "
            "0.000000, 1.000000): a singular posture, place and turn of the tool have 3 of 6 freedoms", NULL);
     expect("$P robot jacobian examples/space/delta.json --tool-at 0,0,-1 | grep -c 'cannot move'", 1, "0", NULL);
+    expect("$P robot jacobian examples/space/stewart.json --tool-at 0,0,0.8 --tool-turn 0,0,20", 0, "turned by (0, 0, 20) deg", NULL);
+    expect("$P robot jacobian examples/3-rrr.json --tool-turn 20,", 3, NULL, "--tool-turn takes one number");
+    expect("$P robot jacobian examples/space/delta.json --tool-turn 1,2,3", 3, NULL, "cannot turn the tool and keep its place");
+    expect("$P robot jacobian examples/space/delta.json --drives-at 1,2", 3, NULL, "--drives-at takes 3 numbers");
+    expect("$P robot jacobian examples/space/delta.json --drives-at 1,2,900", 4, NULL, "robot");
+    expect("$P robot jacobian examples/space/stewart.json --tool-turn 0,0,100", 4, NULL,         /* Fichter 1986: at 90 degrees */
+           "turned by 89.99");
+    expect("$P robot jacobian examples/space/stewart.json --tool-turn 0,0,100", 4, NULL, "of 100 degrees: a posture in which the drives do not hold the tool");
+    /* there and back: legs of a turned platform, as the drives of the forward kinematics */
+    expect("$P robot jacobian examples/space/stewart.json --tool-at 0.05,-0.03,0.82 --tool-turn 5,-8,12 > $D/there; v=$(grep ^drive $D/there | "
+           "awk '{printf s $3; s = \",\"}'); $P robot jacobian examples/space/stewart.json --drives-at $v | head -2", 0,
+           "at (0.05, -0.03, 0.82) m\nturned by (5, -8, 12) deg", NULL);
     expect("$P robot budget examples/space/delta.json", 3, NULL, "nothing lets the tool stray");
     expect("$P robot workspace examples/space/arm.json", 4, NULL, "the posture is singular, or the robot lacks this freedom");
     expect("$P robot map examples/space/arm.json", 4, NULL, "the posture is singular, or the robot lacks this freedom");

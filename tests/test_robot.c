@@ -818,3 +818,157 @@ TEST(a_plate_that_tilts_at_home)
     lw_robot_free(&r);
     lw_spatial_free(&m);
 }
+
+/* ---- tools that turn ------------------------------------------------------------------------------------- */
+
+/* Three arms and bars between axes through one point (Gosselin & Hamel 1994): the base's u, the knee's w and the plate's v. */
+typedef struct wrist { lw_vec3 u[3], w[3], v[3]; double bar; } wrist;
+
+static lw_vec3 unit(double angle, double height, double c)
+{
+    return lw_v3(cos(angle)*sqrt(1 - height*height)*c, sin(angle)*sqrt(1 - height*height)*c, height*c);
+}
+
+static int write_axis(char *text, size_t size, const char *name, int i, const char *a, const char *b, lw_vec3 axis)
+{
+    return snprintf(text, size, "%s{\"name\": \"%s%d\", \"links\": [\"%s\", \"%s\"], \"at\": [%.17g, %.17g, %.17g], \"axis\": [%.17g, %.17g, %.17g]}",
+                    i || name[0] != 'U' ? ", " : "", name, i, a, b, 0.2*axis.x, 0.2*axis.y, 0.2*axis.z, axis.x, axis.y, axis.z);
+}
+
+/* The tool is the centre: only its turn is moved, and measured. */
+static bool make_wrist(lw_rng *rng, wrist *g, lw_spatial *m, lw_robot *r)
+{
+    static char text[6000];
+    size_t n = (size_t)snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"plate\"}");
+    lw_error e = { 0 };
+    double arm_angle = lw_rng_range(rng, 1, 1.4);
+    g->bar = lw_rng_range(rng, 1.3, 1.6);
+    for (int i = 0; i < 3; i++)
+        n += (size_t)snprintf(text + n, sizeof text - n, ", {\"name\": \"a%d\"}, {\"name\": \"b%d\"}", i, i);
+    n += (size_t)snprintf(text + n, sizeof text - n, "], \"joints\": [");
+    for (int i = 0; i < 3; i++) {
+        g->u[i] = unit(2*LW_PI*i/3, -0.55, 1);
+        g->v[i] = unit(2*LW_PI*i/3 + 1 + lw_rng_range(rng, -0.1, 0.1), 0.55, 1);
+        double c = lw_v3_dot(g->u[i], g->v[i]), det = 1 - c*c;                 /* w = a u + b v + c u x v at these angles from both */
+        double a = (cos(arm_angle) - c*cos(g->bar))/det, b = (cos(g->bar) - c*cos(arm_angle))/det;
+        lw_vec3 in = lw_v3_add(lw_v3_scale(g->u[i], a), lw_v3_scale(g->v[i], b)), across = lw_v3_cross(g->u[i], g->v[i]);
+        g->w[i] = lw_v3_add(in, lw_v3_scale(across, sqrt((1 - lw_v3_dot(in, in))/det)));
+        char arm_name[4], bar_name[4];
+        snprintf(arm_name, sizeof arm_name, "a%d", i);
+        snprintf(bar_name, sizeof bar_name, "b%d", i);
+        n += (size_t)write_axis(text + n, sizeof text - n, "U", i, "ground", arm_name, g->u[i]);
+        n += (size_t)write_axis(text + n, sizeof text - n, "W", i, arm_name, bar_name, g->w[i]);
+        n += (size_t)write_axis(text + n, sizeof text - n, "V", i, bar_name, "plate", g->v[i]);
+    }
+    n += (size_t)snprintf(text + n, sizeof text - n, "], \"drives\": [{\"joint\": \"U0\"}, {\"joint\": \"U1\"}, {\"joint\": \"U2\"}], "
+                          "\"tracers\": [{\"name\": \"T\", \"link\": \"plate\", \"at\": [0, 0, 0]}]}");
+    bool good = lw_spatial_read(text, n, "wrist", m, &e) == LW_OK && lw_robot_make(m, NULL, r, &e) == LW_OK;
+    CHECK_TEXT(e.text, "");
+    return good;
+}
+
+TEST(a_wrist_turns_about_its_centre)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 0);
+    for (int n = 0; n < 20; n++) {
+        wrist g;
+        lw_spatial m;
+        lw_robot r;
+        lw_robot_pose p;
+        lw_error e = { 0 };
+        if (!make_wrist(&rng, &g, &m, &r))
+            return;
+        CHECK(r.only_turns && r.turns);
+        lw_quaternion turn = lw_quaternion_of_vector(lw_v3(lw_rng_range(&rng, -0.2, 0.2), lw_rng_range(&rng, -0.2, 0.2), lw_rng_range(&rng, -0.2, 0.2)));
+        CHECK_INT(lw_robot_move(&r, lw_v3(0, 0, 0), &turn, &e), LW_OK);
+        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        lw_mat3 plate = lw_quaternion_matrix(turn);
+        double j[3][3];
+        for (int i = 0; i < 3; i++) {
+            lw_mat3 arm_turn = lw_quaternion_matrix(lw_quaternion_of_vector(lw_v3_scale(g.u[i], p.drive[i])));
+            lw_vec3 w = lw_m3_apply(&arm_turn, g.w[i]), v = lw_m3_apply(&plate, g.v[i]), across = lw_v3_cross(w, v);
+            CHECK_NEAR(lw_v3_dot(w, v), cos(g.bar), 1e-9, 0);
+            for (int k = 0; k < 3; k++) {                                    /* (w x v) . (omega - u q') = 0 */
+                double rate = lw_v3_dot(across, lw_v3(p.jacobian[3][k], p.jacobian[4][k], p.jacobian[5][k]));
+                CHECK_NEAR(rate, i == k ? lw_v3_dot(across, g.u[i]) : 0, 1e-9, 0);
+                j[i][k] = p.jacobian[3 + i][k];
+            }
+        }
+        double det = 0, trace = 0;                      /* product and sum of squares of the singular values, of the turn */
+        for (int i = 0; i < 3; i++) {
+            det += j[0][i]*(j[1][(i + 1)%3]*j[2][(i + 2)%3] - j[1][(i + 2)%3]*j[2][(i + 1)%3]);
+            trace += j[i][0]*j[i][0] + j[i][1]*j[i][1] + j[i][2]*j[i][2];
+        }
+        CHECK_NEAR(p.manipulability, fabs(det), 0, 1e-9);
+        CHECK_NEAR(p.singular[0]*p.singular[0] + p.singular[1]*p.singular[1] + p.singular[2]*p.singular[2], trace, 0, 1e-12);
+        lw_robot_free(&r);
+        lw_spatial_free(&m);
+    }
+}
+
+/* A SCARA arm in space (two arms, quill, hand) keeps the direction of its hand over the workspace: the wrist reaches a ring about the base. */
+TEST(four_drives_keep_the_hand)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\"}, {\"name\": \"b\"}, {\"name\": \"q\"}, {\"name\": \"h\"}], \"joints\": "
+        "[{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0.5], \"axis\": [0, 0, 1]}, {\"name\": \"B\", \"links\": [\"a\", \"b\"], \"at\": "
+        "[0.4, 0, 0.5], \"axis\": [0, 0, 1]}, {\"name\": \"Z\", \"kind\": \"t\", \"links\": [\"b\", \"q\"], \"at\": [0.4, 0.3, 0.5], \"axis\": [0, 0, 1]}, "
+        "{\"name\": \"R\", \"links\": [\"q\", \"h\"], \"at\": [0.4, 0.3, 0.3], \"axis\": [0, 0, 1]}], \"drives\": [{\"joint\": \"A\"}, {\"joint\": \"B\"}, "
+        "{\"joint\": \"Z\"}, {\"joint\": \"R\"}], \"tracers\": [{\"name\": \"T\", \"link\": \"h\", \"at\": [0.45, 0.3, 0.3]}]}";
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    CHECK_INT(lw_spatial_read(text, sizeof text - 1, "scara", &m, &e), LW_OK);
+    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+    CHECK(r.turns && !r.only_turns);
+    for (int i = 0; i < 24; i++) {
+        double a = 2*LW_PI*i/24, far, c = cos(a), s = sin(a);
+        lw_robot_reset(&r);
+        CHECK_INT(lw_robot_reach(&r, lw_v3(c, s, 0), 3, &far, &e), LW_OK);
+        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_NEAR(lw_v3_norm(lw_quaternion_vector(p.turn)), 0, 1e-9, 0);
+        double along = 0.4*c + 0.3*s, across2 = 0.25 - along*along;          /* of the wrist: where its ray meets the circles of 0.1 and 0.7 */
+        double in = 0.01 - across2 > 0 && along < 0 ? -along - sqrt(0.01 - across2) : INFINITY;
+        CHECK_NEAR(far, fmin(in, -along + sqrt(0.49 - across2)), 1e-7, 0);
+    }
+    lw_robot_reset(&r);
+    lw_quaternion turn = lw_quaternion_of_vector(lw_v3(0, 0, 1));
+    CHECK_INT(lw_robot_move(&r, lw_v3(0.45, 0.3, 0.2), &turn, &e), LW_OK);
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_NEAR(p.drive[0] + p.drive[1] + p.drive[3], 1, 1e-9, 0);
+    CHECK_NEAR(p.drive[2], -0.1, 1e-12, 0);
+    turn = lw_quaternion_of_vector(lw_v3(0.1, 0, 0));
+    CHECK_INT(lw_robot_move(&r, lw_v3(0.45, 0.3, 0.2), &turn, &e), LW_OPEN);
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}
+
+/* Masses that forces on the tool of a planar robot move: of a gantry its slides, of an arm with all mass at its tip that mass. */
+TEST(masses_in_a_plane)
+{
+    static const char *const text[] = {
+        "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"x\", \"mass\": 3, \"centre\": [0, 0, 0]}, {\"name\": \"y\", \"mass\": 2, \"centre\": [0, 0, 0]}], \"joints\": [{\"name\": \"X\", "
+        "\"kind\": \"t\", \"links\": [\"ground\", \"x\"], \"at\": [0, 0, 0], \"axis\": [1, 0, 0]}, {\"name\": \"Y\", \"kind\": \"t\", \"links\": [\"x\", \"y\"], "
+        "\"at\": [0, 0, 0], \"axis\": [0, 1, 0]}], \"drives\": [{\"joint\": \"X\"}, {\"joint\": \"Y\"}], \"tracers\": [{\"name\": \"T\", \"link\": \"y\", "
+        "\"at\": [0, 0, 0]}]}",
+        "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\"}, {\"name\": \"b\", \"mass\": 4, \"centre\": [1, 1, 0]}], \"joints\": [{\"name\": \"A\", "
+        "\"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, {\"name\": \"B\", \"links\": [\"a\", \"b\"], \"at\": [1, 0, 0], "
+        "\"axis\": [0, 0, 1]}], \"drives\": [{\"joint\": \"A\"}, {\"joint\": \"B\"}], \"tracers\": [{\"name\": \"T\", \"link\": \"b\", \"at\": [1, 1, 0]}]}" };
+    static const double mass[2][2] = { { 2, 5 }, { 4, 4 } };
+    for (int k = 0; k < 2; k++) {
+        lw_spatial m;
+        lw_robot r;
+        lw_robot_pose p;
+        lw_error e = { 0 };
+        CHECK_INT(lw_spatial_read(text[k], strlen(text[k]), "robot", &m, &e), LW_OK);
+        CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_INT(p.rank, 2);
+        CHECK_NEAR(p.mass[0], mass[k][0], 1e-12, 0);
+        CHECK_NEAR(p.mass[1], mass[k][1], 1e-12, 0);
+        CHECK(p.mass[2] == 0);
+        lw_robot_free(&r);
+        lw_spatial_free(&m);
+    }
+}

@@ -15,7 +15,7 @@
 #include "mbs/analysis/held.h"
 
 typedef struct settings {
-    const char *tool, *at, *plot, *force;
+    const char *tool, *at, *turn, *drives, *plot, *force;
     double      max_condition, gap, play, slide_play;
     int         rays, grid;
     bool        links_only, frequency, budget;
@@ -27,6 +27,10 @@ static const cli_option options[] = {
     { "tool", 0, CLI_TEXT, PLACE(tool), "NAME", NULL, "tracer that is the tool; without it the first", 0, 0, NULL, NULL },
     { "tool-at", 0, CLI_TEXT, PLACE(at), "X,Y,Z", NULL,
       "move the tool there first, in the unit of the file; without it the place of the file", 0, 0, NULL, NULL },
+    { "tool-turn", 0, CLI_TEXT, PLACE(turn), "RX,RY,RZ", NULL,
+      "turn the tool on the way: angle times axis of the turn from its posture in the file [deg], in the plane one angle", 0, 0, NULL, NULL },
+    { "drives-at", 0, CLI_TEXT, PLACE(drives), "V1,V2,...", NULL,
+      "move the drives there first [deg, or the unit of the file], as `jacobian` prints them; without it their values in the file", 0, 0, NULL, NULL },
     { "max-condition", 0, CLI_REAL, PLACE(max_condition), "C", NULL,
       "workspace, map: only postures whose condition number is at most C", 1, 1e9, NULL, NULL },
     { "links-only", 0, CLI_FLAG, PLACE(links_only), NULL, NULL,
@@ -59,36 +63,88 @@ typedef struct job {
     lw_robot          r;
     const char       *unit;
     double            metre;
+    lw_quaternion     drawn;                 /* orientation of the tool in the file                  */
     lw_vec3           up, right, ahead;      /* of the level plane: right and ahead lie in it        */
     lw_error          e;
 } job;
 
+static lw_spatial_measure drive_of(const job *j, int i)
+{
+    return j->m->n_drive ? j->m->drive[i] : j->m->input[i].measure;
+}
+
+static bool turns(const job *j, int i) { return drive_of(j, i).of == LW_OF_TURN; }
+
 /* ---- beginning ------------------------------------------------------------------------------------------- */
+
+/* Exactly n numbers with commas between them. */
+static bool read_list(const char *text, int n, double *v)
+{
+    for (int i = 0; i < n; i++) {
+        char *end;
+        v[i] = strtod(text, &end);
+        if (end == text || !isfinite(v[i]) || *end != (i < n - 1 ? ',' : 0))
+            return false;
+        text = end + 1;
+    }
+    return true;
+}
 
 /* Three numbers, or two of a planar model. */
 static lw_status read_numbers(const job *j, const char *option, const char *unit, const char *text, lw_vec3 *p, lw_error *e)
 {
     double v[3] = { 0 };
-    const char *at = text;
-    for (int i = 0; i < 3; i++) {
-        char *end;
-        v[i] = strtod(at, &end);
-        bool last = *end == 0 && (i == 2 || (i == 1 && j->flat));
-        if (end == at || !isfinite(v[i]) || !(last || (*end == ',' && i < 2)))
+    if (!read_list(text, 3, v)) {
+        v[2] = 0;
+        if (!j->flat || !read_list(text, 2, v))
             return lw_error_set(e, LW_E_ARG, "%s takes %s numbers, such as %s [%s], not '%.60s'", option, j->flat ? "two" : "three",
                                 j->flat ? "0.2,0.1" : "0.2,0,-0.65", unit, text);
-        at = end + 1;
-        if (last)
-            break;
     }
     *p = lw_v3(v[0], v[1], v[2]);
     return LW_OK;
 }
 
+/* --drives-at: forward kinematics. */
+static lw_status move_drives(job *j, lw_error *e)
+{
+    double v[LW_ROBOT_DRIVES];
+    if (!read_list(j->s->drives, j->r.n_drive, v))
+        return lw_error_set(e, LW_E_ARG, "--drives-at takes %d number%s, one for each drive, not '%.60s'", j->r.n_drive, j->r.n_drive == 1 ? "" : "s", j->s->drives);
+    for (int i = 0; i < j->r.n_drive; i++)
+        v[i] *= turns(j, i) ? LW_PI/180 : j->metre;
+    return lw_robot_drive(&j->r, v, e);
+}
+
+/* --tool-at and --tool-turn: inverse kinematics. */
+static lw_status move_tool(job *j, lw_error *e)
+{
+    lw_robot_pose p;
+    lw_vec3 place, turn;
+    double angle;
+    lw_status st = lw_robot_measure(&j->r, &p, e);
+    if (st != LW_OK)
+        return st;
+    place = lw_v3_scale(p.place, 1/j->metre);
+    if (j->s->at && (st = read_numbers(j, "--tool-at", j->unit, j->s->at, &place, e)) != LW_OK)
+        return st;
+    place = lw_v3_scale(place, j->metre);
+    if (!j->s->turn)
+        return lw_robot_move(&j->r, place, NULL, e);
+    if (!j->r.turns)
+        return lw_error_set(e, LW_E_ARG, "--tool-turn: the drives of this robot cannot turn the tool and keep its place");
+    if (j->flat && !read_list(j->s->turn, 1, &angle))
+        return lw_error_set(e, LW_E_ARG, "--tool-turn takes one number in the plane, such as 20 [deg], not '%.60s'", j->s->turn);
+    if (j->flat)
+        turn = lw_v3_scale(j->r.normal, angle);
+    else if ((st = read_numbers(j, "--tool-turn", "deg", j->s->turn, &turn, e)) != LW_OK)
+        return st;
+    lw_quaternion to = lw_quaternion_times(lw_quaternion_of_vector(lw_v3_scale(turn, LW_PI/180)), j->drawn);
+    return lw_robot_move(&j->r, place, &to, e);
+}
+
 static int begin(const cli_call *call, job *j)
 {
     struct lw_model *planar = NULL;
-    lw_vec3 place;
     *j = (job){ .call = call, .s = call->settings };
     lw_status st = cli_read_any_model(call->parsed.word[1], 0, &planar, &j->m, &j->e);
     if (st == LW_OK && planar) {
@@ -115,8 +171,11 @@ static int begin(const cli_call *call, job *j)
         j->ahead = lw_v3_cross(j->up, j->right);
         j->r.free = j->s->links_only;
         j->r.condition_limit = cli_given(&call->parsed, "max-condition") ? j->s->max_condition : 0;
-        if (j->s->at && (st = read_numbers(j, "--tool-at", j->unit, j->s->at, &place, &j->e)) == LW_OK)
-            st = lw_robot_move(&j->r, lw_v3_scale(place, j->metre), NULL, &j->e);
+        j->drawn = lw_robot_turn(&j->r);
+        if (j->s->drives)
+            st = move_drives(j, &j->e);
+        if (st == LW_OK && (j->s->at || j->s->turn))
+            st = move_tool(j, &j->e);
     }
     return st == LW_OK ? CLI_DONE : cli_fail(call, &j->e);
 }
@@ -128,13 +187,6 @@ static void end(job *j)
 }
 
 /* ---- jacobian -------------------------------------------------------------------------------------------- */
-
-static lw_spatial_measure drive_of(const job *j, int i)
-{
-    return j->m->n_drive ? j->m->drive[i] : j->m->input[i].measure;
-}
-
-static bool turns(const job *j, int i) { return drive_of(j, i).of == LW_OF_TURN; }
 
 static void json_pose(const job *j, FILE *f, const lw_robot_pose *p)
 {
@@ -162,12 +214,13 @@ static void json_pose(const job *j, FILE *f, const lw_robot_pose *p)
         cli_json_reals(&w, NULL, row, (size_t)j->r.n_drive);
     }
     cli_json_end(&w);
+    cli_json_text(&w, "singular_values_of", j->r.only_turns ? "turn" : "velocity");
     cli_json_reals(&w, "singular_values", p->singular, 3);
     cli_json_real(&w, "condition", p->condition);
     cli_json_real(&w, "isotropy", 1/p->condition);
     cli_json_real(&w, "manipulability", p->manipulability);
     cli_json_int(&w, "tool_freedoms", p->freedoms);
-    cli_json_reals(&w, "moved_mass", p->mass, p->mass[0] > 0 ? 3 : 0);
+    cli_json_reals(&w, j->r.only_turns ? "moved_inertia" : "moved_mass", p->mass, p->mass[0] > 0 ? (size_t)p->rank : 0);
     cli_json_end(&w);
 }
 
@@ -186,6 +239,9 @@ static void print_pose(const job *j, FILE *f, const lw_robot_pose *p)
     double size = j->r.space.unit;
     fprintf(f, "tool '%s' at (%.9g, %.9g, %.9g) %s\n", j->m->tracer[j->r.tool].name,
             clean(p->place.x, size)/j->metre, clean(p->place.y, size)/j->metre, clean(p->place.z, size)/j->metre, j->unit);
+    lw_vec3 turn = lw_v3_scale(lw_quaternion_vector(lw_quaternion_times(p->turn, lw_quaternion_inverse(j->drawn))), 180/LW_PI);
+    if (lw_v3_norm(turn) > 1e-9)
+        fprintf(f, "turned by (%.9g, %.9g, %.9g) deg from its posture in the file\n", clean(turn.x, 100), clean(turn.y, 100), clean(turn.z, 100));
     for (int i = 0; i < j->r.n_drive; i++) {
         lw_spatial_measure_name(j->m, drive_of(j, i), name, sizeof name);
         fprintf(f, "drive %-24s %.10g %s\n", name, clean(p->drive[i], turns(j, i) ? 1 : size)/(turns(j, i) ? LW_PI/180 : j->metre),
@@ -198,14 +254,19 @@ static void print_pose(const job *j, FILE *f, const lw_robot_pose *p)
             fprintf(f, " %15.9g", clean(p->jacobian[k][i], 100*p->singular[0]));
         fputc('\n', f);
     }
-    fprintf(f, "singular values");
+    fprintf(f, "singular values%s", j->r.only_turns ? " of the turn, since the tool's point is at rest:" : "");
     for (int i = 0; i < p->rank; i++) {
         fprintf(f, "%s %.9g in ", i ? ";" : "", p->singular[i]);
         print_direction(f, lw_m3_column(&p->axes, i));
     }
     fprintf(f, "\ncondition %.9g, isotropy %.6g, manipulability %.6g\n", p->condition, 1/p->condition, p->manipulability);
+    int turning = 0;
+    for (int i = 0; i < j->r.n_drive; i++)
+        turning += turns(j, i);
+    if (turning > 0 && turning < j->r.n_drive)
+        fputs("drives turn and slide: singular values and condition depend on the unit of length, here the metre\n", f);
     if (isinf(p->condition)) {
-        fprintf(f, "here the tool's point cannot move in");
+        fprintf(f, j->r.only_turns ? "here the tool cannot turn about" : "here the tool's point cannot move in");
         for (int i = 0, n = 0; i < p->rank; i++)
             if (p->singular[i] <= 0) {
                 fprintf(f, n++ ? "; " : " ");
@@ -215,8 +276,8 @@ static void print_pose(const job *j, FILE *f, const lw_robot_pose *p)
                 : ": place and turn of the tool together have all %d of %d freedoms, the drives turn it instead\n", p->freedoms, j->r.freedoms);
     }
     if (p->mass[0] > 0) {
-        fprintf(f, "mass that a force on the tool moves [kg]");
-        for (int i = 0; i < 3; i++) {
+        fputs(j->r.only_turns ? "inertia that a moment on the tool turns [kg m^2]" : "mass that a force on the tool moves [kg]", f);
+        for (int i = 0; i < p->rank; i++) {
             fprintf(f, "%s %.6g in ", i ? ";" : "", p->mass[i]);
             print_direction(f, lw_m3_column(&p->mass_axes, i));
         }
@@ -338,11 +399,12 @@ static lw_vec3 direction(const job *j, double angle)
     return lw_v3_add(lw_v3_scale(j->right, cos(angle)), lw_v3_scale(j->ahead, sin(angle)));
 }
 
-/* Can the drives not move the tool?  It counts as moved if it goes farther than 1e-6 of the robot's size.  From a singular posture the
+/* Can the drives not move the tool?  It counts as moved if it goes farther than 1e-5 of the robot's size: on a sphere of this size it seems to
+ * follow its tangent so far, within the accuracy of a way.  From a singular posture the
  * drives move it in some directions only, unless the tool's own place is the input. */
 static bool gets_nowhere(const job *j, const lw_robot_pose *p, double far)
 {
-    return far < 1e-6*j->r.space.unit || (isinf(p->condition) && !j->r.by_tool.memory);
+    return far < 1e-5*j->r.space.unit || (isinf(p->condition) && !j->r.by_tool.memory);
 }
 
 /* Report a tool that cannot move: it has no workspace and no map. */
@@ -350,7 +412,8 @@ static int cannot_move(job *j, const lw_robot_pose *p)
 {
     lw_error_set(&j->e, LW_OPEN, "the drives cannot move the tool from (%.9g, %.9g, %.9g) %s in the level plane%s; begin from "
                  "another posture", p->place.x/j->metre + 0.0, p->place.y/j->metre + 0.0, p->place.z/j->metre + 0.0, j->unit,
-                 isinf(p->condition) ? ": the posture is singular, or the robot lacks this freedom (robot jacobian shows where the tool can go)" : "");
+                 j->r.only_turns ? ": they only turn it" : j->r.rank == 2 && lw_v3_norm(j->r.normal) == 0 ? ": it moves on a surface that is not level"
+                 : isinf(p->condition) ? ": the posture is singular, or the robot lacks this freedom (robot jacobian shows where the tool can go)" : "");
     return cli_fail(j->call, &j->e);
 }
 
@@ -704,8 +767,9 @@ const cli_command cli_robot_command = {
         "  linkwright robot map examples/space/delta.json --tool-at 0,0,-0.65 --joint-gap 50e-6 --errors --plot error.svg\n",
     .about =
         "MODEL is a planar or a spatial model (docs/notation.md). Its drives are \"drives\", or its inputs, and leave no freedom; its\n"
-        "tool is a tracer. A robot with six drives or more, in the plane three, keeps the tool's orientation when it moves. The\n"
-        "level plane is across gravity, or across z without gravity; of a planar robot it is the plane of its motion.\n",
+        "tool is a tracer. A robot with six drives or more, in the plane three, keeps the tool's orientation when it moves; so does\n"
+        "one with four or five whose drives can shift the tool in all directions and turn it besides (SCARA). The level plane is\n"
+        "across gravity, or across z without gravity; of a planar robot it is the plane of its motion.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .actions = actions

@@ -15,10 +15,11 @@
 
 static void print(const cli_call *call, FILE *f, int n, const lw_load *load)
 {
-    enum { VALUES = 8 };
-    static const char *const heads[] = { "peak", "rms", "speed", "peak power", "mean power", "energy out", "energy back" };
-    static const char *const turning[] = { "N m", "N m", "rad/s", "W", "W", "J", "J", "kg m^2" };
-    static const char *const sliding[] = { "N", "N", "m/s", "W", "W", "J", "J", "kg" };
+    enum { VALUES = 9 };
+    static const char *const heads[] = { "peak", "rms", "speed", "peak power", "braking power", "mean power", "energy out",
+                                         "energy back" };
+    static const char *const turning[] = { "N m", "N m", "rad/s", "W", "W", "W", "J", "J", "kg m^2" };
+    static const char *const sliding[] = { "N", "N", "m/s", "W", "W", "W", "J", "J", "kg" };
     static const char *const keys[] = { "speed_peak", "power_peak", "power_least", "power_mean", "energy_out",
                                         "energy_back" };
     cli_json j = cli_json_begin(f, 2);
@@ -36,8 +37,8 @@ static void print(const cli_call *call, FILE *f, int n, const lw_load *load)
         lw_load_figures g = lw_load_figures_of(l);
         const char *const *unit = l->slides ? sliding : turning;
         if (!call->common.json) {
-            const double shown[] = { g.torque_peak, g.torque_rms, g.speed_peak, g.power_peak, g.power_mean, g.energy_out,
-                                     g.energy_back };
+            const double shown[] = { g.torque_peak, g.torque_rms, g.speed_peak, g.power_peak, fmax(0, -g.power_least), g.power_mean,
+                                     g.energy_out, g.energy_back };
             fprintf(f, "%-16s", l->name);
             for (int k = 0; k < VALUES - 1; k++) {
                 char text[48];
@@ -47,9 +48,9 @@ static void print(const cli_call *call, FILE *f, int n, const lw_load *load)
             if (isnan(l->inertia[0]))
                 fputs(" not known\n", f);
             else if (l->inertia[1] - l->inertia[0] <= 1e-9*fabs(l->inertia[1]))
-                fprintf(f, " %.6g %s\n", l->inertia[1], unit[7]);
+                fprintf(f, " %.6g %s\n", l->inertia[1], unit[VALUES - 1]);
             else
-                fprintf(f, " %.6g to %.6g %s\n", l->inertia[0], l->inertia[1], unit[7]);
+                fprintf(f, " %.6g to %.6g %s\n", l->inertia[0], l->inertia[1], unit[VALUES - 1]);
             continue;
         }
         const double values[] = { g.speed_peak, g.power_peak, g.power_least, g.power_mean, g.energy_out, g.energy_back };

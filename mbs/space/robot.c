@@ -9,6 +9,7 @@
 #include "base/suggest.h"
 #include "base/vec3.h"
 
+#define ROUNDING 1e-12           /* a drive that moves the tool by less of the size, or of a turn, does not move it */
 #define CLOSE 1e-11              /* of the size, and [rad]: the tool is there                          */
 #define LONGEST_STEP 0.1         /* of the size: stops and cones are looked at so often                 */
 #define SURE_STEP 0.005          /* so far on, or no farther than half of the way to where the drives seem to lose the tool */
@@ -41,22 +42,82 @@ static bool drive_turns(const lw_robot *r, int i)
     return (r->model->n_drive ? r->model->drive[i] : r->model->input[i].measure).of == LW_OF_TURN;
 }
 
-/* The posture of the file may be singular: look nearby, too. */
-static void find_rank(lw_robot *r)
+/* Principal values and axes, the greatest first. */
+static void principal(const double a[6], double value[3], lw_mat3 *axes)
+{
+    lw_mat3 by;
+    double v[3];
+    int order[3] = { 0, 1, 2 };
+    lw_m3_principal(a, v, &by);
+    for (int i = 0; i < 2; i++)
+        for (int k = i + 1; k < 3; k++)
+            if (v[order[k]] > v[order[i]]) {
+                int o = order[i];
+                order[i] = order[k];
+                order[k] = o;
+            }
+    for (int i = 0; i < 3; i++)
+        value[i] = v[order[i]];
+    *axes = lw_m3_columns(lw_m3_column(&by, order[0]), lw_m3_column(&by, order[1]), lw_m3_column(&by, order[2]));
+}
+
+static void fill_tensor(int n, double (*row)[LW_ROBOT_DRIVES], double a[6])
+{
+    static const int at[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
+    for (int k = 0; k < 6; k++) {
+        a[k] = 0;
+        for (int i = 0; i < n; i++)
+            a[k] += row[at[k][0]][i]*row[at[k][1]][i];
+    }
+}
+
+/* Rank of the whole Jacobian, lengths over the robot's size; with shifts = 3, of it and the three pure shifts of the tool. */
+static int rank_with(const lw_robot *r, const lw_robot_pose *p, int shifts)
+{
+    double number[6*(LW_ROBOT_DRIVES + 3) + 3*(6 + LW_ROBOT_DRIVES + 3)];      /* lw_rank_doubles */
+    int place[LW_ROBOT_DRIVES + 3];
+    lw_rank a;
+    lw_rank_place(&a, 6, r->n_drive + shifts, number, place);
+    for (int k = 0; k < 6; k++) {
+        for (int i = 0; i < r->n_drive; i++)
+            a.a[k + 6*i] = p->jacobian[k][i]/(k < 3 ? r->space.unit : 1)*(drive_turns(r, i) ? 1 : r->space.unit);
+        for (int i = 0; i < shifts; i++)
+            a.a[k + 6*(r->n_drive + i)] = k == i;
+    }
+    lw_rank_factor(&a, 1e-9);
+    return a.rank;
+}
+
+/* Which freedoms does the tool have?  The posture of the file may be singular: look nearby, too. */
+static lw_status find_freedoms(lw_robot *r, lw_error *e)
 {
     static const double step = 0.01;         /* rad, or of the size */
-    lw_robot_pose here, near;
-    lw_error e;
-    if (lw_robot_measure(r, &here, &e) != LW_OK)
-        return;
+    lw_robot_pose pose[2] = { { .rank = 0 }, { .rank = 0 } };
+    bool known[2];
+    known[0] = lw_robot_measure(r, &pose[0], NULL) == LW_OK;
     for (int i = 0; i < r->n_drive; i++)
-        near.drive[i] = here.drive[i] + step*(1 + 0.1*i)*(drive_turns(r, i) ? 1 : r->space.unit);
-    lw_robot_drive(r, near.drive, &e);
-    if (lw_robot_measure(r, &near, &e) != LW_OK)
-        near.rank = near.freedoms = 0;
+        pose[1].drive[i] = pose[0].drive[i] + step*(1 + 0.1*i)*(drive_turns(r, i) ? 1 : r->space.unit);
+    known[1] = known[0] && (lw_robot_drive(r, pose[1].drive, NULL), lw_robot_measure(r, &pose[1], NULL) == LW_OK);
+    for (int k = 0; k < 2 && known[k]; k++) {
+        r->rank = pose[k].rank > r->rank ? pose[k].rank : r->rank;
+        r->freedoms = pose[k].freedoms > r->freedoms ? pose[k].freedoms : r->freedoms;
+    }
+    lw_robot_pose *p = &pose[known[1] && pose[1].freedoms == r->freedoms];
+    r->only_turns = known[0] && r->rank == 0;
+    if (r->only_turns && r->freedoms > 0)
+        r->turns = true, r->rank = r->freedoms;
+    else if (known[0] && !r->turns && r->rank == 3 && r->freedoms > 3 && rank_with(r, p, 3) == r->freedoms)
+        r->turns = true;
+    if (r->turns && r->n_drive == 4 && r->freedoms == 4) {       /* about which axis? */
+        double tensor[6], value[3];
+        lw_mat3 axes;
+        fill_tensor(r->n_drive, p->jacobian + 3, tensor);
+        principal(tensor, value, &axes);
+        r->spin = lw_m3_column(&axes, 0);
+    }
     lw_robot_reset(r);
-    r->rank = here.rank > near.rank ? here.rank : near.rank;
-    r->freedoms = here.freedoms > near.freedoms ? here.freedoms : near.freedoms;
+    return !known[0] || r->freedoms > 0 ? LW_OK
+         : lw_error_set(e, LW_E_ARG, "the drives do not move the tool \"%.40s\"", r->model->tracer[r->tool].name);
 }
 
 lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_error *e)
@@ -89,18 +150,20 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
         return s;
     }
     const lw_spatial_measure place[] = { { LW_OF_X, r->tool }, { LW_OF_Y, r->tool }, { LW_OF_Z, r->tool } };
-    s = r->n_drive == 3 ? lw_space_follow_make(&r->space, place, 3, false, &r->by_tool, e) : LW_OK;
+    s = r->n_drive == 3 ? lw_space_follow_make(&r->space, place, 3, false, &r->by_tool, NULL) : LW_OK;
     if (s != LW_OK)
         r->by_tool.memory = NULL;
     if (s == LW_E_MEMORY) {                      /* other failures: the tool moves in a plane, or only turns */
         lw_robot_free(r);
-        return s;
+        return lw_error_set(e, s, "out of memory");
     }
     r->start = r->column + (size_t)r->n_drive*n_v;
     memcpy(r->start, r->follow.q, n_q*sizeof *r->start);
     lw_space_follow_values(&r->follow, r->drive);
-    find_rank(r);
-    return LW_OK;
+    s = find_freedoms(r, e);
+    if (s != LW_OK)
+        lw_robot_free(r);
+    return s;
 }
 
 void lw_robot_free(lw_robot *r)
@@ -171,6 +234,15 @@ static void tool_pose(const lw_robot *r, lw_vec3 *place, lw_quaternion *turn)
     *place = lw_space_point_at(r->follow.z.frame, p);
 }
 
+lw_quaternion lw_robot_turn(lw_robot *r)
+{
+    lw_vec3 place;
+    lw_quaternion turn;
+    lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
+    tool_pose(r, &place, &turn);
+    return turn;
+}
+
 /* A direction of the posture of the file as a body carries it now. */
 static lw_vec3 carried(const lw_robot *r, int body, lw_vec3 direction)
 {
@@ -180,37 +252,8 @@ static lw_vec3 carried(const lw_robot *r, int body, lw_vec3 direction)
     return lw_m3_apply(&r->follow.z.frame[body + 1].turn, lw_m3_unapply(&axes, direction));
 }
 
-/* Principal values and axes, the greatest first. */
-static void principal(const double a[6], double value[3], lw_mat3 *axes)
-{
-    lw_mat3 by;
-    double v[3];
-    int order[3] = { 0, 1, 2 };
-    lw_m3_principal(a, v, &by);
-    for (int i = 0; i < 2; i++)
-        for (int k = i + 1; k < 3; k++)
-            if (v[order[k]] > v[order[i]]) {
-                int o = order[i];
-                order[i] = order[k];
-                order[k] = o;
-            }
-    for (int i = 0; i < 3; i++)
-        value[i] = v[order[i]];
-    *axes = lw_m3_columns(lw_m3_column(&by, order[0]), lw_m3_column(&by, order[1]), lw_m3_column(&by, order[2]));
-}
-
-static void fill_tensor(int n, double (*row)[LW_ROBOT_DRIVES], double a[6])
-{
-    static const int at[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
-    for (int k = 0; k < 6; k++) {
-        a[k] = 0;
-        for (int i = 0; i < n; i++)
-            a[k] += row[at[k][0]][i]*row[at[k][1]][i];
-    }
-}
-
-/* Masses that forces on the tool move: J M^-1 J^T = A A^T with A = J L^-T, M = L L^T. */
-static void fill_masses(const lw_robot *r, lw_robot_pose *out)
+/* Masses that forces on the tool move: J M^-1 J^T = A A^T with A = J L^-T, M = L L^T.  row: of J, three. */
+static void fill_masses(const lw_robot *r, double (*row)[LW_ROBOT_DRIVES], lw_robot_pose *out)
 {
     double m[LW_ROBOT_DRIVES][LW_ROBOT_DRIVES], a[6][LW_ROBOT_DRIVES], tensor[6], value[3];
     int n = r->n_drive;
@@ -229,31 +272,17 @@ static void fill_masses(const lw_robot *r, lw_robot_pose *out)
                 return;                                        /* massless in a direction of the drives */
             m[i][k] = i == k ? sqrt(sum) : sum/m[k][k];
         }
-    for (int row = 0; row < 3; row++)
+    for (int j = 0; j < 3; j++)
         for (int i = 0; i < n; i++) {
-            double sum = out->jacobian[row][i];
+            double sum = row[j][i];
             for (int k = 0; k < i; k++)
-                sum -= m[i][k]*a[row][k];
-            a[row][i] = sum/m[i][i];
+                sum -= m[i][k]*a[j][k];
+            a[j][i] = sum/m[i][i];
         }
     fill_tensor(n, a, tensor);
     principal(tensor, value, &out->mass_axes);
-    for (int i = 0; i < 3 && out->rank == 3; i++)
+    for (int i = 0; i < out->rank; i++)
         out->mass[i] = 1/value[i];
-}
-
-/* Rank of the whole Jacobian, lengths over the robot's size. */
-static int rank_of_all(const lw_robot *r, const lw_robot_pose *p)
-{
-    double number[6*LW_ROBOT_DRIVES + 3*(6 + LW_ROBOT_DRIVES)];      /* lw_rank_doubles */
-    int place[LW_ROBOT_DRIVES];
-    lw_rank a;
-    lw_rank_place(&a, 6, r->n_drive, number, place);
-    for (int k = 0; k < 6; k++)
-        for (int i = 0; i < r->n_drive; i++)
-            a.a[k + 6*i] = p->jacobian[k][i]/(k < 3 ? r->space.unit : 1)*(drive_turns(r, i) ? 1 : r->space.unit);
-    lw_rank_factor(&a, 1e-9);
-    return a.rank;
 }
 
 lw_status lw_robot_measure(lw_robot *r, lw_robot_pose *out, lw_error *e)
@@ -267,20 +296,24 @@ lw_status lw_robot_measure(lw_robot *r, lw_robot_pose *out, lw_error *e)
     if (s != LW_OK)
         return s;
     tool_pose(r, &out->place, &out->turn);
-    out->freedoms = rank_of_all(r, out);
-    fill_tensor(r->n_drive, out->jacobian, tensor);
+    out->freedoms = rank_with(r, out, 0);
+    double (*row)[LW_ROBOT_DRIVES] = out->jacobian + (r->only_turns ? 3 : 0), least = 0;
+    for (int i = 0; i < r->n_drive; i++)
+        least = fmax(least, ROUNDING*(r->only_turns ? 1 : r->space.unit)/(drive_turns(r, i) ? 1 : r->space.unit));
+    fill_tensor(r->n_drive, row, tensor);
     principal(tensor, square, &out->axes);
     out->manipulability = 1;
     for (int i = 0; i < 3; i++) {
-        out->singular[i] = square[i] > 1e-14*square[0] ? sqrt(square[i]) : 0;      /* squares know nothing smaller */
+        out->singular[i] = square[i] > fmax(1e-14*square[0], least*least) ? sqrt(square[i]) : 0;      /* squares know nothing smaller */
         if (out->singular[i] > 0) {
             out->rank = i + 1;
             out->manipulability *= out->singular[i];
             out->condition = out->singular[0]/out->singular[i];
         }
     }
-    fill_masses(r, out);
-    if (out->rank < r->rank) {
+    if (out->rank >= r->rank)
+        fill_masses(r, row, out);
+    else {
         out->rank = r->rank;
         out->manipulability = 0;
         out->condition = INFINITY;
@@ -427,20 +460,22 @@ static void take_posture(lw_robot *r, const double *q)
 }
 
 static const char not_held[] = "a posture in which the drives do not hold the tool";
+static const char out_of_reach[] = "the limit of what the drives can reach";
 
-/* Determinant of the Jacobian of the freedoms that the drives command: place, in a plane and with six drives turn, too.  0: not square. */
+/* Determinant of the Jacobian of the freedoms that the drives command: place, turn, or both; 0: it is not square. */
 static double determinant(const lw_robot *r, const lw_robot_pose *p)
 {
     double a[6*6], diag[6];
     int n = r->n_drive;
     bool flat = r->normal.x != 0 || r->normal.y != 0 || r->normal.z != 0;
-    if (n != (flat ? (r->turns ? 3 : 2) : r->turns ? 6 : 3))
+    bool one = r->spin.x != 0 || r->spin.y != 0 || r->spin.z != 0;
+    if (n != (flat ? (r->only_turns ? 0 : r->turns ? 3 : 2) : r->only_turns || !r->turns ? 3 : one ? 4 : 6))
         return 0;
     lw_vec3 right = lw_v3_across(r->normal), ahead = lw_v3_cross(r->normal, right);
     for (int i = 0; i < n; i++) {
         lw_vec3 v = lw_v3(p->jacobian[0][i], p->jacobian[1][i], p->jacobian[2][i]), w = lw_v3(p->jacobian[3][i], p->jacobian[4][i], p->jacobian[5][i]);
-        double space[] = { v.x, v.y, v.z, w.x, w.y, w.z }, plane[] = { lw_v3_dot(right, v), lw_v3_dot(ahead, v), lw_v3_dot(r->normal, w) };
-        memcpy(a + i*n, flat ? plane : space, (size_t)n*sizeof *a);
+        double space[] = { v.x, v.y, v.z, one ? lw_v3_dot(r->spin, w) : w.x, w.y, w.z }, plane[] = { lw_v3_dot(right, v), lw_v3_dot(ahead, v), lw_v3_dot(r->normal, w) };
+        memcpy(a + i*n, flat ? plane : space + (r->only_turns ? 3 : 0), (size_t)n*sizeof *a);
     }
     lw_qr_factor(n, n, a, diag);
     return lw_qr_determinant(n, diag);
@@ -543,7 +578,7 @@ static bool close_tool(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, ch
         double far = pose_error(r, place, turn, error);
         if (far < CLOSE)
             return may_be_there(r, why);
-        snprintf(why, 120, "the limit of what the drives can reach");
+        snprintf(why, 120, out_of_reach);
         if (far > 0.7*before)
             return false;
         before = far;
@@ -584,6 +619,7 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
     r->broken = LW_OK;
     r->jump = 0;
     r->determinant = lw_robot_measure(r, &begin, NULL) == LW_OK ? determinant(r, &begin) : 0;
+    double first_determinant = fabs(r->determinant);
     h = fmin(h, 0.5*LONGEST_STEP);
     while (at < length) {
         h = fmin(h, r->condition_limit > 0 ? CONDITION_STEP : LONGEST_STEP);
@@ -621,10 +657,16 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
             lw_robot_pose pose;
             if (at == 0 && lw_robot_measure(r, &pose, NULL) == LW_OK && pose.freedoms < r->freedoms)
                 snprintf(why, sizeof why, "the posture is singular, and the drives cannot move it this way; begin from another one");
-            tool_pose(r, &first, &from);
+            else if (strcmp(why, out_of_reach) == 0 && first_determinant > 0 && fabs(r->determinant) > 100*first_determinant)
+                snprintf(why, sizeof why, not_held);           /* it grows without limit there, and falls to 0 at the end of a reach */
+            tool_pose(r, &first, &to);
             free(kept);
             free(near);
-            return lw_error_set(e, LW_OPEN, "the tool stops at (%.9g, %.9g, %.9g) m: %s", first.x, first.y, first.z, why);
+            char turned[60] = "";
+            if (lw_v3_norm(spin) > 0)
+                snprintf(turned, sizeof turned, ", turned by %.6g of %.6g degrees",
+                         lw_v3_norm(lw_quaternion_vector(lw_quaternion_times(to, lw_quaternion_inverse(from))))*180/LW_PI, lw_v3_norm(spin)*180/LW_PI);
+            return lw_error_set(e, LW_OPEN, "the tool stops at (%.9g, %.9g, %.9g) m%s: %s", first.x, first.y, first.z, turned, why);
         }
     }
     free(kept);

@@ -20,7 +20,10 @@ typedef struct lw_robot {
     int    rank;                                 /* of the tool's velocity, where it is not singular: 2 in a plane */
     int    freedoms;                             /* of the tool's velocity and turn together, where they are not singular */
     lw_vec3 normal;                              /* of the plane in which the model moves; 0: it moves in space */
-    bool   turns;                                /* six freedoms or more, in the plane three: the tool's turn is a part of its pose */
+    bool   turns;                                /* the tool's turn is a part of its pose: six drives or more, in the plane three, or fewer
+                                                  * with which it can shift in all directions and turn besides (SCARA) */
+    bool   only_turns;                           /* the tool's place is at rest (centre of a wrist): measures below are those of its turn */
+    lw_vec3 spin;                                /* with four drives: the axis about which it turns; else 0 */
     lw_space space;
     lw_space_follow follow;                      /* the drives as inputs                                */
     lw_space_follow by_tool;                     /* three freedoms: the tool's place as inputs; memory NULL: none */
@@ -41,24 +44,30 @@ typedef struct lw_robot_pose {
     lw_quaternion turn;
     double  drive[LW_ROBOT_DRIVES];              /* as the model counts them [rad] or [m]               */
     double  jacobian[6][LW_ROBOT_DRIVES];        /* [m/rad], [m/m]; below [rad/rad], [rad/m]            */
-    double  singular[3];                         /* singular values of the upper three rows, the greatest first */
+    double  singular[3];                         /* singular values of the upper three rows (of a tool that only turns, the lower three),
+                                                  * the greatest first                                   */
     int     rank;                                /* of those rows, where they are not singular: 2 where the tool moves in a plane */
     int     freedoms;                            /* rank of all six rows: of velocity and turn together  */
     double  condition;                           /* greatest over least of `rank` singular values; infinite in a singular posture */
     double  manipulability;                      /* their product (Yoshikawa 1985)                      */
     lw_mat3 axes;                                /* columns: directions that belong to them             */
-    double  mass[3];                             /* principal values of (J M^-1 J^T)^-1, M the mass matrix of the drives:
-                                                  * the mass that a force on the tool moves [kg], rising; with rank 3 */
+    double  mass[3];                             /* principal values of (J M^-1 J^T)^-1 of these rows, M the mass matrix of the drives:
+                                                  * the mass that a force on the tool moves [kg], or the inertia that a moment on a
+                                                  * tool that only turns moves [kg m^2], rising, `rank` values; 0: not known, since the
+                                                  * posture is singular or drives move no mass */
     lw_mat3 mass_axes;
 } lw_robot_pose;
 
 /* tool NULL: the first tracer.  The model must outlive r.  LW_E_ARG with a text: no tracer of that name, no drives, or
- * drives that leave a freedom; LW_E_MEMORY. */
+ * drives that leave a freedom or do not move the tool; LW_E_MEMORY. */
 lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_error *e);
 void      lw_robot_free(lw_robot *r);
 
 /* Back to the posture of the file. */
 void lw_robot_reset(lw_robot *r);
+
+/* Orientation of the tool in the posture reached. */
+lw_quaternion lw_robot_turn(lw_robot *r);
 
 /* All about the posture reached.  LW_OPEN: the drives do not hold the tool there (a singularity of the drives). */
 lw_status lw_robot_measure(lw_robot *r, lw_robot_pose *out, lw_error *e);
@@ -67,8 +76,8 @@ lw_status lw_robot_measure(lw_robot *r, lw_robot_pose *out, lw_error *e);
  * they cannot go there; the robot is where they stopped. */
 lw_status lw_robot_drive(lw_robot *r, const double *value, lw_error *e);
 
-/* Inverse kinematics: move the tool to a place along a straight line, with an even turn (turn NULL: as it comes; a robot
- * with six freedoms, in the plane three, keeps its turn).  LW_OPEN with a text: a limit of the workspace, of a stop, a cone or the condition lies
+/* Inverse kinematics: move the tool to a place along a straight line, with an even turn (turn NULL: a robot whose
+ * `turns` is set keeps its turn, of others it comes as it does).  LW_OPEN with a text: a limit of the workspace, of a stop, a cone or the condition lies
  * before; the robot is at it, to `least`.  LW_E_MEMORY, LW_E_NUMERIC. */
 lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, lw_error *e);
 
