@@ -395,6 +395,77 @@ TEST(a_five_bar_is_stretched)
     lw_model_free(&p);
 }
 
+/* Five-bars of random proportions and assembly: each ray ends where a circle of a knee is left, or where the rods come into one line. */
+typedef struct five_bar { double axis[2], crank[2], rod[2], side[2]; } five_bar;
+
+static bool knee_at(const five_bar *g, int i, lw_vec3 p, lw_vec3 *knee)
+{
+    lw_vec3 d = lw_v3(p.x - g->axis[i], p.y, 0);
+    double far = lw_v3_norm(d), along = (far*far + g->crank[i]*g->crank[i] - g->rod[i]*g->rod[i])/(2*far), across = g->crank[i]*g->crank[i] - along*along;
+    if (!(across >= 0))
+        return false;
+    across = g->side[i]*sqrt(across);
+    *knee = lw_v3(g->axis[i] + (along*d.x - across*d.y)/far, (along*d.y + across*d.x)/far, 0);
+    return true;
+}
+
+/* Cross product of the rods; NAN: it does not close. */
+static double rods_apart(const five_bar *g, lw_vec3 p)
+{
+    lw_vec3 knee[2];
+    return knee_at(g, 0, p, &knee[0]) && knee_at(g, 1, p, &knee[1]) ? lw_v3_cross(lw_v3_sub(p, knee[0]), lw_v3_sub(p, knee[1])).z : NAN;
+}
+
+TEST(five_bars_in_closed_form)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 0);
+    for (int n = 0; n < 12;) {
+        five_bar g;
+        lw_vec3 knee[2], at = lw_v3(lw_rng_range(&rng, -0.2, 0.2), lw_rng_range(&rng, 0.1, 0.5), 0);
+        for (int i = 0; i < 2; i++) {
+            g.axis[i] = (i ? 1 : -1)*lw_rng_range(&rng, 0.05, 0.2);
+            g.crank[i] = lw_rng_range(&rng, 0.15, 0.4);
+            g.rod[i] = lw_rng_range(&rng, 0.15, 0.4);
+            g.side[i] = lw_rng_range(&rng, -1, 1) > 0 ? 1 : -1;
+        }
+        double begin = rods_apart(&g, at);
+        if (!(fabs(begin) > 3e-3) || !knee_at(&g, 0, at, &knee[0]) || !knee_at(&g, 1, at, &knee[1]))
+            continue;
+        n++;
+        char text[1200];
+        int size = snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", \"a\", \"b\", \"c\", \"d\"], \"joints\": ["
+            "{\"name\": \"A\", \"kind\": \"r\", \"links\": [\"ground\", \"a\"], \"at\": [%.17g, 0]}, {\"name\": \"B\", \"kind\": \"r\", \"links\": [\"ground\", "
+            "\"b\"], \"at\": [%.17g, 0]}, {\"name\": \"C\", \"kind\": \"r\", \"links\": [\"a\", \"c\"], \"at\": [%.17g, %.17g]}, {\"name\": \"D\", "
+            "\"kind\": \"r\", \"links\": [\"b\", \"d\"], \"at\": [%.17g, %.17g]}, {\"name\": \"P\", \"kind\": \"r\", \"links\": [\"c\", \"d\"], \"at\": "
+            "[%.17g, %.17g]}], \"inputs\": [{\"joint\": \"A\"}, {\"joint\": \"B\"}], \"tracers\": [{\"name\": \"P\", \"link\": \"c\", \"at\": [%.17g, %.17g]}]}",
+            g.axis[0], g.axis[1], knee[0].x, knee[0].y, knee[1].x, knee[1].y, at.x, at.y, at.x, at.y);
+        lw_model p;
+        lw_spatial m;
+        lw_robot r;
+        lw_error e = { 0 };
+        CHECK_INT(lw_model_read(text, (size_t)size, "five-bar", &p, &e), LW_OK);
+        CHECK_INT(lw_spatial_of_planar(&p, &m, &e), LW_OK);
+        CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+        for (int i = 0; i < 12; i++) {                     /* one after the other: none begins with what the end of another left */
+            lw_vec3 way = lw_v3(cos(LW_PI*i/6), sin(LW_PI*i/6), 0);
+            double far, least = 0, most, step = 2e-4;
+            while (rods_apart(&g, lw_v3_add(at, lw_v3_scale(way, least + step)))*begin > 0)
+                least += step;
+            for (most = least + step; most - least > 1e-10;) {
+                double middle = 0.5*(least + most);
+                *(rods_apart(&g, lw_v3_add(at, lw_v3_scale(way, middle)))*begin > 0 ? &least : &most) = middle;
+            }
+            lw_robot_reset(&r);
+            CHECK_INT(lw_robot_reach(&r, way, 3, &far, &e), LW_OK);
+            CHECK_NEAR(far, least, 1e-6, 0);       /* the Jacobian is not known nearer to a posture in which the drives lose the tool */
+        }
+        lw_robot_free(&r);
+        lw_spatial_free(&m);
+        lw_model_free(&p);
+    }
+}
+
 /* Unit forces (eq. 9-15): drive torques that hold a force on the tool are J^T of it.  The second opinion is the multiplier
  * of each drive's row. */
 static void unit_forces(const char *file)
@@ -777,6 +848,40 @@ TEST(robots_with_couplings)
         CHECK_NEAR(p.place.y, 0.5*sin(0.617*to), 1e-11, 0);
         CHECK_NEAR(p.jacobian[5][0], 0.617, 1e-13, 0);
     }
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}
+
+/* Three slides on screws of 5 mm, one left-handed: 24, 14 and 6.6 turns of their motors. */
+TEST(drives_turn_many_times)
+{
+    static char text[3000];
+    static const char name[] = "xyz";
+    const double to[] = { 0.12, -0.07, 0.033 }, lead[] = { 0.005, -0.005, 0.005 };
+    size_t n = (size_t)snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\"");
+    for (int i = 0; i < 3; i++)
+        n += (size_t)snprintf(text + n, sizeof text - n, ", {\"name\": \"s%c\"}, {\"name\": \"n%c\"}", name[i], name[i]);
+    n += (size_t)snprintf(text + n, sizeof text - n, "], \"joints\": [");
+    for (int i = 0; i < 3; i++) {
+        char on[8], axis[48];
+        snprintf(on, sizeof on, i ? "n%c" : "ground", i ? name[i - 1] : 0);
+        snprintf(axis, sizeof axis, "\"at\": [0, 0, 0], \"axis\": [%d, %d, %d]", i == 0, i == 1, i == 2);
+        n += (size_t)snprintf(text + n, sizeof text - n, "%s{\"name\": \"P%c\", \"kind\": \"t\", \"links\": [\"%s\", \"n%c\"], %s}, {\"name\": \"R%c\", \"links\": "
+                              "[\"%s\", \"s%c\"], %s}, {\"name\": \"H%c\", \"kind\": \"h\", \"links\": [\"s%c\", \"n%c\"], \"lead\": %g, %s}", i ? ", " : "", name[i],
+                              on, name[i], axis, name[i], on, name[i], axis, name[i], name[i], name[i], lead[i], axis);
+    }
+    n += (size_t)snprintf(text + n, sizeof text - n, "], \"drives\": [{\"joint\": \"Rx\"}, {\"joint\": \"Ry\"}, {\"joint\": \"Rz\"}], "
+                          "\"tracers\": [{\"name\": \"T\", \"link\": \"nz\", \"at\": [0, 0, 0]}]}");
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    CHECK_INT(lw_spatial_read(text, n, "screws", &m, &e), LW_OK);
+    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+    CHECK_INT(lw_robot_move(&r, lw_v3(to[0], to[1], to[2]), NULL, &e), LW_OK);
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    for (int i = 0; i < 3; i++)
+        CHECK_NEAR(p.drive[i], -2*LW_PI*to[i]/lead[i], 1e-9, 0);
     lw_robot_free(&r);
     lw_spatial_free(&m);
 }

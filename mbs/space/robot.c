@@ -149,8 +149,13 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
         lw_robot_free(r);
         return s;
     }
-    const lw_spatial_measure place[] = { { LW_OF_X, r->tool }, { LW_OF_Y, r->tool }, { LW_OF_Z, r->tool } };
-    s = r->n_drive == 3 ? lw_space_follow_make(&r->space, place, 3, false, &r->by_tool, NULL) : LW_OK;
+    lw_spatial_measure place[3];
+    for (int k = 0; k < 3; k++)                  /* in a plane across an axis, the two others */
+        if (!flat || fabs(lw_v3_dot(r->normal, lw_v3(k == 0, k == 1, k == 2))) < 1e-12) {
+            place[r->n_place] = (lw_spatial_measure){ (lw_spatial_of)(LW_OF_X + k), r->tool };
+            r->axis[r->n_place++] = k;
+        }
+    s = r->n_drive == r->n_place ? lw_space_follow_make(&r->space, place, r->n_place, false, &r->by_tool, NULL) : LW_OK;
     if (s != LW_OK)
         r->by_tool.memory = NULL;
     if (s == LW_E_MEMORY) {                      /* other failures: the tool moves in a plane, or only turns */
@@ -441,22 +446,20 @@ static lw_status to_place(void *context, double u, double (*out)[3])
     const lw_robot *r = context;
     lw_vec3 way = lw_v3_sub(r->goal, r->begin), at = lw_v3_add(r->begin, lw_v3_scale(way, u));
     double of[] = { at.x, at.y, at.z }, rate[] = { way.x, way.y, way.z };
-    for (int i = 0; i < 3; i++)
-        out[i][0] = of[i], out[i][1] = rate[i], out[i][2] = 0;
+    for (int i = 0; i < r->n_place; i++)
+        out[i][0] = of[r->axis[i]], out[i][1] = rate[r->axis[i]], out[i][2] = 0;
     return LW_OK;
 }
 
-/* Angles of the drives are counted on from where they were: the drives' rows measure the turn nearest to `near`. */
-static void take_posture(lw_robot *r, const double *q)
+/* Drives measure the turn nearest to `near`: count it on along the way of the tool, step by step. */
+static void count_angles(void *context, const double *q)
 {
-    memcpy(r->follow.q, q, (size_t)r->space.n_q*sizeof *q);
-    lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
+    lw_robot *r = context;
+    (void)q;
     for (int i = 0; i < r->n_drive; i++) {
         double *near = &r->follow.z.near[r->follow.n_idle + i];
-        *near = lw_space_measure(&r->space, r->follow.z.frame, measure_of(r, i), *near, NULL);
+        *near = lw_space_measure(&r->space, r->by_tool.z.frame, measure_of(r, i), *near, NULL);
     }
-    if (r->space.n_coupling)
-        lw_space_count_turns(&r->space, r->follow.z.frame, r->follow.z.near + r->follow.z.n_extra);
 }
 
 static const char not_held[] = "a posture in which the drives do not hold the tool";
@@ -541,7 +544,7 @@ static lw_status watched(lw_robot *r, lw_status s)
     return s;
 }
 
-/* Three freedoms: the tool itself is moved, and the drives follow.  *end: the links reach no farther, the tool is where
+/* As many drives as the tool's place has freedoms: the tool itself is moved, and the drives follow.  *end: the links reach no farther, the tool is where
  * they do. */
 static bool pull_tool(lw_robot *r, lw_vec3 place, bool *end, char why[120])
 {
@@ -554,8 +557,13 @@ static bool pull_tool(lw_robot *r, lw_vec3 place, bool *end, char why[120])
     r->goal = place;
     f->u = 0;
     f->least = 0.01*r->least;
+    f->passed = count_angles;
+    f->passed_by = r;
     *end = watched(r, lw_space_follow_to(f, to_place, r, 1, NULL)) != LW_OK;
-    take_posture(r, f->q);
+    memcpy(r->follow.q, f->q, (size_t)r->space.n_q*sizeof *f->q);
+    lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
+    if (r->space.n_coupling)
+        memcpy(r->follow.z.near + r->follow.z.n_extra, f->z.near + f->z.n_extra, (size_t)r->space.n_joint*sizeof *f->z.near);
     if (!may_be_there(r, why)) {
         *end = false;
         return false;

@@ -26,7 +26,8 @@ typedef struct lw_robot {
     lw_vec3 spin;                                /* with four drives: the axis about which it turns; else 0 */
     lw_space space;
     lw_space_follow follow;                      /* the drives as inputs                                */
-    lw_space_follow by_tool;                     /* three freedoms: the tool's place as inputs; memory NULL: none */
+    lw_space_follow by_tool;                     /* three drives, two in a plane across x, y or z: the tool's place as inputs; memory NULL: none */
+    int    n_place, axis[3];                     /* these inputs: 0 x, 1 y, 2 z                         */
     double drive[LW_ROBOT_DRIVES];               /* where the path below goes                           */
     double from[LW_ROBOT_DRIVES];
     lw_vec3 goal, begin;                         /* the same of the tool                                */

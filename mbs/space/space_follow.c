@@ -332,7 +332,10 @@ static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, doub
     memcpy(f->q_try, f->q, bytes);
     if (!same || !(f->has_second || memcmp(f->z.filled, f->q, bytes) == 0)) {    /* else the rates of the last step still hold */
         f->has_second = false;
-        if (st == LW_OK && !tangent(f, f->v))
+        bool found = st == LW_OK && tangent(f, f->v);
+        if (st == LW_OK && !found && f->z.n_kept < f->z.n_row)        /* the basis kept may be that of a singular end of another way */
+            found = (st = lw_space_rows_arrange(&f->z, f->q, e)) == LW_OK && tangent(f, f->v);
+        if (st == LW_OK && !found)
             return cannot(f, path, context, u, e);
     }
     double whole = u - f->u, h = whole;
