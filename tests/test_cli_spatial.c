@@ -136,4 +136,6 @@ TEST(freedoms)
     expect("sed 's/\\(\\.[0-9]\\{5\\}\\)[0-9]*/\\1/g' examples/space/bennett.json > $D/r.json", 0, NULL, NULL);
     expect_words("$P mobility $D/r.json", "\nfreedom 0");
     expect_words("$P mobility $D/r.json --tolerance 1e-4", "\nfreedom 1");
+    expect("$P mobility $D/r.json", 0, NULL, "m it has 1 freedom (\"--tolerance 0.0001\")");
+    expect("sed 's/\"joint\": \"A\"}/\"joint\": \"A\", \"speed\": 2}/' $D/r.json > $D/v.json && $P simulate $D/v.json", 3, NULL, "nothing can move in this posture");
 }

@@ -3,6 +3,9 @@
  *
  *     Bennett 1903         a, alpha, b, beta, sin(alpha)/a = sin(beta)/b;  tan(t1/2) tan(t2/2) = sin((beta + alpha)/2)/sin((beta - alpha)/2)
  *     Goldberg 1943        two of them with one link in common, which is left out: 5R
+ *     Myard 1931           two of them, each with a twist of 90 degrees, mirrored: 5R, symmetric to a plane
+ *     Waldron 1968         two of them on one axis, whose pin is left out: 6R
+ *     Altmann 1954         6R with two lengths, all neighbours at right angles
  *     Schatz 1942          six axes at right angles to their neighbours but for two parallel ones (Phillips 1990)
  *     Bricard 1897         line-symmetric, plane-symmetric 6R
  *     RCCC                 turns of a spherical four-bar; slides without bound at its limits
@@ -253,41 +256,86 @@ TEST(goldberg)
 
 /* ---- six pins -------------------------------------------------------------------------------------------------------- */
 
-static void six(const frame *f, axis *a)
-{
-    for (int i = 0; i < 6; i++)
-        a[i] = pin(f[i], i ? "l" : "g", i - 1, i < 5 ? "l" : "g", i < 5 ? i : -1);
-}
+/* A loop by its parameters, and the range of the turn of its last joint. */
+typedef struct loop { int n; double length[6], twist[6], offset[6], turn[6]; double least, most; } loop;
 
-typedef struct schatz { double length[6], twist[6], offset[6], turn[6]; double least, most; } schatz;
-
-static void see_schatz(void *context, const double *turn)
+static void see_loop(void *context, const double *turn)
 {
-    schatz *s = context;
+    loop *s = context;
     double all[6];
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < s->n; i++)
         all[i] = s->turn[i] + turn[i];
-    CHECK_NEAR(gap(6, s->length, s->twist, s->offset, all), 0, 1e-10, 0);
-    s->least = fmin(s->least, turn[5]);
-    s->most = fmax(s->most, turn[5]);
+    CHECK_NEAR(gap(s->n, s->length, s->twist, s->offset, all), 0, 1e-10, 0);
+    s->least = fmin(s->least, turn[s->n - 1]);
+    s->most = fmax(s->most, turn[s->n - 1]);
 }
 
-/* The inversion of the trihedral Bricard linkage by Schatz (Turbula): both shafts turn round and round.  The posture was found by
- * closing the chain. */
-TEST(schatz_turns)
+static void ring(int n, const frame *f, axis *a)
 {
-    schatz s = { .length = { 0, 1, 1, 1, 0, sqrt(3) }, .twist = { LW_PI/2, LW_PI/2, LW_PI/2, LW_PI/2, LW_PI/2, 0 }, .offset = { 0.37, 0, 0, 0, 0, -0.37 },
-                 .turn = { 0.7, 2.2947778426653254, -1.6801651936623394, -1.4479630317408574, -0.7307137299637271, 2.6058768592693617 } };
+    for (int i = 0; i < n; i++)
+        a[i] = pin(f[i], i ? "l" : "g", i - 1, i < n - 1 ? "l" : "g", i < n - 1 ? i : -1);
+}
+
+/* The posture was found by closing the chain. */
+static void check_loop(loop *s, int redundant, double to)
+{
     frame f[7] = { origin };
     axis a[6];
-    for (int i = 0; i < 6; i++)
-        f[i + 1] = next(f[i], s.turn[i], s.offset[i], s.length[i], s.twist[i]);
-    CHECK_NEAR(gap(6, s.length, s.twist, s.offset, s.turn), 0, 2e-15, 0);
-    six(f, a);
+    for (int i = 0; i < s->n; i++)
+        f[i + 1] = next(f[i], s->turn[i], s->offset[i], s->length[i], s->twist[i]);
+    CHECK_NEAR(gap(s->n, s->length, s->twist, s->offset, s->turn), 0, 1e-14, 0);
+    ring(s->n, f, a);
+    check_mobility(s->n, a, s->n - 6, redundant);
+    check_motion(s->n, a, redundant);
+    turn_input(s->n, a, to, 90, see_loop, s);
+}
+
+/* The inversion of the trihedral Bricard linkage by Schatz (Turbula): both shafts turn round and round. */
+TEST(schatz_turns)
+{
+    loop s = { 6, { 0, 1, 1, 1, 0, sqrt(3) }, { LW_PI/2, LW_PI/2, LW_PI/2, LW_PI/2, LW_PI/2, 0 }, { 0.37, 0, 0, 0, 0, -0.37 },
+               { 0.7, 2.2947778426653254, -1.6801651936623394, -1.4479630317408574, -0.7307137299637271, 2.6058768592693617 }, 0, 0 };
+    check_loop(&s, 1, 2*LW_PI);
+    CHECK_NEAR(s.most - s.least, 2*LW_PI, 1e-9, 0);
+}
+
+TEST(myard)
+{
+    double twist = 0.9;                      /* the common length of the Bennett linkages is 1, the other sin(twist) */
+    loop s = { 5, { sin(twist), 1, 0, 1, sin(twist) }, { twist, LW_PI/2, LW_PI - 2*twist, LW_PI/2, LW_PI - twist }, { 0 },
+               { 1.1, 2.0278872101479504, 1.0207963267948965, -2.120796326794897, -2.0278872101479504 }, 0, 0 };
+    check_loop(&s, 2, 2*LW_PI);
+}
+
+/* Through the posture whose first turn is 0, which is singular: the 45th of 90 steps. */
+TEST(altmann)
+{
+    loop s = { 6, { 1, 0, 0.7, 1, 0, 0.7 }, { LW_PI/2, LW_PI/2, 1.5*LW_PI, LW_PI/2, LW_PI/2, 1.5*LW_PI }, { 0 },
+               { 1, -0.6567584273665714, -2.646732981101197, -1, 0.6567584273665714, 2.646732981101197 }, 0, 0 };
+    check_loop(&s, 1, -2);
+}
+
+static void see_waldron(void *context, const double *turn)
+{
+    const bennett *l = context;
+    double t[2][2] = { { l[0].turn[1] + turn[0], l[0].turn[2] + turn[1] }, { l[1].turn[1] - turn[5], l[1].turn[2] - turn[4] } };
+    for (int i = 0; i < 2; i++)
+        CHECK_NEAR(sin(t[i][0]/2)*sin(t[i][1]/2) + l[i].k*cos(t[i][0]/2)*cos(t[i][1]/2), 0, 1e-10, 0);
+    CHECK_NEAR(turn[4], -turn[1], 1e-10, 0);
+}
+
+/* Two Bennett linkages on one axis turn alike about it, so its pin is not needed. */
+TEST(waldron)
+{
+    bennett l[2] = { make_bennett(1, 1.2, 0.6, 0.9, origin) };
+    frame from = { { 0, 0, 0.6 }, { cos(0.4), sin(0.4), 0 }, { 0, 0, 1 } };
+    l[1] = make_bennett(0.8, 0.9, 0.5, 1.7, from);
+    axis a[6];
+    frame f[6] = { l[0].f[1], l[0].f[2], l[0].f[3], l[1].f[3], l[1].f[2], l[1].f[1] };
+    ring(6, f, a);
     check_mobility(6, a, 0, 1);
     check_motion(6, a, 1);
-    turn_input(6, a, 2*LW_PI, 90, see_schatz, &s);
-    CHECK_NEAR(s.most - s.least, 2*LW_PI, 1e-9, 0);
+    turn_input(6, a, 1, 40, see_waldron, l);
 }
 
 static lw_vec3 unit(double x, double y, double z)
@@ -316,7 +364,7 @@ TEST(symmetric_bricards)
     f[1] = (frame){ .at = { 0.6, 0.1, 0.3 }, .z = unit(0.2, 1, 0.5) }, f[2] = (frame){ .at = { 0.7, 0.9, -0.2 }, .z = unit(1, 0.3, 0.6) };
     for (int i = 1; i < 3; i++)
         f[6 - i] = (frame){ .at = { -f[i].at.x, f[i].at.y, f[i].at.z }, .z = lw_v3(-f[i].z.x, f[i].z.y, f[i].z.z) };
-    six(f, a);
+    ring(6, f, a);
     check_mobility(6, a, 0, 1);
     check_motion(6, a, 1);
     turn_input(6, a, 2*LW_PI, 60, see_symmetric, NULL);
@@ -325,7 +373,7 @@ TEST(symmetric_bricards)
     f[2] = (frame){ .at = { 0.1, 1, 0.8 }, .z = unit(0.2, -1, 0.3) };
     for (int i = 0; i < 3; i++)
         f[i + 3] = (frame){ .at = { -f[i].at.x, -f[i].at.y, f[i].at.z }, .z = lw_v3(-f[i].z.x, -f[i].z.y, f[i].z.z) };
-    six(f, a);
+    ring(6, f, a);
     check_mobility(6, a, 0, 1);
     check_motion(6, a, 1);
     turn_input(6, a, -1.5, 30, see_symmetric, a);
@@ -346,6 +394,79 @@ static void see_rccc(void *context, const double *turn)
 }
 
 /* Its turns are those of the spherical four-bar of the same twists (Kotelnikov's principle of transference), a crank-rocker. */
+/* ---- singular postures ------------------------------------------------------------------------------------------------ */
+
+/* A parallelogram in space whose crank turns by 2 t from upright, beside and through its flat postures: the coupler's centre moves in a circle. */
+static const char parallelogram[] = "{\"linkwright\": 1, \"gravity\": [0, -9.81, 0], \"links\": [\"ground\", "
+    "{\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0.5, 0], \"inertia\": [0.1, 0.1, 0.1]}, {\"name\": \"b\", \"mass\": 1, \"centre\": [1, 1, 0], \"inertia\": [0.1, 0.1, 0.1]}, "
+    "{\"name\": \"c\", \"mass\": 1, \"centre\": [2, 0.5, 0], \"inertia\": [0.1, 0.1, 0.1]}], \"joints\": ["
+    "{\"name\": \"A\", \"kind\": \"r\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, "
+    "{\"name\": \"B\", \"kind\": \"r\", \"links\": [\"a\", \"b\"], \"at\": [0, 1, 0], \"axis\": [0, 0, 1]}, "
+    "{\"name\": \"C\", \"kind\": \"r\", \"links\": [\"b\", \"c\"], \"at\": [2, 1, 0], \"axis\": [0, 0, 1]}, "
+    "{\"name\": \"D\", \"kind\": \"r\", \"links\": [\"c\", \"ground\"], \"at\": [2, 0, 0], \"axis\": [0, 0, 1]}], "
+    "\"input\": {\"joint\": \"A\", \"motion\": \"2*t\"}, \"tracers\": [{\"name\": \"P\", \"link\": \"b\", \"at\": [1, 1, 0]}]}";
+
+static lw_status see_circle(void *context, double u, const double *input, const lw_space_tracer *tracer)
+{
+    (void)input;
+    double s = sin(2*u), c = cos(2*u);       /* rates by the time */
+    lw_vec3 off[3] = { lw_v3_sub(tracer->place, lw_v3(1 - s, c, 0)), lw_v3_sub(tracer->velocity, lw_v3(-2*c, -2*s, 0)), lw_v3_sub(tracer->acceleration, lw_v3(4*s, -4*c, 0)) };
+    CHECK_NEAR(lw_v3_norm(off[0]), 0, 1e-12, 0);
+    CHECK_NEAR(lw_v3_norm(off[1]), 0, 1e-10, 0);
+    CHECK_NEAR(lw_v3_norm(off[2]), 0, 2e-8, 0);
+    ++*(int *)context;
+    return LW_OK;
+}
+
+typedef struct push { int seen, empty; double crossed; lw_dynamics *d; } push;
+
+/* The crank carries the weights of two cranks at half and of a coupler at full radius.  Near a flat posture the torque of 9.81 N m of the
+ * other crank and half the coupler comes through the coupler, whose lever is the distance from the posture. */
+static lw_status see_push(void *context, const lw_moment *m)
+{
+    push *p = context;
+    lw_error e;
+    lw_space_moment out;
+    CHECK_INT(lw_dynamics_space_moment(p->d, m, &out, &e), LW_OK);
+    CHECK_NEAR(out.drive[0], -2*9.81*sin(2*m->t), 1e-8, 0);
+    double beside = fabs(cos(2*m->t)), x = out.joint[0].force.x;
+    p->empty += !isfinite(x);
+    if (isfinite(x) && beside < 0.05)
+        CHECK_NEAR(fabs(x)*beside, 9.81, 2e-2*9.81, 0);
+    p->seen++;
+    return LW_OK;
+}
+
+TEST(beside_flat_postures)
+{
+    static const double beside[] = { 0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 0.1 };
+    lw_spatial m;
+    lw_error e = { 0 };
+    read_spatial(parallelogram, sizeof parallelogram - 1, "parallelogram", &m);
+    for (size_t i = 0; i < sizeof beside/sizeof *beside; i++)
+        for (int side = -1; side < 2; side += 2) {
+            double to = LW_PI/4 + side*beside[i]/2;
+            int rows = 0;
+            lw_space_trace t = { .in_time = true, .from = 0, .to = to, .intervals = 1 };
+            CHECK_INT(lw_space_trace_run(&m, &t, see_circle, &rows, &e), LW_OK);
+            CHECK_TEXT(e.text, "");
+            CHECK_INT(rows, 2);
+            push p = { 0 };
+            lw_dynamics_report r;
+            lw_dynamics_options o = lw_dynamics_options_default();
+            o.to = to;
+            o.intervals = 1;
+            CHECK_INT(lw_dynamics_make_spatial(&m, &o, &p.d, &e), LW_OK);
+            CHECK_INT(lw_dynamics_analyse(p.d, see_push, &p, &r, NULL, &e), LW_OK);
+            CHECK_TEXT(e.text, "");
+            CHECK_INT(p.seen, 2);
+            CHECK_INT(p.empty, beside[i] < 1e-8);
+            CHECK_INT(r.without_forces, p.empty);
+            lw_dynamics_free(p.d);
+        }
+    lw_spatial_free(&m);
+}
+
 TEST(rccc_turns_as_a_spherical_four_bar)
 {
     spherical s = { .twist = { 0.5, 1.1, 1.2, 1.3 } };

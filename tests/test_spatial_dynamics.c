@@ -1184,6 +1184,8 @@ TEST(refuses_what_it_cannot)
         { "\"mass\": 1, \"centre\": [1, 0, 0]", "", ", \"inputs\": [{\"joint\": \"A\", \"motion\": \"t\"}, "
                                                     "{\"tracer\": \"P\", "
           "\"coordinate\": \"x\", \"motion\": \"t\"}]", "contradict" },
+        { "\"mass\": 1, \"centre\": [1, 0, 0], \"angular_velocity\": [0, 0, 5]", "", ", \"input\": {\"joint\": \"A\", \"motion\": \"2*t\"}",
+          "contradict" },
     };
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
         char text[1024];

@@ -81,6 +81,20 @@ static void write_json(FILE *f, const lw_spatial *model, const lw_space_mobility
     cli_json_end(&j);
 }
 
+/* An overconstrained linkage whose numbers are rounded is rigid as drawn, and moves with its joints a little open. */
+static lw_status note_rounded(const cli_call *call, const lw_spatial *model, double tolerance, lw_error *e)
+{
+    static const double rounded = 1e-4, open = 1e-5;       /* a shaky linkage opens more */
+    lw_space_mobility m;
+    lw_status s = tolerance < rounded ? lw_space_mobility_find(model, rounded, call->common.seed, cli_stop_flag(), &m, e) : LW_NOTHING;
+    if (s == LW_OK && m.freedom > 0 && m.residual < open*lw_spatial_size(model))
+        cli_note(call, "with joints open by up to %.2g m it has %d freedom%s (\"--tolerance %g\"): an overconstrained linkage whose numbers are rounded? "
+                 "More digits let it move", m.residual, m.freedom, m.freedom == 1 ? "" : "s", rounded);
+    if (s == LW_OK)
+        lw_space_mobility_free(&m);
+    return s == LW_NOTHING ? LW_OK : s;
+}
+
 int cli_spatial_mobility(const cli_call *call, const lw_spatial *model, double tolerance)
 {
     lw_space_mobility m;
@@ -94,6 +108,7 @@ int cli_spatial_mobility(const cli_call *call, const lw_spatial *model, double t
         write_json(out.f, model, &m);
     else
         write_text(out.f, model, &m);
+    lw_status s = m.freedom == 0 ? note_rounded(call, model, tolerance, &e) : LW_OK;
     lw_space_mobility_free(&m);
-    return cli_close(call, &out, CLI_DONE);
+    return cli_close(call, &out, s == LW_OK ? CLI_DONE : cli_fail(call, &e));
 }

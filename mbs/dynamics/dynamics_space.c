@@ -174,6 +174,17 @@ static lw_status correct(lw_dynamics *d, const double *wanted)
     return st;
 }
 
+/* Does the file give a speed or a velocity, which the motions of the inputs may contradict? */
+static bool has_velocities(const lw_spatial *m)
+{
+    bool any = false;
+    for (int i = 0; i < m->n_input && !any; i++)
+        any = m->input[i].has_speed && !m->input[i].motion;
+    for (int i = 0; i < m->n_link && !any; i++)
+        any = m->body[i].has_velocity || m->body[i].has_omega;
+    return any;
+}
+
 /* The velocities that satisfy the joints, the motions and the speeds, and keep those that links are given. */
 static lw_status find_velocities(lw_dynamics *d, lw_error *e)
 {
@@ -209,9 +220,11 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
         }
         if (!(off <= 1e-9*top + 1e-12)) {
             const char *joint = worst < d->n_row ? d->eq.name(d->eq.context, LW_NAMED_ROW, worst) : NULL;
+            bool stuck = d->freedom == 0 && driven == 0;
             st = lw_error_set(e, LW_E_ARG, "the speeds and velocities given contradict each other%s%s%s: they are off by %.3g "
-                              "(of %.3g), lengths over the size of the model", joint ? " at joint \"" : "", joint ? joint : "",
-                              joint ? "\"" : "", off, top);
+                              "(of %.3g), lengths over the size of the model%s", joint ? " at joint \"" : "", joint ? joint : "",
+                              joint ? "\"" : "", off, top, stuck ? "; nothing can move in this posture, perhaps since numbers of an overconstrained "
+                              "linkage are rounded: see \"mobility\"" : "");
         }
     }
     d->n_driven = driven;
@@ -561,6 +574,44 @@ static lw_status forces_at(lw_dynamics *d, double t, const double *q, double *v)
     return st;
 }
 
+/* Near a singular posture: multipliers d->l for the velocities and accelerations of f, where they are known to 1e-6 of the greatest, otherwise
+ * NAN; that of a single drive follows from its power. */
+static lw_status forces_beside(lw_dynamics *d, const lw_space_follow *f, double t, const double *q, double *v)
+{
+    bool still = d->o.analysis == LW_ANALYSIS_QUASISTATIC;
+    double most = 0, top = 0, power = 0;
+    memcpy(d->a, f->a, (size_t)d->n_v*sizeof *d->a);
+    memcpy(v, f->v, (size_t)d->n_v*sizeof *v);
+    memset(d->v_try, 0, (size_t)d->n_v*sizeof *d->v_try);
+    lw_status st = lw_mbs_rows(d, t, q);
+    if (st != LW_OK)
+        return st;
+    double rate = d->n_driven == 1 ? lw_mbs_row_rate(d, d->n_row, v) : 0;
+    d->eq.forces(d->eq.context, t, q, still ? d->v_try : v, d->force, NULL);
+    for (int i = 0; i < d->n_v; i++) {
+        d->force[i] -= still ? 0 : d->eq.mass[i]*d->a[i];
+        power -= d->force[i]*v[i];
+        most = fmax(most, fabs(d->force[i]));
+    }
+    st = lw_mbs_factor(d, d->rank < d->n_c || d->has_zero_mass || still);
+    memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
+    if (st == LW_OK)
+        st = lw_mbs_linear(d, d->force, d->rhs, d->hold, d->l);
+    for (int r = 0; st == LW_OK && r < d->n_c; r++)
+        top = fmax(top, fabs(d->l[r]));
+    double apart = d->by_rank ? d->rank_of.weakest : sqrt(d->weak);
+    bool known = st == LW_OK && !d->n_friction && LW_SPACE_BETWEEN*most < 1e-6*top*apart;
+    for (int r = 0; r < d->n_c && !known; r++)
+        d->l[r] = NAN;
+    if (rate != 0 && !d->n_friction)
+        d->l[d->n_row] = -power/rate;
+    if (still) {
+        memset(v, 0, (size_t)d->n_v*sizeof *v);
+        memset(d->a, 0, (size_t)d->n_v*sizeof *d->a);
+    }
+    return st == LW_OPEN ? LW_OK : st;
+}
+
 lw_status lw_run_driven_spatial(lw_run *run)
 {
     lw_dynamics *d = run->d;
@@ -575,15 +626,15 @@ lw_status lw_run_driven_spatial(lw_run *run)
             break;
         }
         run->r->t = t;
+        lw_space_follow_rates(f, motions, d);
         memcpy(y, f->q, (size_t)d->n_q*sizeof *y);
         d->eq.accept(d->eq.context, y);
         if (d->space->has_drives && d->o.analysis != LW_ANALYSIS_QUASISTATIC) {      /* which find all forces from the motion */
-            lw_space_follow_second(f);
             memcpy(y + d->n_q, f->v, (size_t)d->n_v*sizeof *y);
             memcpy(d->a, f->a, (size_t)d->n_v*sizeof *d->a);
             memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
         } else
-            st = forces_at(d, t, y, y + d->n_q);
+            st = f->between ? forces_beside(d, f, t, y, y + d->n_q) : forces_at(d, t, y, y + d->n_q);
         if (st == LW_OPEN)
             st = lw_error_set(run->e, LW_OPEN, "at t = %.9g s the model stands in a singular posture", t);
         if (st == LW_OK)
@@ -773,7 +824,8 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
         bound_tolerance(d);
     if (st == LW_OK && (d->elastic || open))
         st = start_as_rigid(d, given, e);
-    else if (st == LW_OK && (st = find_posture(d, e)) == LW_OK && (d->freedom > 0 || d->o.closed) && !rest)
+    else if (st == LW_OK && (st = find_posture(d, e)) == LW_OK && !rest &&
+             (d->freedom > 0 || d->o.closed || (lw_dynamics_in_time(d) && has_velocities(m))))
         st = find_velocities(d, e);
     if (st == LW_OK)
         st = lw_mbs_start_states(d, e);

@@ -244,9 +244,10 @@ static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context
     if (s->n_coupling)
         lw_space_count_turns(s, f->z.frame, f->z.near + f->z.n_extra);
     f->u += h;
+    f->clear = fmax(f->clear, f->z.weak);
     if (f->passed)
         f->passed(f->passed_by, f->q);
-    f->has_second = false;
+    f->has_second = f->between = false;
     *taken = true;
     return LW_OK;
 }
@@ -322,6 +323,71 @@ static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, 
                         where);
 }
 
+/* ---- through singular postures ------------------------------------------------------------------------------ */
+
+/* Places of the body at 6 even distances h about the middle, as seen from q: the polynomial of degree 5 in the middle and its rates there. */
+static void in_the_middle(const double *place[6], const double *q, double h, double *at, double *rate, double *second)
+{
+    lw_quaternion back = lw_quaternion_inverse((lw_quaternion){ q[3], q[4], q[5], q[6] });
+    double z[6][6];
+    for (int k = 0; k < 6; k++) {
+        const double *p = place[k];
+        lw_vec3 turn = lw_quaternion_vector(lw_quaternion_times(back, (lw_quaternion){ p[3], p[4], p[5], p[6] }));
+        for (int i = 0; i < 3; i++)
+            z[k][i] = p[i] - q[i];
+        z[k][3] = turn.x, z[k][4] = turn.y, z[k][5] = turn.z;
+    }
+    for (int i = 0; i < 6; i++) {
+        double near = z[3][i] + z[2][i], far = z[4][i] + z[1][i], end = z[5][i] + z[0][i];
+        at[i] = (15*near - 6*far + end)/20;
+        rate[i] = (45*(z[3][i] - z[2][i]) - 9*(z[4][i] - z[1][i]) + z[5][i] - z[0][i])/(60*h);
+        second[i] = (270*near - 27*far + 2*end - 490*at[i])/(180*h*h);
+    }
+}
+
+/* To u, where the rows are singular but the motion is smooth: the posture between others before and behind it. */
+static lw_status go_between(lw_space_follow *f, lw_space_path *path, void *context, double u, bool *taken)
+{
+    static const double apart = 0.01;        /* lengths over the size, radians: the rows lose two digits there */
+    static const int side[6] = { -3, -2, -1, 1, 2, 3 };
+    const lw_space *s = f->z.s;
+    size_t n = (size_t)s->n_q;
+    double rate = lw_space_length(s, f->v), h = copysign(apart/rate, u - f->u), *seen, *q, *by;
+    *taken = false;
+    if (!isfinite(h))
+        return LW_OK;
+    if (!(seen = malloc((7*n + (size_t)s->n_v)*sizeof *seen)))
+        return LW_E_MEMORY;
+    q = seen + 6*n, by = q + n;
+    lw_status st = LW_OK;
+    memset(f->a, 0, (size_t)s->n_v*sizeof *f->a);            /* second rates here are rounding */
+    f->has_second = true;
+    for (int k = 0; k < 6; k++) {
+        if ((st = try_step(f, path, context, u + side[k]*h - f->u, taken)) != LW_OK || !*taken)
+            break;
+        memcpy(seen + (size_t)k*n, f->q, n*sizeof *f->q);
+    }
+    if (st == LW_OK && *taken) {
+        memcpy(q, seen + 2*n, n*sizeof *q);
+        for (int pass = 0; pass < 2; pass++) {               /* seen from the middle itself, rates are velocities */
+            for (int b = 0; b < s->n_body; b++) {
+                const double *place[6];
+                for (int k = 0; k < 6; k++)
+                    place[k] = seen + (size_t)k*n + 7*b;
+                in_the_middle(place, q + 7*b, h, by + 6*b, f->v + 6*b, f->a + 6*b);
+            }
+            lw_space_move(s, q, by);
+        }
+        memcpy(f->q, q, n*sizeof *q);
+        st = aim(f, path, context, u);
+        memcpy(f->z.near, f->target, (size_t)f->z.n_extra*sizeof *f->z.near);
+        f->u = u;
+        f->has_second = f->between = true;
+    }
+    free(seen);
+    return st;
+}
+
 static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e)
 {
     lw_status st = aim(f, path, context, f->u);
@@ -357,14 +423,51 @@ static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, doub
         } else if (f->z.n_kept < f->z.n_row && !arranged && fabs(by) < 1e-3*fabs(whole)) {
             st = lw_space_rows_arrange(&f->z, f->q, e);    /* the basis kept may be singular where the rows are not */
             arranged = true;
-        } else if (fabs(by) < f->least*fabs(whole) || ++steps > 100000)
-            return cannot(f, path, context, u, e);
-        else
+        } else if (fabs(by) < f->least*fabs(whole) || ++steps > 100000) {
+            bool between = false;
+            if (fabs(u - f->u) < 1e-5*fabs(whole) && (st = go_between(f, path, context, u, &between)) != LW_OK)
+                break;
+            if (!between)
+                return cannot(f, path, context, u, e);
+            f->made_at = u;
+            f->made_by = path;
+            memcpy(f->made, f->path, (size_t)f->n_input*sizeof *f->made);
+        } else
             h = by*0.4;
     }
     if (st == LW_E_NUMERIC)
         return lw_error_set(e, st, "the motion of an input is not a number at %.9g", f->u);
     return st;
+}
+
+void lw_space_follow_rates(lw_space_follow *f, lw_space_path *path, void *context)
+{
+    static const double lost = 7e-6, beside = 1e-3;          /* second rates are wrong by rounding/lost^(3/2) = 1e-8, */
+    static const double lost_place = 1e-8;                   /* places by rounding/lost^(1/2) */
+    const lw_space *s = f->z.s;
+    size_t n_q = (size_t)s->n_q, n_v = (size_t)s->n_v, n_near = (size_t)f->z.n_near;
+    double weak = f->z.weak, u = f->u, *kept = NULL;
+    lw_space_follow_second(f);
+    if (f->between || !(weak < lost && weak < beside*f->clear) || !(kept = malloc((n_q + 2*n_v + n_near)*sizeof *kept)))
+        return;
+    double *v = kept + n_q, *a = v + n_v, *near = a + n_v;
+    bool between;
+    memcpy(kept, f->q, n_q*sizeof *kept);
+    memcpy(v, f->v, n_v*sizeof *v);
+    memcpy(a, f->a, n_v*sizeof *a);
+    memcpy(near, f->z.near, n_near*sizeof *near);
+    if (go_between(f, path, context, u, &between) != LW_OK || !between) {
+        memcpy(f->v, v, n_v*sizeof *v);
+        memcpy(f->a, a, n_v*sizeof *a);
+        f->between = false;
+    }
+    if (!f->between || weak > lost_place) {
+        memcpy(f->q, kept, n_q*sizeof *kept);
+        memcpy(f->z.near, near, n_near*sizeof *near);
+    }
+    f->u = u;
+    f->has_second = true;
+    free(kept);
 }
 
 typedef struct straight { lw_space_follow *f; const double *from; double (*to)[3]; } straight;

@@ -21,6 +21,8 @@ typedef struct lw_space_follow {
     double *q_try, *v_try, *target, *rhs, *l, (*path)[3];
     double  made_at, (*made)[3];         /* v is that of this path at this u                               */
     bool    has_second;                  /* a, too                                                         */
+    bool    between;                     /* v and a come from postures beside a singular one               */
+    double  clear;                       /* greatest z.weak of the postures gone through: far from singular ones */
     double  least;                       /* share of the way of a call to which a limit is found           */
     lw_space_path *made_by;
     void   (*passed)(void *context, const double *q);    /* sees every posture on the way, less than half a turn apart; NULL */
@@ -36,12 +38,17 @@ lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *inpu
 void      lw_space_follow_free(lw_space_follow *f);
 
 /* Go along the path from f->u to u, whose value at f->u must be that of the posture f->q (else it is first gone to in a
- * straight line).  LW_OPEN with a text: a limit of the motion or a singular posture lies before; f is at the last
- * posture reached.  e NULL: no text, which takes longer to find than the limit. */
+ * straight line).  A singular posture at u on a smooth motion is reached between others.  LW_OPEN with a text: a limit of the motion or
+ * another singular posture lies before; f is at the last posture reached.  e NULL: no text, which takes longer to find than the limit. */
 lw_status lw_space_follow_to(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e);
 
 /* f->a, which going fills only where it is needed: the second rates by f->u, just after going there. */
 void lw_space_follow_second(lw_space_follow *f);
+
+/* f->v and f->a for output just after going along the path: within 0.003 of a singular posture, where solving loses digits, they come
+ * from the postures before and behind it (f->between), good to LW_SPACE_BETWEEN. */
+#define LW_SPACE_BETWEEN 3e-9
+void lw_space_follow_rates(lw_space_follow *f, lw_space_path *path, void *context);
 
 /* Does a link slide away without bound where going has ended, as those of an RCCC linkage do at limits of its crank?  The link that is farthest
  * from its place in the file, if it moves as 1 over the square root of what is left of the parameter; that distance over the size of the model,

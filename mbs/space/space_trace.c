@@ -140,7 +140,7 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
                 st = lw_space_follow_to(&f, path, with, u, e);
             if (st != LW_OK)
                 break;
-            lw_space_follow_second(&f);
+            lw_space_follow_rates(&f, path, with);
             lw_space_rows_fill(&f.z, f.q, f.target);
             for (int i = 0; i < s.n_row; i++)            /* those left out as dependent, too */
                 o->open = fmax(o->open, fabs(f.z.phi[i]));
