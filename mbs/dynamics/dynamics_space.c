@@ -190,7 +190,7 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
 {
     const lw_spatial *m = d->space->model;
     int driven = d->n_driven;
-    bool large = d->large;
+    bool large = d->large, stuck = d->freedom == 0 && driven == 0;
     double off = 0, *wanted = d->l_each;
     int worst = 0;
     for (int i = 0; i < d->n_v; i++)
@@ -220,7 +220,6 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
         }
         if (!(off <= 1e-9*top + 1e-12)) {
             const char *joint = worst < d->n_row ? d->eq.name(d->eq.context, LW_NAMED_ROW, worst) : NULL;
-            bool stuck = d->freedom == 0 && driven == 0;
             st = lw_error_set(e, LW_E_ARG, "the speeds and velocities given contradict each other%s%s%s: they are off by %.3g "
                               "(of %.3g), lengths over the size of the model%s", joint ? " at joint \"" : "", joint ? joint : "",
                               joint ? "\"" : "", off, top, stuck ? "; nothing can move in this posture, perhaps since numbers of an overconstrained "
