@@ -14,7 +14,7 @@ HOT      = base enumerate grammar/functions grammar/topology mbs/plan mbs/batch 
 PLAIN    = cli/program cli/topologies cli/motion cli/family cli/fit cli/draw cli/catalogue cli/studio studio surface grammar/text \
            grammar/linkage grammar/model grammar/family optimise/task optimise/report catalogues/draw catalogues/exchange \
            catalogues/pages catalogues/build catalogues/store
-LEVEL    = $(if $(filter $(HOT:%=%/%) catalogues/draw/chain_%,$<),-O3,$(if $(filter tests/%,$<),-O0,$(if $(filter $(PLAIN:%=%/%),$<),-O1)))
+LEVEL    = $(if $(filter $(HOT:%=%/%) catalogues/draw/chain_%,$<),-O3,$(if $(filter-out %/test_curves.c,$(filter tests/%,$<)),-O0,$(if $(filter $(PLAIN:%=%/%) tests/%,$<),-O1)))
 endif
 PREFIX  ?= /usr/local
 LIBDIR  ?= $(PREFIX)/lib

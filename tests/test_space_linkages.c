@@ -379,21 +379,6 @@ TEST(symmetric_bricards)
     turn_input(6, a, -1.5, 30, see_symmetric, a);
 }
 
-/* ---- RCCC -------------------------------------------------------------------------------------------------------------- */
-
-typedef struct spherical { double twist[4], turn[4]; } spherical;
-
-static void see_rccc(void *context, const double *turn)
-{
-    const spherical *s = context;
-    static const double none[4] = { 0 };
-    double all[4];
-    for (int i = 0; i < 4; i++)
-        all[i] = s->turn[i] + turn[i];
-    CHECK_NEAR(gap(4, none, s->twist, none, all), 0, 1e-10, 0);
-}
-
-/* Its turns are those of the spherical four-bar of the same twists (Kotelnikov's principle of transference), a crank-rocker. */
 /* ---- singular postures ------------------------------------------------------------------------------------------------ */
 
 /* A parallelogram in space whose crank turns by 2 t from upright, beside and through its flat postures: the coupler's centre moves in a circle. */
@@ -467,6 +452,21 @@ TEST(beside_flat_postures)
     lw_spatial_free(&m);
 }
 
+/* ---- RCCC -------------------------------------------------------------------------------------------------------------- */
+
+typedef struct spherical { double twist[4], turn[4]; } spherical;
+
+static void see_rccc(void *context, const double *turn)
+{
+    const spherical *s = context;
+    static const double none[4] = { 0 };
+    double all[4];
+    for (int i = 0; i < 4; i++)
+        all[i] = s->turn[i] + turn[i];
+    CHECK_NEAR(gap(4, none, s->twist, none, all), 0, 1e-10, 0);
+}
+
+/* Its turns are those of the spherical four-bar of the same twists (Kotelnikov's principle of transference), a crank-rocker. */
 TEST(rccc_turns_as_a_spherical_four_bar)
 {
     spherical s = { .twist = { 0.5, 1.1, 1.2, 1.3 } };

@@ -156,7 +156,7 @@ TEST(more_time_is_never_worse)
     double least[2] = { INFINITY, INFINITY };
     lw_target t;
     make_unmet(&k, &t);
-    for (int most = 2; most <= 17; most += 5) {
+    for (int most = 2; most <= 16; most += 7) {
         lw_fit_options o = options(LW_TIMING_FREE, 0);
         stopper stop = { .most = most };
         lw_staged_search s;

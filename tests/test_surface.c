@@ -260,7 +260,7 @@ TEST(fits_find_stop_and_explain)
     lw_fit_request o = lw_fit_request_default();
     o.rounds = 1;
     o.results = 2;
-    o.solver = "lm-gsl";
+    o.solver = "lm";
     CHECK_INT(lw_target_create(5, x, y, NULL, NULL, NULL, 0, &t, &e), LW_OK);
     CHECK_INT(lw_target_n(t), 5);
     CHECK_INT(lw_fit_target(t, &o, &r, &e), LW_OK);
