@@ -246,6 +246,35 @@ TEST(ten_in_a_row)
     lw_model_free(&d.model);
 }
 
+/* Drawn flat, a parallelogram can go on in two ways, however its crank is driven; no constraint is redundant.  A row of 20 is a large model. */
+TEST(driven_from_a_flat_posture)
+{
+    static const char *motion[] = { "t", "t^2", "1 - cos(3*t)" };
+    for (int n = 1; n <= 20; n += 19)
+        for (int m = 0; m < 3; m++) {
+            char text[9000];
+            int k = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground'");
+            for (int i = 0; i <= n; i++)
+                k += snprintf(text + k, sizeof text - (size_t)k, ", {'name': 'c%d', 'mass': 1, 'centre': [%d, 0], 'inertia': 0.1}", i, 3*i);
+            for (int i = 0; i < n; i++)
+                k += snprintf(text + k, sizeof text - (size_t)k, ", {'name': 'k%d', 'mass': 1, 'centre': [%d, 0], 'inertia': 0.1}", i, 3*i + 2);
+            k += snprintf(text + k, sizeof text - (size_t)k, "], 'joints': [{'name': 'A', 'links': ['ground', 'c0'], 'at': [0, 0]}");
+            for (int i = 0; i < n; i++)
+                k += snprintf(text + k, sizeof text - (size_t)k, ", {'name': 'A%d', 'links': ['ground', 'c%d'], 'at': [%d, 0]}, {'name': 'B%d', "
+                              "'links': ['c%d', 'k%d'], 'at': [%d, 0]}, {'name': 'C%d', 'links': ['k%d', 'c%d'], 'at': [%d, 0]}",
+                              i + 1, i + 1, 3*i + 3, i, i, i, 3*i + 1, i, i, i + 1, 3*i + 4);
+            snprintf(text + k, sizeof text - (size_t)k, "], 'gravity': [0, -9.81], 'input': {'joint': 'A', 'motion': '%s'}}", motion[m]);
+            for (char *c = text; *c; c++)
+                *c = *c == '\'' ? '"' : *c;
+            lw_dynamics *made = NULL;
+            drun_read_text(&d, text);
+            CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_E_NUMERIC);
+            CHECK_HAS(d.e.text, "start is singular");
+            lw_dynamics_free(made);
+            lw_model_free(&d.model);
+        }
+}
+
 /* ---- near misses --------------------------------------------------------------------------------- */
 
 /* A rhombus whose coupler is longer by eps: no crank of it turns fully. */

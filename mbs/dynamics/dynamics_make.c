@@ -155,8 +155,8 @@ void lw_dynamics_free(lw_dynamics *d)
 
 /* ---- start ------------------------------------------------------------------------------------- */
 
-/* Is the start singular?  Compare its rank with that of a posture near by: along the velocities or, at rest, along
- * some motion. */
+/* Is the start singular?  Compare its rank with that of a posture near by, with driven inputs where they are there: along the velocities or,
+ * at rest, along some motion. */
 static lw_status rank_nearby(lw_dynamics *d, double t, const double *q, const double *v)
 {
     double *dir = d->a, size = 0;
@@ -167,12 +167,16 @@ static lw_status rank_nearby(lw_dynamics *d, double t, const double *q, const do
     memcpy(dir, v, (size_t)d->n_v*sizeof *dir);
     for (int i = 0; i < d->n_v; i++)
         size = fmax(size, fabs(dir[i]));
-    if (!(size > 0))
+    if (!(size > 0)) {
+        for (int r = 0; r < d->n_c; r++)
+            d->rhs[r] = r < d->n_row ? 0 : 1 + 0.3*(r - d->n_row);
+        lw_rank_solve_transposed(&d->rank_of, d->rhs, dir);
         for (int k = 0; k < freedom; k++) {
             lw_rank_left_null(&d->rank_of, k, d->bias);
             for (int i = 0; i < d->n_v; i++)
                 dir[i] += d->bias[i]*(1 + 0.3*k);
         }
+    }
     size = 0;
     for (int i = 0; i < d->n_v; i++)
         size = fmax(size, fabs(dir[i]));
@@ -182,8 +186,11 @@ static lw_status rank_nearby(lw_dynamics *d, double t, const double *q, const do
         dir[i] *= nudge/size;
     memcpy(d->q_try, q, (size_t)d->n_q*sizeof *q);
     d->eq.move(d->eq.context, d->q_try, dir);
+    lw_mbs_freeze(d, d->q_try);
     d->rank = 0, d->freedom = d->n_v;
-    if (lw_mbs_project_q(d, t, d->q_try, 1) == LW_OK && lw_mbs_rows(d, t, d->q_try) == LW_OK) {
+    bool closed = lw_mbs_project_q(d, t, d->q_try, 1) == LW_OK && lw_mbs_rows(d, t, d->q_try) == LW_OK;
+    d->frozen = false;
+    if (closed) {
         lw_mbs_factor(d, true);
         if (d->rank_of.rank > rank)
             return lw_error_set(d->e, LW_E_NUMERIC, "the posture at the start is singular: from there the linkage can "
@@ -206,6 +213,7 @@ static lw_status rank_nearby_large(lw_dynamics *d, double t, const double *q, co
         d->hold[i] = nudge*(size > 0 ? v[i]/size : i%3 == 2 ? sin(1 + i) : 0);
     memcpy(d->q_try, q, (size_t)d->n_q*sizeof *q);
     d->eq.move(d->eq.context, d->q_try, d->hold);
+    lw_mbs_freeze(d, d->q_try);
     double off = INFINITY;
     for (int pass = 0; pass < 20 && off > 1e-12; pass++) {
         if (lw_mbs_rows(d, t, d->q_try) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
@@ -218,6 +226,7 @@ static lw_status rank_nearby_large(lw_dynamics *d, double t, const double *q, co
         lw_mbs_linear(d, NULL, d->rhs, d->hold, d->l_each);
         d->eq.move(d->eq.context, d->q_try, d->hold);
     }
+    d->frozen = false;
     if (!(off <= 1e-12))
         return lw_error_set(d->e, LW_E_NUMERIC, "%d constraints depend on others in the posture at the start, and it could "
                             "not be shown that they always do; start it from a posture nearby", d->n_c - d->n_kept);

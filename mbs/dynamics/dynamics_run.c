@@ -146,7 +146,10 @@ static lw_status check_phase(lw_run *run, const lw_moment *m)
 /* Samples of two formulations that differ by more are of different motions: chaos, or a branch. */
 static const double same = 1e-7, far_apart = 1e4;
 
-/* Every sample of a run is handed out here.  LW_E_NUMERIC: it does not go on from those of an earlier formulation. */
+/* A posture whose constraints are off by more is none. */
+static const double most_off = 1e-6, far_off = 1e3;
+
+/* Every sample of a run is handed out here.  LW_E_NUMERIC: its posture is none, or it does not go on from those of an earlier formulation. */
 static lw_status hand_out(lw_run *run, const lw_moment *m)
 {
     lw_status s = check_phase(run, m);
@@ -158,6 +161,8 @@ static lw_status hand_out(lw_run *run, const lw_moment *m)
         known = known && isfinite(m->l[i]);
     if (!known && r->without_forces++ == 0)
         r->without_forces_t = m->t;
+    if (!(m->off <= most_off + far_off*run->d->o.relative))
+        return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the constraints are off by %.3g of the size of the linkage", m->t, m->off);
     r->samples++;
     r->worst_off = fmax(r->worst_off, m->off);
     r->worst_off_rate = fmax(r->worst_off_rate, m->off_rate);
