@@ -106,7 +106,7 @@ static lw_status swing_rests(void *context, double t, const double *y, double *o
 /* Swings get smaller until it sticks, not in the middle. */
 TEST(pendulum)
 {
-    double sense = -1, y[2] = { 2, 0 }, work[128];
+    double sense = -1, y[2] = { 2, 0 }, work[LW_INTEGRATE_WORK(2, 1)];
     lw_ode ode = { .n = 2, .context = &sense, .rate = swing_rate, .n_event = 1, .event = swing_rests,
                    .direction = { -1 } };
     lw_ode_options o = lw_ode_options_default();

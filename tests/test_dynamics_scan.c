@@ -492,9 +492,8 @@ static double turns_back_at(const carried *z, const double y[4], double speed, d
     lw_ode_options o = lw_ode_options_default();
     lw_integrator w;
     lw_ode_stop stop = LW_ODE_STEP;
-    double work[256];
+    double work[LW_INTEGRATE_WORK(4, 1)];
     o.relative = o.absolute = 1e-14;
-    CHECK(lw_integrate_work(4, 1) <= 256);
     CHECK_INT(lw_integrate_start(&w, &ode, &o, work, 0, (double[]){ y[0], y[1], speed, y[3] }, NULL), LW_OK);
     while (stop == LW_ODE_STEP && lw_integrate_step(&w, 1.5, &stop, NULL) == LW_OK) {
     }

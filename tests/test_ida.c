@@ -97,7 +97,7 @@ static void exact_pendulum(double t, double *place, double *speed)
     lw_ode_options o = lw_ode_options_default();
     o.relative = o.absolute = 1e-14;
     lw_integrator w;
-    double work[104], y[2] = { 1.0, 0.0 };
+    double work[LW_INTEGRATE_WORK(2, 0)], y[2] = { 1.0, 0.0 };
     lw_integrate_start(&w, &ode, &o, work, 0.0, y, NULL);
     lw_ode_stop stop = LW_ODE_STEP;
     while (stop != LW_ODE_END && lw_integrate_step(&w, t, &stop, NULL) == LW_OK)

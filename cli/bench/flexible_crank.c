@@ -260,7 +260,7 @@ static lw_status run_ggl(const lw_flexible_crank *c, const double *y0, const lw_
 static lw_status run_explicit(const lw_ode *ode, const lw_ode_options *o, double to, double *y, lw_flexible_run *r,
                               lw_error *e)
 {
-    double work[1024];
+    double work[LW_INTEGRATE_WORK(20, 0)];
     lw_integrator w;
     lw_ode_stop stop = LW_ODE_STEP;
     if (lw_integrate_work(ode->n, 0) > sizeof work/sizeof *work)

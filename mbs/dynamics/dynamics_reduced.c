@@ -289,7 +289,7 @@ static lw_status rest_until(motion *m, double *end, double *sense)
     lw_ode_options each = lw_ode_options_default();
     lw_integrator w;
     lw_ode_stop stop = LW_ODE_STEP;
-    double memory[128], start[2] = { 0, 0 }, push[2];
+    double memory[LW_INTEGRATE_WORK(2, 2)], start[2] = { 0, 0 }, push[2];
     *end = o->to;
     if (m->r->constant_loads)
         return LW_OK;

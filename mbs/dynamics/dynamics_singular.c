@@ -582,7 +582,7 @@ static lw_status move(crossing *z, double *t, double *y)
     lw_ode_options o = lw_ode_options_default();
     lw_integrator w;
     lw_ode_stop stop = LW_ODE_STEP;
-    double memory[256], s[3] = { 0, 0, run->has_work ? y[2*d->n_q] : 0 }, mass = 0;
+    double memory[LW_INTEGRATE_WORK(3, 0)], s[3] = { 0, 0, run->has_work ? y[2*d->n_q] : 0 }, mass = 0;
     z->w = &w;
     z->root = 1;
     rate(z, *t, (double[]){ 0, 1, 0 }, (double[3]){ 0 });

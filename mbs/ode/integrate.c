@@ -13,7 +13,7 @@ lw_ode_options lw_ode_options_default(void)
 
 size_t lw_integrate_work(int n, int n_event)
 {
-    return (size_t)n*(16 + 8 + 6) + (size_t)n*(16 + 6) + 2*(size_t)n_event;      /* the second for integrate_within */
+    return LW_INTEGRATE_WORK(n, n_event);
 }
 
 static void divide_workspace(lw_integrator *w, double *work)
@@ -29,6 +29,7 @@ static void divide_workspace(lw_integrator *w, double *work)
     w->g_try = work;
     w->g_old = work + w->ode->n_event;
     w->inner = w->g_old + w->ode->n_event;
+    w->halves = w->inner + (16 + 6)*n;
 }
 
 static lw_status rate_at(lw_integrator *w, double t, const double *y, double *dy)
@@ -151,6 +152,7 @@ static lw_status arrive(lw_integrator *w)
     s = rate_at(w, w->t, w->y, w->k[12]);
     memcpy(w->dy, w->k[12], sizeof(double)*(size_t)w->ode->n);
     w->dense = false;
+    w->in_halves = 0;
     return s;
 }
 
@@ -167,11 +169,13 @@ static double end_apart(const lw_integrator *w, double h)
 
 /* ---- continuous solution, order 7 ---------------------------------------------------------------- */
 
-static double dense_value(const lw_integrator *w, int i, double x)
+static double polynomial(double *const *c, int i, double x)
 {
-    double *const *c = w->c, z = 1.0 - x;
+    double z = 1.0 - x;
     return c[0][i] + x*(c[1][i] + z*(c[2][i] + x*(c[3][i] + z*(c[4][i] + x*(c[5][i] + z*(c[6][i] + x*c[7][i]))))));
 }
+
+static double dense_value(const lw_integrator *w, int i, double x) { return polynomial(w->c, i, x); }
 
 static double dense_slope(const lw_integrator *w, int i, double x)
 {
@@ -183,12 +187,13 @@ static double dense_slope(const lw_integrator *w, int i, double x)
     return slope;
 }
 
+static const double over_allowed = 5;        /* error of the continuous solution, over that allowed in a step */
+
 /* The error of the step does not tell that of the continuous solution.  Compare its slope with f at a place that is far from those
- * that it is made of: on smooth motions its greatest error is less than an eighth of their difference times the length of the step,
- * and five times the error allowed in a step are allowed here. */
+ * that it is made of: on smooth motions its greatest error is less than an eighth of their difference times the length of the step. */
 static lw_status check_dense(lw_integrator *w)
 {
-    const double x = 0.65, over_error = 8*5.0;
+    const double x = 0.65, over_error = 8*over_allowed;
     double *y = w->stage, *f = w->k[1], most = 0.0;
     for (int i = 0; i < w->ode->n; i++)
         y[i] = dense_value(w, i, x);
@@ -222,33 +227,96 @@ static lw_status prepare_dense(lw_integrator *w)
     return w->o.fixed > 0.0 ? LW_OK : check_dense(w);
 }
 
+/* An integrator for states within the last step, from one of its ends. */
+static lw_status begin_within(const lw_integrator *w, lw_ode *ode, long most_steps, bool from_end, lw_integrator *inner)
+{
+    lw_ode_options o = w->o;
+    *ode = *w->ode;
+    ode->n_event = 0;
+    ode->project = NULL;
+    o.max_step = most_steps;
+    return lw_integrate_start(inner, ode, &o, w->inner, from_end ? w->t : w->t_old, from_end ? w->y : w->y_old, NULL);
+}
+
+/* Did the caller stop it, and not the limit of steps? */
+static bool is_stopped(const lw_integrator *inner, lw_status s)
+{
+    return s == LW_STOPPED && inner->n_step + inner->n_refused < inner->o.max_step;
+}
+
+/* Distance of a state at x of the step from the continuous solution, over the error allowed. */
+static double apart_from_dense(const lw_integrator *w, double x, const double *y)
+{
+    double apart = 0.0;
+    for (int i = 0; i < w->ode->n; i++)
+        apart = fmax(apart, fabs(y[i] - dense_value(w, i, x))/allowed(w, i, fabs(w->y[i])));
+    return apart;
+}
+
+static const double most_apart = 1000;       /* of a state within a step from the continuous solution */
+
+/* Continuous solutions of both halves of the last step.  LW_NOTHING: they are not accurate either, or do not lead to its end. */
+static lw_status prepare_halves(lw_integrator *w)
+{
+    lw_ode ode;
+    lw_integrator inner;
+    lw_status s = begin_within(w, &ode, 2, false, &inner);
+    w->in_halves = -1;
+    for (int k = 0; k < 2 && s == LW_OK; k++) {
+        lw_ode_stop stop = LW_ODE_STEP;
+        inner.h = 0.5*fabs(w->h_done);
+        for (int r = 0; r < 8; r++)
+            inner.c[r] = w->halves + (8*k + r)*w->ode->n;
+        s = lw_integrate_step(&inner, k ? w->t : w->t_old + 0.5*w->h_done, &stop, NULL);
+        if (s == LW_OK)
+            s = stop == LW_ODE_END ? prepare_dense(&inner) : LW_NOTHING;
+        if (s == LW_OK && inner.rough)
+            s = LW_NOTHING;
+    }
+    w->n_rate += inner.n_rate;
+    double apart = 0.0;
+    for (int i = 0; i < w->ode->n && s == LW_OK; i++)
+        apart = fmax(apart, fabs(inner.y[i] - w->y[i])/allowed(w, i, fabs(w->y[i])));
+    if (s != LW_OK || !(apart <= fmin(w->rough, most_apart)))
+        return is_stopped(&inner, s) ? s : LW_NOTHING;
+    w->in_halves = 1;
+    return LW_OK;
+}
+
+/* State at t within the last step from its halves.  LW_NOTHING: they do not tell. */
+static lw_status within_halves(lw_integrator *w, double t, double *y)
+{
+    lw_status s = w->in_halves ? LW_OK : prepare_halves(w);
+    if (s != LW_OK || w->in_halves < 0)
+        return s == LW_OK ? LW_NOTHING : s;
+    double x = (t - w->t_old)/w->h_done, *c[8];
+    int k = x > 0.5;
+    for (int r = 0; r < 8; r++)
+        c[r] = w->halves + (8*k + r)*w->ode->n;
+    for (int i = 0; i < w->ode->n; i++)
+        y[i] = polynomial(c, i, 2.0*x - k);
+    return apart_from_dense(w, x, y) <= most_apart ? LW_OK : LW_NOTHING;
+}
+
 /* State at t within the last step by steps from its nearer end.  That way may lead over a place where f is not known well, and
  * off the solution: where the continuous solution is not as near as its error tells, or not near at all, both ends are tried, and the
  * state that is nearer to it is taken. */
 static lw_status integrate_within(lw_integrator *w, double t, double *y)
 {
-    lw_ode ode = *w->ode;
-    lw_ode_options o = w->o;
+    lw_ode ode;
     lw_integrator inner;
     lw_status found = LW_NOTHING;
-    const double near = 1000;
     double x = (t - w->t_old)/w->h_done, least = INFINITY;
-    ode.n_event = 0;
-    ode.project = NULL;
-    o.max_step = 200;
-    for (int k = 0; k < 2 && !(least <= fmin(w->rough, near)); k++) {
-        bool from_end = (x > 0.5) == (k == 0);
+    for (int k = 0; k < 2 && !(least <= fmin(w->rough, most_apart)); k++) {
         lw_ode_stop stop = LW_ODE_STEP;
-        double apart = 0.0;
-        lw_status s = lw_integrate_start(&inner, &ode, &o, w->inner, from_end ? w->t : w->t_old, from_end ? w->y : w->y_old, NULL);
+        lw_status s = begin_within(w, &ode, 200, (x > 0.5) == (k == 0), &inner);
         inner.h = fabs(t - inner.t);
         while (s == LW_OK && stop != LW_ODE_END)
             s = lw_integrate_step(&inner, t, &stop, NULL);
         w->n_rate += inner.n_rate;
-        if (s == LW_STOPPED && inner.n_step + inner.n_refused < o.max_step)
-            return s;                        /* by the caller */
-        for (int i = 0; s == LW_OK && i < ode.n; i++)
-            apart = fmax(apart, fabs(inner.y[i] - dense_value(w, i, x))/allowed(w, i, fabs(w->y[i])));
+        if (is_stopped(&inner, s))
+            return s;
+        double apart = apart_from_dense(w, x, inner.y);
         if (s != LW_OK || !(apart < least))
             continue;
         least = apart;
@@ -259,6 +327,9 @@ static lw_status integrate_within(lw_integrator *w, double t, double *y)
         memcpy(y, w->k[2], sizeof(double)*(size_t)ode.n);
     return found;
 }
+
+/* From so many states asked for in a rough step on, its halves cost less than a step to each of them. */
+static const double many = 3;
 
 lw_status lw_integrate_dense(lw_integrator *w, double t, double *y)
 {
@@ -271,7 +342,11 @@ lw_status lw_integrate_dense(lw_integrator *w, double t, double *y)
         if (s != LW_OK)
             return s;
     }
-    lw_status s = w->rough ? integrate_within(w, t, y) : LW_NOTHING;
+    bool dense = many*fabs(t - w->asked) < fabs(w->h_done);
+    w->asked = t;
+    lw_status s = w->rough && dense ? within_halves(w, t, y) : LW_NOTHING;
+    if (w->rough && s == LW_NOTHING)
+        s = integrate_within(w, t, y);
     if (s == LW_OK || s == LW_STOPPED)
         return s;
     for (int i = 0; i < w->ode->n; i++)

@@ -3,7 +3,8 @@
  *
  * DOP853 (Hairer, Norsett & Wanner 1993, section II.10; Dormand & Prince): twelve evaluations per step, an error
  * estimate from embedded methods of orders 5 and 3, and a continuous solution of order 7 for four more evaluations.  Where that
- * one is less accurate than the step, states within it are integrated anew from the nearer end.
+ * one is less accurate than the step, states within it are integrated anew from the nearer end; where many are asked for, by one step
+ * over each half, with a continuous solution of its own.
  * The state is summed with compensation, so that 1e7 steps do not lose digits.  Not for stiff problems: steps are
  * limited to about 6 divided by the fastest rate (mbs/ode/cvode.h has no such limit).
  *
@@ -65,14 +66,16 @@ typedef struct lw_integrator {
     unsigned long long events;       /* bit i: event i happened at t                                */
     long    n_step, n_refused, n_rate;
     /* private to the integrator */
-    double *k[16], *stage, *c[8], *low, *y_step, *g_try, *g_old, *inner;
-    double  t_low, t_step, h_done, err_old, moved, rounding;
+    double *k[16], *stage, *c[8], *low, *y_step, *g_try, *g_old, *inner, *halves;
+    double  t_low, t_step, h_done, err_old, moved, rounding, asked;
     signed char side[LW_EVENT_MAX];
     bool    dense;                   /* the continuous solution is known */
     double  rough;                   /* its error over that allowed in a step, if it is not accurate enough; else 0 */
+    int     in_halves;               /* continuous solutions of its halves: 1 known, -1 not accurate either, 0 not yet tried */
 } lw_integrator;
 
-/* Doubles of workspace. */
+/* Doubles of workspace: 30 n for the step, 22 n for steps within it, 16 n for its halves. */
+#define LW_INTEGRATE_WORK(n, n_event) (68*(size_t)(n) + 2*(size_t)(n_event))
 size_t lw_integrate_work(int n, int n_event);
 
 /* Begin at (t, y).  ode and work belong to the caller and must outlive w.  LW_E_ARG: no tolerance, or more than
