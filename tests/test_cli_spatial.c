@@ -1,4 +1,5 @@
 /* The program and spatial models: what it prints, and what it refuses with a status that is not 0. */
+#include "base/vec2.h"
 #include "tests/cli_run.h"
 
 /* Several inputs, none with a range: the first one is to turn once, and it is said where it stops. */
@@ -88,6 +89,45 @@ TEST(pictures)
            "grep -c M1.drive $D/bent.svg", 0, "\"rows\"", "slower");
     expect("$P simulate examples/space/top.json --plot $D/no.svg --columns P.x,energy -n 2 && grep -c P.x $D/no.svg", 0, "1", NULL);
     expect("$P simulate examples/space/top.json --plot $D/no.svg --columns energy -n 2", 3, NULL, "no column is called energy");
+}
+
+/* Three slides with stops and three hinges through the tool: the volume is that of a box, each ray ends in one of its faces, and the hinge B with its
+ * stop of 0.7 rad limits the tilt by t where sin(t) |cos(azimuth)| = sin(0.7). */
+TEST(volumes_and_tilts)
+{
+    static const char text[] =
+        "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"x\"}, {\"name\": \"y\"}, {\"name\": \"z\"}, {\"name\": "
+        "\"a\"}, {\"name\": \"b\"}, {\"name\": \"c\"}], \"joints\": [{\"name\": \"X\", \"kind\": \"t\", \"links\": "
+        "[\"ground\", \"x\"], \"at\": [0, 0, 0], \"axis\": [1, 0, 0], \"stop\": {\"least\": -0.2, \"greatest\": 0.2}}, "
+        "{\"name\": \"Y\", \"kind\": \"t\", \"links\": [\"x\", \"y\"], \"at\": [0, 0, 0], \"axis\": [0, 1, 0], \"stop\": "
+        "{\"least\": -0.15, \"greatest\": 0.15}}, {\"name\": \"Z\", \"kind\": \"t\", \"links\": [\"y\", \"z\"], \"at\": [0, 0, "
+        "0], \"axis\": [0, 0, 1], \"stop\": {\"least\": -0.1, \"greatest\": 0.1}}, {\"name\": \"A\", \"links\": [\"z\", "
+        "\"a\"], \"at\": [0, 0, 0], \"axis\": [1, 0, 0]}, {\"name\": \"B\", \"links\": [\"a\", \"b\"], \"at\": [0, 0, 0], "
+        "\"axis\": [0, 1, 0], \"stop\": {\"least\": -0.7, \"greatest\": 0.7}}, {\"name\": \"C\", \"links\": [\"b\", \"c\"], "
+        "\"at\": [0, 0, 0], \"axis\": [0, 0, 1]}], \"drives\": [{\"joint\": \"X\"}, {\"joint\": \"Y\"}, {\"joint\": \"Z\"}, "
+        "{\"joint\": \"A\"}, {\"joint\": \"B\"}, {\"joint\": \"C\"}], \"tracers\": [{\"name\": \"T\", \"link\": \"c\", \"at\": "
+        "[0, 0, 0]}]}";
+    char command[2000];
+    snprintf(command, sizeof command, "echo '%s' > $D/box.json; $P robot workspace $D/box.json --volume --rays 24 --json | tail -4", text);
+    ran r = run(command);
+    const char *at = strstr(r.out, "\"volume\": ");
+    CHECK(at != NULL);
+    double sum = 0;                      /* the same 24 by 12 directions, faces of the box in closed form */
+    for (int i = 0; i < 288; i++) {
+        double a = 2*LW_PI*(i%24)/24, z = (2*(i/24) + 1)/12.0 - 1, level = sqrt(1 - z*z);
+        double far = fmin(0.1/fabs(z), fmin(0.2/fabs(level*cos(a)), 0.15/fabs(level*sin(a))));
+        sum += 4*LW_PI/3*far*far*far/288;
+    }
+    CHECK_NEAR(at ? strtod(at + 10, NULL) : 0, sum, 0, 1e-6);
+    CHECK_NEAR(sum, 0.4*0.3*0.2, 0, 0.01);
+    ran_free(&r);
+    expect("$P robot workspace $D/box.json --volume --rays 10 | awk -F, 'NR > 2 { x = $4/0.2; y = $5/0.15; z = $6/0.1; x = x < 0 ? -x : x; y = y < 0 ? -y : y; "
+           "z = z < 0 ? -z : z; m = x > y ? x : y; m = m > z ? m : z; n += m > 0.999999 && m < 1.000001 } END { print n }'", 0, "50", "volume");
+    expect("$P robot reachability $D/box.json --rays 12 | awk -F, 'NR > 2 { c = cos($1*3.14159265358979/180); c = c < 0 ? -c : c; s = sin(0.7)/c; "
+           "t = s < 1 ? atan2(s, sqrt(1 - s*s))*180/3.14159265358979 : 180; n += $2 - t < 1e-5 && t - $2 < 1e-5 } END { print n }'", 0, "12", "reachability index 0.57");
+    expect("$P robot reachability examples/space/delta.json", 3, NULL, "cannot turn the tool and keep its place");
+    expect("$P robot workspace examples/3-rrr.json --volume", 3, NULL, "a robot in a plane has no volume");
+    expect("$P robot reachability examples/3-rrr.json", 0, "the drives do not hold the tool", "reachability index");
 }
 
 /* What is not there for spatial models is refused, never ignored. */

@@ -18,7 +18,7 @@ typedef struct settings {
     const char *tool, *at, *turn, *drives, *plot, *force;
     double      max_condition, gap, play, slide_play;
     int         rays, grid;
-    bool        links_only, frequency, budget;
+    bool        links_only, frequency, budget, volume;
 } settings;
 
 #define PLACE(member) offsetof(settings, member)
@@ -36,8 +36,11 @@ static const cli_option options[] = {
     { "links-only", 0, CLI_FLAG, PLACE(links_only), NULL, NULL,
       "workspace, map: what the links alone can reach: stops and cones of joints do not count, nor do postures in which the "
       "drives lose the tool", 0, 0, NULL, NULL },
-    { "rays", 0, CLI_INT, PLACE(rays), "N", "72", "workspace: number of directions in the level plane", 3, 100000, NULL,
+    { "rays", 0, CLI_INT, PLACE(rays), "N", "72", "workspace, reachability: number of directions, in the level plane or about the tool's axis", 3, 100000, NULL,
       NULL },
+    { "volume", 0, CLI_FLAG, PLACE(volume), NULL, NULL,
+      "workspace: move the tool in all directions of space, not in the level plane, and give the volume; half as many levels as --rays, 36 if that "
+      "is not given", 0, 0, NULL, NULL },
     { "places", 0, CLI_INT, PLACE(grid), "N", "25", "map: number of places across the workspace", 2, 1000, NULL, NULL },
     { "eigenfrequency", 0, CLI_FLAG, PLACE(frequency), NULL, NULL,
       "map: the lowest eigenfrequency of a robot with elastic links, its drives held, too", 0, 0, NULL, NULL },
@@ -418,12 +421,17 @@ static int cannot_move(job *j, const lw_robot_pose *p)
 }
 
 /* Every ray begins where the tool is now. */
+static void go_back(job *j, const double *q, const double *near)
+{
+    memcpy(j->r.follow.q, q, (size_t)j->r.space.n_q*sizeof *q);
+    memcpy(j->r.follow.z.near, near, (size_t)j->r.follow.z.n_near*sizeof *near);
+    j->e.text[0] = 0;
+}
+
 static lw_status follow_ray(job *j, const double *q, const double *near, double angle, double *far)
 {
-    lw_robot *r = &j->r;
-    memcpy(r->follow.q, q, (size_t)r->space.n_q*sizeof *q);
-    memcpy(r->follow.z.near, near, (size_t)r->follow.z.n_near*sizeof *near);
-    return lw_robot_reach(r, direction(j, angle), 4*r->space.unit, far, &j->e);
+    go_back(j, q, near);
+    return lw_robot_reach(&j->r, direction(j, angle), 4*j->r.space.unit, far, &j->e);
 }
 
 static int draw_edge(const job *j, int n, const double *x, const double *y)
@@ -438,8 +446,116 @@ static int draw_edge(const job *j, int n, const double *x, const double *y)
     return lw_draw_plot(&plot, j->s->plot, &e) < 0 ? cli_fail(j->call, &e) : CLI_DONE;
 }
 
+/* A ray of run_rays: into space for the volume, or a tilt of the tool's axis, for which a robot in a plane has two senses. */
+static lw_status cast(job *j, bool tilts, double azimuth, double height, lw_vec3 *way, double *far)
+{
+    const double half_turn = LW_PI*(1 - 1e-9);
+    if (!tilts) {
+        *way = lw_v3_add(lw_v3_scale(direction(j, azimuth), sqrt(1 - height*height)), lw_v3_scale(j->up, height));
+        return lw_robot_reach(&j->r, *way, 4*j->r.space.unit, far, &j->e);
+    }
+    lw_mat3 tool = lw_quaternion_matrix(lw_robot_turn(&j->r));
+    *way = j->flat ? lw_v3_scale(j->r.normal, cos(azimuth)) : lw_v3_add(lw_v3_scale(lw_m3_column(&tool, 1), cos(azimuth)),
+                                                                      lw_v3_scale(lw_m3_column(&tool, 0), -sin(azimuth)));
+    return lw_robot_tilt(&j->r, *way, half_turn, far, &j->e);
+}
+
+/* Volume: directions at equal steps of azimuth and of the height on the unit sphere stand for equal solid angles.  Reachability index: the share of
+ * all directions of the tool's axis, or of all angles in a plane (Makkonen 1999, paper B; Kumar & Waldron 1981). */
+static int run_rays(const cli_call *call, bool tilts)
+{
+    job j;
+    lw_robot_pose p;
+    lw_output o;
+    int code = begin(call, &j), done = 0, endless = 0;
+    if (code == CLI_DONE && lw_robot_measure(&j.r, &p, &j.e) != LW_OK)
+        code = cli_fail(call, &j.e);
+    if (code == CLI_DONE && (tilts ? !j.r.turns : lw_v3_norm(j.r.normal) > 0)) {
+        lw_error_set(&j.e, LW_E_ARG, tilts ? "the drives of this robot cannot turn the tool and keep its place" : "a robot in a plane has no volume");
+        code = cli_fail(call, &j.e);
+    }
+    int n = tilts && code == CLI_DONE && j.flat ? 2 : !tilts && !cli_given(&call->parsed, "rays") ? 36 : j.s->rays, levels = tilts ? 1 : (n + 1)/2;
+    size_t n_q = code == CLI_DONE ? (size_t)j.r.space.n_q : 0, n_near = code == CLI_DONE ? (size_t)j.r.follow.z.n_near : 0;
+    double sum = 0, most = 0, *q = malloc((n_q + n_near + 1)*sizeof *q), *near = q + n_q;
+    if (code == CLI_DONE && !q)
+        code = cli_fail(call, &(lw_error){ .status = LW_E_MEMORY, .text = "out of memory" });
+    if (code == CLI_DONE && cli_open(call, &o, &j.e) != LW_OK)
+        code = cli_fail(call, &j.e);
+    if (code != CLI_DONE) {
+        free(q);
+        end(&j);
+        return code;
+    }
+    memcpy(q, j.r.follow.q, n_q*sizeof *q);
+    memcpy(near, j.r.follow.z.near, n_near*sizeof *near);
+    cli_progress progress = cli_progress_begin(call, tilts ? "reachability" : "workspace", "rays");
+    cli_json w = cli_json_begin(o.f, 2);
+    if (call->common.json) {
+        cli_json_head(&w, call->line);
+        cli_json_text(&w, tilts ? "angle_unit" : "length_unit", tilts ? "deg" : j.unit);
+        cli_json_array(&w, "edge");
+    } else if (tilts)
+        fputs("# units: direction tilt deg\ndirection,tilt,limit\n", o.f);
+    else
+        fprintf(o.f, "# units: direction elevation deg; distance x y z %s\ndirection,elevation,distance,x,y,z,limit\n", j.unit);
+    for (; done < n*levels && !cli_interrupted(); done++) {
+        double a = 2*LW_PI*(done % n)/n, height = tilts ? 0 : (2.0*(done/n) + 1)/levels - 1, far = 0;
+        lw_vec3 way;
+        go_back(&j, q, near);
+        if (cast(&j, tilts, a, height, &way, &far) != LW_OK) {
+            code = cli_fail(call, &j.e);
+            break;
+        }
+        const char *why = strstr(j.e.text, ": ");
+        endless += !why;
+        most = fmax(most, far);
+        sum += !tilts ? 4*LW_PI/3*pow(far/j.metre, 3) : j.flat ? far/LW_PI : 0.5*(1 - cos(far));
+        lw_vec3 at = lw_v3_add(p.place, lw_v3_scale(way, far));
+        double volume[] = { a*180/LW_PI, asin(height)*180/LW_PI, far/j.metre, at.x/j.metre + 0.0, at.y/j.metre + 0.0, at.z/j.metre + 0.0 };
+        double tilt[] = { volume[0], far*180/LW_PI }, *row = tilts ? tilt : volume;
+        int size = tilts ? 2 : 6;
+        if (call->common.json)
+            cli_json_reals(&w, NULL, row, (size_t)size);
+        else {
+            for (int i = 0; i < size; i++)
+                fprintf(o.f, "%.9g,", row[i]);
+            fprintf(o.f, "%s\n", why ? why + 2 : tilts ? "none" : "none found");
+        }
+        cli_progress_show(&progress, done, (double)n*levels, NULL);
+    }
+    cli_progress_end(&progress);
+    sum /= (double)n*levels;
+    bool whole = code == CLI_DONE && done == n*levels;
+    if (call->common.json) {
+        cli_json_end(&w);
+        if (whole)
+            cli_json_real(&w, tilts ? "reachability" : "volume", sum);
+        cli_json_int(&w, "without_limit", endless);
+        cli_json_bool(&w, "complete", whole);
+        cli_json_end(&w);
+    }
+    if (whole && !tilts && gets_nowhere(&j, &p, most))
+        code = cannot_move(&j, &p);
+    else if (whole && tilts)
+        cli_note(call, "reachability index %.6g: the tool's axis reaches this share of all directions, by tilting from where it is", sum);
+    else if (whole) {
+        if (endless)
+            cli_note(call, "no limit was found within %.6g %s in %d of %d directions: the volume counts them as far as that; a \"stop\" of "
+                     "the joints limits them", 4*j.r.space.unit/j.metre, j.unit, endless, n*levels);
+        cli_note(call, "volume %.6g %s^3 around the tool, at most %.6g %s from it", sum, j.unit, most/j.metre, j.unit);
+    }
+    code = cli_close(call, &o, code);
+    free(q);
+    end(&j);
+    return code;
+}
+
+static int run_reachability(const cli_call *call) { return run_rays(call, true); }
+
 static int run_workspace(const cli_call *call)
 {
+    if (((const settings *)call->settings)->volume)
+        return run_rays(call, false);
     job j;
     lw_robot_pose p;
     lw_output o;
@@ -469,7 +585,6 @@ static int run_workspace(const cli_call *call)
     int done = 0, endless = 0;
     for (int i = 0; i <= n && !cli_interrupted(); i++, done = i) {
         double a = 2*LW_PI*(i % n)/n, far = 0;
-        j.e.text[0] = 0;
         if (i < n && follow_ray(&j, q, near, a, &far) != LW_OK) {
             code = cli_fail(call, &j.e);
             break;
@@ -741,8 +856,13 @@ static const cli_action actions[] = {
     { "workspace", "MODEL.json",
       "Moves the tool from where it is outwards in the level plane, in each of --rays directions, and prints how far it gets\n"
       "and what stops it: the links, a stop or a cone of a joint, a posture in which the drives lose the tool, or\n"
-      "--max-condition. The area is that of the polygon of these ends.\n",
+      "--max-condition. The area is that of the polygon of these ends. --volume moves it in all directions of space.\n",
       1, 1, run_workspace, CLI_LINKAGE, NULL },
+    { "reachability", "MODEL.json",
+      "Tilts the tool where it is, in each of --rays directions, until something stops it, and prints how far it gets (180 deg: all\n"
+      "round). The reachability index is the share of all directions that its axis reaches, z of the tool's \"frame\"; of a\n"
+      "robot in a plane, the share of all angles. An index of 1 means that the place is in the dexterous workspace.\n",
+      1, 1, run_reachability, CLI_LINKAGE, NULL },
     { "map", "MODEL.json",
       "Prints condition number, singular values and manipulability over a grid in the level plane of the tool, at the places\n"
       "that it reaches on a straight way. --eigenfrequency adds the lowest eigenfrequency of its elastic links while the drives are\n"
@@ -759,6 +879,8 @@ const cli_command cli_robot_command = {
         "  linkwright robot jacobian examples/space/delta.json                    in the posture of the file\n"
         "  linkwright robot jacobian examples/space/delta.json --tool-at 0.2,0,-0.65   elsewhere, with the drives' values\n"
         "  linkwright robot workspace examples/space/delta.json --tool-at 0,0,-0.65 --max-condition 5 --plot edge.svg\n"
+        "  linkwright robot workspace examples/space/delta.json --volume          in all directions of space\n"
+        "  linkwright robot reachability examples/space/stewart.json              how far the platform tilts\n"
         "  linkwright robot map examples/space/delta.json --tool-at 0,0,-0.65 --plot map.svg\n"
         "  linkwright robot map examples/space/delta-elastic.json --eigenfrequency --plot hertz.svg   stiff and soft places\n"
         "  linkwright robot jacobian examples/space/stewart.json --json\n"

@@ -694,3 +694,16 @@ lw_status lw_robot_reach(lw_robot *r, lw_vec3 direction, double most, double *fa
     *far = lw_v3_norm(lw_v3_sub(last, first));
     return s == LW_OPEN ? LW_OK : s;
 }
+
+lw_status lw_robot_tilt(lw_robot *r, lw_vec3 axis, double most, double *far, lw_error *limit)
+{
+    lw_vec3 place;
+    lw_quaternion first, last;
+    lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
+    tool_pose(r, &place, &first);
+    lw_quaternion to = lw_quaternion_times(lw_quaternion_of_vector(lw_v3_scale(axis, most)), first);
+    lw_status s = lw_robot_move(r, place, &to, limit);
+    last = lw_robot_turn(r);
+    *far = lw_v3_norm(lw_quaternion_vector(lw_quaternion_times(last, lw_quaternion_inverse(first))));
+    return s == LW_OPEN ? LW_OK : s;
+}

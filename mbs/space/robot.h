@@ -85,4 +85,7 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
 /* How far the tool gets from where it is in a direction, at most `most` [m]; the robot is there then.  *limit: why. */
 lw_status lw_robot_reach(lw_robot *r, lw_vec3 direction, double most, double *far, lw_error *limit);
 
+/* The same of a turn about `axis` (ground axes, a unit vector) in its place, for robots whose `turns` is set: most below pi, far [rad]. */
+lw_status lw_robot_tilt(lw_robot *r, lw_vec3 axis, double most, double *far, lw_error *limit);
+
 #endif
