@@ -46,6 +46,8 @@ static const row rows[] = {
     { "robot budget examples/space/delta-clearance.json", NULL, "examples/space/delta-clearance.json", false },
     { "robot workspace examples/space/delta.json --rays 6", "robot workspace examples/space/delta.json --rays 100000",
       "examples/space/delta.json", false },
+    { "robot reachability examples/space/stewart.json --rays 4", "robot reachability examples/space/stewart.json --rays 100000",
+      "examples/space/stewart.json", false },
     { "robot map examples/space/delta.json --places 4", "robot map examples/space/delta.json --places 1000",
       "examples/space/delta.json", false },
     { "family expand examples/families/loader.json", NULL, "examples/families/loader.json", false },
