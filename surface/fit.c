@@ -469,7 +469,7 @@ static lw_status make_scenes(const lw_results *r, lw_scene *scene, lw_page_resul
         s = lw_scene_make(&report->linkage, NULL, &o, &scene[*n], e);
         row[*n] = (lw_page_result){ .scene = &scene[*n], .type = o.title,
                                     .class_name = report->has_class ? report->barker.name : NULL,
-                                    .transmission_min = report->transmission_min, .objective = c->objective,
+                                    .transmission_min = report->transmission_min, .objective = lw_fit_report_objective(c, report),
                                     .input = lw_fit_report_input(report), .stray = lw_fit_report_stray(report),
                                     .size = r->extent > 0 ? report->size/r->extent : 0,
                                     .error_mean = report->error_mean, .error_max = report->error_max,

@@ -188,6 +188,15 @@ TEST(arms_count_among_the_lengths)
     }
     json_decref(root);
     expect("cat $D/said", 0, "the first row misses the target by", NULL);
+    expect("cat $D/said", 0, "this path is straight: with '--type slidercrank' a slider moves exactly along it", NULL);
+    expect("$P fit $D/needle.csv --type slidercrank --rounds 1 2>&1 | grep -c straight", 1, "0\n", NULL);
+}
+
+/* A door on one hinge needs no linkage. */
+TEST(poses_about_a_pivot_need_one_link)
+{
+    expect("printf 'x [mm],y [mm],theta [deg]\n400,100,0\n308.730670,300.621778,30\n129.378222,428.730670,60\n' > $D/door.csv; "
+           "$P fit $D/door.csv --links 4 --unlimited --rounds 1", 0, NULL, "a link that turns about (-20, 30) moves the body so alone");
 }
 
 /* A small budget counts the first round and the fits at other sizes, too: a few jobs of each search among six links. */
@@ -227,13 +236,13 @@ TEST(six_links_are_announced)
  * row is listed for less rounding. */
 TEST(three_poses_need_four_links)
 {
-    json_t *root = json_of("printf 'x [mm],y [mm],theta [deg]\n0,0,0\n60,80,30\n150,120,65\n' | $P fit --open - --rounds 4 --json -q");
+    json_t *root = json_of("printf 'x [mm],y [mm],theta [deg]\n0,0,0\n60,80,30\n150,120,65\n' | $P fit --open - --rounds 4 --json -q --save $D/three");
     json_t *rows = json_object_get(root, "results");
     CHECK(json_array_size(rows) > 1);
     for (size_t i = 0; i < json_array_size(rows); i++) {
         json_t *b = json_array_get(rows, i);
         CHECK_INT(integer(b, "links"), 4);
-        CHECK(member(b, "error_max") < 1e-9);
+        CHECK(member(b, "error_max") == 0 && member(b, "angle_error_max") == 0);
         for (size_t k = 0; k < i; k++) {
             json_t *a = json_array_get(rows, k);
             CHECK(member(b, "stray") < member(a, "stray") || member(b, "size") < member(a, "size")
@@ -241,6 +250,8 @@ TEST(three_poses_need_four_links)
         }
     }
     json_decref(root);
+    expect("grep -o 'Largest angle error .deg.\">0<' $D/three/index.html | head -1", 0, ">0<", NULL);
+    expect("grep -o 'Objective\">0<' $D/three/index.html | head -1", 0, ">0<", NULL);
 }
 
 /* Of a path with times that no four-bar follows well, rows that miss it by more than 5 % of its diagonal have at most twice the least

@@ -11,7 +11,7 @@ static lw_page_result result_of(const lw_scene *s)
 {
     return (lw_page_result){ .scene = s, .type = "four-bar", .class_name = "GCRR crank-rocker",
                              .transmission_min = NAN, .objective = 1.25e-5, .error_mean = 2e-3, .error_max = 5e-3,
-                             .error_percent = 0.125 };
+                             .angle_mean = NAN, .angle_max = NAN, .error_percent = 0.125 };
 }
 
 /* A page of two targets, with texts of our choice. */
@@ -219,7 +219,7 @@ TEST(empty_columns_are_left_out)
     lw_scene s;
     CHECK_INT(model_scene("Crank-rocker", 0, &s), LW_OK);
     lw_page_result r = { .scene = &s, .transmission_min = NAN, .objective = NAN, .error_mean = NAN, .error_max = NAN,
-                         .error_percent = 0.5 };
+                         .angle_mean = NAN, .angle_max = NAN, .error_percent = 0.5 };
     lw_page_target t = { .name = "one", .n_result = 1, .result = &r };
     lw_page p = { .title = "One", .n_target = 1, .target = &t };
     lw_bytes b;

@@ -147,6 +147,42 @@ TEST(errors_are_those_by_hand)
     }
 }
 
+/* What the linkage does to rounding has no error; an error of a billionth of its size has one.  The ratio of lengths takes the arm of the
+ * point to the nearer pin. */
+TEST(rounding_is_no_error)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 17);
+    for (int trial = 0; trial < 40; trial++) {
+        made k;
+        double off = trial % 2 ? 1e-9 : 0, far = trial % 4 < 2 ? 1e4 : 0;
+        make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
+        *dim_named(&k.m, "x0") += far;
+        for (size_t i = 0; i < 9; i++) {
+            k.st.x[i] = fourbar_at(k.m.dim, 1, k.st.input[i]).p.x + (i == 4 ? off*far : 0) + (i == 4 ? off : 0);
+            k.st.y[i] = fourbar_at(k.m.dim, 1, k.st.input[i]).p.y;
+        }
+        lw_target_free(&k.t);
+        target_of(&k.st, &k.spec, &k.t);
+        claim(&k);
+        lw_fit_report r = report_of(&k);
+        if (off > 0) {
+            CHECK(r.error_max > 0 && r.error_mean > 0);
+            CHECK_NEAR(r.error_max, off*(1 + far), 1e-11*(1 + far), 0);
+        } else {
+            CHECK(r.error_max == 0 && r.error_mean == 0 && r.error_rms == 0 && r.error_percent == 0);
+        }
+        double cx = *dim_named(&k.m, "cx"), cy = *dim_named(&k.m, "cy"), least = INFINITY, most = fmin(hypot(cx, cy), hypot(cx - *dim_named(&k.m, "r3"), cy));
+        static const char *const side[] = { "r1", "r2", "r3", "r4" };
+        for (int i = 0; i < 4; i++) {
+            least = fmin(least, *dim_named(&k.m, side[i]));
+            most = fmax(most, *dim_named(&k.m, side[i]));
+        }
+        CHECK_NEAR(lw_fit_report_ratio(&k.t, &r), most/least, 0, 1e-9);
+        lw_target_free(&k.t);
+    }
+}
+
 TEST(angles_are_those_by_hand)
 {
     lw_rng rng;

@@ -366,6 +366,7 @@ TEST(tables_of_programs)
         ROW("sep=;\r\nx (mm);y (mm);\r\n12,5;-3;\r\n7;4,25;\r\n0;1;\r\n;;\r\n"),       /* Excel, empty column and row */
         ROW("x/mm\ty/mm\n12,5\t-3\n7\t4,25\n0\t1\n"),
         ROW("x [mm] y [mm]\n12.5 -3\n7 4.25\n0 1\n"),
+        ROW("x mm,y mm\n12.5,-3\n7,4.25\n0,1\n"),
         ROW("\"x [mm]\",\"y [mm]\"\n\"12,5\",\"-3\"\n\"7\",\"4,25\"\n\"0\",\"1\"\n"),      /* LibreOffice, all quoted */
         ROW("x[mm];y[mm]\n+1,25E+01;-3,0E+00\n7;4,25\n0;1\n"),
         ROW("x_mm;y_mm\n12.5;\xe2\x88\x92""3\n7;4.25\n0;1\n"),                           /* U+2212 */
@@ -638,6 +639,35 @@ TEST(circles_are_recognised)
             }
             lw_target_free(&t);
         }
+}
+
+/* Poses about one pivot, and a path on a line that is inclined and far away; neither is found where it is not. */
+TEST(pivots_and_straight_lines_are_recognised)
+{
+    enum { N = 7, PIVOT, OTHER_WAY, SHIFTED, LINE, BENT, KINDS };
+    for (int kind = PIVOT; kind < KINDS; kind++) {
+        double x[N], y[N], theta[N];
+        lw_target t;
+        lw_vec2 c = { NAN, NAN };
+        bool path = kind == LINE || kind == BENT;
+        for (int i = 0; i < N; i++) {
+            double a = 0.3 + 0.2*i;
+            lw_vec2 p = lw_v2_polar(90, a), u = lw_v2_polar(i*i, 0.6);
+            x[i] = path ? 3e4 + u.x : 5 + (kind == SHIFTED ? i : p.x);
+            y[i] = path ? u.y - 8e4 + (kind == BENT && i == 3 ? 0.4 : 0) : (kind == SHIFTED ? 2*i : p.y) - 7;
+            theta[i] = kind == OTHER_WAY ? 1 - a : kind == SHIFTED ? 1 : 1 + a;
+        }
+        CHECK_INT(lw_target_make(N, x, y, path ? NULL : theta, NULL, NULL, 0, &t, NULL), LW_OK);
+        double off = lw_target_pivot(&t, &c), bent = lw_target_straight(&t);
+        if (kind == PIVOT) {
+            CHECK_NEAR(off, 0, 1e-10, 0);
+            CHECK_NEAR(lw_v2_norm(lw_v2_sub(c, lw_v2(5, -7))), 0, 1e-10, 0);
+        } else {
+            CHECK(kind == OTHER_WAY ? off > 5 : isinf(off));
+        }
+        CHECK(kind == BENT ? bent > 0.1 && bent < 0.4 : kind == LINE || kind == SHIFTED ? bent < 1e-9 : bent > 5);
+        lw_target_free(&t);
+    }
 }
 
 /* No cut and no changed byte may do more harm than an error. */

@@ -768,7 +768,7 @@ static lw_status read_linkage(void *context, int n, const char *const *name, con
     f->result[f->n] = (lw_page_result){
         .scene = s, .type = type[0] ? type : s->title, .class_name = class_name[0] ? class_name : NULL,
         .note = s->note[0] ? s->note : NULL, .transmission_min = NAN, .objective = NAN,
-        .error_max = NAN, .error_percent = NAN,
+        .error_max = NAN, .angle_mean = NAN, .angle_max = NAN, .error_percent = NAN,
         .error_mean = v[3].kind == LW_VALUE_NULL ? NAN : v[3].real,
     };
     f->n++;

@@ -56,7 +56,7 @@ static lw_status still(const lw_scene *s, lw_draw_kind kind, int width, int heig
 static lw_status page(const lw_scene *s, lw_bytes *out, lw_error *e)
 {
     lw_page_result r = { .scene = s, .transmission_min = NAN, .objective = NAN, .error_mean = NAN, .error_max = NAN,
-                         .error_percent = NAN };
+                         .angle_mean = NAN, .angle_max = NAN, .error_percent = NAN };
     lw_page_target t = { .name = s->linkage.name, .n_result = 1, .result = &r };
     lw_page p = { .title = s->title, .n_target = 1, .target = &t };
     return lw_page_write(&p, out, e);

@@ -48,7 +48,7 @@ static double number_in(const lw_page_result *r, column c)
     case MEAN:      return r->error_mean/units_of(r)->metre;
     case MAX:       return r->error_max/units_of(r)->metre;
     case ANGLE_MEAN: case ANGLE_MAX:
-        return r->angle_mean == 0 && r->angle_max == 0 ? NAN : (c == ANGLE_MAX ? r->angle_max : r->angle_mean)*180/LW_PI;
+        return (c == ANGLE_MAX ? r->angle_max : r->angle_mean)*180/LW_PI;
     case STRAY:     return r->size > 0 ? r->stray/units_of(r)->metre : NAN;
     case SIZE:      return r->size > 0 ? r->size : NAN;
     case PERCENT:   return r->error_percent;

@@ -20,7 +20,7 @@ typedef struct lw_page_result {
     double transmission_min;      /* least transmission angle, 0 to pi/2 [rad]                      */
     double objective;             /* value of eq. 17                                                */
     double error_mean, error_max; /* [m]                                                            */
-    double angle_mean, angle_max; /* errors of the angle of a body or output [rad]; both 0: left out */
+    double angle_mean, angle_max; /* errors of the angle of a body or output [rad]                     */
     double stray;                 /* greatest distance of curve and target, both ways [m]           */
     double size;                  /* of the greatest link over that of the target; 0: stray and size are left out   */
     const char *input;            /* "turns", "rocks", "passes a limit"; NULL                       */

@@ -33,7 +33,8 @@ static const cli_option options[] = {
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
       "with --dof 2, numbers from 5. Without it 4; and 6 if every four-bar leaves a path by more than 2 % of its diagonal, "
-      "or by more than --tolerance: with a third of the budget, and with the rest if that finds none nearer", 4, 10, NULL, NULL },
+      "or by more than --tolerance: with a third of the budget, and with the rest if that finds none nearer. Of fewer than 16 points a "
+      "four-bar that meets them to 1/1000 is near enough", 4, 10, NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
       "degree of freedom, 1 to 3: the number of driven joints at the ground. 2 gives mechanisms of 5, 7 and 9 links, 3 "
       "of 8 links. The other inputs turn with the first in a fixed ratio (--input-ratios) and at an angle that is "
@@ -526,14 +527,24 @@ static void note_left_out(const cli_call *call, const cli_fit_set *set)
     }
 }
 
-/* A single link draws a circle. */
-static void note_circle(const cli_call *call, const cli_fit_set *set)
+#define STRAIGHT 1e-6                  /* of the diagonal: a path that leaves a line by no more is straight                   */
+
+/* A single link draws a circle, or turns a body about a point; a slider moves straight. */
+static void note_simpler(const cli_call *call, const cli_fit_set *set)
 {
     const lw_target *t = &set->target;
     const char *unit = t->units.length[0] ? t->units.length : "units";
-    lw_vec2 c;
+    lw_vec2 c, p;
     double r, off = lw_target_circle(t, &c, &r), m = t->units.metre;
-    bool alone = set->spec.task == LW_TASK_PATH && set->spec.timing != LW_TIMING_PRESCRIBED && t->n_also == 0;
+    double from_pivot = lw_target_pivot(t, &p), grain = m*pow(10, floor(log10(STRAIGHT*t->extent/m + 1e-300)));
+    const bool path = set->spec.task == LW_TASK_PATH && t->n_also == 0;
+    bool alone = path && set->spec.timing != LW_TIMING_PRESCRIBED;
+    bool pins = !cli_given(&call->parsed, "type") && !cli_given(&call->parsed, "joints") && !set->is_exact;
+    if (path && pins && t->n >= 3 && lw_target_straight(t) <= STRAIGHT*t->extent)
+        cli_note(call, "%s: this path is straight: with '--type slidercrank' a slider moves exactly along it", set->path);
+    if (set->spec.task == LW_TASK_MOTION && t->n_also == 0 && from_pivot <= LW_EXACT_ENOUGH*t->extent)
+        cli_note(call, "%s: a link that turns about (%.6g, %.6g) moves the body so alone, within %.2g %s", set->path,
+                 (grain*round(p.x/grain) + 0.0)/m, (grain*round(p.y/grain) + 0.0)/m, fmax(from_pivot, grain)/m, unit);
     if (alone && off <= LW_EXACT_ENOUGH*t->extent && r < LW_DEFAULT_MAX_SIZE*t->extent)
         cli_note(call, "%s: a link of %.6g %s that turns about (%.6g, %.6g) draws this path alone, within %.2g %s", set->path,
                  r/m, unit, c.x/m, c.y/m, off/m, unit);
@@ -563,7 +574,7 @@ static void warn(const cli_call *call, const cli_fit_set *set)
     for (int i = 0; i < found->n; i++)
         least = fmin(least, lw_fit_report_stray(&found->report[i]));
     note_left_out(call, set);
-    note_circle(call, set);
+    note_simpler(call, set);
     if (set->search.found.fit.skipped[0])
         cli_note(call, "%s: skipped %s", set->path, set->search.found.fit.skipped);
     if (found->n == 0 && found->n_left_out == 0)

@@ -61,8 +61,8 @@ static void dimensions(const cli_fit_set *s, const lw_candidate *c, const lw_fit
 {
     static const char *const place[] = { "cx", "cy", "x0", "y0", "theta0" };
     const bool has_place = lw_task_has_place(s->spec.task);
-    for (int d = 0; d < c->n_dim; d++) {                             /* rounding is printed as 0 */
-        double least = r->dim_kind[d] == LW_DIM_ANGLE ? 1e-13 : 1e-13*r->size;
+    for (int d = 0; d < c->n_dim; d++) {           /* what no one can make is printed as 0 */
+        double least = r->dim_kind[d] == LW_DIM_ANGLE ? 1e-9 : 1e-9*r->size;
         bool idle = false;
         for (size_t k = 0; k < sizeof place/sizeof *place && !has_place; k++)
             idle |= strcmp(r->dim_name[d], place[k]) == 0;
@@ -96,7 +96,7 @@ static void table_row(const cli_fit_set *s, int i, int width, FILE *f)
         fprintf(f, " %9.4g %9.4g", r->angle_mean*deg, r->angle_max*deg);
     if (lw_task_has_place(s->spec.task))
         fprintf(f, " %9.4g", length(s, lw_fit_report_stray(r)));
-    fprintf(f, " %11.6g  %4.0f..%-4.0f %-5s", c->objective, r->transmission_min*deg,
+    fprintf(f, " %11.6g  %4.0f..%-4.0f %-5s", lw_fit_report_objective(c, r), r->transmission_min*deg,
             r->transmission_max*deg, lw_fit_report_input(r));
     if (lw_task_has_place(s->spec.task))
         fprintf(f, " %5.3g ", r->size/s->target.extent);

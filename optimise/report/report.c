@@ -87,6 +87,18 @@ static void add_station(const lw_target *t, const lw_fit_spec *s, const lw_candi
     }
 }
 
+/* Errors within the rounding of the places and angles from which they come are none. */
+#define ROUNDING 1e-12
+static void drop_rounding(double reach, int n, sums *sum)
+{
+    for (int k = 0; k < n; k++) {
+        if (sum[k].distance_max <= ROUNDING*reach)
+            sum[k].distance = sum[k].square = sum[k].distance_max = 0;
+        if (sum[k].angle_max <= ROUNDING)
+            sum[k].angle = sum[k].angle_max = 0;
+    }
+}
+
 static void errors_of_first(const lw_target *t, const lw_fit_spec *s, const sums *sum, lw_fit_report *r)
 {
     double n = (double)t->n;
@@ -134,6 +146,12 @@ static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const 
             return st;
         at[t->n + (size_t)j] = posture.tracer[0][0];
     }
+    double reach = 0;
+    for (size_t i = 0; i < t->n*(size_t)(1 + t->n_also); i++)
+        reach = fmax(reach, fmax(fabs(at[i].x), fabs(at[i].y)));
+    for (int i = 0; i < r->linkage.n_joint; i++)
+        reach = fmax(reach, fmax(fabs(r->linkage.joint[i].at.x), fabs(r->linkage.joint[i].at.y)));
+    drop_rounding(reach, 1 + t->n_also, sum);
     r->objective = sum[0].f;
     errors_of_first(t, s, &sum[0], r);
     r->n_also = t->n_also;

@@ -72,6 +72,7 @@ typedef struct lw_fit_report {
     bool     passes_limit;         /* between the stations the input passes a limit or turns back; on a closed target it
                                     * does not turn fully                                           */
     double   size;                 /* greatest distance of two pins, or of a pin and a point, of one link [m]       */
+    double   arm;                  /* greatest distance of a point from the nearest pin of its link [m]             */
     double   length_least, length_most;  /* distances of two pins of one link; NaN: no link has two [m]             */
     int      n_active;
     char     active[LW_ACTIVE_MAX][24];  /* limits that the result is at: "r1", "transmission", ...  (n_active)     */
@@ -92,7 +93,13 @@ const char *lw_fit_report_input(const lw_fit_report *r);
 /* Greatest distance of curve and target, both ways [m]; NaN for functions. */
 double lw_fit_report_stray(const lw_fit_report *r);
 
-/* The same, but not less than the greatest error at a station, with its angle counted over half the diagonal of the
+/* The objective; 0 if no error of the report is more than rounding. */
+double lw_fit_report_objective(const lw_candidate *c, const lw_fit_report *r);
+
+/* The longest length, or the longest arm of a point of a path or motion if that is longer, over the shortest length. */
+double lw_fit_report_ratio(const lw_target *t, const lw_fit_report *r);
+
+/* The stray, but not less than the greatest error at a station, with its angle counted over half the diagonal of the
  * target [m]. */
 double lw_fit_report_misses(const lw_target *t, const lw_fit_report *r);
 

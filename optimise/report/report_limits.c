@@ -9,18 +9,32 @@
 
 #define AT_LIMIT 1e-3             /* relative: nearer than this, a limit is active                                  */
 #define KEPT     1.01             /* limits are kept to this factor                                                */
-#define ARM      1.5              /* the arm of a point to the second pin of its link may be longer than that to the first */
 
 static bool on_link(const lw_joint *j, int link)
 {
     return lw_joint_turns(j->kind) && (j->link[0] == link || j->link[1] == link);
 }
 
+/* Add the arms of the points of a link: the size takes the longest of each, the ratio of lengths the one to the nearest pin. */
+static void measure_arms(const lw_linkage *linkage, int link, lw_fit_report *r)
+{
+    for (int j = 0; j < linkage->n_tracer; j++) {
+        double nearest = INFINITY;
+        for (int i = 0; i < linkage->n_joint && linkage->tracer[j].link == link; i++)
+            if (on_link(&linkage->joint[i], link)) {
+                double arm = lw_v2_norm(lw_v2_sub(linkage->joint[i].at, linkage->tracer[j].at));
+                nearest = fmin(nearest, arm);
+                r->size = fmax(r->size, arm);
+            }
+        r->arm = fmax(r->arm, isfinite(nearest) ? nearest : 0);
+    }
+}
+
 static void measure_lengths(const lw_linkage *linkage, lw_fit_report *r)
 {
-    r->size = 0;
+    r->size = r->arm = 0;
     r->length_least = r->length_most = NAN;
-    for (int link = 0; link < linkage->n_link; link++)
+    for (int link = 0; link < linkage->n_link; link++) {
         for (int i = 0; i < linkage->n_joint; i++) {
             if (!on_link(&linkage->joint[i], link))
                 continue;
@@ -32,10 +46,9 @@ static void measure_lengths(const lw_linkage *linkage, lw_fit_report *r)
                 r->length_most = fmax(r->length_most, length);
                 r->size = fmax(r->size, length);
             }
-            for (int j = 0; j < linkage->n_tracer; j++)
-                if (linkage->tracer[j].link == link)
-                    r->size = fmax(r->size, lw_v2_norm(lw_v2_sub(linkage->joint[i].at, linkage->tracer[j].at)));
         }
+        measure_arms(linkage, link, r);
+    }
 }
 
 static void add_active(lw_fit_report *r, const char *name)
@@ -61,7 +74,7 @@ static void find_active(const lw_target *t, const lw_fit_spec *s, const lw_candi
         lw_problem_free(p);
     }
     free(p);
-    if (s->length_ratio > 0 && near(r->length_most, s->length_ratio*r->length_least))
+    if (s->length_ratio > 0 && near(lw_fit_report_ratio(t, r), s->length_ratio))
         add_active(r, "length-ratio");
     if (s->min_transmission > 0 && near(r->transmission_min, s->min_transmission))
         add_active(r, "transmission");
@@ -105,9 +118,8 @@ static void judge(const lw_target *t, const lw_fit_spec *s, lw_fit_report *r)
                r->transmission_min*180/LW_PI);
     if (s->class_margin > 0 && r->has_class && r->barker.margin*KEPT < s->class_margin)
         broken(r, LW_LIMIT_MARGIN, "it is only %.3g perimeters from a change point", r->barker.margin);
-    double most = lw_task_has_place(s->task) ? fmax(r->length_most, r->size/ARM) : r->length_most;
-    if (s->by_default & LW_LIMIT_RATIO && s->n_bound == 0 && most > KEPT*s->length_ratio*r->length_least)
-        broken(r, LW_LIMIT_RATIO, "one of its lengths is %.3g times another", fmax(most, r->size)/r->length_least);
+    if (s->by_default & LW_LIMIT_RATIO && s->n_bound == 0 && lw_fit_report_ratio(t, r) > KEPT*s->length_ratio)
+        broken(r, LW_LIMIT_RATIO, "one of its lengths is %.3g times another", lw_fit_report_ratio(t, r));
     if (s->max_size > 0 && t->extent > 0 && s->n_bound == 0 && !(s->length_hi > 0)
         && r->size > KEPT*s->max_size*t->extent)
         broken(r, LW_LIMIT_SIZE, "it is %.3g times as large as the target", r->size/t->extent);
@@ -121,6 +133,19 @@ const char *lw_fit_report_input(const lw_fit_report *r)
 double lw_fit_report_stray(const lw_fit_report *r)
 {
     return isnan(r->stray.to_target) ? NAN : fmax(r->stray.to_curve, r->stray.to_target);
+}
+
+double lw_fit_report_objective(const lw_candidate *c, const lw_fit_report *r)
+{
+    bool meets = !(r->error_max > 0 || r->angle_max > 0);
+    for (int k = 0; k < r->n_also; k++)
+        meets &= !(r->also[k].max > 0 || r->also[k].angle_max > 0);
+    return meets ? 0 : c->objective;
+}
+
+double lw_fit_report_ratio(const lw_target *t, const lw_fit_report *r)
+{
+    return (t->extent > 0 ? fmax(r->length_most, r->arm) : r->length_most)/r->length_least;
 }
 
 /* The error of the angle, as a distance. */

@@ -30,7 +30,7 @@ static bool first_with_its_links(const lw_fit_results *r, const lw_fit *fit, int
  * linkage a quarter of the ratio of the longest to the shortest link. */
 static double bulk_of(const lw_target *t, const lw_fit_report *r)
 {
-    return t->extent > 0 ? r->size/t->extent : 0.25*r->length_most/r->length_least;
+    return t->extent > 0 ? r->size/t->extent : 0.25*lw_fit_report_ratio(t, r);
 }
 
 /* A result is worth a row beside one with less error if it is smaller or strays less by this factor, or ... */
@@ -236,7 +236,7 @@ static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_re
         error = (lw_fit_report_distance(t, r) + (isnan(r->spread) ? 0 : r->spread))/t->extent;
     return log(error + (t->extent > 0 ? NO_ERROR : LW_EXACT_ENOUGH)) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/LW_NEAR)) : 0)
          + cost_of_size(bulk) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
-         + (t->extent > 0 ? PER_RATIO*log(lw_uneven(r->length_most, r->length_least)) : 0)
+         + (t->extent > 0 ? PER_RATIO*log(lw_uneven(lw_fit_report_ratio(t, r), 1)) : 0)
          + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
 }
 
@@ -281,18 +281,18 @@ static void leave_out(lw_fit_results *out, int candidate, const char *fault)
 
 /* Both candidates are within the tolerance: does i come before k, because it is simpler, or else smaller?  A linkage with lengths
  * of more than LW_EVEN to one counts as larger. */
-static bool simpler(const lw_fit *fit, const lw_fit_report *all, int i, int k)
+static bool simpler(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, int i, int k)
 {
     int links = lw_candidate_links(&fit->candidate[i]) - lw_candidate_links(&fit->candidate[k]);
     const lw_fit_report *a = &all[i], *b = &all[k];
     return links != 0 ? links < 0
-         : a->size*lw_uneven(a->length_most, a->length_least) < b->size*lw_uneven(b->length_most, b->length_least);
+         : a->size*lw_uneven(lw_fit_report_ratio(t, a), 1) < b->size*lw_uneven(lw_fit_report_ratio(t, b), 1);
 }
 
 /* Put the candidates that stay within the tolerance into `order`, the simplest and smallest first.  A candidate after
  * the first is kept if its error is less than those of all before it by a fifth, or its transmission angle greater.  Returns
  * their number. */
-static int within_tolerance(const lw_fit_spec *s, const lw_fit *fit, const lw_fit_report *all,
+static int within_tolerance(const lw_target *t, const lw_fit_spec *s, const lw_fit *fit, const lw_fit_report *all,
                             const bool *usable, unsigned broken, int *order)
 {
     int n = 0, kept = 0;
@@ -300,7 +300,7 @@ static int within_tolerance(const lw_fit_spec *s, const lw_fit *fit, const lw_fi
         if (!usable[i] || bits(all[i].broken) > bits(broken) || !(lw_fit_report_stray(&all[i]) <= s->tolerance))
             continue;
         int at = n++;
-        for (; at > 0 && simpler(fit, all, i, order[at - 1]); at--)
+        for (; at > 0 && simpler(t, fit, all, i, order[at - 1]); at--)
             order[at] = order[at - 1];
         order[at] = i;
     }
@@ -418,7 +418,7 @@ lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw
     }
     int *order = st == LW_OK ? calloc(n, sizeof *order) : NULL;
     st = st == LW_OK && !order ? lw_error_set(e, LW_E_MEMORY, "no memory for %d results", fit->n) : st;
-    out->n_within = st == LW_OK ? within_tolerance(s, fit, all, fit_for_use, out->broken, order) : 0;
+    out->n_within = st == LW_OK ? within_tolerance(t, s, fit, all, fit_for_use, out->broken, order) : 0;
     for (int i = 0; i < out->n_within && out->n < most; i++) {
         out->report[out->n] = all[order[i]];
         out->candidate[out->n++] = order[i];

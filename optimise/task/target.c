@@ -253,6 +253,57 @@ double lw_target_circle(const lw_target *t, lw_vec2 *centre, double *radius)
     return round ? most : INFINITY;
 }
 
+double lw_target_pivot(const lw_target *t, lw_vec2 *pivot)
+{
+    size_t n = t->x && t->theta ? t->n : 0, m = 2*n;
+    double *a = n >= 3 ? calloc(5*m, sizeof *a) : NULL, *b = a + 4*m, diag[4], most = 0;
+    if (!a)
+        return INFINITY;
+    for (size_t i = 0; i < n; i++) {                 /* pivot - R(theta) q = p, from the first point, in sizes */
+        double c = cos(t->theta[i]), s = sin(t->theta[i]);
+        double row[2][4] = { { 1, 0, -c, s }, { 0, 1, -s, -c } };
+        for (int k = 0; k < 4; k++)
+            for (size_t axis = 0; axis < 2; axis++)
+                a[2*i + axis + m*(size_t)k] = row[axis][k];
+        b[2*i] = (t->x[i] - t->x[0])/t->size;
+        b[2*i + 1] = (t->y[i] - t->y[0])/t->size;
+    }
+    bool turns = lw_qr_factor((int)m, 4, a, diag) > 1e-2;
+    if (turns) {
+        lw_qr_solve((int)m, 4, a, diag, b);
+        *pivot = lw_v2(t->x[0] + t->size*b[0], t->y[0] + t->size*b[1]);
+    }
+    for (size_t i = 0; turns && i < n; i++) {
+        lw_vec2 arm = lw_v2_turn(lw_v2(t->size*b[2], t->size*b[3]), lw_v2_polar(1, t->theta[i]));
+        most = fmax(most, lw_v2_norm(lw_v2_sub(lw_v2_sub(*pivot, arm), lw_v2(t->x[i], t->y[i]))));
+    }
+    free(a);
+    return turns ? most : INFINITY;
+}
+
+double lw_target_straight(const lw_target *t)
+{
+    double xx = 0, xy = 0, yy = 0, least = INFINITY, most = -INFINITY;
+    lw_vec2 mean = lw_v2(0, 0);
+    if (!t->x)
+        return INFINITY;
+    for (size_t i = 0; i < t->n; i++)
+        mean = lw_v2_add(mean, lw_v2((t->x[i] - t->x[0])/(double)t->n, (t->y[i] - t->y[0])/(double)t->n));
+    for (size_t i = 0; i < t->n; i++) {
+        double x = t->x[i] - t->x[0] - mean.x, y = t->y[i] - t->y[0] - mean.y;
+        xx += x*x;
+        xy += x*y;
+        yy += y*y;
+    }
+    lw_vec2 along = lw_v2_polar(1, 0.5*atan2(2*xy, xx - yy));          /* the greater principal axis */
+    for (size_t i = 0; i < t->n; i++) {
+        double off = lw_v2_cross(along, lw_v2(t->x[i] - t->x[0], t->y[i] - t->y[0]));
+        least = fmin(least, off);
+        most = fmax(most, off);
+    }
+    return (most - least)/2;
+}
+
 enum { PARTS_MOST = 12, TURNED = 200 };      /* stations that are turned, at most */
 
 int lw_target_parts(const lw_target *t, double off)

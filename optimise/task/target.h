@@ -79,6 +79,13 @@ double lw_target_distance(const lw_target *t, lw_vec2 place);
  * than 6 points, or a straight line. */
 double    lw_target_circle(const lw_target *t, lw_vec2 *centre, double *radius);
 
+/* The point about which a body turns that moves through all places and angles of a motion, by least squares.  Returns the greatest
+ * distance of a place from the one that the body then has [m]; INFINITY: no motion, fewer than 3 stations, or the body hardly turns. */
+double    lw_target_pivot(const lw_target *t, lw_vec2 *pivot);
+
+/* Greatest distance of a point of the path from one straight line [m]; INFINITY: no path. */
+double    lw_target_straight(const lw_target *t);
+
 /* Of how many equal parts round a centre the closed path consists, 3 to 12, as a star of five rays has 5: turned by one part, no station
  * leaves the polygon of the stations by more than `off` [m].  1: none. */
 int       lw_target_parts(const lw_target *t, double off);

@@ -185,7 +185,7 @@ static int find_column(lw_text_span name)
     return -1;
 }
 
-/* Split a unit off a name: "x_mm", "x [mm]", "x (mm)" and "x/mm" are x in mm; "theta_in" is a name by itself, not an
+/* Split a unit off a name: "x_mm", "x [mm]", "x (mm)", "x/mm" and "x mm" are x in mm; "theta_in" is a name by itself, not an
  * angle in inches. *fault: the text in brackets, if it is no unit. */
 static int split_name(lw_text_span name, const char **unit, lw_text_span *fault)
 {
@@ -194,7 +194,7 @@ static int split_name(lw_text_span name, const char **unit, lw_text_span *fault)
     *fault = (lw_text_span){ NULL, 0 };
     for (size_t i = name.n; found < 0 && i-- > 1; ) {
         char c = name.s[i], last = name.s[name.n - 1];
-        if (c != '_' && c != '/' && !(c == '[' && last == ']') && !(c == '(' && last == ')'))
+        if (c != '_' && c != '/' && !(c == ' ' && last != ']' && last != ')') && !(c == '[' && last == ']') && !(c == '(' && last == ')'))
             continue;
         bool bracket = c == '[' || c == '(';
         lw_text_span word = lw_span_trim((lw_text_span){ name.s + i + 1, name.n - i - 1 - bracket });
