@@ -379,6 +379,37 @@ TEST(symmetric_bricards)
     turn_input(6, a, -1.5, 30, see_symmetric, a);
 }
 
+/* ---- Wren's platform -------------------------------------------------------------------------------------------------- */
+
+/* Six equal legs between equal hexagons, the upper one turned: they are lines of one hyperboloid, of rank 3 in every posture of the screw
+ * motion, which is the only one.  Each leg spins, too. */
+TEST(wren)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    lw_spatial m;
+    lw_space_mobility got;
+    lw_error e;
+    fputs("{\"linkwright\": 1, \"links\": [\"ground\", \"platform\"", f);
+    for (int i = 0; i < 6; i++)
+        fprintf(f, ", \"l%d\"", i);
+    fputs("], \"joints\": [", f);
+    for (int i = 0; i < 12; i++)
+        fprintf(f, "%s{\"name\": \"J%d\", \"kind\": \"spherical\", \"links\": [\"%s\", \"l%d\"], \"at\": [%.17g, %.17g, %d]}", i ? ", " : "", i,
+                i%2 ? "platform" : "ground", i/2, cos(i/2*LW_PI/3 + i%2*0.5), sin(i/2*LW_PI/3 + i%2*0.5), i%2);
+    fputs("]}", f);
+    fclose(f);
+    read_spatial(text, size, "wren", &m);
+    free(text);
+    CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
+    CHECK_INT(got.idle, 6);
+    CHECK_INT(got.freedom, 7);
+    CHECK_INT(got.instant, 9);
+    lw_space_mobility_free(&got);
+    lw_spatial_free(&m);
+}
+
 /* ---- singular postures ------------------------------------------------------------------------------------------------ */
 
 /* A parallelogram in space whose crank turns by 2 t from upright, beside and through its flat postures: the coupler's centre moves in a circle. */

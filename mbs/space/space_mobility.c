@@ -2,13 +2,15 @@
  *
  * The model is displaced along a random motion of first order and its joints are closed again, by least squares, as the
  * rows may depend on each other.  If they close in another posture, the model moves, and the rank there is that of the
- * motion; if they close only where it was, it is shaky.  Large models each of whose rows is clearly independent of the others or
+ * motion; if they close only where it was, it is shaky.  Where rows depend on others, motions of first order may be shaky along the whole
+ * motion (Wren's platform on a hyperboloid of legs), which their second order tells.  Large models each of whose rows is clearly independent of the others or
  * dependent on them are solved without full matrices: all rows hold where the independent ones lead. */
 #include "mbs/space/space_mobility.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include "base/rng.h"
+#include "base/vector.h"
 #include "mbs/space/space_follow.h"
 
 void lw_space_mobility_free(lw_space_mobility *m)
@@ -21,7 +23,7 @@ typedef struct search {
     const lw_space *s;
     lw_space_rows_set z;
     lw_space_dense d;
-    double *q, *by, *v, *b;
+    double *q, *moved, *by, *v, *b;          /* moved: a posture that closes beside that of the file */
     double least;                /* diagonal of a factorisation below which a row depends on others */
     double rounding;             /* residual of closed rows */
     const volatile sig_atomic_t *stop;
@@ -151,17 +153,67 @@ static lw_status find_clear(search *x, uint64_t seed, lw_space_mobility *m, lw_e
     return LW_OK;
 }
 
-static lw_status find(search *x, uint64_t seed, double tolerance, lw_space_mobility *m)
+/* How many of the motions y of first order in the posture x->q, where the rank stays as it is along the motion, are tangents?  For rows that
+ * depend on others, l^T J = 0, the derivative of l^T J k = 0 along a tangent y gives l^T dJ(y) k = 0 for all motions k of first order. */
+static lw_status count_tangents(search *x, int *tangents, lw_error *e)
+{
+    const lw_space *s = x->s;
+    int n_motion = s->n_v - rank_at(x, x->q, 0), rows = x->z.n_row;
+    size_t n = (size_t)s->n_v, f = (size_t)n_motion;
+    *tangents = n_motion;
+    if (n_motion < 2 || x->d.rank.rank == rows)
+        return LW_OK;
+    double *motion = malloc((f*n + f*(size_t)rows + f*f + (size_t)rows)*sizeof *motion);
+    if (!motion)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    double *part = motion + f*n, *gram = part + f*(size_t)rows, *less = gram + f*f, most = 1e4*x->least*x->least;
+    memset(gram, 0, f*f*sizeof *gram);
+    for (int k = 0; k < n_motion; k++)
+        lw_rank_left_null(&x->d.rank, k, motion + (size_t)k*n);
+    for (int k = 0; k < n_motion && !(x->stop && *x->stop); k++) {
+        for (int j = 0; j < n_motion; j++) {
+            double *to = part + (size_t)j*(size_t)rows;
+            for (int i = 0; i < s->n_v; i++) {
+                x->by[i] = motion[(size_t)j*n + (size_t)i] + motion[(size_t)k*n + (size_t)i];
+                x->v[i] = motion[(size_t)j*n + (size_t)i] - motion[(size_t)k*n + (size_t)i];
+            }
+            lw_space_rows_bias(&x->z, x->by, to);
+            lw_space_rows_bias(&x->z, x->v, less);
+            for (int r = 0; r < rows; r++)
+                to[r] = (to[r] - less[r])/4;
+            lw_rank_null_part(&x->d.rank, to);
+            for (int i = 0; i <= j; i++)
+                gram[(size_t)i*f + (size_t)j] = gram[(size_t)j*f + (size_t)i] += lw_dot(rows, part + (size_t)i*(size_t)rows, to);
+        }
+    }
+    for (int step = 0; step < n_motion; step++) {                /* its rank, by elimination with the greatest pivot */
+        size_t p = 0;
+        for (size_t i = 1; i < f; i++)
+            p = gram[i*f + i] > gram[p*f + p] ? i : p;
+        double pivot = gram[p*f + p];
+        if (!(pivot > most))
+            break;
+        --*tangents;
+        memcpy(motion, gram + p*f, f*sizeof *motion);
+        for (size_t i = 0; i < f; i++)
+            for (size_t j = 0; j < f; j++)
+                gram[i*f + j] -= motion[i]*motion[j]/pivot;
+    }
+    free(motion);
+    return LW_OK;
+}
+
+static lw_status find(search *x, uint64_t seed, double tolerance, lw_space_mobility *m, lw_error *e)
 {
     static const double length = 0.05;
     const lw_space *s = x->s;
+    double closed = fmax(tolerance, 1e-12);
     lw_rng rng;
     lw_rng_seed(&rng, seed, 0);
     m->instant = s->n_v - rank_at(x, s->start, 0);
     m->rank = s->n_v - m->instant;
     m->shaky = m->instant > 0;
-    double best = 0;
-    for (int trial = 0; trial < 12 && m->instant > 0 && !(x->stop && *x->stop); trial++) {
+    for (int trial = 0; trial < (m->shaky ? 12 : 6) && m->instant > 0 && !(x->stop && *x->stop); trial++) {
         double step = length*(trial < 6 ? 1 : 0.2);
         draw_motion(x, &rng);
         memcpy(x->q, s->start, (size_t)s->n_q*sizeof *x->q);
@@ -169,20 +221,24 @@ static lw_status find(search *x, uint64_t seed, double tolerance, lw_space_mobil
             x->by[i] = step*x->v[i];
         lw_space_move(s, x->q, x->by);
         double off = close_rows(x, s->n_v - m->instant);
-        if (!(off < fmax(tolerance, 1e-12)))
+        if (!(off < closed))
             off = close_rows(x, 0);
         double far = distance(x);
-        if (!(off < fmax(tolerance, 1e-12)) || far < 0.3*step)
+        if (!(off < closed) || far < 0.3*step)
             continue;
-        int rank = rank_at(x, x->q, 0), freedom = s->n_v - rank;
-        m->shaky = false;
-        if (best == 0 || freedom > m->freedom) {
-            best = far;
+        int freedom, rank;
+        lw_status st = count_tangents(x, &freedom, e);
+        if (st != LW_OK)
+            return st;
+        rank = x->d.rank.rank;
+        if (m->shaky || freedom > m->freedom) {
+            memcpy(x->moved, x->q, (size_t)s->n_q*sizeof *x->moved);
             m->freedom = freedom;
             m->rank = rank;
             m->moved = far;
             m->residual = off*s->unit;
         }
+        m->shaky = false;
     }
     return LW_OK;
 }
@@ -197,7 +253,7 @@ static lw_status name_redundant(search *x, lw_space_mobility *m, lw_error *e)
     if (!basis)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     int rank = 0;
-    lw_space_rows_fill(&x->z, m->freedom > 0 ? x->q : s->start, NULL);
+    lw_space_rows_fill(&x->z, m->freedom > 0 ? x->moved : s->start, NULL);
     for (int r = 0; r < rows; r++) {
         memset(row, 0, (size_t)n*sizeof *row);
         for (int k = 0; k < LW_SPACE_SIDES; k++)
@@ -208,11 +264,9 @@ static lw_status name_redundant(search *x, lw_space_mobility *m, lw_error *e)
             before += row[i]*row[i];
         for (int twice = 0; twice < 2; twice++)
             for (int k = 0; k < rank; k++) {
-                double dot = 0;
+                double along = lw_dot(n, row, basis + (size_t)k*(size_t)n);
                 for (int i = 0; i < n; i++)
-                    dot += row[i]*basis[(size_t)k*(size_t)n + (size_t)i];
-                for (int i = 0; i < n; i++)
-                    row[i] -= dot*basis[(size_t)k*(size_t)n + (size_t)i];
+                    row[i] -= along*basis[(size_t)k*(size_t)n + (size_t)i];
             }
         for (int i = 0; i < n; i++)
             after += row[i]*row[i];
@@ -236,14 +290,14 @@ lw_status lw_space_mobility_find(const lw_spatial *model, double tolerance, uint
     lw_status st = lw_space_make(model, &s, e);
     if (st != LW_OK)
         return st;
-    double *weight = malloc(((size_t)s.n_q + 3*(size_t)s.n_v + (size_t)s.n_row + 1)*sizeof *weight);
+    double *weight = malloc((2*(size_t)s.n_q + 3*(size_t)s.n_v + (size_t)s.n_row + 1)*sizeof *weight);
     lw_space_extra *idle = calloc((size_t)s.n_body + 1, sizeof *idle);
     m->idle_link = calloc((size_t)s.n_body + 1, sizeof *m->idle_link);
     m->redundant = calloc((size_t)s.n_row + 1, sizeof *m->redundant);
     if (!weight || !idle || !m->idle_link || !m->redundant)
         st = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (st == LW_OK) {
-        x.q = weight + s.n_v, x.by = x.q + s.n_q, x.v = x.by + s.n_v, x.b = x.v + s.n_v;
+        x.q = weight + s.n_v, x.moved = x.q + s.n_q, x.by = x.moved + s.n_q, x.v = x.by + s.n_v, x.b = x.v + s.n_v;
         lw_space_metric(&s, weight);
         m->n_body = s.n_body;
         m->n_row = s.n_row;
@@ -255,7 +309,7 @@ lw_status lw_space_mobility_find(const lw_spatial *model, double tolerance, uint
     }
     if (st == LW_OK && (st = find_clear(&x, seed, m, e)) == LW_NOTHING && (st = lw_space_dense_make(&x.z, &x.d, e)) == LW_OK) {
         x.d.rank.stop = stop;
-        if ((st = find(&x, seed, tolerance, m)) == LW_OK)
+        if ((st = find(&x, seed, tolerance, m, e)) == LW_OK)
             st = stop && *stop ? lw_error_set(e, LW_STOPPED, "stopped before the freedoms were found") : name_redundant(&x, m, e);
         lw_space_dense_free(&x.d);
     }
