@@ -40,8 +40,19 @@ static bool is_fixed(const lw_linkage *k, int j)
     return k->joint[j].link[0] == k->ground || k->joint[j].link[1] == k->ground;
 }
 
+/* Does the report say that the linkage is at this limit, if its distance from it is less than a thousandth of the target's size? */
+static void check_active(const lw_fit_report *r, const char *limit, double distance)
+{
+    const double thousandth = 1e-3*hypot(3.2, 1.8);
+    bool said = false;
+    for (int i = 0; i < r->n_active; i++)
+        said |= strcmp(r->active[i], limit) == 0;
+    CHECK(said ? distance < 1.1*thousandth : distance > 0.9*thousandth);
+}
+
 TEST(pivots_in_a_box_and_on_a_line)
 {
+    double inside = INFINITY;
     lw_fit_report *r = malloc(sizeof *r);
     lw_fit_spec s = cranks();
     s.n_zone = 1;
@@ -51,7 +62,9 @@ TEST(pivots_in_a_box_and_on_a_line)
             if (is_fixed(&r->linkage, j)) {
                 lw_vec2 p = r->linkage.joint[j].at;
                 CHECK(p.x >= -2 - 1e-6 && p.x <= 5 + 1e-6 && p.y >= -4 - 1e-6 && p.y <= -1 + 1e-6);
+                inside = fmin(inside, fmin(fmin(p.x + 2, 5 - p.x), fmin(p.y + 4, -1 - p.y)));
             }
+    check_active(r, "pivots", inside);
     s.zone[0] = (lw_zone){ .kind = LW_ZONE_PIVOTS_LINE, .at = { 0, -1.5 }, .to = { 1, 0 }, .reach = 0.01 };
     if (best(&s, r))
         for (int j = 0; j < r->linkage.n_joint; j++)
@@ -68,12 +81,14 @@ TEST(nothing_enters_a_circle)
     s.n_zone = 1;
     s.zone[0] = (lw_zone){ .kind = LW_ZONE_NO_CIRCLE, .at = { 1.6, 0.9 }, .to = { 0, 0 }, .reach = 0.5 };
     if (best(&s, r) && lw_newton_create(&r->linkage, &n, NULL) == LW_OK) {
-        double start = lw_newton_input(n), least = INFINITY;
+        double start = lw_newton_input(n), least = INFINITY, point = INFINITY;
         for (int k = 0; k <= 360; k++) {
             CHECK_INT(lw_newton_move(n, start + 2*LW_PI*k/360, NULL), LW_OK);
             for (int j = 0; j < r->linkage.n_joint; j++)
                 least = fmin(least, lw_v2_norm(lw_v2_sub(lw_newton_joint(n, j), s.zone[0].at)));
+            point = fmin(point, lw_v2_norm(lw_v2_sub(lw_newton_tracer(n, 0), s.zone[0].at)));
         }
+        check_active(r, "forbidden", fmin(least, point) - 0.5);
         CHECK(least > 0.5 - 0.02);                       /* looked at in 24 postures                   */
         lw_newton_free(n);
     }

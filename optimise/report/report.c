@@ -439,7 +439,7 @@ static lw_status report_with(const lw_plan *plan, const lw_target *t, const lw_f
         if (lw_task_has_place(s->task))
             compare_curves(t, s, c, plan, &cycle, r);
         classify(t, s, c, r);
-        lw_fit_report_limits(t, s, c, r);
+        lw_fit_report_limits(t, s, c, &limits, r);
         r->no_memory |= lw_verify(t, s, c, plan, at, r) != LW_OK;
         r->meets = lw_motion_limits_meets(&limits, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);
         r->verified &= r->meets;

@@ -21,7 +21,7 @@ size_t lw_fit_report_cycle_points(const lw_plan *plan, const lw_candidate *c, co
                                   size_t most, lw_vec2 *curve);
 
 /* Fill in size and lengths, which limits are active, and which the result does not keep. */
-void lw_fit_report_limits(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r);
+void lw_fit_report_limits(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_motion_limits *motion, lw_fit_report *r);
 
 /* Add a reversal, unless there are LW_REVERSAL_MAX. */
 void lw_fit_report_reversal(lw_fit_report *r, bool limit, int joint, double input);

@@ -60,7 +60,7 @@ static void add_active(lw_fit_report *r, const char *name)
 static bool near(double a, double b) { return isfinite(b) && fabs(a - b) <= AT_LIMIT*fmax(fabs(a), fabs(b)); }
 
 /* Which dimensions are at a bound that leaves them free, and which conditions are active? */
-static void find_active(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r)
+static void find_active(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_motion_limits *motion, lw_fit_report *r)
 {
     lw_problem *p = malloc(sizeof *p);
     double x[LW_VAR_MAX];
@@ -80,6 +80,14 @@ static void find_active(const lw_target *t, const lw_fit_spec *s, const lw_candi
         add_active(r, "transmission");
     if (s->class_margin > 0 && r->has_class && near(r->barker.margin, s->class_margin))
         add_active(r, "class-margin");
+    bool slide = r->linkage.n_input > 0 && lw_joint_slides(r->linkage.joint[r->linkage.input[0].joint].kind);
+    double acceleration = slide ? s->max_slide_acceleration : s->max_acceleration;
+    if (acceleration > 0 && near(motion->acceleration, acceleration))
+        add_active(r, "acceleration");
+    if (t->size > 0 && lw_pivots_astray(s, &r->linkage) > -AT_LIMIT*t->size)
+        add_active(r, "pivots");
+    if (t->size > 0 && motion->intrusion > -AT_LIMIT*t->size)
+        add_active(r, "forbidden");
 }
 
 /* Does the input pass a limit, or turn back, between the stations? */
@@ -178,10 +186,10 @@ void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size)
         snprintf(text + strlen(text), size - strlen(text), "%s%s", i ? ", " : "", r->active[i]);
 }
 
-void lw_fit_report_limits(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r)
+void lw_fit_report_limits(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_motion_limits *motion, lw_fit_report *r)
 {
     measure_lengths(&r->linkage, r);
-    find_active(t, s, c, r);
+    find_active(t, s, c, motion, r);
     r->passes_limit = passes_limit(t, s, c, r);
     judge(t, s, r);
 }

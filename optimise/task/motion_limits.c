@@ -7,12 +7,12 @@
 
 lw_motion_limits lw_motion_limits_begin(void)
 {
-    return (lw_motion_limits){ .margin_least = NAN, .margin_most = NAN };
+    return (lw_motion_limits){ .margin_least = NAN, .margin_most = NAN, .intrusion = -INFINITY };
 }
 
 static double depth(const lw_zone *z, const lw_plan *plan, const lw_posture *posture)
 {
-    double least = 0;
+    double least = INFINITY;
     for (int j = 0; j < LW_JOINT_MAX; j++)
         if (plan->joint_point[j] >= 0)
             least = fmin(least, lw_zone_outside(z, posture->joint[j][0]));
@@ -53,9 +53,9 @@ static double astray(const lw_zone *z, lw_vec2 at)
     return fabs(lw_v2_cross(z->to, lw_v2_sub(at, z->at))) - z->reach;
 }
 
-static double pivots_astray(const lw_fit_spec *s, const lw_linkage *linkage)
+double lw_pivots_astray(const lw_fit_spec *s, const lw_linkage *linkage)
 {
-    double most = 0;
+    double most = -INFINITY;
     for (int i = 0; i < s->n_zone; i++)
         for (int j = 0; j < linkage->n_joint; j++)
             if (!lw_zone_forbids(&s->zone[i]) && lw_joint_turns(linkage->joint[j].kind)
@@ -67,7 +67,7 @@ static double pivots_astray(const lw_fit_spec *s, const lw_linkage *linkage)
 bool lw_motion_limits_meets(const lw_motion_limits *w, const lw_fit_spec *s, const lw_linkage *linkage,
                             double size, char *why, size_t why_size)
 {
-    double sine = sqrt(fmax(0, w->margin_least)), m = size > 0 ? size : 1, pivots = pivots_astray(s, linkage);
+    double sine = sqrt(fmax(0, w->margin_least)), m = size > 0 ? size : 1, pivots = lw_pivots_astray(s, linkage);
     bool slide = linkage->n_input > 0 && lw_joint_slides(linkage->joint[linkage->input[0].joint].kind);
     double most = slide ? s->max_slide_acceleration : s->max_acceleration;
     char text[160] = "";
