@@ -522,3 +522,28 @@ TEST(pushed_against_a_stop_from_rest)
         lw_model_free(&d.model);
     }
 }
+
+/* Three equal blocks that touch by their stops, and a fourth that strikes them: without loss the far block alone goes on, with its speed. */
+TEST(blocks_that_touch_are_struck_one_after_the_other)
+{
+    char text[3000];
+    int n = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground'");
+    for (int i = 0; i < 4; i++)
+        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'b%d', 'mass': 1, 'centre': [%g, 0], 'inertia': 1, 'velocity': [%d, 0], 'omega': 0}",
+                      i, i < 3 ? 0.2*i : 1.3, i < 3 ? 0 : -2);
+    static const char *to[] = { "ground", "b0", "b1", "b2" };
+    for (int i = 0; i < 4; i++)
+        n += snprintf(text + n, sizeof text - (size_t)n, "%s{'name': 'S%d', 'kind': 't', 'links': ['%s', 'b%d'], 'at': [0, 0], 'along': [1, 0]%s}",
+                      i ? ", " : "], 'joints': [", i, to[i], i, i == 0 ? "" : i < 3 ? ", 'stop': {'least': 0, 'restitution': 1}"
+                      : ", 'stop': {'least': -0.7, 'restitution': 1}");
+    snprintf(text + n, sizeof text - (size_t)n, "]}");
+    drun_read_format(&d, text, 0, 0);
+    for (int f = 0; f < 2; f++) {
+        CHECK_INT(drun_to(&d, f ? LW_FORMULATION_CVODE : LW_FORMULATION_INDEX1, 1e-9, 1, 5), LW_OK);
+        for (int i = 0; i < 4; i++) {
+            CHECK_NEAR(d.q[3*i]*d.system.unit, i ? 0.2*i : -2*(1 - 0.35), 1e-7, 0);
+            CHECK_NEAR(d.v[3*i]*d.system.unit, i ? 0 : -2, 1e-7, 0);
+        }
+    }
+    lw_model_free(&d.model);
+}

@@ -64,9 +64,9 @@ static void find_special_joints(lw_dynamics *d)
         if (p->stiffness > 0)
             continue;
         if (p->has_least)
-            d->stop[d->n_stop++] = (lw_rigid_stop){ j, number, 1, p->least/unit, p->restitution, false, false };
+            d->stop[d->n_stop++] = (lw_rigid_stop){ j, number, 1, p->least/unit, p->restitution, false, false, false };
         if (p->has_greatest)
-            d->stop[d->n_stop++] = (lw_rigid_stop){ j, number, -1, p->greatest/unit, p->restitution, false, false };
+            d->stop[d->n_stop++] = (lw_rigid_stop){ j, number, -1, p->greatest/unit, p->restitution, false, false, false };
     }
     for (int i = 0; i < m->n_input; i++)
         if (m->input[i].motion || d->o.hold_inputs)

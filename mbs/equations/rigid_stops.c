@@ -15,9 +15,9 @@ int lw_rigid_stops_find(const lw_model *m, const lw_system *s, lw_rigid_stop *st
         if (p->stiffness > 0)
             continue;
         if (p->has_least)
-            stop[n++] = (lw_rigid_stop){ j, j, 1, p->least*scale, p->restitution, false, false };
+            stop[n++] = (lw_rigid_stop){ j, j, 1, p->least*scale, p->restitution, false, false, false };
         if (p->has_greatest)
-            stop[n++] = (lw_rigid_stop){ j, j, -1, p->greatest*scale, p->restitution, false, false };
+            stop[n++] = (lw_rigid_stop){ j, j, -1, p->greatest*scale, p->restitution, false, false, false };
     }
     return n;
 }
@@ -47,6 +47,18 @@ lw_gap lw_rigid_stop_motion(const lw_system *s, const lw_rigid_stop *stop, const
     return gap;
 }
 
+/* Bodies that only touch are struck one after the other, not as one. */
+static lw_status part_touching(const lw_stops *s, double t, double *y)
+{
+    lw_status st = LW_OK;
+    for (int i = 0; st == LW_OK && i < s->n_stop; i++)
+        if (s->stop[i].resting && s->stop[i].touching) {
+            s->stop[i].resting = false;
+            st = s->arrange(s->context, i, t, y);
+        }
+    return st;
+}
+
 /* Stop i is hit. */
 static lw_status strike(const lw_stops *s, int i, double t, double *y, double *g, double rate, lw_error *e)
 {
@@ -66,6 +78,7 @@ static lw_status strike(const lw_stops *s, int i, double t, double *y, double *g
     bool low = gap.rate*gap.rate <= -2*gap.acceleration*s->least_bounce;
     if (gap.acceleration <= 0 && (gap.rate <= 0 || low)) {
         s->stop[i].resting = true;
+        s->stop[i].touching = false;
         return s->arrange(s->context, i, t, y);
     }
     for (int k = 0; restitution == 0 && k < s->n; k++)
@@ -110,7 +123,7 @@ static lw_status strike_all(const lw_stops *s, double t, double *y, bool *any, l
             continue;
         }
         if (st == LW_OK && touches(s, i, y, &gap)) {
-            s->stop[i].resting = true;
+            s->stop[i].resting = s->stop[i].touching = true;
             st = s->arrange(s->context, i, t, y);
             *any |= s->stop[i].resting;
             if (st == LW_OK)
@@ -120,6 +133,10 @@ static lw_status strike_all(const lw_stops *s, double t, double *y, bool *any, l
             continue;
         if (st == LW_OK && s->note)
             s->note(s->context, i, t, true, gap.rate);
+        if (st == LW_OK)
+            st = part_touching(s, t, y);
+        if (st == LW_OK)
+            st = s->motion(s->context, i, t, y, g, &gap);
         if (st == LW_OK)
             st = strike(s, i, t, y, g, gap.rate, e);
         if (st != LW_OK)

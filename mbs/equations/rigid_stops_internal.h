@@ -22,6 +22,7 @@ typedef struct lw_rigid_stop {
     double sign, limit, restitution;
     bool   resting;
     bool   beyond;                       /* is the start of the run beyond it? */
+    bool   touching;                     /* it began to rest without a force: it takes part in impacts as if it were free */
 } lw_rigid_stop;
 
 /* rounding: of the acceleration. */
