@@ -330,6 +330,29 @@ TEST(one_system_of_units)
     ran_free(&u);
 }
 
+/* Write a swing with more parts to $D/swing.json, and simulate it. */
+static void swing(const char *tracer, const char *more, int code, const char *out, const char *err)
+{
+    char command[1200];
+    snprintf(command, sizeof command, "printf '%%s' '{\"linkwright\": 1, \"links\": [{\"name\": \"ground\", \"shapes\": [{\"line\": [[0, -5], "
+             "[1, -5]]}]}, {\"name\": \"arm\", \"mass\": 1, \"centre\": [0.5, 0], \"inertia\": 0.1, \"shapes\": [{\"circle\": [1, 0], "
+             "\"radius\": 0.1}]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"arm\"], \"at\": [0, 0]}], \"tracers\": "
+             "[{\"name\": \"%s\", \"link\": \"arm\", \"at\": [1, 0]}]%s}' > $D/swing.json; $P simulate $D/swing.json -n 1", tracer, more);
+    expect(command, code, out, err);
+}
+
+/* Loads that are no numbers are named, with contacts too; columns have different names; two contacts of one pair are refused. */
+TEST(models_that_mislead)
+{
+    swing("P", ", \"contacts\": [{\"links\": [\"ground\", \"arm\"]}], \"forces\": [{\"link\": \"arm\", \"torque\": \"sqrt(-1-t)\"}]", 4, NULL,
+          "a force on link \"arm\" is not a number at t = 0 s");
+    swing("P", ", \"states\": [{\"name\": \"z\", \"rate\": \"log(-1-t)\"}]", 4, NULL, "the rate of state \"z\" is not a number at t = 0 s");
+    swing("arm", "", 0, "t,arm.x,arm.y,arm.vx,arm.vy,arm.ax,arm.ay,arm.x 2,arm.y 2,arm.turn,arm.vx 2,", "one of them is called \"arm.x 2\"");
+    swing("P", ", \"contacts\": [{\"links\": [\"ground\", \"arm\"]}, {\"links\": [\"arm\", \"ground\"]}]", 3, NULL,
+          "contacts[1]: \"contact 1\" is a contact of these two links already");
+    expect("sed 's/\"name\": \"A\"/\"name\": \"A\", \"kind\": \"revolute\"/' $D/swing.json | $P simulate -", 3, NULL, "unknown kind \"revolute\"");
+}
+
 /* A four-bar drawn with rounded numbers beside a change point: trace and simulate say which way it goes and why; for a
  * parallelogram, a kite, both signs of the misfit.  Exact ones and those far from it say nothing of the kind. */
 TEST(rounded_change_points_are_named)

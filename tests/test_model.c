@@ -117,6 +117,17 @@ TEST(faults)
         { "", "", "", ", \"motors\": [{\"joint\": \"A\", \"stall\": 1, \"free_speed\": -1}]", "same sign" },
         { "", "", "", ", \"input\": {\"joint\": \"A\", \"motion\": \"t\", \"speed\": 1}", "keep one" },
         { "", "", "", ", \"input\": {\"joint\": \"A\", \"motion\": \"q(A)\"}", "depends on t alone" },
+        { "", "", "", ", \"forces\": [{\"link\": \"slide\", \"torque\": \"q(AA)\"}]", "no joint \"AA\"; did you mean \"A\"?" },
+        { "", "", "", ", \"forces\": [{\"link\": \"slide\", \"torque\": \"omega(slid)\"}]", "did you mean \"slide\"?" },
+        { "", "", "", ", \"forces\": [{\"link\": \"slide\", \"torque\": \"length(S)\"}]", "no spring or cylinder between two points \"S\"" },
+        { "", "", "", ", \"forces\": [{\"link\": \"slide\", \"torque\": \"t**2\"}]", "a power is written a^b" },
+        { "", "", "", ", \"springs\": [{\"name\": \"S\", \"joint\": \"A\", \"stiffness\": 1}], "
+          "\"dampers\": [{\"joint\": \"A\", \"damping\": 1}, {\"name\": \"S\", \"joint\": \"A\", \"damping\": 1}]",
+          "dampers[1]: this is the second damper of the name \"S\"" },
+        { "", "", "", ", \"forces\": [{\"name\": \"force 2\", \"link\": \"slide\", \"torque\": 1}, {\"link\": \"slide\", \"torque\": 1}]",
+          "second force of the name \"force 2\"" },
+        { "", "", ", \"shapes\": [{\"polygon\": [[0, 0], [1, 1], [1, 0], [0, 1]]}]", "", "the side from corner 3 meets that from corner 1" },
+        { "", "", ", \"shapes\": [{\"polygon\": [[0, 0], [1, 0], [1, 1], [0, 0]]}]", "", "the last corner is the first one again" },
         { "", "", "", ", \"gravity\": 9.81", "a list" },
         { "", "", "", ", \"gravty\": [0, 0]", "did you mean \"gravity\"" },
     };

@@ -136,8 +136,13 @@ lw_status cli_simulate_speed(lw_model *m, const char *speed, const char *file, l
 lw_status cli_simulate_make(cli_simulate *s, const lw_dynamics_options *o, const char *file, lw_error *e)
 {
     lw_status st = lw_dynamics_make(s->model, o, &s->d, e);
+    const cli_column *renamed = NULL;
     if (st == LW_OK)
         st = name_columns(s, e);
+    if (st == LW_OK)
+        st = cli_columns_differ(s->column, s->n_column, &renamed, e);
+    if (s->call)
+        cli_note_column(s->call, renamed);
     if (st != LW_OK && !e->file[0])
         snprintf(e->file, sizeof e->file, "%s", file);
     return st;

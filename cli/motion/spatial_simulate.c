@@ -28,6 +28,7 @@ typedef struct run {
     const lw_elastic_chain *pulled;      /* there */
     cli_column       *column;
     int               n_column, capacity;
+    const cli_column *renamed;           /* a column whose name another one before has; NULL: none */
     double           *row;
     FILE             *f;                 /* NULL: rows are only kept */
     bool              as_json, no_memory;
@@ -376,7 +377,9 @@ static lw_status prepare(run *r, lw_spatial *m, const lw_dynamics_options *o, co
     r->row = malloc((size_t)r->n_column*sizeof *r->row);
     r->tracer = malloc(((size_t)m->n_tracer + 1)*sizeof *r->tracer);
     r->link = malloc((size_t)r->m->n_link*sizeof *r->link);
-    return r->no_memory || !r->row || !r->tracer || !r->link ? lw_error_set(r->e, LW_E_MEMORY, "out of memory") : LW_OK;
+    if (r->no_memory || !r->row || !r->tracer || !r->link)
+        return lw_error_set(r->e, LW_E_MEMORY, "out of memory");
+    return cli_columns_differ(r->column, r->n_column, &r->renamed, r->e);
 }
 
 /* Print the contacts of joints with clearance in a run that reached time t. */
@@ -478,6 +481,7 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
     if (st == LW_OK)
         st = cli_open(call, &out, &e);
     if (st == LW_OK) {
+        cli_note_column(call, r.renamed);
         r.f = out.f;
         kept.n_column = r.n_column;
         kept.column = r.column;

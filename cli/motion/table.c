@@ -1,8 +1,11 @@
 /* The columns and rows of a table. */
 #include "cli/motion/table.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/key_table.h"
+#include "cli/program/output.h"
 
 int cli_table_find(const cli_table *t, const char *name)
 {
@@ -17,4 +20,30 @@ void cli_table_free(cli_table *t)
     free(t->column);
     free(t->row);
     *t = (cli_table){ 0 };
+}
+
+lw_status cli_columns_differ(cli_column *column, int n, const cli_column **first, lw_error *e)
+{
+    lw_key_table names = { 0 };
+    bool room = true;
+    *first = NULL;
+    for (int i = 0; room && i < n; i++) {
+        cli_column *c = &column[i];
+        char name[sizeof c->name - 12];
+        snprintf(name, sizeof name, "%s", c->name);
+        for (int k = 2; lw_key_table_find(&names, column, sizeof *column, c->name, strlen(c->name) + 1) >= 0; k++) {
+            snprintf(c->name, sizeof c->name, "%s %d", name, k);
+            *first = *first ? *first : c;
+        }
+        room = lw_key_table_add(&names, c->name, strlen(c->name) + 1, i);
+    }
+    lw_key_table_free(&names);
+    return room ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
+void cli_note_column(const cli_call *call, const cli_column *first)
+{
+    if (first)
+        cli_note(call, "two columns would have one name, so one of them is called \"%s\": give tracers, links, joints, states and what else has "
+                 "columns different names", first->name);
 }

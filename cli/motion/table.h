@@ -17,6 +17,10 @@ struct cli_table {
 
 void cli_table_free(cli_table *t);
 
+/* Number columns that would have the name of one before: "P.x 2".  *first: the first of them, or NULL.  LW_E_MEMORY. */
+lw_status cli_columns_differ(cli_column *column, int n, const cli_column **first, lw_error *e);
+void      cli_note_column(const cli_call *call, const cli_column *first);        /* say so; NULL: nothing */
+
 int cli_table_find(const cli_table *t, const char *name);        /* -1: no such column */
 
 /* Plot the columns whose names, or their parts before the point, are in a list; NULL: the drives, or the energies if there are

@@ -343,6 +343,8 @@ static lw_status word(parser *p, int byte, lw_operand *out)
 {
     char text[LW_WORD_SIZE], name[LW_WORD_SIZE], why[128] = "", buf[24];
     size_t at = p->at, name_at = 0;
+    if (byte == '*' && at > 0 && p->text[at - 1] == '*')
+        return lw_arithmetic_fault(p, at, "a power is written a^b, not a**b");
     if (!lw_is_letter(byte))
         return lw_arithmetic_fault(p, at, "a number, a word or '(' is expected, not %s", lw_byte_name(byte, buf));
     lw_status s = lw_arithmetic_word(p, text);

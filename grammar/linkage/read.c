@@ -228,6 +228,20 @@ int lw_read_find(lw_json *json, const char *name, const char *first, size_t stri
     return -1;
 }
 
+int lw_read_find_or_say(lw_json *json, const char *what, const char *name, const char *first, size_t stride, int n, char *why)
+{
+    int at = lw_read_find(json, name, first, stride, n);
+    if (at >= 0)
+        return at;
+    const char **names = malloc(((size_t)n + 1)*sizeof *names), *near;
+    for (int i = 0; names && i < n; i++)
+        names[i] = first + (size_t)i*stride;
+    near = names ? lw_suggest(name, names, n) : NULL;
+    snprintf(why, LW_WHY_SIZE, near ? "there is no %s \"%.40s\"; did you mean \"%s\"?" : "there is no %s \"%.40s\"", what, name, near);
+    free(names);
+    return -1;
+}
+
 lw_status lw_read_own_name(const lw_json_node *object, const char *what, size_t index,
                                 char name[LW_NAME_SIZE], lw_error *e)
 {
@@ -236,4 +250,39 @@ lw_status lw_read_own_name(const lw_json_node *object, const char *what, size_t 
         return lw_json_name(&n, name, LW_NAME_SIZE, e);
     snprintf(name, LW_NAME_SIZE, "%s %zu", what, index + 1);
     return LW_OK;
+}
+
+lw_status lw_read_names_differ(const lw_json_node *root, const char *const *keys, int n_key, lw_error *e)
+{
+    lw_json_node all;
+    size_t most = 0;
+    lw_status s = LW_OK;
+    for (int k = 0; s == LW_OK && k < n_key; k++)
+        if (lw_json_member(root, keys[k], &all) && (s = lw_read_list(&all, 0, SIZE_MAX, e)) == LW_OK)
+            most += lw_json_count(&all);
+    if (s != LW_OK)
+        return s;
+    char (*names)[LW_NAME_SIZE] = malloc((most + 1)*sizeof *names), what[LW_NAME_SIZE];
+    lw_key_table known = { 0 };
+    int n = 0;
+    if (!names)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int k = 0; s == LW_OK && k < n_key; k++) {
+        if (!lw_json_member(root, keys[k], &all))
+            continue;
+        snprintf(what, sizeof what, "%.*s", (int)strlen(keys[k]) - 1, keys[k]);
+        for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++, n++) {
+            lw_json_node one = lw_json_element(&all, i);
+            if ((s = lw_json_expect(&one, LW_JSON_OBJECT, e)) != LW_OK || (s = lw_read_own_name(&one, what, i, names[n], e)) != LW_OK)
+                break;
+            size_t size = strlen(names[n]) + 1;
+            if (lw_key_table_find(&known, names, sizeof *names, names[n], size) >= 0)
+                s = lw_json_fault(&one, e, "this is the second %s of the name \"%s\"; names must differ", what, names[n]);
+            else if (!lw_key_table_add(&known, names[n], size, n))
+                s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+        }
+    }
+    lw_key_table_free(&known);
+    free(names);
+    return s;
 }

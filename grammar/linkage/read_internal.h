@@ -45,8 +45,16 @@ lw_status lw_read_numbers(const lw_json_node *object, const lw_number_key *want,
  * are hashed: between calls the list may grow at its end, but it must not move or change.  NULL: they are compared one by one. */
 int lw_read_find(lw_json *json, const char *name, const char *first, size_t stride, int n);
 
+/* lw_read_find, and why it is -1: there is no "joint" of the name; did you mean ...?  why: LW_WHY_SIZE bytes. */
+#define LW_WHY_SIZE 128                  /* of grammar/functions/expression.h */
+int lw_read_find_or_say(lw_json *json, const char *what, const char *name, const char *first, size_t stride, int n, char *why);
+
 /* The name of an object, or "spring 2" when it has none; what: "spring", index: from 0. */
 lw_status lw_read_own_name(const lw_json_node *object, const char *what, size_t index, char name[LW_NAME_SIZE], lw_error *e);
+
+/* The names in these lists of a root differ, in one list and between them: {"springs", "dampers"}.  Names that are left out are
+ * those of lw_read_own_name. */
+lw_status lw_read_names_differ(const lw_json_node *root, const char *const *keys, int n_key, lw_error *e);
 
 /* Index of the name that a node contains; an error with a suggestion when the name is unknown. */
 lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *const *names, int n_name,

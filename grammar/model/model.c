@@ -83,6 +83,8 @@ void lw_states_free(lw_states *s)
     }
     for (int i = 0; i < s->n_signal; i++)
         lw_expression_free(s->signal[i].value);
+    for (int i = 0; i < 2; i++)
+        lw_key_table_free(&s->named[i]);
     free(s->state), free(s->signal), free(s->rotor);
 }
 

@@ -7,6 +7,7 @@
 #ifndef LW_GRAMMAR_MODEL_MODEL_H
 #define LW_GRAMMAR_MODEL_MODEL_H
 
+#include "base/key_table.h"
 #include "grammar/functions/expression.h"
 #include "grammar/functions/moves.h"
 #include "grammar/linkage/assembly.h"
@@ -119,6 +120,8 @@ typedef struct lw_states {
     lw_state  *state;
     lw_signal *signal;
     lw_rotor  *rotor;
+    lw_key_table named[2];               /* while a file is read: states and signals by their names */
+    int        n_made[2];                /* integrals and lags in expressions */
 } lw_states;
 
 /* The outline of a link, for contact.  Points are in the posture [m].

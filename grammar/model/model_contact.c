@@ -6,6 +6,33 @@
 #include "base/vec2.h"
 #include "grammar/linkage/read_internal.h"
 
+/* Do the sides from corners i and k cross or touch, which are not neighbours? */
+static bool sides_meet(const lw_contour *p, int i, int k)
+{
+    lw_vec2 a = p->at[i], b = p->at[(i + 1)%p->n], c = p->at[k], d = p->at[(k + 1)%p->n];
+    if (fmax(a.x, b.x) < fmin(c.x, d.x) || fmax(c.x, d.x) < fmin(a.x, b.x) || fmax(a.y, b.y) < fmin(c.y, d.y)
+        || fmax(c.y, d.y) < fmin(a.y, b.y))
+        return false;
+    lw_vec2 ab = lw_v2_sub(b, a), cd = lw_v2_sub(d, c);
+    return lw_v2_cross(ab, lw_v2_sub(c, a))*lw_v2_cross(ab, lw_v2_sub(d, a)) <= 0
+        && lw_v2_cross(cd, lw_v2_sub(a, c))*lw_v2_cross(cd, lw_v2_sub(b, c)) <= 0;
+}
+
+/* A solid has corners that differ and sides that meet at corners only. */
+static lw_status check_corners(const lw_json_node *points, const lw_contour *p, lw_error *e)
+{
+    if (p->at[0].x == p->at[p->n - 1].x && p->at[0].y == p->at[p->n - 1].y)
+        return lw_json_fault(points, e, "the last corner is the first one again; leave it out, since a polygon is closed");
+    for (int i = 0; i < p->n; i++)
+        for (int k = i + 2; k < p->n; k++)
+            if ((k + 1)%p->n != i && sides_meet(p, i, k)) {
+                lw_json_node one = lw_json_element(points, (size_t)k);
+                return lw_json_fault(&one, e, "the side from corner %d meets that from corner %d: corners go round the polygon in order",
+                                     k + 1, i + 1);
+            }
+    return LW_OK;
+}
+
 /* Corners in counter-clockwise order. */
 static void turn_corners(lw_contour *p)
 {
@@ -60,7 +87,7 @@ static lw_status read_shape(const lw_json_node *object, int link, lw_model *m, l
         s = lw_json_fault(object, e, "a circle needs a \"radius\" greater than 0");
     if (s == LW_OK && radius && (polygon || p->kind == LW_CONTOUR_LINE))
         s = lw_json_fault(object, e, "only circles and segments have a \"radius\"");
-    if (s == LW_OK && polygon)
+    if (s == LW_OK && polygon && (s = check_corners(&points, p, e)) == LW_OK)
         turn_corners(p);
     return s;
 }
@@ -140,6 +167,9 @@ lw_status lw_model_read_contact(const lw_json_node *object, size_t index, lw_mod
         (s = lw_read_own_name(object, "contact", index, c->name, e)) == LW_OK &&
         (s = read_pair_of_links(object, m, c->link, e)) == LW_OK)
         s = read_surface(object, false, &c->surface, e);
+    for (const lw_contact *o = m->contact; s == LW_OK && o < c; o++)
+        if ((o->link[0] == c->link[0] && o->link[1] == c->link[1]) || (o->link[0] == c->link[1] && o->link[1] == c->link[0]))
+            s = lw_json_fault(object, e, "\"%s\" is a contact of these two links already, of all their shapes", o->name);
     for (int end = 0; s == LW_OK && end < 2; end++) {
         bool any = false;
         for (int i = 0; i < m->n_shape; i++)

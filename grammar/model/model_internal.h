@@ -29,8 +29,8 @@ typedef struct lw_reading {
     const int *n_profile;
     lw_moves *const *profile;
     /* The variable word(name) of a joint, tracer or link; the spring or cylinder of a name.  -1: there is none, with why. */
-    int       (*variable)(const void *model, const char *word, const char *name, char *why);
-    int       (*find_spring)(const void *model, const char *name);
+    int       (*variable)(const void *model, lw_json *json, const char *word, const char *name, char *why);
+    int       (*find_spring)(const void *model, lw_json *json, const char *name, char *why);
     /* A cylinder's spring from "links" and "at"; later its law, number, and length in the posture [m]. */
     lw_status (*ends)(const lw_json_node *object, const char *name, void *model, lw_error *e);
     lw_expression **(*cylinder)(void *model, const char *name, int *spring, double *length);
@@ -64,7 +64,8 @@ lw_status lw_read_clearance(const lw_json_node *n, double metre, lw_clearance *c
 
 /* ---- model_states.c: what has first-order states --------------------------------------------------------- */
 
-/* Names of the states of the lists "states", "motors", "cylinders", which expressions may use. */
+/* Names of the states of the lists "states", "motors", "cylinders", which expressions may use.  Names of all loads differ in their
+ * lists. */
 lw_status lw_states_name(const lw_json_node *root, lw_states *z, lw_error *e);
 
 /* Controllers and the ends of cylinders, which other expressions name; later, the equations of states. */

@@ -13,10 +13,8 @@
 
 /* ---- expressions ------------------------------------------------------------------------------- */
 
-#define WHY_SIZE 128      /* of grammar/functions/expression.h */
-
 /* A variable of the state of the linkage: word(name). */
-static int look_up_state(const void *model, const char *word, const char *name, char *why)
+static int look_up_state(const void *model, lw_json *json, const char *word, const char *name, char *why)
 {
     static const struct { const char *word; lw_quantity quantity; char of; } known[] = {
         { "q", LW_QUANTITY_Q, 'j' }, { "v", LW_QUANTITY_V, 'j' }, { "x", LW_QUANTITY_X, 't' },
@@ -30,20 +28,18 @@ static int look_up_state(const void *model, const char *word, const char *name, 
         char of = known[i].of;
         const char *what = of == 'j' ? "joint" : of == 't' ? "tracer" : "link";
         if (!name) {
-            snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, what, word);
+            snprintf(why, LW_WHY_SIZE, "%s needs the name of a %s: %s(...)", word, what, word);
             return -1;
         }
-        int at = of == 'j'   ? lw_read_find(NULL, name, (const char *)assembly->joint + offsetof(lw_joint, name),
-                                         sizeof *assembly->joint, assembly->n_joint)
-                 : of == 't' ? lw_read_find(NULL, name, (const char *)assembly->tracer + offsetof(lw_tracer, name),
-                                         sizeof *assembly->tracer, assembly->n_tracer)
-                             : lw_read_find(NULL, name, (const char *)assembly->link_name, sizeof *assembly->link_name,
-                                         assembly->n_link);
-        if (at < 0)
-            snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"", what, name);
-        else if (of == 'j' && !lw_joint_can_drive(assembly->joint[at].kind))
-            snprintf(why, WHY_SIZE, "joint \"%.40s\" is neither a pin nor a slider: it counts nothing", name);
-        else
+        int at = of == 'j'   ? lw_read_find_or_say(json, what, name, (const char *)assembly->joint + offsetof(lw_joint, name),
+                                         sizeof *assembly->joint, assembly->n_joint, why)
+                 : of == 't' ? lw_read_find_or_say(json, what, name, (const char *)assembly->tracer + offsetof(lw_tracer, name),
+                                         sizeof *assembly->tracer, assembly->n_tracer, why)
+                             : lw_read_find_or_say(json, what, name, (const char *)assembly->link_name, sizeof *assembly->link_name,
+                                         assembly->n_link, why);
+        if (at >= 0 && of == 'j' && !lw_joint_can_drive(assembly->joint[at].kind))
+            snprintf(why, LW_WHY_SIZE, "joint \"%.40s\" is neither a pin nor a slider: it counts nothing", name);
+        else if (at >= 0)
             return lw_variable(known[i].quantity, at);
         return -1;
     }
@@ -232,10 +228,10 @@ static lw_status read_ends(const lw_json_node *object, lw_model *m, lw_spring *p
 
 /* ---- for expressions and states ------------------------------------------------------------------ */
 
-static int find_spring(const void *model, const char *name)
+static int find_spring(const void *model, lw_json *json, const char *name, char *why)
 {
     const lw_model *m = model;
-    return m->n_spring ? lw_read_find(NULL, name, m->spring->name, sizeof *m->spring, m->n_spring) : -1;
+    return lw_read_find_or_say(json, "spring or cylinder between two points", name, m->spring->name, sizeof *m->spring, m->n_spring, why);
 }
 
 static lw_status read_cylinder_ends(const lw_json_node *object, const char *name, void *model, lw_error *e)

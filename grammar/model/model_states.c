@@ -14,6 +14,8 @@
 
 /* ---- states and signals --------------------------------------------------------------------------------- */
 
+enum { STATES, SIGNALS };                      /* of lw_states.named */
+
 /* A new state; its number, -1: out of memory. */
 static int add_state(lw_states *z, const char *name, const char *unit, double scale)
 {
@@ -23,7 +25,7 @@ static int add_state(lw_states *z, const char *name, const char *unit, double sc
     z->state = more;
     more[z->n_state] = (lw_state){ .unit = unit, .scale = scale };
     snprintf(more[z->n_state].name, sizeof more->name, "%s", name);
-    return z->n_state++;
+    return lw_key_table_add(&z->named[STATES], more[z->n_state].name, strlen(more[z->n_state].name) + 1, z->n_state) ? z->n_state++ : -1;
 }
 
 /* A signal "name.what" takes x over.  LW_E_MEMORY. */
@@ -37,8 +39,9 @@ static lw_status add_signal(lw_states *z, const char *name, const char *what, co
     }
     z->signal = more;
     more[z->n_signal] = (lw_signal){ .unit = unit, .value = x };
-    snprintf(more[z->n_signal++].name, sizeof more->name, "%s.%s", name, what);
-    return LW_OK;
+    char *all = more[z->n_signal].name;
+    snprintf(all, sizeof more->name, "%s.%s", name, what);
+    return lw_key_table_add(&z->named[SIGNALS], all, strlen(all) + 1, z->n_signal++) ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
 /* A word of a text that the program writes: an expression to insert, or (expression NULL) a variable. */
@@ -102,39 +105,29 @@ static int variable_of_state(int i) { return lw_variable(LW_QUANTITY_STATE, i); 
 static int find_state(const lw_states *z, const char *name, const char *what)
 {
     char all[sizeof z->state->name];
-    snprintf(all, sizeof all, what ? "%s.%s" : "%s", name, what);
-    for (int i = 0; i < z->n_state; i++)
-        if (strcmp(all, z->state[i].name) == 0)
-            return i;
-    return -1;
+    int size = snprintf(all, sizeof all, what ? "%s.%s" : "%s", name, what) + 1;
+    return size > (int)sizeof all ? -1 : lw_key_table_find(&z->named[STATES], z->state, sizeof *z->state, all, (size_t)size);
 }
 
 /* ---- expressions ------------------------------------------------------------------------------------------ */
 
-typedef struct look { const lw_reading *r; lw_expression_scope scope; } look;
-
-#define WHY_SIZE 128      /* of grammar/functions/expression.h */
+typedef struct look { const lw_reading *r; lw_expression_scope scope; lw_json *json; } look;
 
 /* A state, or a spring or cylinder: state(name), length(name), rate(name). */
-static int look_up_named(const lw_reading *r, const char *word, const char *name, char *why)
+static int look_up_named(const look *l, const char *word, const char *name, char *why)
 {
+    const lw_reading *r = l->r;
     bool state = strcmp(word, "state") == 0;
     if (!state && strcmp(word, "length") != 0 && strcmp(word, "rate") != 0)
         return -1;
     if (!name) {
-        snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, state ? "state" : "spring or cylinder",
+        snprintf(why, LW_WHY_SIZE, "%s needs the name of a %s: %s(...)", word, state ? "state" : "spring or cylinder",
                  word);
         return -1;
     }
-    int at = -1;
-    if (!state)
-        at = r->find_spring(r->model, name);
-    else if (r->states->n_state)
-        at = lw_read_find(NULL, name, r->states->state->name, sizeof *r->states->state, r->states->n_state);
+    int at = state ? find_state(r->states, name, NULL) : r->find_spring(r->model, l->json, name, why);
     if (at < 0 && state)
-        snprintf(why, WHY_SIZE, "there is no state \"%.40s\" (those of motors: NAME.current; of cylinders: NAME.p1)", name);
-    else if (at < 0)
-        snprintf(why, WHY_SIZE, "there is no spring or cylinder between two points \"%.40s\"", name);
+        snprintf(why, LW_WHY_SIZE, "there is no state \"%.40s\" (those of motors: NAME.current; of cylinders: NAME.p1)", name);
     return at < 0 ? -1 : lw_variable(state ? LW_QUANTITY_STATE : word[0] == 'l' ? LW_QUANTITY_SPRING_LENGTH
                                                                                 : LW_QUANTITY_SPRING_RATE, at);
 }
@@ -143,13 +136,12 @@ static int look_up_named(const lw_reading *r, const char *word, const char *name
 static const lw_expression *insert_signal(void *context, const char *word, const char *name)
 {
     const look *l = context;
-    for (int i = 0; l->scope == LW_OF_STATE && name && i < l->r->states->n_signal; i++) {
-        const char *all = l->r->states->signal[i].name, *point = strrchr(all, '.');
-        if (point && strcmp(word, point + 1) == 0 && strncmp(name, all, (size_t)(point - all)) == 0
-            && name[point - all] == '\0')
-            return l->r->states->signal[i].value;
-    }
-    return NULL;
+    const lw_states *z = l->r->states;
+    char all[sizeof z->signal->name];
+    if (l->scope != LW_OF_STATE || !name || snprintf(all, sizeof all, "%s.%s", name, word) >= (int)sizeof all)
+        return NULL;
+    int i = lw_key_table_find(&z->named[SIGNALS], z->signal, sizeof *z->signal, all, strlen(all) + 1);
+    return i < 0 ? NULL : z->signal[i].value;
 }
 
 static const struct lw_moves *find_profile(void *context, const char *name)
@@ -163,10 +155,9 @@ static int integrate(void *context, lw_expression *x, double lag, double start)
 {
     lw_states *all = ((const look *)context)->r->states;
     char name[2*LW_NAME_SIZE];
-    int n = 1;
-    for (int i = 0; i < all->n_state; i++)
-        n += strncmp(all->state[i].name, lag > 0 ? "lag " : "integral ", lag > 0 ? 4 : 9) == 0;
-    snprintf(name, sizeof name, "%s %d", lag > 0 ? "lag" : "integral", n);
+    do                                         /* a state of the file may have such a name */
+        snprintf(name, sizeof name, "%s %d", lag > 0 ? "lag" : "integral", ++all->n_made[lag > 0]);
+    while (find_state(all, name, NULL) >= 0);
     int i = add_state(all, name, "1", 1);
     if (i < 0) {
         lw_expression_free(x);
@@ -195,10 +186,10 @@ static int look_up_variable(void *context, const char *word, const char *name, c
     if (strcmp(word, "t") == 0 && !name)
         return lw_variable(LW_QUANTITY_T, 0);
     if (l->scope == LW_OF_STATE) {
-        int at = look_up_named(l->r, word, name, why);
+        int at = look_up_named(l, word, name, why);
         if (at < 0 && !why[0] && strcmp(word, "output") == 0)
-            snprintf(why, WHY_SIZE, "there is no controller \"%.40s\" before this one", name ? name : "");
-        return at >= 0 || why[0] ? at : l->r->variable(l->r->model, word, name, why);
+            snprintf(why, LW_WHY_SIZE, "there is no controller \"%.40s\" before this one", name ? name : "");
+        return at >= 0 || why[0] ? at : l->r->variable(l->r->model, l->json, word, name, why);
     }
     const char *first = l->scope == LW_OF_LENGTH ? "length" : "displacement";
     if (l->scope != LW_OF_TIME && !name && strcmp(word, first) == 0)
@@ -206,9 +197,9 @@ static int look_up_variable(void *context, const char *word, const char *name, c
     if (l->scope != LW_OF_TIME && !name && strcmp(word, "rate") == 0)
         return lw_variable(LW_QUANTITY_RATE, 0);
     if (l->scope == LW_OF_TIME)
-        snprintf(why, WHY_SIZE, "the motion of an input depends on t alone");
+        snprintf(why, LW_WHY_SIZE, "the motion of an input depends on t alone");
     else
-        snprintf(why, WHY_SIZE, "the law of a spring depends on %s, rate and t alone", first);
+        snprintf(why, LW_WHY_SIZE, "the law of a spring depends on %s, rate and t alone", first);
     return -1;
 }
 
@@ -216,7 +207,7 @@ static int look_up_variable(void *context, const char *word, const char *name, c
 static lw_status read_expression(const lw_json_node *n, const lw_reading *r, lw_expression_scope scope, lw_expression **out, lw_error *e)
 {
     lw_error inner = { 0 };
-    look l = { r, scope };
+    look l = { r, scope, n->json };
     lw_expression_words words = { &l, look_up_variable, insert_signal, scope == LW_OF_STATE ? integrate : NULL,
                                   r->profile ? find_profile : NULL };
     char digits[LW_NUMBER_SIZE];
@@ -272,7 +263,7 @@ lw_status lw_motion_replace(const char *text, const int *n_profile, lw_moves *co
                             lw_error *e)
 {
     const lw_reading r = { .n_profile = n_profile, .profile = profile };
-    look l = { &r, LW_OF_TIME };
+    look l = { .r = &r, .scope = LW_OF_TIME };
     lw_expression *x;
     lw_status s = lw_expression_parse_words(text, strlen(text), &(lw_expression_words){ .context = &l, .variable = look_up_variable,
                                             .moves = find_profile }, &x, e);
@@ -331,7 +322,14 @@ static lw_status name_list(const lw_json_node *root, const char *key, lw_states 
 
 lw_status lw_states_name(const lw_json_node *root, lw_states *z, lw_error *e)
 {
-    lw_status s = name_list(root, "states", z, e);
+    static const char *const lists[][3] = {
+        { "springs", "dampers", "cylinders" }, { "forces" }, { "motors" }, { "controllers" }, { "contacts", "ropes" }, { "couplings" }
+    };
+    lw_status s = LW_OK;
+    for (int i = 0; s == LW_OK && i < COUNT(lists); i++)
+        s = lw_read_names_differ(root, lists[i], lists[i][1] ? lists[i][2] ? 3 : 2 : 1, e);
+    if (s == LW_OK)
+        s = name_list(root, "states", z, e);
     if (s == LW_OK)
         s = name_list(root, "motors", z, e);
     return s == LW_OK ? name_list(root, "cylinders", z, e) : s;
@@ -700,5 +698,9 @@ lw_status lw_states_read_cylinder_ends(const lw_json_node *root, const lw_readin
 lw_status lw_states_read(const lw_json_node *root, const lw_reading *r, lw_error *e)
 {
     lw_status s = read_list(root, "states", read_state, r, e);
-    return s == LW_OK ? read_list(root, "cylinders", read_cylinder, r, e) : s;
+    if (s == LW_OK)
+        s = read_list(root, "cylinders", read_cylinder, r, e);
+    for (int i = 0; i < 2; i++)
+        lw_key_table_free(&r->states->named[i]);
+    return s;
 }

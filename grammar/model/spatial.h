@@ -181,7 +181,7 @@ typedef struct lw_spatial {
     lw_units units;
 } lw_spatial;
 
-/* Is this the text of a spatial model: has a place three numbers, or a joint a kind that only space has? */
+/* Is this the text of a spatial model: has a place three numbers, or, where none has two, a joint a kind that only space has? */
 bool lw_spatial_text(const char *text, size_t size);
 
 /* Read a model.  LW_E_NOTATION with line and column, also for errors of meaning; m is then empty. */

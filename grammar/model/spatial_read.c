@@ -88,9 +88,7 @@ static lw_status read_frame(const lw_json_node *object, lw_mat3 *out, lw_error *
 
 /* ---- expressions ------------------------------------------------------------------------------- */
 
-#define WHY_SIZE 128      /* of grammar/functions/expression.h */
-
-static int look_up_state(const void *model, const char *word, const char *name, char *why)
+static int look_up_state(const void *model, lw_json *json, const char *word, const char *name, char *why)
 {
     static const struct { const char *word; lw_quantity turns, slides; } known[] = {
         { "q", LW_QUANTITY_Q, LW_QUANTITY_S }, { "v", LW_QUANTITY_V, LW_QUANTITY_VS }, { "s", LW_QUANTITY_S, LW_QUANTITY_S },
@@ -103,20 +101,18 @@ static int look_up_state(const void *model, const char *word, const char *name, 
             continue;
         bool joint = i < 4;
         if (!name) {
-            snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, joint ? "joint" : "tracer", word);
+            snprintf(why, LW_WHY_SIZE, "%s needs the name of a %s: %s(...)", word, joint ? "joint" : "tracer", word);
             return -1;
         }
-        int at = joint ? lw_read_find(NULL, name, NAMES(m->joint, m->n_joint, lw_spatial_joint))
-                       : lw_read_find(NULL, name, NAMES(m->tracer, m->n_tracer, lw_spatial_tracer));
-        if (at < 0) {
-            snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"", joint ? "joint" : "tracer", name);
+        int at = joint ? lw_read_find_or_say(json, "joint", name, NAMES(m->joint, m->n_joint, lw_spatial_joint), why)
+                       : lw_read_find_or_say(json, "tracer", name, NAMES(m->tracer, m->n_tracer, lw_spatial_tracer), why);
+        if (at < 0)
             return -1;
-        }
         lw_quantity v = known[i].turns;
         if (joint) {
             const lw_spatial_kind_row *k = lw_spatial_kind_of(m->joint[at].kind);
             if (i < 2 ? !k->turns && !k->slides : !k->slides) {
-                snprintf(why, WHY_SIZE, "joint \"%.40s\" of kind %s has no such coordinate", name, k->word);
+                snprintf(why, LW_WHY_SIZE, "joint \"%.40s\" of kind %s has no such coordinate", name, k->word);
                 return -1;
             }
             if (!k->turns)
@@ -881,10 +877,10 @@ static lw_status read_motor(const lw_json_node *object, size_t index, lw_spatial
 
 /* ---- for expressions and states ---------------------------------------------------------------- */
 
-static int find_spring(const void *model, const char *name)
+static int find_spring(const void *model, lw_json *json, const char *name, char *why)
 {
     const lw_spatial *m = model;
-    return lw_read_find(NULL, name, NAMES(m->spring, m->n_spring, lw_spatial_spring));
+    return lw_read_find_or_say(json, "spring or cylinder between two points", name, NAMES(m->spring, m->n_spring, lw_spatial_spring), why);
 }
 
 static lw_status read_cylinder_ends(const lw_json_node *object, const char *name, void *model, lw_error *e)
@@ -1031,33 +1027,40 @@ lw_status lw_spatial_read(const char *text, size_t size, const char *file, lw_sp
     return s;
 }
 
+/* Is it a kind of joints in space alone: a letter, or one of the words? */
+static bool names_spatial_kind(const lw_json_node *joint)
+{
+    lw_json_node kind;
+    const char *word = lw_json_member(joint, "kind", &kind) ? lw_json_text(&kind) : NULL;
+    bool found = word && strlen(word) == 1 && strchr("cbuheo", *word);
+    for (int k = 0; word && strlen(word) > 1 && k <= LW_SPATIAL_FREE; k++)
+        found = found || strcmp(word, lw_spatial_kind_of((lw_spatial_kind)k)->word) == 0;
+    return found;
+}
+
 bool lw_spatial_text(const char *text, size_t size)
 {
     static const char *const list[] = { "joints", "tracers" }, *const key[] = { "at", "axis" };
     lw_json json;
-    lw_json_node all, n, kind;
-    bool found = false;
+    lw_json_node all, n;
+    bool three = false, two = false, word = false;
     if (lw_json_open(text, size, "", &json, NULL) != LW_OK)
         return false;
     lw_json_node root = lw_json_root(&json);
     for (int l = 0; l < 2; l++)
         if (lw_json_kind_of(&root) == LW_JSON_OBJECT && lw_json_member(&root, list[l], &all) &&
             lw_json_kind_of(&all) == LW_JSON_ARRAY)
-            for (size_t i = 0; !found && i < lw_json_count(&all); i++) {
+            for (size_t i = 0; !three && i < lw_json_count(&all); i++) {
                 lw_json_node one = lw_json_element(&all, i);
-                for (int k = 0; !found && k < 2 && lw_json_kind_of(&one) == LW_JSON_OBJECT; k++)
-                    found = lw_json_member(&one, key[k], &n) && lw_json_kind_of(&n) == LW_JSON_ARRAY
-                        && lw_json_count(&n) == 3;
-                if (!found && lw_json_kind_of(&one) == LW_JSON_OBJECT && lw_json_member(&one, "kind", &kind)) {
-                    const char *word = lw_json_text(&kind);
-                    found = word && (strlen(word) > 1 || (*word && strchr("cbuheo", *word)));
-                    for (int k = 0; found && k <= LW_SPATIAL_FREE; k++)
-                        if (strcmp(word, lw_spatial_kind_of((lw_spatial_kind)k)->word) == 0 || strlen(word) == 1)
-                            break;
-                        else if (k == LW_SPATIAL_FREE)
-                            found = false;
-                }
+                if (lw_json_kind_of(&one) != LW_JSON_OBJECT)
+                    continue;
+                word = word || names_spatial_kind(&one);
+                for (int k = 0; k < 2; k++)
+                    if (lw_json_member(&one, key[k], &n) && lw_json_kind_of(&n) == LW_JSON_ARRAY) {
+                        three = three || lw_json_count(&n) == 3;
+                        two = two || lw_json_count(&n) == 2;
+                    }
             }
     lw_json_close(&json);
-    return found;
+    return three || (word && !two);
 }

@@ -13,7 +13,7 @@
 
 /* A list of names, found by hashing (lw_read_find). */
 typedef struct lw_json_names { const char *first; int n; lw_key_table table; } lw_json_names;
-enum { LW_JSON_LISTS = 6 };
+enum { LW_JSON_LISTS = 8 };
 
 typedef struct lw_json {
     const char *text;          /* the caller's, kept for line and column */
