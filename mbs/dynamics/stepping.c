@@ -30,11 +30,13 @@ struct lw_stepping {
     double         *turn;                    /* (n_turn) at the present */
     double          next_work;
     touch_memory   *touch;                   /* (of d->touch) at the present */
-    unsigned char  *resting;                 /* (n_stop) is the stop rested on? */
+    unsigned char  *resting;                 /* (n_stop) is the stop rested on? TOUCHING: without a force since it began */
     bool            only_start;              /* the piece under way ends with its first sample */
     lw_moment_sink *sink;
     void           *context;
 };
+
+enum { TOUCHING = 2 };
 
 static int n_touch(const lw_stepping *s) { return s->d->touch ? s->d->touch->list.n : 0; }
 
@@ -44,9 +46,11 @@ static void put_memory(const lw_stepping *s)
     if (d->space)
         memcpy(d->space->f.turn, s->turn, (size_t)s->n_turn*sizeof *s->turn);
     d->n_resting = 0;
-    for (int i = 0; i < d->n_stop; i++)
+    for (int i = 0; i < d->n_stop; i++) {
+        d->stop[i].touching = s->resting[i] == TOUCHING;
         if ((d->stop[i].resting = s->resting[i] != 0))
             d->resting[d->n_resting++] = i;
+    }
     for (int i = 0; i < n_touch(s); i++) {
         lw_touch *p = &d->touch->list.touch[i];
         const touch_memory *m = &s->touch[i];
@@ -65,7 +69,7 @@ static void take_memory(lw_stepping *s)
     if (s->d->space)
         memcpy(s->turn, s->d->space->f.turn, (size_t)s->n_turn*sizeof *s->turn);
     for (int i = 0; i < s->d->n_stop; i++)
-        s->resting[i] = s->d->stop[i].resting;
+        s->resting[i] = !s->d->stop[i].resting ? 0 : s->d->stop[i].touching ? TOUCHING : 1;
     for (int i = 0; i < n_touch(s); i++) {
         const lw_touch *p = &s->d->touch->list.touch[i];
         s->touch[i] = (touch_memory){ p->anchor, p->anchor_angle, p->passed, p->force, (int)p->state, p->sticks, p->slips,
