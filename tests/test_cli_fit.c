@@ -192,9 +192,18 @@ TEST(arms_count_among_the_lengths)
     expect("$P fit $D/needle.csv --type slidercrank --rounds 1 2>&1 | grep -c straight", 1, "0\n", NULL);
 }
 
-/* A door on one hinge needs no linkage. */
-TEST(poses_about_a_pivot_need_one_link)
+/* A door on one hinge needs no linkage, a shelf that stays level a parallelogram of cranks as long as its circle. */
+TEST(poses_of_simpler_machines_are_named)
 {
+    json_t *root = json_of("awk 'BEGIN { print \"x [mm],y [mm],theta [deg]\"; for (i = 0; i < 6; i++) "
+                           "printf \"%.9f,%.9f,0\\n\", 200*cos(0.35*i), 200*sin(0.35*i) }' > $D/shelf.csv; "
+                           "$P fit $D/shelf.csv --rounds 2 --class-margin 0 --json 2> $D/said");
+    json_t *of = json_object_get(json_array_get(json_object_get(root, "results"), 0), "dimensions");
+    CHECK_NEAR(member(of, "r2"), 200, 0, 1e-6);
+    CHECK_NEAR(member(of, "r4"), 200, 0, 1e-6);
+    CHECK_NEAR(member(of, "r3"), member(of, "r1"), 0, 1e-6);
+    json_decref(root);
+    expect("cat $D/said", 0, "a parallelogram, with two parallel cranks of 200 mm, moves it so", NULL);
     expect("printf 'x [mm],y [mm],theta [deg]\n400,100,0\n308.730670,300.621778,30\n129.378222,428.730670,60\n' > $D/door.csv; "
            "$P fit $D/door.csv --links 4 --unlimited --rounds 1", 0, NULL, "a link that turns about (-20, 30) moves the body so alone");
 }

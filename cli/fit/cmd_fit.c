@@ -529,7 +529,16 @@ static void note_left_out(const cli_call *call, const cli_fit_set *set)
 
 #define STRAIGHT 1e-6                  /* of the diagonal: a path that leaves a line by no more is straight                   */
 
-/* A single link draws a circle, or turns a body about a point; a slider moves straight. */
+/* Does the body keep its angle? */
+static bool keeps_angle(const lw_target *t)
+{
+    double most = 0;
+    for (size_t i = 1; t->theta && i < t->n; i++)
+        most = fmax(most, fabs(remainder(t->theta[i] - t->theta[0], 2*LW_PI)));
+    return t->theta && most <= STRAIGHT;
+}
+
+/* A single link draws a circle, or turns a body about a point; a parallelogram moves it without turning; a slider moves straight. */
 static void note_simpler(const cli_call *call, const cli_fit_set *set)
 {
     const lw_target *t = &set->target;
@@ -542,12 +551,17 @@ static void note_simpler(const cli_call *call, const cli_fit_set *set)
     bool pins = !cli_given(&call->parsed, "type") && !cli_given(&call->parsed, "joints") && !set->is_exact;
     if (path && pins && t->n >= 3 && lw_target_straight(t) <= STRAIGHT*t->extent)
         cli_note(call, "%s: this path is straight: with '--type slidercrank' a slider moves exactly along it", set->path);
-    if (set->spec.task == LW_TASK_MOTION && t->n_also == 0 && from_pivot <= LW_EXACT_ENOUGH*t->extent)
+    bool motion = set->spec.task == LW_TASK_MOTION && t->n_also == 0;
+    bool circle = off <= LW_EXACT_ENOUGH*t->extent && r < LW_DEFAULT_MAX_SIZE*t->extent;
+    if (motion && circle && keeps_angle(t))
+        cli_note(call, "%s: the body keeps its angle and moves on a circle: a parallelogram, with two parallel cranks of %.6g %s, moves it so "
+                 "within %.2g %s; '--class-margin 0' finds one", set->path, r/m, unit, fmax(off, grain)/m, unit);
+    if (motion && from_pivot <= LW_EXACT_ENOUGH*t->extent)
         cli_note(call, "%s: a link that turns about (%.6g, %.6g) moves the body so alone, within %.2g %s", set->path,
                  (grain*round(p.x/grain) + 0.0)/m, (grain*round(p.y/grain) + 0.0)/m, fmax(from_pivot, grain)/m, unit);
-    if (alone && off <= LW_EXACT_ENOUGH*t->extent && r < LW_DEFAULT_MAX_SIZE*t->extent)
+    if (alone && circle)
         cli_note(call, "%s: a link of %.6g %s that turns about (%.6g, %.6g) draws this path alone, within %.2g %s", set->path,
-                 r/m, unit, c.x/m, c.y/m, off/m, unit);
+                 r/m, unit, c.x/m, c.y/m, fmax(off, grain)/m, unit);
 }
 
 /* What to search next if no linkage found is near.  A closed path of equal parts is what a gear pair of that ratio makes. */
