@@ -90,7 +90,7 @@ static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *
     }
     if (m->n_input == 0) {
         stand_still(s, m);
-        snprintf(s->note, sizeof s->note, "no input: it stands still");
+        snprintf(s->note, sizeof s->note, "Shown without motion: the model has no input");
         return LW_OK;
     }
     with.n_tracer = m->n_tracer + m->n_link;
@@ -106,7 +106,8 @@ static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *
     if (status == LW_E_MEMORY)
         return lw_error_set(e, status, "%s", why.text[0] ? why.text : lw_status_text(status));
     if (status != LW_OK)
-        snprintf(s->note, sizeof s->note, "%.250s", why.text[0] ? why.text : lw_status_text(status));
+        snprintf(s->note, sizeof s->note, "%s: %.200s", s->n_frame > 0 ? "Shown as far as it moves" : "Shown without motion",
+                 why.text[0] ? why.text : lw_status_text(status));
     if (s->n_frame == 0)
         stand_still(s, m);
     s->loops = closes(s);
