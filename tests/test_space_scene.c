@@ -130,7 +130,7 @@ TEST(elastic_links_bend)
     lw_error e = { 0 };
     if (!read_model("examples/space/delta-elastic.json", &m))
         return;
-    CHECK_INT(lw_spatial_expand(&m, &x, &e), LW_OK);
+    CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
     size_t links = (size_t)x.model.n_link;
     lw_vec3 *origin = calloc(links, sizeof *origin), *path = calloc((size_t)m.n_tracer + 1, sizeof *path);
     lw_space_pose *pose = calloc(links, sizeof *pose);

@@ -475,7 +475,7 @@ lw_status lw_export_space_adams(const lw_spatial *m, lw_bytes *out, lw_error *e)
     writer w = { .m = m->n_elastic ? &x.model : m, .expansion = &x, .out = out, .weighed = lw_space_weighed(m) };
     lw_status s = lw_export_space_loads(m, "ADAMS", true, e);
     if (s == LW_OK && m->n_elastic)
-        s = lw_spatial_expand(m, &x, e);
+        s = lw_spatial_expand(m, false, &x, e);
     if (s == LW_OK)
         s = write(&w, m, e);
     if (s != LW_OK)

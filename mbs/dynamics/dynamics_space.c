@@ -653,7 +653,8 @@ static lw_status expand(lw_dynamics *d, const lw_spatial **m, lw_error *e)
     if (!(*m)->n_elastic)
         return LW_OK;
     d->elastic = !d->o.rigid;
-    lw_status st = d->elastic ? lw_spatial_expand(*m, &d->spatial_expansion, e) : lw_spatial_rigid(*m, &d->spatial_rigid, e);
+    lw_status st = d->elastic ? lw_spatial_expand(*m, lw_dynamics_in_time(d), &d->spatial_expansion, e)
+                  : lw_spatial_rigid(*m, &d->spatial_rigid, e);
     *m = d->elastic ? &d->spatial_expansion.model : &d->spatial_rigid;
     return st;
 }

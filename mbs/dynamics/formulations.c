@@ -47,7 +47,7 @@ static lw_status take(lw_dynamics *d, lw_formulation f, lw_dynamics_report *r, l
     r->formulation = f;
     bool pushed = d->n_friction || d->n_stop || d->touch;
     if (s == LW_OK && d->eq.more_inertia && f != LW_FORMULATION_RADAU && f != LW_FORMULATION_ALPHA && (f != LW_FORMULATION_INDEX1 || pushed))
-        s = lw_formulation_say(r, LW_E_KIND, 0, "the mass of superelements depends on the posture; radau, alpha and, without friction, stops "
+        s = lw_formulation_say(r, LW_E_KIND, 0, "the mass of superelements and of consistent bars depends on the posture; radau, alpha and, without friction, stops "
                                "and contacts, index1 know that");
     return s == LW_OK ? LW_OK
          : s == LW_E_KIND ? lw_error_set(e, s, "the %s formulation cannot do this model: %s", lw_formulation_name(f),
@@ -68,7 +68,8 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
         return lw_error_set(e, LW_E_KIND, "the motion of elastic links does not follow from the inputs alone: run the model in time "
                             "(dynamic) or --rigid, or see its equilibrium (static, quasistatic)");
     if (d->eq.more_mass && !d->eq.more_inertia && a != LW_ANALYSIS_STATIC)
-        return lw_error_set(e, LW_E_KIND, "consistent masses are for modes (linear); a run in time takes \"mass\": \"lumped\"");
+        return lw_error_set(e, LW_E_KIND, "consistent masses of planar models are for modes (linear); a run in time takes \"mass\": \"lumped\", or the model "
+                            "written in space");
     bool settles = d->touch && a == LW_ANALYSIS_STATIC && d->freedom && !d->elastic && !d->large && !d->eq.n_z;
     bool postures = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC;
     bool prescribed = d->freedom == 0 && !d->elastic && !d->eq.n_z && !d->o.pieces;

@@ -13,6 +13,7 @@ typedef struct work {
     lw_elastic_axis      *axis;      /* per chain */
     lw_elastic_axis      *full;      /* per chain that is condensed: all nodes; axis has those that are kept */
     int                 **keep;      /* per chain with its own matrices: their nodes that are kept, ascending */
+    bool                  in_time;
     lw_vec3               from;      /* a place of the chain being filled */
     lw_spatial_body       whole;     /* of its parts: mass, first moment and inertia about that place */
 } work;
@@ -45,7 +46,7 @@ static lw_status keep_nodes(work *w, int chain, const lw_elastic_places *at, lw_
 {
     lw_elastic_axis *a = &w->axis[chain], *full = &w->full[chain];
     const lw_elastic *p = w->x->chain[chain].elastic;
-    int n = a->n_node, pieces = p->pieces;
+    int n = a->n_node, pieces = p->pieces > 0 ? p->pieces : n - 1;
     *full = *a;
     a->node = calloc((size_t)n, sizeof *a->node);
     if (!a->node)
@@ -122,7 +123,7 @@ static lw_status plan_chain(work *w, int chain, lw_error *e)
     lw_elastic_chain *c = &w->x->chain[chain];
     lw_elastic_axis *a = &w->axis[chain];
     lw_elastic_places at;
-    c->condensed = c->elastic->pieces > 0 || c->elastic->n_node > 0;
+    c->condensed = c->elastic->pieces > 0 || c->elastic->n_node > 0 || (w->in_time && c->elastic->consistent);
     if (c->elastic->n_node > 0)
         return plan_matrices(w, chain, e);
     lw_status s = find_places(w->m, c->link, &at, e);
@@ -520,11 +521,11 @@ static lw_status spread_force(work *w, int *i, lw_error *e)
     return s;
 }
 
-lw_status lw_spatial_expand(const lw_spatial *m, lw_spatial_expansion *x, lw_error *e)
+lw_status lw_spatial_expand(const lw_spatial *m, bool in_time, lw_spatial_expansion *x, lw_error *e)
 {
     size_t n = (size_t)m->n_elastic + 1;
     *x = (lw_spatial_expansion){ .chain = calloc(n, sizeof *x->chain) };
-    work w = { m, x, calloc(n, sizeof *w.axis), calloc(n, sizeof *w.full), calloc(n, sizeof *w.keep), { 0, 0, 0 }, { .mass = 0 } };
+    work w = { m, x, calloc(n, sizeof *w.axis), calloc(n, sizeof *w.full), calloc(n, sizeof *w.keep), in_time, { 0, 0, 0 }, { .mass = 0 } };
     int more = 0;
     lw_status s = x->chain && w.axis && w.full && w.keep ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int l = 0; s == LW_OK && l < m->n_link; l++) {
@@ -605,7 +606,7 @@ lw_status lw_spatial_rigid(const lw_spatial *m, lw_spatial *rigid, lw_error *e)
     bars.elastic = copy(m->elastic, m->n_link, 0, sizeof *m->elastic);
     for (int i = 0; bars.elastic && i < m->n_link; i++)
         bars.elastic[i].pieces = bars.elastic[i].modes = 0;
-    lw_status s = bars.elastic ? lw_spatial_expand(&bars, &x, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = bars.elastic ? lw_spatial_expand(&bars, false, &x, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int k = 0; s == LW_OK && k < x.n_chain; k++)
         join(&x, &x.chain[k], &rigid->body[x.chain[k].link]);
     lw_spatial_expansion_free(&x);

@@ -14,10 +14,11 @@ typedef struct lw_spatial_expansion {
     lw_expression_list own;          /* of loads that are spread over elements */
 } lw_spatial_expansion;
 
-/* Modes of condensed links are the coordinates of nodes behind the others of their link.  LW_E_ARG: an axis that does not
+/* in_time: a bar of consistent mass becomes a superelement for each of its elements, whose mass turns with it.
+ * Modes of condensed links are the coordinates of nodes behind the others of their link.  LW_E_ARG: an axis that does not
  * follow from the joints, a direction of the height along it, or more modes than inner coordinates (the link is named).  x needs
  * lw_spatial_expansion_free, after a failure too. */
-lw_status lw_spatial_expand(const lw_spatial *m, lw_spatial_expansion *x, lw_error *e);
+lw_status lw_spatial_expand(const lw_spatial *m, bool in_time, lw_spatial_expansion *x, lw_error *e);
 void      lw_spatial_expansion_free(lw_spatial_expansion *x);
 
 /* The same model with its elastic links as rigid bars of the same mass; *rigid needs lw_spatial_rigid_free. */
