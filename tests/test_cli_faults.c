@@ -77,7 +77,7 @@ static const char *const rows[] = {
     "$C robot jacobian examples/space/stewart.json",
     "$C robot budget examples/space/delta-clearance.json",
     "$C robot workspace examples/space/delta.json --rays 3 -o $D/o",
-    "$C robot reachability examples/space/stewart.json --rays 3",
+    "$C robot reachability examples/3-rrr.json",
     "$C robot map examples/space/delta.json --places 3",
     "$C robot map examples/space/delta-elastic.json --eigenfrequency --places 3 --plot $D/o.svg --force",
     "$C trace examples/space/bricard.json -n 4",

@@ -7,6 +7,7 @@
 
 static const double small_change = 1e-10;    /* a refinement that changes the multipliers by less, relative, leaves rounding only */
 static const int most_refined = 8;           /* corrections */
+static const double left_over = 1e-16;       /* the same of what the next one would change, to go by the last two */
 static const double least_share = 1e-11;     /* pivot over its diagonal below which a row depends on others */
 
 double lw_space_length(const lw_space *s, const double *by)
@@ -357,16 +358,24 @@ static double improve(lw_space_rows_set *z, const double *rhs, double *x, double
     return most;
 }
 
+/* Do corrections leave rounding only, after one of `change` that followed one of `before`? */
+static bool refined(double first, double before, double change)
+{
+    return change <= small_change*first || change*change <= left_over*before*first;
+}
+
 bool lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rhs, bool refine, double *x, double *l)
 {
     for (int i = 0; i < z->s->n_v; i++)
         x[i] = f ? f[i]*z->weight[i] : 0;
     memset(l, 0, (size_t)z->n_row*sizeof *l);
-    double first = improve(z, rhs, x, l), change = refine ? INFINITY : 0;
+    double first = improve(z, rhs, x, l), before = first, change = refine ? INFINITY : 0;
     /* the pivots do not tell how much long rows of loops magnify rounding: more corrections where one is not small */
-    for (int pass = 0; refine && pass < most_refined && (pass == 0 || change > small_change*first); pass++)
+    for (int pass = 0; pass < most_refined && !refined(first, before, change); pass++) {
+        before = pass ? change : first;
         change = improve(z, rhs, x, l);
-    return change <= small_change*first;
+    }
+    return refined(first, before, change);
 }
 
 void lw_space_rows_carry(lw_space_rows_set *z, const double *f, double *l)
