@@ -283,7 +283,7 @@ TEST(rows_end_where_nobody_would_build_them)
 TEST(tables_of_functions_say_where_angles_begin)
 {
     ran r = run("awk 'BEGIN {print \"angle [deg],theta [deg]\"; for (i = 0; i <= 12; i++) printf \"%.9g,%.9g\\n\", 7.5*i, -80*i*i/144}' |"
-                " $P fit --open - --rounds 2");
+                " $P fit --open - --rounds 2 --save $D/output");
     double got[6], deg = 3.14159265358979/180;
     const char *row = strstr(r.out, "\n  1  four-bar"), *from = row ? strstr(row, "r1=") : NULL;
     bool other_way = row && strchr(row, '<') && strchr(row, '<') < from;
@@ -295,6 +295,9 @@ TEST(tables_of_functions_say_where_angles_begin)
         double off = fmin(fabs(remainder(atan2(y, x) + inner - wanted, 360*deg)), fabs(remainder(atan2(y, x) - inner - wanted, 360*deg)));
         CHECK(off < 0.1*deg);
     }
+    char text[80];                                                  /* and so has its page */
+    snprintf(text, sizeof text, "input0=%.6g tool0=%.6g; the input is at input0 %c angle", got[4], got[5], other_way ? '-' : '+');
+    expect("cat $D/output/index.html", 0, text, NULL);
     ran_free(&r);
 }
 

@@ -67,7 +67,7 @@ static bool has(const lw_page_result *r, column c)
 {
     if (c == DOWNLOAD)
         return r->file != NULL;
-    return c == DIMENSIONS ? r->scene && r->scene->n_dim > 0
+    return c == DIMENSIONS ? r->dimensions || (r->scene && r->scene->n_dim > 0)
                            : text_in(r, c) || !isnan(number_in(r, c));
 }
 
@@ -82,7 +82,9 @@ static bool is_used(const lw_page_target *t, column c)
 static void dimensions(lw_bytes *b, const lw_page_result *r)
 {
     const lw_scene *s = r->scene;
-    for (int i = 0; s && i < s->n_dim; i++) {
+    if (r->dimensions)
+        lw_bytes_xml(b, r->dimensions);
+    for (int i = 0; s && i < s->n_dim && !r->dimensions; i++) {
         lw_bytes_text(b, "<span>");
         lw_bytes_xml(b, s->dim_name[i]);
         lw_bytes_text(b, " = ");

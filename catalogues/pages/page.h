@@ -14,6 +14,7 @@ typedef struct lw_page_result {
     const lw_scene *scene;        /* what is drawn, moved, and whose dimensions are listed          */
     const char *type;             /* "four-bar"                                                     */
     const char *class_name;       /* "GCRR crank-rocker"                                            */
+    const char *dimensions;       /* written instead of those of the scene                          */
     const char *note;             /* a sentence below the picture                                   */
     const lw_linkage *linkage;    /* offered as JSON ...                                            */
     const char *file;             /* ... under this name; NULL: not offered                         */

@@ -38,6 +38,9 @@ typedef struct cli_fit_set {
 /* Ranked table, lengths in the unit of the target. */
 void cli_fit_table(const cli_fit_set *s, FILE *f);
 
+/* The dimensions of result i as " r1=12 ...": of a function those that it has, and the angles from which the target counts, in degrees. */
+void cli_fit_dimensions(const cli_fit_set *s, int i, FILE *f);
+
 /* Is the four-bar so near a change point that small errors of its lengths change its class?  false without a class. */
 bool cli_fit_near_change_point(const lw_fit_report *r);
 

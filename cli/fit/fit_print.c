@@ -56,9 +56,10 @@ static int title_width(const cli_fit_set *s)
     return (int)width;
 }
 
-/* The dimensions; of a function those that it has, and the angles from which the target counts. */
-static void dimensions(const cli_fit_set *s, const lw_candidate *c, const lw_fit_report *r, FILE *f)
+void cli_fit_dimensions(const cli_fit_set *s, int result, FILE *f)
 {
+    const lw_fit_report *r = &s->search.results.report[result];
+    const lw_candidate *c = cli_fit_candidate(s, result);
     static const char *const place[] = { "cx", "cy", "x0", "y0", "theta0" };
     const bool has_place = lw_task_has_place(s->spec.task);
     for (int d = 0; d < c->n_dim; d++) {           /* what no one can make is printed as 0 */
@@ -104,7 +105,7 @@ static void table_row(const cli_fit_set *s, int i, int width, FILE *f)
         fputs(c->intended.sense < 0 ? " <" : " ", f);
     if (s->is_exact)
         cli_fit_exact_row(s, i, f);
-    dimensions(s, c, r, f);
+    cli_fit_dimensions(s, i, f);
     fputc('\n', f);
     limits_row(r, f);
     cli_fit_points_row(s, i, f);

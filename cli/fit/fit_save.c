@@ -98,7 +98,7 @@ lw_status cli_fit_save(const cli_fit_set *s, const char *folder, bool quick, lw_
 typedef struct sheet {
     lw_scene       *scene;                         /* one for each result, as the following            */
     lw_page_result *result;
-    char          (*limits)[256];
+    char          (*limits)[256], (*dimensions)[512];   /* "": those of the scene                              */
     lw_drawing     curves;                         /* wanted and reached                               */
     char          (*class_name)[128], (*file)[CLI_FIT_NAME_SIZE + 24], about[160];
     int             n;
@@ -116,7 +116,15 @@ static void describe(const cli_fit_set *s, int i, sheet *h)
     size_t at = strlen(h->limits[i]);
     if (r->broken)
         snprintf(h->limits[i] + at, sizeof h->limits[i] - at, "%sbeyond: %s", at ? "; " : "", r->broken_text);
+    FILE *text = lw_task_has_place(s->spec.task) ? NULL : fmemopen(h->dimensions[i], sizeof h->dimensions[i], "w");
+    if (text) {
+        cli_fit_dimensions(s, i, text);
+        fprintf(text, "; the input is at input0 %c angle, the angle of the output's link plus tool0 is theta; angles in deg",
+                c->intended.sense < 0 ? '-' : '+');
+        fclose(text);
+    }
     h->result[i] = (lw_page_result){
+        .dimensions = h->dimensions[i][0] ? h->dimensions[i] : NULL,
         .input = lw_fit_report_input(r), .limits = h->limits[i][0] ? h->limits[i] : NULL,
         .stray = lw_fit_report_stray(r), .size = s->target.extent > 0 ? r->size/s->target.extent : 0,
         .scene = &h->scene[i], .type = lw_family_title(c->family),
@@ -136,7 +144,8 @@ static lw_status fill_sheet(const cli_fit_set *s, sheet *h, lw_page_target *t, l
     h->class_name = calloc(most, sizeof *h->class_name);
     h->file = calloc(most, sizeof *h->file);
     h->limits = calloc(most, sizeof *h->limits);
-    if (!h->limits || !h->scene || !h->result || !h->class_name || !h->file)
+    h->dimensions = calloc(most, sizeof *h->dimensions);
+    if (!h->dimensions || !h->limits || !h->scene || !h->result || !h->class_name || !h->file)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a page");
     for (; h->n < s->search.results.n && st == LW_OK; h->n++) {
         st = make_scene(s, h->n, &h->scene[h->n], e);
@@ -178,6 +187,7 @@ lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_e
         free(h[i].class_name);
         free(h[i].file);
         free(h[i].limits);
+        free(h[i].dimensions);
         lw_drawing_free(&h[i].curves);
     }
     lw_bytes_free(&bytes);
