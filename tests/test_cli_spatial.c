@@ -81,6 +81,24 @@ TEST(runs)
     expect("$P simulate examples/space/bricard.json --max-steps 3 --to 50", 5, NULL, "rows so far are kept");
 }
 
+/* 20 kN pull at a closed cylinder: F/A1 is far beyond 1 bar, in the plane and in space; 100 N are not. */
+TEST(oil_below_vacuum)
+{
+    static const char *const at[2][2] = { { "[0.6, 0]", "[0, 0]" }, { "[0.6, 0, 0]", "[0, 0, 0]" } };
+    for (int k = 0; k < 4; k++) {
+        char command[1400];
+        snprintf(command, sizeof command, "echo '{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"m\", \"mass\": 100, \"centre\": %s, \"inertia\": %s}], \"joints\": "
+            "[{\"name\": \"S\", \"kind\": \"t\", \"links\": [\"ground\", \"m\"], \"at\": %s, %s}], \"cylinders\": [{\"name\": \"C\", \"links\": [\"ground\", \"m\"], \"at\": "
+            "[%s, %s], \"bore\": 0.05, \"rod\": 0.03, \"retracted\": 0.5, \"stroke\": 0.3, \"dead_volume\": 1e-5, \"pressures\": [5e5, 5e5]}], \"forces\": [{\"link\": \"m\", "
+            "\"at\": %s, \"fx\": %d}]}' > $D/pull.json; $P simulate $D/pull.json --to 0.1 -n 20", at[k%2][0], k%2 ? "[1, 1, 1]" : "1", at[k%2][0],
+            k%2 ? "\"axis\": [1, 0, 0]" : "\"angle\": 0", at[k%2][1], at[k%2][0], at[k%2][0], k < 2 ? 20000 : -100);
+        ran r = run(command);
+        CHECK_INT(r.code, 0);
+        CHECK((strstr(r.err, "below vacuum") != NULL) == (k < 2));
+        ran_free(&r);
+    }
+}
+
 TEST(pictures)
 {
     expect("$P simulate examples/space/top.json --to 0.1 -n 10 --gif $D/top.gif --plot $D/top.svg && head -c 6 $D/top.gif", 0,

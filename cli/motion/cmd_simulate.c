@@ -238,6 +238,7 @@ static int run(const cli_call *call)
     lw_status st = run_it(call, c, &e);
     if (s->analysis != LW_ANALYSIS_STATIC)
         cli_dynamics_notes(call, c->d, &c->report);
+    cli_suction_note(call, &c->suction);
     int code = st == LW_OK ? CLI_DONE : c->n_row > 0 && st == LW_STOPPED ? CLI_LIMIT : cli_fail(call, &e);
     if (code == CLI_LIMIT)
         cli_note(call, "%s; the rows so far are kept", e.text);

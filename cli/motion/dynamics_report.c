@@ -141,6 +141,21 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
         cli_note(c, "there are more drives than freedoms: their forces are not unique, those of least norm are given");
 }
 
+void cli_suction_see(cli_suction *low, const lw_states *states, const double *z, double t)
+{
+    for (int i = 0; i < states->n_state; i++)
+        if (strcmp(states->state[i].unit, "Pa") == 0 && z[i] < low->pressure)
+            *low = (cli_suction){ states->state[i].name, z[i], t };
+}
+
+void cli_suction_note(const cli_call *c, const cli_suction *low)
+{
+    static const double air = 101325;
+    if (low->pressure < -air)
+        cli_note(c, "%s falls to %.4g Pa at t = %.6g s, below vacuum (%.4g Pa against the air): oil tears there, which is not modelled, and the cylinder "
+                 "pulls too much", low->state, low->pressure, low->t, -air);
+}
+
 void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynamics_report *r)
 {
     if (r->period_off > 0)

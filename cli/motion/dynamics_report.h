@@ -13,6 +13,12 @@ void cli_dynamics_explain(const cli_call *call, const lw_dynamics_report *r);
 /* Notes to standard error after a run. */
 void cli_dynamics_notes(const cli_call *call, const lw_dynamics *d, const lw_dynamics_report *r);
 
+/* The lowest pressure of a cylinder in the rows so far: 0 where none is below that of the air. */
+typedef struct cli_suction { const char *state; double pressure, t; } cli_suction;
+
+void cli_suction_see(cli_suction *low, const lw_states *states, const double *z, double t);
+void cli_suction_note(const cli_call *call, const cli_suction *low);     /* if it is below vacuum */
+
 /* Comment lines at the end of CSV rows; the end of the rows of a JSON object, and the object's end. */
 void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status, const lw_error *e);
 void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_report *r, lw_status status, const lw_error *e);

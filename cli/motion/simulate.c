@@ -294,6 +294,7 @@ lw_status cli_simulate_row(void *context, const lw_moment *m)
     double *row = s->scratch;
     size_t n = (size_t)s->n_column, n_q = (size_t)lw_dynamics_system(s->d)->n_q;
     fill(s, m, row);
+    cli_suction_see(&s->suction, &s->model->states, m->z, m->t);
     if (s->keep) {
         if (s->n_row == s->capacity && grow(s) != LW_OK)
             return LW_E_MEMORY;

@@ -2,6 +2,7 @@
 #ifndef CLI_MOTION_SIMULATE_H
 #define CLI_MOTION_SIMULATE_H
 
+#include "cli/motion/dynamics_report.h"
 #include "cli/motion/table.h"
 #include "cli/program/json.h"
 #include "mbs/analysis/reactions.h"
@@ -21,6 +22,7 @@ typedef struct cli_simulate {
     double         *row;                 /* (capacity * n_column)                                          */
     double         *q;                   /* (capacity * n_q)                                               */
     lw_dynamics_report       report;
+    cli_suction     suction;
 } cli_simulate;
 
 /* Drive the inputs without a motion at this constant speed, as --speed gives it; NULL: none. */

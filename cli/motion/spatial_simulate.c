@@ -26,6 +26,7 @@ typedef struct run {
     lw_space_inner   *inner;             /* of the nodes of one elastic link */
     double            pull;              /* greatest axial force in a piece of a condensed bar over its buckling load; negative: compression */
     const lw_elastic_chain *pulled;      /* there */
+    cli_suction       suction;
     cli_column       *column;
     int               n_column, capacity;
     const cli_column *renamed;           /* a column whose name another one before has; NULL: none */
@@ -290,6 +291,7 @@ static lw_status put_row(void *context, const lw_moment *moment)
         *to++ = touch.distance, *to++ = touch.force;
     }
     to = put_inner(r, o, to);
+    cli_suction_see(&r->suction, &m->states, moment->z, moment->t);
     for (int i = 0; i < m->states.n_state; i++)
         *to++ = moment->z[i];
     for (int i = 0; i < m->states.n_signal; i++)
@@ -493,6 +495,7 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
             cli_dynamics_remarks(r.f, &r.report, st, &e);
         cli_dynamics_notes(call, r.d, &r.report);
         note_pull(call, &r);
+        cli_suction_note(call, &r.suction);
         if (explain)
             note_contacts(call, &r, o->from, r.report.t);
         if (r.report.formulation == LW_FORMULATION_AUTO && r.report.samples > 0)
