@@ -312,7 +312,6 @@ TEST(several_pins_at_a_place)
         CHECK_NEAR(end[0][i], end[1][i], 1e-6, 0);
 }
 
-/* With enough friction a linkage at rest stays so, in balance with the part of the friction that acts. */
 /* Smooth friction is left to the explicit method unless it makes the equations stiff. */
 TEST(choice_of_a_method)
 {
@@ -342,6 +341,51 @@ TEST(choice_of_a_method)
         CHECK_NEAR(end[0][i], end[1][i], 1e-8, 0);
 }
 
+static const char double_pendulum[] =
+    "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0.5, 0], 'inertia': 0.1}, {'name': 'b', 'mass': 1, 'centre': [1.5, 0],"
+    " 'inertia': 0.1}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [1, 0]}],"
+    " 'gravity': [0, -9.81], 'springs': [";
+
+/* A stiff spring in a joint is left to radau while the vibration is below the tolerance or damped, and goes on by index1 where it has to be
+ * followed; a soft one is index1's.  Four dampers in a joint are one that is four times as strong. */
+TEST(choice_with_springs)
+{
+    static const struct { double stiffness, damping, tolerance; lw_formulation by; } of[] = {
+        { 1e6, 0, 1e-4, LW_FORMULATION_RADAU }, { 1e6, 5, 1e-7, LW_FORMULATION_RADAU }, { 1e6, 0, 1e-8, LW_FORMULATION_INDEX1 },
+        { 1e3, 0, 1e-8, LW_FORMULATION_INDEX1 } };
+    for (int k = 0; k < 4; k++) {
+        double end[6];
+        char format[1000];
+        snprintf(format, sizeof format, "%s{'joint': 'B', 'stiffness': %%g, 'damping': %%g}]}", double_pendulum);
+        drun_read_format(&d, format, of[k].stiffness, of[k].damping);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-11, 1, 10), LW_OK);
+        long rates = d.report.rates;
+        memcpy(end, d.q, sizeof end);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, of[k].tolerance, 1, 10), LW_OK);
+        CHECK_INT(d.report.formulation, of[k].by);
+        CHECK((strncmp(d.report.why, "radau to", 8) == 0) == (k == 2));
+        CHECK(k > 1 || 2*d.report.rates < rates);
+        for (int i = 0; i < 6; i++)
+            CHECK_NEAR(d.q[i], end[i], 100*of[k].tolerance, 0);
+        lw_model_free(&d.model);
+    }
+    for (int four = 0; four < 3; four++) {               /* one, four and one of these alone */
+        lw_dynamics *m = NULL;
+        char format[2000];
+        int end = snprintf(format, sizeof format, "%s", double_pendulum);
+        for (int k = 0; k < (four == 1 ? 4 : 1); k++)
+            end += snprintf(format + end, sizeof format - (size_t)end, "%s{'joint': 'B', 'stiffness': 0, 'damping': %s}", k ? "," : "",
+                             four ? "15" : "60");
+        snprintf(format + end, sizeof format - (size_t)end, "]}");
+        drun_read_format(&d, format, 0, 0);
+        CHECK_INT(lw_dynamics_make(&d.model, &d.o, &m, &d.e), LW_OK);
+        CHECK_INT(lw_dynamics_choice(m)->formulation, four == 2 ? LW_FORMULATION_INDEX1 : LW_FORMULATION_RADAU);
+        lw_dynamics_free(m);
+        lw_model_free(&d.model);
+    }
+}
+
+/* With enough friction a linkage at rest stays so, in balance with the part of the friction that acts. */
 TEST(linkage_rests)
 {
     int rests = 0;

@@ -64,6 +64,8 @@ typedef struct stepper {
     lw_sundials   implicit_one;
     double       *work;
     double       *each;                      /* absolute tolerances, NULL: all the same */
+    bool          open;                      /* a planar model without loops, which has no singular postures */
+    int           n_aimed;                   /* steps that ended at samples, or could have */
 } stepper;
 
 static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
@@ -110,6 +112,21 @@ static lw_status step(stepper *w, double end, lw_ode_stop *stop, lw_error *e)
 {
     return w->implicit ? lw_sundials_step(&w->implicit_one, end, stop, e)
                        : lw_integrate_step(&w->explicit_one, end, stop, e);
+}
+
+/* Where the continuous solution of a step is not accurate, each sample in it costs a step of its own.  Few samples (apart by a step over `few`,
+ * or more) are the ends of the next steps instead; after AIMED of these it is tried again. */
+enum { AIMED = 16 };
+static const double few = 3;
+
+static double step_end(lw_run *run, stepper *w)
+{
+    const lw_dynamics_options *o = &run->d->o;
+    double t = time_of(w), end = w->implicit ? lw_run_near(run, t) : lw_run_end(run, t);
+    bool aims = w->open && w->explicit_one.rough > 0 && run->next <= o->intervals
+             && few*(o->to - o->from) > w->explicit_one.h*o->intervals && ++w->n_aimed % AIMED;
+    double next = aims ? lw_run_time(run->d, run->next) : end;
+    return next > t ? fmin(end, next) : end;
 }
 
 /* The first step ends within the flight, so that the end of a short one is found. */
@@ -293,7 +310,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     if (s == LW_OK && w->sticks)
         memset(w->explicit_one.side, 1, (size_t)d->n_friction);
     for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
-        s = step(w, w->implicit ? lw_run_near(run, time_of(w)) : lw_run_end(run, time_of(w)), &stop, run->e);
+        s = step(w, step_end(run, w), &stop, run->e);
         s = w->implicit ? s : step_over_singular(run, w, &f, s, &stop);
         if (d->touch && s != LW_OK && s != LW_STOPPED && time_of(w) > redecided) {
             redecided = time_of(w);          /* rows of places have become dependent: choose others */
@@ -367,6 +384,7 @@ static lw_status run_bodies(lw_run *run, bool implicit)
     stepper w = { .run = run, .implicit = implicit };
     lw_dynamics *d = run->d;
     bool changed = false;
+    w.open = !implicit && !d->space && !d->touch && d->s.n_joint <= d->s.n_body && d->n_driven == 0;
     double *y = calloc(2*(size_t)run->n, sizeof *y);
     if (!y)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");

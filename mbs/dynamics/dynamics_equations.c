@@ -1079,11 +1079,14 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
 /* ---- stiffness ---------------------------------------------------------------------------------------- */
 
 /* Fastest decay by dampers times the length of the run; above this an explicit method takes too many steps. */
-static const double damped = 500, damped_reduced = 3e3;      /* the same where an implicit method of high order serves; of one coordinate */
+static const double damped = 300, damped_reduced = 3e3;      /* the same where an implicit method of high order serves; of one coordinate */
 static const double stiff = 1e4, stiff_space = 1e6;          /* where no implicit method with exact derivatives is known */
-/* Tolerance (1e-8, as computed) from which an implicit method of low order serves states that decay so fast.  A smaller one needs
- * short steps anyway. */
-static const double states_from = 0.9e-8;
+/* Where springs vibrate by so many radians in a run, an implicit method is faster if dampers end the vibrations or nothing excites them;
+ * if it is not, it goes on by the explicit one (dynamics_radau.c). */
+static const double vibrating = 2e3;
+/* An implicit method of low order serves states that decay by `damped_states` down to a tolerance of 1e-8 (as computed); by more at smaller
+ * ones, which need short steps anyway.  It was measured for 1e3 and 1e4. */
+static const double damped_states = 500, states_at = 0.9e-8, states_power = 0.5;
 enum { most_looked = 400 };              /* dampers and motors that are looked at, evenly spread */
 
 /* The fastest decay of a state by itself: the greatest derivative of a rate by its own state. */
@@ -1122,13 +1125,53 @@ bool lw_mbs_friction_is_stiff(lw_dynamics *d)
     return most*(d->o.to - d->o.from) > stiff;
 }
 
-/* The fastest decay that dampers and states cause at the start [1/s]. */
+/* Forces on the velocities by a change of places or of velocities. */
+typedef struct response { int n; bool by_v; const double *change; double *force; } response;
+
+static void add_response(void *context, int row, int column, double by_q, double by_v)
+{
+    response *r = context;
+    if (row < r->n && column < r->n)
+        r->force[row] += (r->by_v ? by_v : by_q)*r->change[column];
+}
+
+enum { PASSES = 12 };
+
+double lw_mbs_fastest(lw_dynamics *d, double t, const double *q, const double *v, bool by_v)
+{
+    double *u = d->v_try, *force = d->a, size = 0;
+    response r = { d->n_v, by_v, u, force };
+    if (lw_mbs_rows(d, t, q) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
+        return 0;
+    for (int i = 0; i < d->n_v; i++)
+        u[i] = fmod(0.6180339887498949*(i + 1), 1) - 0.5;
+    for (int pass = 0; pass < PASSES; pass++) {
+        double most = 0;
+        for (int i = 0; i < d->n_v; i++)
+            most = fmax(most, fabs(u[i]));
+        bool known = pass > 1 && fabs(most - size) <= 1e-3*most;
+        size = pass ? most : 0;
+        if (known || !(most > 0 && most < INFINITY))
+            break;
+        for (int i = 0; i < d->n_v; i++)
+            u[i] /= most;
+        memset(force, 0, (size_t)d->n_v*sizeof *force);
+        d->eq.derivatives(d->eq.context, t, q, v, d->force, &(lw_force_sink){ &r, add_response, NULL });
+        lw_mbs_impulse(d, force, d->small_v);
+        memcpy(u, d->small_v, (size_t)d->n_v*sizeof *u);
+    }
+    return size;
+}
+
+/* The fastest decay that dampers and states cause at the start [1/s]: of all dampers together where derivatives are at hand, else of one. */
 static double fastest_decay(lw_dynamics *d)
 {
-    double most = 0, *g = d->small_v, *change = d->v_try;
+    bool together = !d->space && d->eq.exact && !d->o.force.apply;
+    double most = together ? lw_mbs_fastest(d, d->o.from, d->start_q, d->start_v, true) : 0, *g = d->small_v, *change = d->v_try;
+    d->frequency = together ? sqrt(lw_mbs_fastest(d, d->o.from, d->start_q, d->start_v, false)) : 0;
     if (lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
         return 0;
-    for (int k = 0; k < d->eq.n_damper; k += 1 + d->eq.n_damper/most_looked) {
+    for (int k = 0; k < d->eq.n_damper && !together; k += 1 + d->eq.n_damper/most_looked) {
         memset(g, 0, (size_t)d->n_v*sizeof *g);
         double c = d->eq.damper(d->eq.context, k, d->start_q, d->start_v, g);
         most = fmax(most, c > 0 ? c*lw_mbs_impulse(d, g, change) : 0);
@@ -1149,8 +1192,8 @@ bool lw_mbs_is_stiff(lw_dynamics *d)
 
 bool lw_mbs_states_decay(lw_dynamics *d)
 {
-    return !d->space && !d->large && d->eq.n_z && !d->n_friction && !d->touch && d->o.relative >= states_from
-        && (lw_mbs_is_stiff(d) || d->decay*(d->o.to - d->o.from) > damped);
+    return !d->space && !d->large && d->eq.n_z && !d->n_friction && !d->touch
+        && (lw_mbs_is_stiff(d) || d->decay*(d->o.to - d->o.from) > damped_states*pow(fmax(1, states_at/d->o.relative), states_power));
 }
 
 bool lw_mbs_is_damped(lw_dynamics *d, bool reduced)
@@ -1158,7 +1201,13 @@ bool lw_mbs_is_damped(lw_dynamics *d, bool reduced)
     if (lw_mbs_is_stiff(d) || d->space)
         return lw_mbs_is_stiff(d);
     return !d->n_friction && !d->n_stop && !d->touch && !d->has_zero_mass && !d->s.n_tie && !d->n_driven && d->eq.exact
-        && d->decay*(d->o.to - d->o.from) > (reduced ? damped_reduced : damped);
+        && (d->decay*(d->o.to - d->o.from) > (reduced ? damped_reduced : damped) || (!reduced && lw_mbs_vibrates(d)));
+}
+
+bool lw_mbs_vibrates(lw_dynamics *d)
+{
+    lw_mbs_is_stiff(d);                      /* for its frequency */
+    return d->frequency*(d->o.to - d->o.from) > vibrating;
 }
 
 bool lw_mbs_has_derivatives(const lw_dynamics *d)

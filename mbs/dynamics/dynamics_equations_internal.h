@@ -105,7 +105,7 @@ struct lw_dynamics {
     bool    frozen;                           /* time stands at o.from, and what is driven at `held` (n_driven): lw_mbs_freeze */
     double *held;
     double  settling;                         /* damping of all motion [1/s], frozen, statics of contacts only; 0: none */
-    double  decay;                            /* fastest decay by dampers at the start [1/s] */
+    double  decay, frequency;                 /* at the start: fastest decay by dampers, greatest frequency by springs [1/s], where known */
     bool    decay_known;
     lw_dynamics_report choice;                /* the formulation chosen */
     double *work;                             /* memory of all arrays of numbers */
@@ -219,6 +219,10 @@ lw_status lw_mbs_factor_touch(lw_dynamics *d);
 /* Row r times x (n_v). */
 double lw_mbs_row_rate(const lw_dynamics *d, int r, const double *x);
 
+/* The power method for the response of accelerations to a change of velocities, the fastest decay [1/s], or of places, the square of the
+ * greatest frequency.  0: none is known.  Forces alone count: geometry that turns forces of constraints does not. */
+double lw_mbs_fastest(lw_dynamics *d, double t, const double *q, const double *v, bool by_v);
+
 /* Do dampers make the equations stiff over the length of the run? */
 bool lw_mbs_is_stiff(lw_dynamics *d);
 
@@ -228,8 +232,10 @@ bool lw_mbs_states_decay(lw_dynamics *d);
 /* Does regularised friction, at twice the reactions of the start, make joints that rest stiff?  Always, in space. */
 bool lw_mbs_friction_is_stiff(lw_dynamics *d);
 
-/* Do dampers keep the steps of an explicit method (reduced: in one coordinate) so short that an implicit one of high order is faster? */
+/* Do dampers, or springs, keep the steps of an explicit method so short that an implicit one of high order is faster?  reduced: dampers
+ * alone, in one coordinate.  lw_mbs_vibrates: do springs? */
 bool lw_mbs_is_damped(lw_dynamics *d, bool reduced);
+bool lw_mbs_vibrates(lw_dynamics *d);
 
 /* Are the derivatives complete that the dae solver asks for (mbs/dynamics/dynamics_ggl.c)? */
 bool lw_mbs_has_derivatives(const lw_dynamics *d);

@@ -753,43 +753,11 @@ static double next_step(const stages *g, double h, double *end)
 
 /* Vibrations that are not damped can ask for steps as short as those of an explicit method, which cost less.  Then the run goes on
  * by index1.
- * WATCHED: steps whose mean length decides; PASSES: of the power method; trial: displacement of its postures.  explicit_angle:
- * steps of the explicit method times the greatest frequency (measured: 4.4 to 5) or the fastest decay (6).  cost: of a step of
+ * WATCHED: steps whose mean length decides.  explicit_angle: steps of the explicit method times the greatest frequency (measured: 4.4 to 5) or the fastest decay (6).  cost: of a step of
  * radau, of 3 and of 5 stages, over that of an explicit one (1.4 and 2.3 to 3.2 of 51 coordinates).  looser: with this multiple of the
  * tolerance index1 is still more accurate, because its steps are short for stability. */
-enum { WATCHED = 32, PASSES = 12 };
-static const double trial = 1e-6, explicit_angle = 4.5, cost[2] = { 1.3, 2.4 }, looser = 10;
-
-/* The power method for -da/dq or (by_v) -da/dv: the square of the greatest frequency, or the fastest decay.  0: unknown. */
-static double greatest(stages *g, bool by_v)
-{
-    lw_dynamics *d = g->run->d;
-    double *a0 = g->ai, *u = g->e, *v = g->vi, size = 0;
-    if (lw_mbs_accelerate(d, g->t, g->q, g->v, a0, d->l, NULL) != LW_OK)
-        return 0;
-    for (int i = 0; i < g->n; i++)
-        u[i] = fmod(0.6180339887498949*(i + 1), 1) - 0.5;
-    for (int pass = 0; pass < PASSES; pass++) {
-        double most = 0;
-        for (int i = 0; i < g->n; i++)
-            most = fmax(most, fabs(u[i]));
-        if (!(most > 0 && most < INFINITY))
-            return most;
-        size = pass ? most : 0;
-        memcpy(g->qi, g->q, (size_t)g->n_q*sizeof *g->qi);
-        for (int i = 0; i < g->n; i++) {
-            u[i] *= trial/most;
-            v[i] = g->v[i] + (by_v ? u[i] : 0);
-        }
-        if (!by_v)
-            d->eq.move(d->eq.context, g->qi, u);
-        if (lw_mbs_accelerate(d, g->t, g->qi, v, u, d->l, NULL) != LW_OK)
-            return 0;
-        for (int i = 0; i < g->n; i++)
-            u[i] = (u[i] - a0[i])/trial;
-    }
-    return size;
-}
+enum { WATCHED = 32 };
+static const double explicit_angle = 4.5, cost[2] = { 1.3, 2.4 }, looser = 10;
 
 /* Do the last steps cost more than explicit ones would? */
 static bool is_slower(stages *g)
@@ -803,7 +771,7 @@ static bool is_slower(stages *g)
     if (!g->dense && mean > 0.5*row)         /* rows make them short */
         return false;
     if (!(g->explicit_step > 0))
-        g->explicit_step = explicit_angle/fmax(sqrt(greatest(g, false)), greatest(g, true));
+        g->explicit_step = explicit_angle/fmax(sqrt(lw_mbs_fastest(d, g->t, g->q, g->v, false)), lw_mbs_fastest(d, g->t, g->q, g->v, true));
     return mean < cost[g->s > 3]*g->explicit_step && g->explicit_step < INFINITY;
 }
 
@@ -1045,7 +1013,7 @@ static lw_status run_implicit(lw_run *run, bool alpha)
         set_alpha(&g, d->o.rho);
     else
         set_method(&g);
-    g.may_leave = !alpha && d->o.formulation == LW_FORMULATION_AUTO && d->elastic && !d->n_friction && !d->eq.next_piece && !d->eq.n_z
+    g.may_leave = !alpha && d->o.formulation == LW_FORMULATION_AUTO && !d->n_friction && !d->eq.next_piece && !d->eq.n_z
                && !d->eq.more_inertia && !lw_mbs_is_stiff(d);
     g.watched_t = g.t;
     g.dense = !alpha && !d->n_friction && !d->elastic && !d->space && !d->eq.next_piece;
@@ -1100,6 +1068,7 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
                                 "than its steps"
                               : d->eq.next_piece ? "contact in clearances is stiff: an implicit method whose steps end where contact "
                                 "begins and ends"
+                              : lw_mbs_vibrates(d) ? "springs and dampers make the equations stiff: an implicit method with exact derivatives"
                               : "dampers make the equations stiff: an implicit method with exact derivatives");
 }
 
