@@ -154,7 +154,7 @@ static void improve_all(lw_search *s, lw_problem *p, int steps, int n, void *wor
 {
     lw_lm_options o = lw_lm_options_default();
     o.max_steps = steps;
-    o.f_hopeless = HOPELESS*s->best_raw;
+    o.f_hopeless = HOPELESS*fmax(s->best_raw, LW_SEARCH_NEAR_MISS);
     o.patience = FIRST_STEPS;
     o.interrupt = s->o->interrupt;
     o.until = lw_search_end(s);
@@ -383,7 +383,7 @@ static void polish_one(void *context, size_t job, int thread)
     o.until = list->until;
     o.interrupt = list->interrupt;
     l->of = lw_pool_variables(p);
-    if (s->thin.n > 0)
+    if (s->thin.n > 0 && !c->polished)
         refine_variables(searched, p, c->x);
     lw_lm_feasible(p, c->x, work);
     p->intended = c->intended;
@@ -412,6 +412,14 @@ static void take(const lw_found *c, polish_list *list)
     list->item[list->n++].find = *c;
 }
 
+static bool is_taken(const lw_found *c, const polish_list *list)
+{
+    bool taken = false;
+    for (int i = 0; i < list->n && !taken; i++)
+        taken = list->item[i].find.candidate == c->candidate && list->item[i].find.f == c->f;
+    return taken;
+}
+
 static const char *type_of(const lw_search *s, const lw_found *c)
 {
     return lw_family_type(s->candidate[c->candidate].row);
@@ -436,27 +444,37 @@ static int best_of_types(const lw_search *s, const lw_found **best)
     return n_type;
 }
 
+/* The best finds of the round, or of its jobs that drew new starts, each linkage once. */
+static const lw_pool *best_of_round(lw_search *s, bool of_new)
+{
+    s->raw.n = 0;
+    for (int i = 0; i < s->n_job*LW_KEEP; i++)
+        if (!of_new || !s->job[i/LW_KEEP].around)
+            lw_pool_put(&s->raw, &s->found[i], &s->job[i/LW_KEEP].of);
+    return &s->raw;
+}
+
 /* List the round's best finds, each linkage once, and the best of every type, because a user who allows several types
  * compares them. */
 static void pick(lw_search *s, polish_list *list)
 {
-    lw_pool *raw = &s->raw;
     const lw_found *best[LW_SEARCH_CANDIDATE_MAX];
-    raw->n = list->n = 0;
-    for (int i = 0; i < s->n_job*LW_KEEP; i++) {
-        const lw_found *c = &s->found[i];
-        if (!isfinite(c->f))
-            continue;
-        count_hits(s, c->f);
-        lw_pool_put(raw, c, &s->job[i/LW_KEEP].of);
+    list->n = 0;
+    for (int i = 0; i < s->n_job*LW_KEEP; i++)
+        if (isfinite(s->found[i].f))
+            count_hits(s, s->found[i].f);
+    bool near_miss = s->best_raw < LW_SEARCH_NEAR_MISS;
+    for (int of_new = 0; of_new <= near_miss; of_new++) {
+        const lw_pool *raw = best_of_round(s, of_new);
+        for (int i = 0; i < raw->n && list->n < (near_miss && !of_new ? POLISH/2 : POLISH); i++)
+            if (!of_new || !is_taken(&raw->item[i], list))
+                take(&raw->item[i], list);
     }
-    for (int i = 0; i < raw->n && i < POLISH; i++)
-        take(&raw->item[i], list);
     int n_type = s->o->families ? 0 : best_of_types(s, best), n_raw = list->n;
     for (int k = 0; k < n_type; k++) {
         bool taken = false;
         for (int i = 0; i < n_raw; i++)
-            taken |= type_of(s, &raw->item[i]) == type_of(s, best[k]);
+            taken |= type_of(s, &list->item[i].find) == type_of(s, best[k]);
         if (!taken)
             take(best[k], list);
     }
@@ -514,6 +532,8 @@ static lw_status make_memory(lw_search *s, lw_error *e)
 static lw_status polish_round(lw_search *s, polish_list *list, lw_error *e)
 {
     pick(s, list);
+    if (s->pool.n > 0 && s->pool.item[0].f < LW_SEARCH_NEAR_MISS && s->pool.item[0].stop == LW_STOP_EVALS)
+        take(&s->pool.item[0], list);                    /* its polish goes on: a narrow valley takes thousands of steps */
     if (s->o->max_seconds > 0 || lw_search_stopped(s))
         list->until = (lw_search_stopped(s) ? lw_clock_wall() : lw_search_end(s)) + lw_search_grace(s);
     list->any = s->pool.n > 0;

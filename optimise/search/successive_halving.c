@@ -205,7 +205,8 @@ static void jobs_of_families(lw_search *s)
         int candidate = w->candidate[at%n], turn = at/n;
         if (turn % seldom != 0 && has_groups(s, candidate))
             continue;
-        bool around = s->candidate[candidate].best && w->rung > 0 && (turn & 1) == (w->rung & 1);
+        const lw_best_starts *best = s->candidate[candidate].best;
+        bool around = best && w->rung > 0 && (turn & 1) == (w->rung & 1) && lw_best_starts_f(best, 0) >= LW_SEARCH_NEAR_MISS;
         assert(s->n_job < LW_JOB_MAX);
         s->job[s->n_job++] = (lw_search_job){ .candidate = candidate, .around = around };
     }
