@@ -104,6 +104,19 @@ typedef struct sheet {
     int             n;
 } sheet;
 
+/* Dimensions of a function as its table gives them. */
+static lw_status write_dimensions(const cli_fit_set *s, int i, sheet *h, lw_error *e)
+{
+    FILE *text = fmemopen(h->dimensions[i], sizeof h->dimensions[i], "w");
+    if (!text)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for a page");
+    cli_fit_dimensions(s, i, text);
+    fprintf(text, "; the input is at input0 %c angle, the angle of the output's link plus tool0 is theta; angles in deg",
+            cli_fit_candidate(s, i)->intended.sense < 0 ? '-' : '+');
+    fclose(text);
+    return LW_OK;
+}
+
 static void describe(const cli_fit_set *s, int i, sheet *h)
 {
     const lw_fit_report *r = &s->search.results.report[i];
@@ -116,13 +129,6 @@ static void describe(const cli_fit_set *s, int i, sheet *h)
     size_t at = strlen(h->limits[i]);
     if (r->broken)
         snprintf(h->limits[i] + at, sizeof h->limits[i] - at, "%sbeyond: %s", at ? "; " : "", r->broken_text);
-    FILE *text = lw_task_has_place(s->spec.task) ? NULL : fmemopen(h->dimensions[i], sizeof h->dimensions[i], "w");
-    if (text) {
-        cli_fit_dimensions(s, i, text);
-        fprintf(text, "; the input is at input0 %c angle, the angle of the output's link plus tool0 is theta; angles in deg",
-                c->intended.sense < 0 ? '-' : '+');
-        fclose(text);
-    }
     h->result[i] = (lw_page_result){
         .dimensions = h->dimensions[i][0] ? h->dimensions[i] : NULL,
         .input = lw_fit_report_input(r), .limits = h->limits[i][0] ? h->limits[i] : NULL,
@@ -149,6 +155,8 @@ static lw_status fill_sheet(const cli_fit_set *s, sheet *h, lw_page_target *t, l
         return lw_error_set(e, LW_E_MEMORY, "no memory for a page");
     for (; h->n < s->search.results.n && st == LW_OK; h->n++) {
         st = make_scene(s, h->n, &h->scene[h->n], e);
+        if (st == LW_OK && !lw_task_has_place(s->spec.task))
+            st = write_dimensions(s, h->n, h, e);
         describe(s, h->n, h);
     }
     if (st == LW_OK)
