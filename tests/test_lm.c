@@ -38,17 +38,24 @@ static void perturb(const lw_problem *p, double by, lw_rng *rng, double *x)
             x[i] += by*lw_rng_normal(rng);
 }
 
-static double improve(const lw_problem *p, double *x, lw_stop *stop)
+static double improve_by(const lw_problem *p, bool bend, double *x, lw_stop *stop, long *evals)
 {
     void *work = new_work(p);
-    long evals = 0;
     lw_lm_options o = lw_lm_options_default();
     o.max_steps = 2000;
     o.f_tol = 1e-14;
-    double f = lw_lm_improve(p, &o, x, false, work, &evals, stop);
-    CHECK(evals > 0 && evals < 9000);
+    o.bend = bend;
+    *evals = 0;
+    double f = lw_lm_improve(p, &o, x, false, work, evals, stop);
+    CHECK(*evals > 0 && *evals < 9000);
     free(work);
     return f;
+}
+
+static double improve(const lw_problem *p, double *x, lw_stop *stop)
+{
+    long evals;
+    return improve_by(p, false, x, stop, &evals);
 }
 
 static bool feasible(const lw_problem *p, double *x)
@@ -112,6 +119,39 @@ TEST(finds_the_way_back)
                 fprintf(stderr, "%s, kind %zu: %d of %d\n", families[k], q, back, tried);
             CHECK(10*back >= kind[q].least*tried);
         }
+}
+
+/* Steps that follow the bend of a valley end as exactly as straight ones, and where these take long, in two thirds of the
+ * evaluations at most. */
+TEST(bent_steps_are_shorter_ways)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 9);
+    long evals[2] = { 0, 0 };
+    int exact[2] = { 0, 0 }, slow = 0;
+    for (int trial = 0; trial < 300; trial++) {
+        lw_problem p;
+        double x[2][LW_VAR_MAX] = { { 0 } }, f[2];
+        long used[2];
+        lw_stop stop;
+        if (!make_case(families[trial % N_FAMILY], LW_TASK_PATH, LW_TIMING_FREE, lw_fit_spec_default(), 0, &rng, &p, x[0]))
+            continue;
+        perturb(&p, 0.02, &rng, x[0]);
+        feasible(&p, x[0]);
+        memcpy(x[1], x[0], sizeof x[0]);
+        for (int bend = 0; bend < 2; bend++) {
+            f[bend] = improve_by(&p, bend, x[bend], &stop, &used[bend]);
+            exact[bend] += f[bend] < 1e-22;
+        }
+        bool counts = f[0] < 1e-22 && f[1] < 1e-22 && used[0] > 100;
+        for (int bend = 0; bend < 2 && counts; bend++)
+            evals[bend] += used[bend];
+        slow += counts;
+        check_inside(&p, x[1]);
+        lw_problem_free(&p);
+    }
+    CHECK(exact[1] >= exact[0] - 2);
+    CHECK(slow >= 8 && 3*evals[1] < 2*evals[0]);
 }
 
 TEST(never_ends_above_its_start)

@@ -51,6 +51,8 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->leg = piece(base, &at, ld*sizeof *w->leg);
     w->row = piece(base, &at, ld*v*(size_t)(w->n_row*p->n_var));
     w->res = piece(base, &at, ld*v*(size_t)w->n_row);
+    w->base_res = piece(base, &at, ld*v*(size_t)w->n_row);
+    w->base_tangent = piece(base, &at, ld*v*(size_t)w->n_row);
     double **curve[] = { &w->turn_c, &w->turn_s, &w->curve_x, &w->curve_y, &w->curve_m,
                          &w->curve_u, &w->curve_v,
                          &w->foot_x, &w->foot_y, &w->turn, &w->check_c, &w->check_s };

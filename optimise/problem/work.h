@@ -43,6 +43,8 @@ typedef struct lw_work {
     double *row;                 /* derivatives of residuals, row[(k*n_var + d)*ld + lane]         */
     double *res;                 /* residuals, res[k*ld + lane]                                    */
     int     n_row;               /* residuals per lane                                             */
+    double *base_res, *base_tangent;   /* at the point that a bent step begins from: residuals, and their derivatives by the
+                                  * phase, 0 where stations are not eliminated; as res */
     bool   *tie;                 /* stations whose input moves nothing: not eliminated             */
     double *slide, *slip;        /* eliminated: change of phase = -(slip[k] + sum slide[d*ld+k] dx[d]) */
     double *keep_theta, *best_theta;   /* inputs before a trial step, before an assignment         */

@@ -32,6 +32,7 @@ enum { BEYOND_MOST = 13 };      /* a soft transmission angle may fall to 0, but 
 #define LACKING 1e4         /* f counts so many times where a soft condition is not met              */
 #define MET   1e-6          /* conditions on results are met to this                                 */
 #define HOPELESS 1e4        /* no start whose f exceeds the best by this factor is improved further  */
+#define ALMOST 1e-6         /* from so small an f to an exact find it is a way along a narrow valley  */
 #define HIT   1e-3          /* relative difference of f of two finds of the same linkage             */
 
 typedef struct estimate { double residual; int which; } estimate;
@@ -380,6 +381,7 @@ static void polish_one(void *context, size_t job, int thread)
         return;
     o.max_steps = POLISH_STEPS;
     o.f_tol = 1e-12;
+    o.bend = s->o->families && c->f < ALMOST;
     o.until = list->until;
     o.interrupt = list->interrupt;
     l->of = lw_pool_variables(p);

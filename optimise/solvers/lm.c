@@ -5,10 +5,12 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/vector.h"
 #include "optimise/problem/constraint.h"
 #include "optimise/problem/evaluate.h"
 #include "optimise/problem/residuals.h"
 #include "optimise/problem/timing.h"
+#include "optimise/problem/variable_projection.h"
 #include "optimise/solvers/method_internal.h"
 #include "optimise/solvers/qp.h"
 
@@ -25,6 +27,8 @@ static_assert((int)LW_QP_MAX >= (int)LW_VAR_MAX, "the quadratic program takes ev
 #define MARGIN         1e-12     /* conditions may be violated by this much, which is rounding                   */
 #define KEEP_OUT       1e-9      /* steps keep this distance from the limits of conditions on the motion         */
 #define FAR            0.5       /* conditions with more room than this do not bind a step                      */
+#define PROBE          0.1       /* part of a step after which its bend is measured                              */
+#define BEND_MOST      0.75      /* longer steps than those whose acceleration is so many times half their length are not tried */
 #define MEET           1e-9      /* results violate conditions on the motion by no more                          */
 
 lw_lm_options lw_lm_options_default(void)
@@ -137,17 +141,23 @@ static double solve_step(model *q, double damping)
     return promise;
 }
 
-/* Move the inputs of free stations with the step. */
-static void move_inputs(const lw_problem *p, lw_work *w, const model *q)
+/* What `step` takes from the input of free station k, added to d. */
+static double slide(const lw_work *w, const model *q, const double *step, size_t k, double d)
+{
+    for (int i = 0; i < q->n; i++)
+        d += w->slide[(size_t)q->var[i]*w->ld + k]*step[i];
+    return d;
+}
+
+/* Move the inputs of free stations with the step, and by `more` (NULL: nothing). */
+static void move_inputs(const lw_problem *p, lw_work *w, const model *q, const double *more)
 {
     double *weight = w->try_theta;
     for (size_t k = 0; k < p->n; k++) {
         weight[k] = 1;
         if (w->tie[k])
             continue;
-        double d = w->slip[k];
-        for (int i = 0; i < q->n; i++)
-            d += w->slide[(size_t)q->var[i]*w->ld + k]*q->step[i];
+        double d = slide(w, q, q->step, k, w->slip[k]) - (more ? more[k] : 0);
         w->phase[k] -= fmax(-LW_TIMING_MOVE_MAX, fmin(LW_TIMING_MOVE_MAX, d));
     }
     if (p->timing == LW_TIMING_FREE)
@@ -174,6 +184,7 @@ typedef struct run {
     lw_work *w;
     model    q;
     double   f, damping, growth;
+    bool     bend;                                   /* steps follow the bend of their way      */
     bool     conditioned;                            /* steps keep the conditions on the motion */
     double   broken, weight;                         /* their violation; its weight beside f    */
     int      steps, idle;
@@ -196,6 +207,82 @@ static double weigh_violation(run *r, double part, double promise)
     return promise + r->weight*better;
 }
 
+/* Keep what bent steps from here need.  false: some stations have the same input and move together. */
+static bool begin_bend(const lw_problem *p, lw_work *w)
+{
+    for (size_t k = 0; k < p->n; k++) {
+        double t[LW_PROBLEM_ROW_MAX];
+        lw_problem_tangent(p, w, k, t);
+        if (lw_timing_joined(p, w, k))
+            return false;
+        for (int i = 0; i < w->n_row; i++)
+            w->base_tangent[(size_t)i*w->ld + k] = w->tie[k] ? 0 : t[i];
+    }
+    memcpy(w->base_res, w->res, sizeof *w->res*(size_t)w->n_row*w->ld);
+    return true;
+}
+
+/* The second derivatives r of the residuals along the step, inputs included, by a difference: how far along the tangents
+ * they lead goes to along[], J'r of the rest to g.  false: the linkage does not close so near. */
+static bool second_derivatives(run *r, const double *x, double *along, double *g)
+{
+    const lw_problem *p = r->p;
+    lw_work *w = r->w;
+    const model *q = &r->q;
+    double trial[LW_VAR_MAX];
+    memcpy(trial, x, sizeof trial[0]*(size_t)p->n_var);
+    for (int i = 0; i < q->n; i++)
+        trial[q->var[i]] += PROBE*q->step[i];
+    for (size_t k = 0; k < p->n; k++)
+        w->phase[k] -= w->tie[k] ? 0 : PROBE*slide(w, q, q->step, k, w->slip[k]);
+    r->evals++;
+    if (!isfinite(evaluate(p, trial, w)))
+        return false;
+    memset(g, 0, sizeof *g*(size_t)q->n);
+    for (size_t k = 0; k < p->n; k++) {
+        double t2 = 0;
+        along[k] = 0;
+        for (int i = 0; i < w->n_row; i++) {
+            size_t at = (size_t)i*w->ld + k;
+            double t = w->base_tangent[at], rate = t != 0 ? -t*w->slip[k] : 0;
+            for (int c = 0; c < q->n; c++)
+                rate += w->row[((size_t)i*(size_t)p->n_var + (size_t)q->var[c])*w->ld + k]*q->step[c];
+            w->res[at] = 2/PROBE*((w->res[at] - w->base_res[at])/PROBE - rate);
+            along[k] += t*w->res[at];
+            t2 += t*t;
+        }
+        along[k] /= t2 > 0 ? t2 : 1;
+        for (int i = 0; i < w->n_row; i++) {
+            double rest = w->res[(size_t)i*w->ld + k] - along[k]*w->base_tangent[(size_t)i*w->ld + k];
+            for (int c = 0; c < q->n; c++)
+                g[c] += w->row[((size_t)i*(size_t)p->n_var + (size_t)q->var[c])*w->ld + k]*rest;
+        }
+    }
+    return true;
+}
+
+/* Half the geodesic acceleration of the step: of the variables to a, of the inputs to w->best_theta.  Returns the acceleration over
+ * half the length of the step; 0: there is none, the step is straight. */
+static double bend_of(run *r, const double *x, double *a)
+{
+    const lw_problem *p = r->p;
+    lw_work *w = r->w;
+    model *q = &r->q;
+    double g[LW_QP_MAX], *more = w->best_theta, a2 = 0, step2 = 0;
+    bool known = second_derivatives(r, x, more, g) && lw_qp_solve(q->n, q->l, g, 0, NULL, NULL, q->work, a);
+    memcpy(w->phase, w->keep_theta, p->n*sizeof *w->phase);
+    for (int i = 0; i < q->n && known; i++) {
+        a2 += q->h[i*q->n + i]*a[i]*a[i];
+        step2 += q->h[i*q->n + i]*q->step[i]*q->step[i];
+        a[i] *= 0.5;
+    }
+    for (size_t k = 0; k < p->n && known; k++)
+        more[k] = w->tie[k] ? 0 : -slide(w, q, a, k, 0.5*more[k]);
+    for (int j = 0; j < q->m && known; j++)
+        known = lw_dot(q->n, q->a + j*q->n, q->step) + lw_dot(q->n, q->a + j*q->n, a) >= q->b[j];
+    return known ? 2*sqrt(a2/step2) : 0;
+}
+
 /* Try one step. LW_STOP_EVALS: a step was accepted; else the reason why none was. */
 static lw_stop advance(run *r, double *x)
 {
@@ -211,6 +298,7 @@ static lw_stop advance(run *r, double *x)
         motion_conditions(p, r->w, part, &r->q);
     }
     memcpy(keep, r->w->phase, p->n*sizeof *keep);
+    const bool bends = r->bend && begin_bend(p, r->w);
     for (; r->steps < r->o->max_steps; r->steps++) {
         double promise = solve_step(&r->q, r->damping);
         for (int i = 0; r->conditioned && isnan(promise) && i < 6; i++) {       /* no step keeps them all so far */
@@ -222,12 +310,15 @@ static lw_stop advance(run *r, double *x)
             promise = weigh_violation(r, part, promise);
         if (promise >= 0 && promise <= PROMISE_LEAST*r->f)
             return LW_STOP_GRADIENT;
+        double half[LW_QP_MAX], bent = bends && promise >= 0 ? bend_of(r, x, half) : 0;
+        if (bent > BEND_MOST)
+            promise = NAN;
         memcpy(trial, x, sizeof trial[0]*(size_t)p->n_var);
         for (int i = 0; i < r->q.n; i++)
-            trial[r->q.var[i]] += r->q.step[i];
+            trial[r->q.var[i]] += r->q.step[i] + (bent > 0 ? half[i] : 0);
         clip(p, trial);
         if (p->timing != LW_TIMING_PRESCRIBED)
-            move_inputs(p, r->w, &r->q);
+            move_inputs(p, r->w, &r->q, bent > 0 ? r->w->best_theta : NULL);
         double f = !(promise >= 0) ? INFINITY : evaluate(p, trial, r->w), broken = 0;
         r->evals++;
         if (r->conditioned && f < r->f + r->weight*r->broken) {      /* else the conditions cannot make it better */
@@ -318,7 +409,12 @@ static double improve(const lw_problem *p, const lw_lm_options *o, double *x, bo
     r.f = closes ? evaluate(p, x, r.w) : INFINITY;
     *stop = LW_STOP_FAILED;
     if (isfinite(r.f)) {
+        r.bend = o->bend && !conditioned && p->timing == LW_TIMING_FREE;
         *stop = descend(&r, x);
+        if (r.bend) {                                    /* differences do not lead down to rounding */
+            r.bend = false;
+            *stop = r.f <= o->f_stop ? *stop : descend(&r, x);
+        }
         bool again = o->reassign && p->timing != LW_TIMING_PRESCRIBED && *stop != LW_STOP_FAILED;
         for (int i = 0; i < 4 && again && r.steps < o->max_steps && reassigned(&r, x); i++)
             *stop = descend(&r, x);

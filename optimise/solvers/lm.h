@@ -3,7 +3,7 @@
  * Derivatives of the residuals are exact. The inputs of free stations are eliminated from each step and moved with it.
  * Bounds and linear conditions, and conditions on the motion to first order, are kept by solving the step as a
  * quadratic program (Goldfarb & Idnani 1983), so that optima on a bound or on the Grashof limit are reached to
- * rounding. Damping after Nielsen 1999. No allocation. */
+ * rounding. Damping after Nielsen 1999; bent steps by the geodesic acceleration of Transtrum & Sethna 2012. No allocation. */
 #ifndef LW_OPTIMISE_SOLVERS_LM_H
 #define LW_OPTIMISE_SOLVERS_LM_H
 
@@ -15,6 +15,7 @@ typedef struct lw_lm_options {
     double f_stop;         /* stop when f is at most this                                          */
     double f_hopeless;     /* give up when f is above this after `patience` steps; 0: never        */
     int    patience;
+    bool   bend;           /* with free timing and no conditions on the motion: steps follow the bend of narrow valleys */
     bool   reassign;       /* at the end, assign the free stations again; go on if f is lower      */
     double until;          /* wall clock (base/clock.h) at which to stop; 0: never                 */
     const volatile int *interrupt;               /* not NULL and *interrupt != 0: stop             */
