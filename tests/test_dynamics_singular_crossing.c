@@ -245,6 +245,40 @@ TEST(ten_in_a_row)
     lw_model_free(&d.model);
 }
 
+/* Two rhombi in a row without gravity turn at a constant speed through the flat posture, before a stop without loss: the angle is a
+ * triangular wave in every row.  Where the stop is too near for the tolerance, the run says so. */
+TEST(stop_beside_a_flat_posture)
+{
+    static const double low[] = { -0.02, -0.05, -0.08, -0.2, -0.4 };
+    double up = 0.38, speed = 2.7, high = 0.56, x[3], y = sin(up);
+    int right = 0;
+    char text[3000];
+    for (int i = 0; i < 3; i++)
+        x[i] = i + cos(up);
+    for (int k = 0; k < 5; k++) {
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'c0', 'mass': 1, 'centre': [0, 0], 'inertia': 0.3},"
+            "{'name': 'k0', 'mass': 1.2, 'centre': [%.17g, %.17g], 'inertia': 0.06}, {'name': 'c1', 'mass': 1.1, 'centre': [1, 0], 'inertia': 0.33},"
+            "{'name': 'k1', 'mass': 1.2, 'centre': [%.17g, %.17g], 'inertia': 0.06}, {'name': 'c2', 'mass': 1.2, 'centre': [2, 0], 'inertia': 0.36}],"
+            "'joints': [{'name': 'A', 'links': ['ground', 'c0'], 'at': [0, 0]}, {'name': 'B', 'links': ['ground', 'c1'], 'at': [1, 0]},"
+            "{'name': 'C', 'links': ['ground', 'c2'], 'at': [2, 0]}, {'name': 'D', 'links': ['c0', 'k0'], 'at': [%.17g, %.17g]},"
+            "{'name': 'E', 'links': ['k0', 'c1'], 'at': [%.17g, %.17g]}, {'name': 'F', 'links': ['c1', 'k1'], 'at': [%.17g, %.17g]},"
+            "{'name': 'G', 'links': ['k1', 'c2'], 'at': [%.17g, %.17g], 'stop': {'least': %.17g, 'greatest': %.17g, 'restitution': 1}}],"
+            "'input': {'joint': 'A', 'speed': %.17g}, 'tracers': [{'name': 'P', 'link': 'c0', 'at': [%.17g, %.17g]}]}", x[0] + 0.5, y, x[1] + 0.5, y, x[0], y, x[1], y, x[1], y, x[2], y, low[k] - up, high - up, -speed, x[0], y);
+        drun_read_format(&d, text, 0, 0);
+        for (double tolerance = 1e-6; tolerance > 1e-11; tolerance *= 1e-2) {
+            lw_status status = drun_to(&d, LW_FORMULATION_INDEX1, tolerance, 2, 20);
+            CHECK(status == LW_OK || status == LW_E_NUMERIC);
+            right += status == LW_OK;
+            for (int i = 0; status == LW_OK && i <= 20; i++) {
+                double way = fmod(speed*d.t[i] + high - up, 2*(high - low[k]));
+                CHECK_NEAR(d.tracer[i].y, sin(low[k] + fabs(high - low[k] - way)), 100*tolerance, 0);
+            }
+        }
+        lw_model_free(&d.model);
+    }
+    CHECK(right >= 11);
+}
+
 /* Drawn flat, a parallelogram can go on in two ways, however its crank is driven; no constraint is redundant.  A row of 20 is a large model. */
 TEST(driven_from_a_flat_posture)
 {

@@ -170,7 +170,7 @@ static const double beside = 1e-4;           /* least pivot near a singular post
 /* Does the solver take ever shorter steps towards a singular posture? */
 static bool is_stuck(const stepper *w, const lw_dynamics *d, const good_state *f, lw_status s)
 {
-    if (s == LW_STOPPED || w->implicit || d->n_stop || d->touch || w->sticks || d->eq.next_piece || !(f->h > 0) || d->weak > beside)
+    if (s == LW_STOPPED || w->implicit || d->n_resting || d->touch || w->sticks || d->eq.next_piece || !(f->h > 0) || d->weak > beside)
         return false;
     return s == LW_E_NUMERIC || s == LW_OPEN || w->explicit_one.h < 0.02*f->h;
 }
@@ -352,6 +352,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
                 d->eq.watch(d->eq.context, time_of(w), y, y + d->n_q, false);
             }
             s = decide(w, y, w->implicit ? w->implicit_one.events : w->explicit_one.events);
+            if (f.t == time_of(w))               /* what is good is the state behind the impact */
+                memcpy(f.y, y, (size_t)run->n*sizeof *f.y);
         }
         if (s == LW_OK && lw_run_at_kink(run, time_of(w))) {
             memcpy(y, state(w), (size_t)run->n*sizeof *y);

@@ -54,6 +54,24 @@ static lw_status state_on_the_way(void *context, double t, double *y)
     return LW_OK;
 }
 
+/* Is a stop perhaps struck on the way to `end`?  Gaps are looked at so densely that one which closes in between changes by more than
+ * twice its size from one look to the next.  A gap that opens from 0 is no impact. */
+static bool is_struck(on_the_way *w, double end, double *y)
+{
+    enum { LOOKS = 64 };
+    const lw_dynamics *d = w->run->d;
+    double gap[2][LW_EVENT_MAX] = { 0 };
+    for (int k = 0; d->n_stop && k <= LOOKS; k++) {
+        double t = w->good + (end - w->good)*k/LOOKS, *now = gap[k%2], *before = gap[!(k%2)];
+        if (state_on_the_way(w, t, y) != LW_OK || lw_run_stop_events(w->run, t, y, now) != LW_OK)
+            return true;
+        for (int i = 0; k > 0 && i < d->n_stop; i++)
+            if (!(now[i] > 0.5*fabs(now[i] - before[i])) || (k > 1 && !(before[i] > 0.5*fabs(now[i] - before[i]))))
+                return true;
+    }
+    return false;
+}
+
 /* Move the posture q for so long at the velocities v and the accelerations a, NULL: 0.  way (n_v): work. */
 static void go_straight(lw_dynamics *d, double time, double *q, const double *v, const double *a, double *way)
 {
@@ -290,10 +308,15 @@ static lw_status step_over(lw_run *run, double good, const approach *a, bool stu
     double share = s >= 0 || s == LW_E_NUMERIC ? jams(run, place, first, y, run->state) : 0;
     if (share > 0)
         run->jam = run->r->t = good + share*(end - good), s = LW_E_NUMERIC;
-    if (s == LW_OK)
-        s = lw_run_samples(run, nextafter(end, good), state_on_the_way, &(on_the_way){ run, good, first, &z });
+    on_the_way way = { run, good, first, &z };
+    bool struck = s == LW_OK && is_struck(&way, end, run->y);
+    if (s == LW_OK && !struck)
+        s = lw_run_samples(run, nextafter(end, good), state_on_the_way, &way);
     free(first);
     run->state = old;
+    if (struck)
+        return lw_error_set(run->e, LW_E_NUMERIC, "a rigid stop is struck close to the singular posture at t = %.9g s, where impacts are not known",
+                            place);
     if (s == LW_OK)
         run->e->text[0] = '\0';             /* of shorter and longer gaps */
     *t = end;

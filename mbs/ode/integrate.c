@@ -204,11 +204,21 @@ static lw_status check_dense(lw_integrator *w)
     return s == LW_STOPPED ? s : LW_OK;
 }
 
+static lw_status dense_stages(lw_integrator *w)
+{
+    double h = w->h_done;
+    STAGE(13); STAGE(14); STAGE(15);
+    return LW_OK;
+}
+
+/* Without its stages, since f is not known at one of them, the continuous solution is a cubic that only tells where states are. */
 static lw_status prepare_dense(lw_integrator *w)
 {
     double h = w->h_done;
     size_t n = (size_t)w->ode->n;
-    STAGE(13); STAGE(14); STAGE(15);
+    lw_status s = dense_stages(w);
+    if (s == LW_STOPPED)
+        return s;
     for (size_t i = 0; i < n; i++) {
         double rise = w->y[i] - w->y_old[i], bend = h*w->k[0][i] - rise;
         w->c[0][i] = w->y_old[i];
@@ -217,14 +227,14 @@ static lw_status prepare_dense(lw_integrator *w)
         w->c[3][i] = rise - h*w->k[12][i] - bend;
         for (int r = 0; r < 4; r++) {
             double sum = 0.0;
-            for (int j = 0; j < 16; j++)
+            for (int j = 0; s == LW_OK && j < 16; j++)
                 sum += rk_dense[r][j]*w->k[j][i];
             w->c[4 + r][i] = h*sum;
         }
     }
     w->dense = true;
-    w->rough = 0;
-    return w->o.fixed > 0.0 ? LW_OK : check_dense(w);
+    w->rough = s == LW_OK ? 0 : INFINITY;
+    return s != LW_OK || w->o.fixed > 0.0 ? LW_OK : check_dense(w);
 }
 
 /* An integrator for states within the last step, from one of its ends. */
@@ -351,7 +361,7 @@ lw_status lw_integrate_dense(lw_integrator *w, double t, double *y)
         return s;
     for (int i = 0; i < w->ode->n; i++)
         y[i] = dense_value(w, i, (t - w->t_old)/w->h_done);
-    return LW_OK;
+    return w->rough < INFINITY ? LW_OK : LW_E_NUMERIC;
 }
 
 /* ---- begin --------------------------------------------------------------------------------------- */

@@ -94,7 +94,7 @@ lw_status lw_integrate_restart(lw_integrator *w, const double *y, lw_error *e);
  * LW_STOPPED: max_step used up; LW_E_NUMERIC: steps too short to move t, or numbers not finite. */
 lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, lw_error *e);
 
-/* y (n) at t between t_old and t of the last step. */
+/* y (n) at t between t_old and t of the last step.  LW_E_NUMERIC: f is not known where the state would follow from it. */
 lw_status lw_integrate_dense(lw_integrator *w, double t, double *y);
 
 #endif
