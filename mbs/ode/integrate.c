@@ -287,7 +287,7 @@ static lw_status prepare_halves(lw_integrator *w)
     double apart = 0.0;
     for (int i = 0; i < w->ode->n && s == LW_OK; i++)
         apart = fmax(apart, fabs(inner.y[i] - w->y[i])/allowed(w, i, fabs(w->y[i])));
-    if (s != LW_OK || !(apart <= fmin(w->rough, most_apart)))
+    if (s != LW_OK || !(apart <= over_allowed))
         return is_stopped(&inner, s) ? s : LW_NOTHING;
     w->in_halves = 1;
     return LW_OK;
