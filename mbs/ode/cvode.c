@@ -3,6 +3,7 @@
 
 #include <cvode/cvode.h>
 #include <cvode/cvode_proj.h>
+#include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
 #include "mbs/ode/sundials_internal.h"
@@ -60,8 +61,13 @@ static bool set_up(lw_sun *own, lw_cvode_method method, double t)
 {
     const lw_ode *ode = own->problem;
     void *s = own->solver = CVodeCreate(method == LW_CVODE_ADAMS ? CV_ADAMS : CV_BDF, own->context);
-    bool ok = s && CVodeSetErrHandlerFn(s, lw_sun_message, own) == 0 && CVodeInit(s, rate, t, own->v[LW_SUN_NOW]) == 0
-        && CVodeSetUserData(s, own) == 0 && CVodeSVtolerances(s, own->o.relative, own->v[LW_SUN_EACH]) == 0
+    bool ok = s && CVodeSetErrHandlerFn(s, lw_sun_message, own) == 0;
+    if (ok && CVodeInit(s, rate, t, own->v[LW_SUN_NOW]) != 0) {
+        free(s);                             /* its vectors are free, and CVodeFree would free them again */
+        own->solver = NULL;
+        return false;
+    }
+    ok = ok && CVodeSetUserData(s, own) == 0 && CVodeSVtolerances(s, own->o.relative, own->v[LW_SUN_EACH]) == 0
         && CVodeSetLinearSolver(s, own->linear, own->matrix) == 0 && CVodeSetMaxNumSteps(s, -1) == 0
         && CVodeSetMaxHnilWarns(s, -1) == 0;
     ok = ok && (!ode->jacobian || CVodeSetJacFn(s, jacobian) == 0);
@@ -69,7 +75,7 @@ static bool set_up(lw_sun *own, lw_cvode_method method, double t)
         && CVodeSetRootDirection(s, own->direction) == 0 && CVodeSetNoInactiveRootWarn(s) == 0));
     ok = ok && (own->o.first <= 0.0 || CVodeSetInitStep(s, own->o.first) == 0);
     ok = ok && (own->o.greatest <= 0.0 || CVodeSetMaxStep(s, own->o.greatest) == 0);
-    return ok && (!ode->project || method == LW_CVODE_ADAMS || CVodeSetProjFn(s, project) == 0);
+    return ok && !own->no_room && (!ode->project || method == LW_CVODE_ADAMS || CVodeSetProjFn(s, project) == 0);
 }
 
 lw_status lw_cvode_make(lw_sundials *w, const lw_ode *ode, const lw_ode_options *o, lw_cvode_method method,

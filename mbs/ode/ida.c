@@ -92,7 +92,7 @@ static bool set_up(lw_sun *own, double t)
         && IDASetRootDirection(s, own->direction) == 0 && IDASetNoInactiveRootWarn(s) == 0));
     ok = ok && (own->o.order == 0 || IDASetMaxOrd(s, own->o.order) == 0);
     ok = ok && (own->o.first <= 0.0 || IDASetInitStep(s, own->o.first) == 0);
-    return ok && (own->o.greatest <= 0.0 || IDASetMaxStep(s, own->o.greatest) == 0);
+    return ok && !own->no_room && (own->o.greatest <= 0.0 || IDASetMaxStep(s, own->o.greatest) == 0);
 }
 
 lw_status lw_ida_make(lw_sundials *w, const lw_dae *dae, const lw_ode_options *o, double t, const double *y,

@@ -141,20 +141,97 @@ static bool lw_sun_large_make(lw_sun *s, const lw_columns *pattern)
 
 /* ---- making ------------------------------------------------------------------------------------------------- */
 
+/* SUNDIALS 6 makes its vectors as copies of ours, and writes into a copy without a look whether there was memory for it.  So it gets the
+ * spare vector then, and the solver is not used. */
+typedef struct lw_sun_content { struct _N_VectorContent_Serial serial; lw_sun *own; } lw_sun_content;
+
+static lw_sun *owner_of(N_Vector v) { return ((lw_sun_content *)v->content)->own; }
+
+static bool set_owner(N_Vector v, lw_sun *own)
+{
+    lw_sun_content *c = realloc(v->content, sizeof *c);
+    if (!c)
+        return false;
+    c->own = own;
+    v->content = c;
+    return true;
+}
+
+static N_Vector copy_vector(N_Vector from);
+static N_Vector copy_empty(N_Vector from);
+static void free_vector(N_Vector v);
+
+static N_Vector make_vector(lw_sun *own, bool empty)
+{
+    N_Vector v = empty ? N_VNewEmpty_Serial(own->n, own->context) : N_VNew_Serial(own->n, own->context);
+    if (v && !set_owner(v, own)) {
+        N_VDestroy_Serial(v);
+        v = NULL;
+    }
+    if (v) {
+        v->ops->nvclone = copy_vector;
+        v->ops->nvcloneempty = copy_empty;
+        v->ops->nvdestroy = free_vector;
+    }
+    return v;
+}
+
+static N_Vector copy_vector(N_Vector from)
+{
+    lw_sun *own = owner_of(from);
+    N_Vector v = make_vector(own, false);
+    own->no_room |= !v;
+    return v ? v : own->v[LW_SUN_SPARE];
+}
+
+static void free_vector(N_Vector v)
+{
+    lw_sun *own = owner_of(v);
+    if (v != own->v[LW_SUN_SPARE] && v != own->v[LW_SUN_EMPTY])
+        N_VDestroy_Serial(v);
+}
+
+/* One without an array, which differences for a Jacobian matrix use for a while. */
+static N_Vector copy_empty(N_Vector from) { return owner_of(from)->v[LW_SUN_EMPTY]; }
+
+/* CVODE copies its matrix once, without a look whether there was memory for the copy, which is made before. */
+typedef struct lw_sun_dense { struct _SUNMatrixContent_Dense dense; lw_sun *own; } lw_sun_dense;
+
+static SUNMatrix copy_matrix(SUNMatrix from)
+{
+    lw_sun *own = ((lw_sun_dense *)from->content)->own;
+    SUNMatrix saved = own->saved;
+    own->saved = NULL;
+    return saved;
+}
+
+static bool make_matrices(lw_sun *s)
+{
+    s->matrix = SUNDenseMatrix(s->n, s->n, s->context);
+    s->saved = s->matrix ? SUNDenseMatrix(s->n, s->n, s->context) : NULL;
+    lw_sun_dense *c = s->saved ? realloc(s->matrix->content, sizeof *c) : NULL;
+    if (!c)
+        return false;
+    c->own = s;
+    s->matrix->content = c;
+    s->matrix->ops->clone = copy_matrix;
+    return true;
+}
+
 static bool make_parts(lw_sun *s, const lw_columns *pattern)
 {
     if (SUNContext_Create(NULL, &s->context) != 0)
         return false;
     for (int i = 0; i < LW_SUN_VECTORS; i++) {
-        s->v[i] = N_VNew_Serial(s->n, s->context);
+        s->v[i] = make_vector(s, i == LW_SUN_EMPTY);
         if (!s->v[i])
             return false;
-        N_VConst(0.0, s->v[i]);
+        if (i != LW_SUN_EMPTY)
+            N_VConst(0.0, s->v[i]);
     }
     if (pattern)
         return lw_sun_large_make(s, pattern);
-    s->matrix = SUNDenseMatrix(s->n, s->n, s->context);
-    s->linear = s->matrix ? lw_sun_linear_make(s->n, s->context) : NULL;
+    s->linear = make_matrices(s) ? lw_sun_linear_make(s->n, s->context) : NULL;
     return s->linear != NULL;
 }
 
@@ -200,9 +277,11 @@ void lw_sundials_free(lw_sundials *w)
         SUNLinSolFree(s->linear);
     if (s->matrix)
         SUNMatDestroy(s->matrix);
+    if (s->saved)
+        SUNMatDestroy(s->saved);
     for (int i = 0; i < LW_SUN_VECTORS; i++)
         if (s->v[i])
-            N_VDestroy(s->v[i]);
+            N_VDestroy_Serial(s->v[i]);
     if (s->context)
         SUNContext_Free(&s->context);
     free(s);

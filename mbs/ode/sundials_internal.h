@@ -23,7 +23,7 @@ typedef struct lw_sun_calls {
     int  normal, one_step, root_return;
 } lw_sun_calls;
 
-enum { LW_SUN_NOW, LW_SUN_EACH, LW_SUN_SCRATCH, LW_SUN_RATE, LW_SUN_KIND, LW_SUN_VECTORS };
+enum { LW_SUN_NOW, LW_SUN_EACH, LW_SUN_SCRATCH, LW_SUN_RATE, LW_SUN_KIND, LW_SUN_SPARE, LW_SUN_EMPTY, LW_SUN_VECTORS };
 
 struct lw_sun {
     const lw_sun_calls *call;
@@ -32,6 +32,8 @@ struct lw_sun {
     void           *solver;
     int             n;
     N_Vector        v[LW_SUN_VECTORS];
+    SUNMatrix       saved;               /* for the copy of the Jacobian matrix that CVODE keeps, until it takes it */
+    bool            no_room;             /* there was no memory for a vector of the solver, which took LW_SUN_SPARE for it */
     SUNContext      context;
     SUNMatrix       matrix;
     SUNLinearSolver linear;
