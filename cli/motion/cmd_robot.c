@@ -68,6 +68,7 @@ typedef struct job {
     double            metre;
     lw_quaternion     drawn;                 /* orientation of the tool in the file                  */
     lw_vec3           up, right, ahead;      /* of the level plane: right and ahead lie in it        */
+    double           *q, *near, *more;       /* the posture in which all ways begin; numbers of the action (begin_ways) */
     lw_error          e;
 } job;
 
@@ -187,6 +188,7 @@ static void end(job *j)
 {
     lw_robot_free(&j->r);
     cli_free_spatial(j->m);
+    free(j->q);
 }
 
 /* ---- jacobian -------------------------------------------------------------------------------------------- */
@@ -420,17 +422,36 @@ static int cannot_move(job *j, const lw_robot_pose *p)
     return cli_fail(j->call, &j->e);
 }
 
-/* Every ray begins where the tool is now. */
-static void go_back(job *j, const double *q, const double *near)
+/* Begin an action whose ways all begin where the tool is now, with room for `more` numbers. */
+static int begin_ways(const cli_call *call, job *j, lw_robot_pose *p, size_t more)
 {
-    memcpy(j->r.follow.q, q, (size_t)j->r.space.n_q*sizeof *q);
-    memcpy(j->r.follow.z.near, near, (size_t)j->r.follow.z.n_near*sizeof *near);
+    int code = begin(call, j);
+    if (code != CLI_DONE)
+        return code;
+    if (lw_robot_measure(&j->r, p, &j->e) != LW_OK)
+        return cli_fail(call, &j->e);
+    size_t n_q = (size_t)j->r.space.n_q, n_near = (size_t)j->r.follow.z.n_near;
+    if (!(j->q = malloc((n_q + n_near + more + 1)*sizeof *j->q))) {
+        lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
+        return cli_fail(call, &j->e);
+    }
+    j->near = j->q + n_q;
+    j->more = j->near + n_near;
+    memcpy(j->q, j->r.follow.q, n_q*sizeof *j->q);
+    memcpy(j->near, j->r.follow.z.near, n_near*sizeof *j->near);
+    return CLI_DONE;
+}
+
+static void go_back(job *j)
+{
+    memcpy(j->r.follow.q, j->q, (size_t)j->r.space.n_q*sizeof *j->q);
+    memcpy(j->r.follow.z.near, j->near, (size_t)j->r.follow.z.n_near*sizeof *j->near);
     j->e.text[0] = 0;
 }
 
-static lw_status follow_ray(job *j, const double *q, const double *near, double angle, double *far)
+static lw_status follow_ray(job *j, double angle, double *far)
 {
-    go_back(j, q, near);
+    go_back(j);
     return lw_robot_reach(&j->r, direction(j, angle), 4*j->r.space.unit, far, &j->e);
 }
 
@@ -467,27 +488,19 @@ static int run_rays(const cli_call *call, bool tilts)
     job j;
     lw_robot_pose p;
     lw_output o;
-    int code = begin(call, &j), done = 0, endless = 0;
-    if (code == CLI_DONE && lw_robot_measure(&j.r, &p, &j.e) != LW_OK)
-        code = cli_fail(call, &j.e);
+    int code = begin_ways(call, &j, &p, 0), done = 0, endless = 0;
     if (code == CLI_DONE && (tilts ? !j.r.turns : lw_v3_norm(j.r.normal) > 0)) {
         lw_error_set(&j.e, LW_E_ARG, tilts ? "the drives of this robot cannot turn the tool and keep its place" : "a robot in a plane has no volume");
         code = cli_fail(call, &j.e);
     }
     int n = tilts && code == CLI_DONE && j.flat ? 2 : !tilts && !cli_given(&call->parsed, "rays") ? 36 : j.s->rays, levels = tilts ? 1 : (n + 1)/2;
-    size_t n_q = code == CLI_DONE ? (size_t)j.r.space.n_q : 0, n_near = code == CLI_DONE ? (size_t)j.r.follow.z.n_near : 0;
-    double sum = 0, most = 0, *q = malloc((n_q + n_near + 1)*sizeof *q), *near = q + n_q;
-    if (code == CLI_DONE && !q)
-        code = cli_fail(call, &(lw_error){ .status = LW_E_MEMORY, .text = "out of memory" });
+    double sum = 0, most = 0;
     if (code == CLI_DONE && cli_open(call, &o, &j.e) != LW_OK)
         code = cli_fail(call, &j.e);
     if (code != CLI_DONE) {
-        free(q);
         end(&j);
         return code;
     }
-    memcpy(q, j.r.follow.q, n_q*sizeof *q);
-    memcpy(near, j.r.follow.z.near, n_near*sizeof *near);
     cli_progress progress = cli_progress_begin(call, tilts ? "reachability" : "workspace", "rays");
     cli_json w = cli_json_begin(o.f, 2);
     if (call->common.json) {
@@ -501,7 +514,7 @@ static int run_rays(const cli_call *call, bool tilts)
     for (; done < n*levels && !cli_interrupted(); done++) {
         double a = 2*LW_PI*(done % n)/n, height = tilts ? 0 : (2.0*(done/n) + 1)/levels - 1, far = 0;
         lw_vec3 way;
-        go_back(&j, q, near);
+        go_back(&j);
         if (cast(&j, tilts, a, height, &way, &far) != LW_OK) {
             code = cli_fail(call, &j.e);
             break;
@@ -545,7 +558,6 @@ static int run_rays(const cli_call *call, bool tilts)
         cli_note(call, "volume %.6g %s^3 around the tool, at most %.6g %s from it", sum, j.unit, most/j.metre, j.unit);
     }
     code = cli_close(call, &o, code);
-    free(q);
     end(&j);
     return code;
 }
@@ -554,26 +566,23 @@ static int run_reachability(const cli_call *call) { return run_rays(call, true);
 
 static int run_workspace(const cli_call *call)
 {
-    if (((const settings *)call->settings)->volume)
+    const settings *of = call->settings;
+    if (of->volume && of->plot)
+        return cli_usage(call, "--plot draws the edge in the level plane, which --volume leaves");
+    if (of->volume)
         return run_rays(call, false);
     job j;
     lw_robot_pose p;
     lw_output o;
     double area = 0, least = INFINITY, most = 0;
-    int code = begin(call, &j), n = j.s->rays;
-    if (code == CLI_DONE && lw_robot_measure(&j.r, &p, &j.e) != LW_OK)
-        code = cli_fail(call, &j.e);
-    size_t n_q = code == CLI_DONE ? (size_t)j.r.space.n_q : 0, n_near = code == CLI_DONE ? (size_t)j.r.follow.z.n_near : 0;
-    double *q = malloc((n_q + n_near + 2*(size_t)n + 3)*sizeof *q), *near = q + n_q, *x = near + n_near, *y = x + n + 1;
-    if (code == CLI_DONE && (!q || cli_open(call, &o, &j.e) != LW_OK))
+    int n = of->rays, code = begin_ways(call, &j, &p, 2*(size_t)n + 2);
+    if (code == CLI_DONE && cli_open(call, &o, &j.e) != LW_OK)
         code = cli_fail(call, &j.e);
     if (code != CLI_DONE) {
-        free(q);
         end(&j);
         return code;
     }
-    memcpy(q, j.r.follow.q, n_q*sizeof *q);
-    memcpy(near, j.r.follow.z.near, n_near*sizeof *near);
+    double *x = j.more, *y = x + n + 1;
     cli_progress progress = cli_progress_begin(call, "workspace", "rays");
     cli_json w = cli_json_begin(o.f, 2);
     if (call->common.json) {
@@ -585,7 +594,7 @@ static int run_workspace(const cli_call *call)
     int done = 0, endless = 0;
     for (int i = 0; i <= n && !cli_interrupted(); i++, done = i) {
         double a = 2*LW_PI*(i % n)/n, far = 0;
-        if (i < n && follow_ray(&j, q, near, a, &far) != LW_OK) {
+        if (i < n && follow_ray(&j, a, &far) != LW_OK) {
             code = cli_fail(call, &j.e);
             break;
         }
@@ -628,7 +637,6 @@ static int run_workspace(const cli_call *call)
             code = draw_edge(&j, n + 1, x, y);
     }
     code = cli_close(call, &o, code);
-    free(q);
     end(&j);
     return code;
 }
@@ -651,7 +659,6 @@ static void even_edges(const map *m, double edge[BANDS + 1])
         edge[b] = first + b*step;
 }
 
-/* Points by bands of the value. */
 /* Edges of bands for errors, which grow much towards the edge of the workspace: 1, 2, 5, 10, ... times a power of ten. */
 static void rising_edges(const map *m, double edge[BANDS + 1])
 {
@@ -667,6 +674,7 @@ static void rising_edges(const map *m, double edge[BANDS + 1])
     edge[BANDS] = INFINITY;
 }
 
+/* Points by bands of the value. */
 static int draw_map(const job *j, const map *m, const char *path, int code)
 {
     lw_series series[BANDS];
@@ -735,13 +743,11 @@ static int run_map(const cli_call *call)
     job j;
     lw_robot_pose p, here;
     lw_output o;
-    int code = begin(call, &j), n = j.s->grid, lost = 0;
-    if (code == CLI_DONE && lw_robot_measure(&j.r, &p, &j.e) != LW_OK)
-        code = cli_fail(call, &j.e);
-    size_t n_q = code == CLI_DONE ? (size_t)j.r.space.n_q : 0, n_near = code == CLI_DONE ? (size_t)j.r.follow.z.n_near : 0;
+    int n = ((const settings *)call->settings)->grid, lost = 0;
     size_t most = (size_t)n*(size_t)n;
-    double *q = malloc((n_q + n_near + 3*most + 1)*sizeof *q), *near = q + n_q, reach = 0;
-    map m = { near + n_near, near + n_near + most, near + n_near + 2*most, 0, j.s->frequency, j.s->budget };
+    int code = begin_ways(call, &j, &p, 3*most);
+    double reach = 0;
+    map m = { .frequency = j.s->frequency, .budget = j.s->budget };
     lw_held held = { .q = NULL };
     lw_budget_options how;
     lw_budget_stiffness stiff = { 0 };
@@ -754,20 +760,18 @@ static int run_map(const cli_call *call)
     if (code == CLI_DONE && j.s->budget && (budget_options(&j, &how, &j.e) != LW_OK ||
                                             lw_budget_stiffness_make(j.m, &how, &stiff, &j.e) != LW_OK))
         code = cli_fail(call, &j.e);
-    if (code == CLI_DONE && (!q || cli_open(call, &o, &j.e) != LW_OK))
+    if (code == CLI_DONE && cli_open(call, &o, &j.e) != LW_OK)
         code = cli_fail(call, &j.e);
     if (code != CLI_DONE) {
         lw_budget_stiffness_free(&stiff);
         lw_held_free(&held);
-        free(q);
         end(&j);
         return code;
     }
-    memcpy(q, j.r.follow.q, n_q*sizeof *q);
-    memcpy(near, j.r.follow.z.near, n_near*sizeof *near);
+    m.x = j.more, m.y = m.x + most, m.value = m.y + most;
     for (int i = 0; i < 12 && !cli_interrupted(); i++) {        /* how far the grid has to go */
         double far = 0;
-        if (follow_ray(&j, q, near, 2*LW_PI*i/12, &far) == LW_OK)
+        if (follow_ray(&j, 2*LW_PI*i/12, &far) == LW_OK)
             reach = fmax(reach, far);
     }
     if (gets_nowhere(&j, &p, reach) && !cli_interrupted())
@@ -787,8 +791,7 @@ static int run_map(const cli_call *call)
     for (int i = 0; i < n*n && !cli_interrupted(); i++) {
         double a = reach*(2.0*(i % n)/(n - 1) - 1), b = reach*(2.0*(i/n)/(n - 1) - 1);
         lw_vec3 to = lw_v3_add(p.place, lw_v3_add(lw_v3_scale(j.right, a), lw_v3_scale(j.ahead, b)));
-        memcpy(j.r.follow.q, q, n_q*sizeof *q);
-        memcpy(j.r.follow.z.near, near, n_near*sizeof *near);
+        go_back(&j);
         lw_status st = lw_robot_move(&j.r, to, NULL, &j.e);
         if (st == LW_OK)
             st = lw_robot_measure(&j.r, &here, &j.e);
@@ -836,7 +839,6 @@ static int run_map(const cli_call *call)
     lw_budget_free(&budget);
     lw_budget_stiffness_free(&stiff);
     lw_held_free(&held);
-    free(q);
     end(&j);
     return code;
 }
