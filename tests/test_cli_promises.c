@@ -9,12 +9,15 @@
 
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
 enum { SANITIZED = true };
+#define BUSY "100"              /* its start takes longer */
 #define STACK "8192"
 #elif defined __OPTIMIZE__
 enum { SANITIZED = false };
+#define BUSY "10"
 #define STACK "256"
 #else                                        /* each variable of each block has bytes of its own */
 enum { SANITIZED = false };
+#define BUSY "10"
 #define STACK "1024"
 #endif
 
@@ -120,7 +123,6 @@ static void demand(const char *command, const char *after)
     ran_free(&r);
 }
 
-#define BUSY "10"
 /* until SIGNAL COMMAND...: send the signal to the command when it has been busy; end with its exit code. */
 #define UNTIL "until_busy() { s=$1; shift; { \"$@\" <&3 & } 3<&0; p=$!; " \
               "while read -r stat 2> /dev/null < /proc/$p/stat; do set -- $stat; test ${14} -ge " BUSY " && break; sleep 0.02; " \
