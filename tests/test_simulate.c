@@ -131,7 +131,7 @@ TEST(wrong)
     expect("$P simulate examples/jansen.json --formulation reduced", 3, NULL, NULL);
 }
 
-/* Two cranks of a square that are to turn with 1 and 2 rad/s both turn with 1.5, and that is told. */
+/* Two cranks of a square that are to turn with 1 and 2 rad/s are an error. */
 TEST(starts_that_do_not_fit)
 {
     expect("cat > $D/s.json << 'END'\n{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, "
@@ -140,11 +140,9 @@ TEST(starts_that_do_not_fit)
            "\"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"a\", \"b\"], \"at\": [0, 1]}, {\"name\": \"C\", "
            "\"links\": [\"b\", \"c\"], \"at\": [1, 1]}, {\"name\": \"D\", \"links\": [\"ground\", \"c\"], "
            "\"at\": [1, 0]}], \"inputs\": [{\"joint\": \"A\", \"speed\": 1}, {\"joint\": \"D\", \"speed\": 2}]}\n"
-           "END\n$P simulate $D/s.json --to 0.1 -n 1", 0, "0,1.5707963267948966,1.5,",
-           "the speeds given violate the constraints by 0.5 and were projected");
-    expect("$P simulate $D/s.json --to 0.1 -n 1 --quiet", 0, NULL, "");
-    expect("sed 's/\"speed\": 2/\"speed\": 1/' $D/s.json > $D/t.json && $P simulate $D/t.json --to 0.1 -n 1 2>&1 >/dev/null "
-           "| grep -c projected", 1, "0", NULL);
+           "END\n$P simulate $D/s.json --to 0.1 -n 1", 3, "",
+           "the speeds and velocities given contradict each other or the posture at \"A\": they are off by 0.5 (of 2)");
+    expect("sed 's/\"speed\": 2/\"speed\": 1/' $D/s.json > $D/t.json && $P simulate $D/t.json --to 0.1 -n 1", 0, NULL, NULL);
 }
 
 TEST(pictures)

@@ -118,8 +118,6 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
         cli_note_nearly_flat(c, &linkage);
     if (r->moved > 1e-9)
         cli_note(c, "the posture of the file violates the constraints by %.3g of its size and was closed", r->moved);
-    if (r->moved_rate > 1e-9)
-        cli_note(c, "the speeds given violate the constraints by %.3g and were projected", r->moved_rate);
     lw_dynamics_redundant(d, text, sizeof text);
     if (r->redundant)
         cli_note(c, "%d constraint%s redundant: reactions at%s are not unique, those of least norm are given",

@@ -104,7 +104,7 @@ typedef struct lw_dynamics_report {
     int    unknowns;             /* of the differential or algebraic system solved */
     int    freedom;              /* degree of freedom, driven inputs included */
     int    redundant;            /* rows that depend on others */
-    double moved, moved_rate;    /* change of the start by putting it on the constraints, scaled */
+    double moved;                /* change of the start by putting it on the constraints, scaled */
     double adjusted;             /* greatest change of a dimension that makes an overconstrained linkage move [m], 0: none */
     long   steps, refused, rates;          /* rates: evaluations of the equations */
     double worst_off, worst_off_rate;      /* greatest residuals over all samples */

@@ -93,7 +93,7 @@ struct lw_dynamics {
     double *start_q, *start_v, *start_z, *drawn_q;   /* drawn_q: of the drawing, closed */
     double *speed_rows;                       /* (n_c + inputs) x n_v: rows that decide the velocities of the start */
     bool   *at_rest;                          /* (inputs) without a speed, which start at rest */
-    double  moved, moved_rate;                /* change of the start by putting it on the constraints */
+    double  moved;                            /* change of the start by putting it on the constraints */
     double  adjusted;                         /* greatest change of a dimension (mbs/constraints/adjust.h) */
     struct lw_reduced *reduced;               /* one coordinate, once asked for; whether the model allows it, */
     lw_status reduced_status;
@@ -124,6 +124,10 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
  * that of a posture near by, large models look whether rows left out as dependent stay satisfied. */
 void      lw_mbs_take_equations(lw_dynamics *d, lw_equations eq);
 lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e);
+
+/* LW_E_ARG: velocities of the start that are `off` from those given, of which the greatest is `top`; a place (or NULL) and a note
+ * for the text. */
+lw_status lw_mbs_check_speeds(lw_error *e, const char *place, double off, double top, const char *note);
 
 /* Values of the first-order states at the start.  LW_E_NUMERIC: one is not a number. */
 lw_status lw_mbs_start_states(lw_dynamics *d, lw_error *e);

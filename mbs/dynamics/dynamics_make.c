@@ -406,17 +406,40 @@ static lw_status hold_speed(lw_dynamics *d, int i)
     return lw_mbs_arrange(d, d->o.from, d->start_q);
 }
 
-/* How far the velocities of the start are from those that links are given. */
-static double velocities_off(const lw_dynamics *d)
+lw_status lw_mbs_check_speeds(lw_error *e, const char *place, double off, double top, const char *note)
 {
-    double off = 0;
+    if (off <= 1e-9*top + 1e-12)
+        return LW_OK;
+    return lw_error_set(e, LW_E_ARG, "the speeds and velocities given contradict each other or the posture%s%s%s: they are off by %.3g "
+                        "(of %.3g), lengths over the size of the model%s", place ? " at \"" : "", place ? place : "", place ? "\"" : "",
+                        off, top, note);
+}
+
+/* LW_E_ARG: the velocities of the start are not those given to inputs and links, which a run in time begins with. */
+static lw_status check_speeds(const lw_dynamics *d, lw_error *e)
+{
+    double off = 0, top = 0;
+    const char *place = NULL;
+    for (int i = 0; i < d->s.n_input; i++) {
+        int j = d->s.input_joint[i];
+        double wrong = speed_off(d, i);
+        if (d->model->has_speed[i])
+            top = fmax(top, fabs(d->model->speed[i])/lw_system_joint_unit(&d->s, j));
+        if (wrong > off)
+            off = wrong, place = d->model->linkage.joint[j].name;
+    }
     for (int b = 0; b < d->s.n_body; b++) {
         const lw_body *from = &d->model->body[d->s.link[b]];
         const double *v = d->start_v + 3*b;
+        double x = from->velocity.x/d->s.unit, y = from->velocity.y/d->s.unit;
+        double wrong = from->has_velocity ? fmax(fabs(v[2] - from->omega), hypot(v[0] - x, v[1] - y)) : 0;
         if (from->has_velocity)
-            off = fmax(off, fmax(fabs(v[2] - from->omega), hypot(v[0] - from->velocity.x/d->s.unit, v[1] - from->velocity.y/d->s.unit)));
+            top = fmax(top, fmax(fabs(from->omega), hypot(x, y)));
+        if (wrong > off)
+            off = wrong, place = d->model->linkage.link_name[d->s.link[b]];
     }
-    return off;
+    bool in_time = d->o.analysis != LW_ANALYSIS_STATIC && d->o.analysis != LW_ANALYSIS_QUASISTATIC;
+    return in_time ? lw_mbs_check_speeds(e, place, off, top, "") : LW_OK;
 }
 
 /* Velocities that links are given into start_v; by_mass is 0 there: they are kept. */
@@ -479,9 +502,6 @@ static lw_status find_velocities_large(lw_dynamics *d, lw_error *e)
         s = lw_mbs_factor(d, false);
     if (s == LW_OK)
         s = lw_mbs_project_v(d, d->o.from, d->start_v);
-    for (int i = 0; i < d->s.n_input; i++)
-        d->moved_rate = fmax(d->moved_rate, speed_off(d, i));
-    d->moved_rate = fmax(d->moved_rate, velocities_off(d));
     return s == LW_OPEN ? lw_error_set(e, LW_E_NUMERIC, "the posture at the start is singular; start it from a posture "
                                        "nearby") : s;
 }
@@ -513,9 +533,6 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
         s = lw_mbs_factor(d, false);
     if (s == LW_OK)
         s = lw_mbs_project_v(d, d->o.from, d->start_v);
-    for (int i = 0; i < d->s.n_input; i++)
-        d->moved_rate = fmax(d->moved_rate, speed_off(d, i));
-    d->moved_rate = fmax(d->moved_rate, velocities_off(d));
     for (int i = 0; s == LW_OK && i < d->n_q; i++)
         if (!isfinite(d->start_v[i]))
             return lw_error_set(e, LW_E_NUMERIC, "no velocities at the start satisfy the constraints");
@@ -594,7 +611,6 @@ static lw_status start_as_rigid(lw_dynamics *d, const lw_model *given)
     for (int i = 0; s == LW_OK && i < d->s.n_input; i++)
         d->at_rest[i] = r->at_rest[i];
     d->moved = r->moved;
-    d->moved_rate = r->moved_rate;
     lw_dynamics_free(r);
     if (s == LW_OK)
         s = lw_mbs_arrange(d, d->o.from, d->start_q);
@@ -659,6 +675,8 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
         s = check_masses(d, e);
     if (s == LW_OK)
         s = d->large ? find_velocities_large(d, e) : find_velocities(d, e);
+    if (s == LW_OK)
+        s = check_speeds(d, e);
     if (s == LW_OK)
         s = d->large ? rank_nearby_large(d, d->o.from, d->start_q, d->start_v)
                      : rank_nearby(d, d->o.from, d->start_q, d->start_v);

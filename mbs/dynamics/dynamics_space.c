@@ -218,13 +218,9 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
             if (fabs(d->rhs[r] - wanted[r]) > off)
                 off = fabs(d->rhs[r] - wanted[r]), worst = r;
         }
-        if (!(off <= 1e-9*top + 1e-12)) {
-            const char *joint = worst < d->n_row ? d->eq.name(d->eq.context, LW_NAMED_ROW, worst) : NULL;
-            st = lw_error_set(e, LW_E_ARG, "the speeds and velocities given contradict each other%s%s%s: they are off by %.3g "
-                              "(of %.3g), lengths over the size of the model%s", joint ? " at joint \"" : "", joint ? joint : "",
-                              joint ? "\"" : "", off, top, stuck ? "; nothing can move in this posture, perhaps since numbers of an overconstrained "
-                              "linkage are rounded: see \"mobility\"" : "");
-        }
+        const char *joint = worst < d->n_row ? d->eq.name(d->eq.context, LW_NAMED_ROW, worst) : NULL;
+        st = lw_mbs_check_speeds(e, joint, off, top, stuck ? "; nothing can move in this posture, perhaps since numbers of an "
+                                 "overconstrained linkage are rounded: see \"mobility\"" : "");
     }
     d->n_driven = driven;
     d->large = large;

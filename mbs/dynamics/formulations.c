@@ -61,7 +61,6 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     r->freedom = d->freedom + d->n_driven;
     r->redundant = d->n_c - d->rank;
     r->moved = d->moved;
-    r->moved_rate = d->moved_rate;
     r->adjusted = d->adjusted*d->eq.unit;
     r->t = d->o.from;
     if (d->elastic && a == LW_ANALYSIS_KINEMATIC)
