@@ -196,6 +196,46 @@ TEST(change_points)
     }
 }
 
+/* A slider (2 kg) on a crank and a rod (1 m, 1 kg each) is the input and passes the pivot of the crank, which lies on one side of its
+ * start alone.  With the crank at the angle s: M s'' + M' s'^2/2 = Q, M = 2/3 + 10 sin^2 s. */
+static lw_status rate_over_pivot(void *context, double t, const double *y, double *dy)
+{
+    double push = *(const double *)context;
+    (void)t;
+    double c = cos(y[0]), s = sin(y[0]), mass = 2./3 + 10*s*s;
+    dy[0] = y[1];
+    dy[1] = (-9.81*c + push*-2*s - 10*s*c*y[1]*y[1])/mass;
+    return LW_OK;
+}
+
+TEST(slider_over_a_pivot)
+{
+    static const lw_formulation some[] = { LW_FORMULATION_AUTO, LW_FORMULATION_REDUCED, LW_FORMULATION_QUADRATURE, LW_FORMULATION_INDEX1 };
+    for (int side = -1; side <= 1; side += 2)
+        for (int f = 0; f < 4; f++) {
+            char text[2000];
+            double c = side*cos(1), s = sin(1), push = -30*side;
+            snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': %.17g},"
+                     "{'name': 'b', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': %.17g}, {'name': 'c', 'mass': 2, 'centre': [%.17g, 0]}],"
+                     "'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [%.17g, %.17g]},"
+                     "{'name': 'C', 'links': ['b', 'c'], 'at': [%.17g, 0]}, {'name': 'S', 'kind': 't', 'links': ['ground', 'c'],"
+                     "'at': [%.17g, 0], 'along': [1, 0]}], 'input': {'joint': 'S', 'speed': 0}, 'gravity': [0, -9.81],"
+                     "'forces': [{'link': 'c', 'at': [%.17g, 0], 'fx': %.17g}], 'tracers': [{'name': 'P', 'link': 'a', 'at': [%.17g, %.17g]}]}",
+                     c/2, s/2, 1./12, 1.5*c, s/2, 1./12, 2*c, c, s, 2*c, 2*c, 2*c, push, c, s);
+            drun_read_format(&d, text, 0, 0);
+            CHECK_INT(drun_to(&d, some[f], 1e-11, 0.6, 30), LW_OK);
+            double y[2] = { side > 0 ? 1 : LW_PI - 1, 0 };
+            for (int i = 1; i < d.n_moment; i++) {
+                drun_exact(&(lw_ode){ .n = 2, .rate = rate_over_pivot, .context = &push }, d.t[i - 1], y, d.t[i]);
+                CHECK_NEAR(d.tracer[i].x, cos(y[0]), 1e-7, 0);
+                CHECK_NEAR(d.tracer[i].y, sin(y[0]), 1e-7, 0);
+            }
+            CHECK(side*cos(y[0]) < -0.1);                                   /* beyond the pivot */
+            CHECK(d.report.energy_error < 1e-8*d.report.energy_scale);
+            lw_model_free(&d.model);
+        }
+}
+
 /* Ten parallelograms in a row, whose change points all have to be found as one; the motion is that of one crank, s''
  * = -g 15.5/(11/3 + 10) cos s. */
 static lw_status rate_of_ten(void *context, double t, const double *y, double *dy)

@@ -265,10 +265,10 @@ static lw_status find_points(lw_reduced *r, double from, points *ahead, points *
     int n = scan_side(&c, from, 1, most_turns, found, mode);
     if (c.vague)
         return LW_E_KIND;
-    if (n == 0)
-        return LW_OK;                             /* no mode changes: the plan itself tells where it ends */
+    if (n == 0 && !r->plan.input_is_slider && isinf(c.limit))
+        return LW_OK;                             /* whole turns without one */
     memcpy(r->piece_mode[0], r->mode, sizeof r->mode);
-    for (int k = 1; !r->plan.input_is_slider && isinf(c.limit) && k <= most_turns; k++) {
+    for (int k = 1; n > 0 && !r->plan.input_is_slider && isinf(c.limit) && k <= most_turns; k++) {
         int m = 0;
         while (m < n && found[m].at < from + k*turn)
             m++;
@@ -282,11 +282,13 @@ static lw_status find_points(lw_reduced *r, double from, points *ahead, points *
         return make_bridges(r);
     }
     /* not periodic within these turns: scan both sides */
-    r->high = from + most_turns*turn;
     memcpy(c.mode, r->mode, sizeof c.mode);
     int m = scan_side(&c, from, -1, most_turns, back, back_mode);
     if (c.vague)
         return LW_E_KIND;
+    if (n + m == 0)
+        return LW_OK;                             /* no mode changes: the plan itself tells where it ends */
+    r->high = from + most_turns*turn;
     m = m < LW_CHANGE_POINT_MAX/2 ? m : LW_CHANGE_POINT_MAX/2;
     n = n < LW_CHANGE_POINT_MAX/2 ? n : LW_CHANGE_POINT_MAX/2;
     r->low = m == LW_CHANGE_POINT_MAX/2 ? back[m - 1].at + 1e-3*c.width : from - most_turns*turn;
