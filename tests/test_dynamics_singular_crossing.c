@@ -236,6 +236,36 @@ TEST(slider_over_a_pivot)
         }
 }
 
+/* A crank as long as the frame moves a block along a swinging bar through the pivot of the bar: the bar turns half as fast as the crank, at
+ * (s + pi)/2, and the inertia of all is constant, so that the crank turns evenly without loads. */
+TEST(block_over_a_pivot)
+{
+    static const lw_formulation some[] = { LW_FORMULATION_AUTO, LW_FORMULATION_REDUCED, LW_FORMULATION_QUADRATURE, LW_FORMULATION_INDEX1 };
+    const double s = 1, w = -2;
+    const struct { char joint; double speed; } input[] = { { 'A', w }, { 'B', -w/2 }, { 'S', w*cos(s/2) }, { 'G', w/2 } };
+    for (int k = 0; k < 4; k++)
+        for (int f = 0; f < 4; f++) {
+            char text[2000];
+            double x = cos(s), y = sin(s), ux = cos((s + LW_PI)/2), uy = sin((s + LW_PI)/2);
+            snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.1},"
+                     "{'name': 'b', 'mass': 2, 'centre': [1, 0], 'inertia': 0.5}, {'name': 'c', 'mass': 1, 'centre': [%.17g, %.17g],"
+                     "'inertia': 0.1}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'c'],"
+                     "'at': [%.17g, %.17g]}, {'name': 'S', 'kind': 't', 'links': ['b', 'c'], 'at': [%.17g, %.17g], 'along': [%.17g, %.17g]},"
+                     "{'name': 'G', 'links': ['ground', 'b'], 'at': [1, 0]}], 'input': {'joint': '%c', 'speed': %.17g},"
+                     "'tracers': [{'name': 'P', 'link': 'b', 'at': [%.17g, %.17g]}]}",
+                     x/2, y/2, x, y, x, y, x, y, ux, uy, input[k].joint, input[k].speed, 1 + ux, uy);
+            drun_read_format(&d, text, 0, 0);
+            CHECK_INT(drun_to(&d, some[f], 1e-11, 1.5, 30), LW_OK);
+            for (int i = 0; i < d.n_moment; i++) {
+                double turned = (s + w*d.t[i] + LW_PI)/2;
+                CHECK_NEAR(d.tracer[i].x, 1 + cos(turned), 1e-8, 0);
+                CHECK_NEAR(d.tracer[i].y, sin(turned), 1e-8, 0);
+            }
+            CHECK_INT(d.n_moment, 31);
+            lw_model_free(&d.model);
+        }
+}
+
 /* Ten parallelograms in a row, whose change points all have to be found as one; the motion is that of one crank, s''
  * = -g 15.5/(11/3 + 10) cos s. */
 static lw_status rate_of_ten(void *context, double t, const double *y, double *dy)

@@ -212,13 +212,15 @@ static bool bridge_closes(lw_reduced *r, const double *before, const double *aft
             bool bridged = false;
             for (int b = 0; b < t->n_bridge && st->kind >= LW_STEP_RRR; b++)
                 bridged = bridged || t->bridge[b].dyad == st->dyad;
-            if (!bridged || (st->kind != LW_STEP_RRR && st->kind != LW_STEP_RRP))
+            if (!bridged || (st->kind != LW_STEP_RRR && st->kind != LW_STEP_RRP && st->kind != LW_STEP_RPR))
                 continue;
             const lw_reg1 *a = &r->reg[st->in[0]], *b = &r->reg[st->in[1]];
-            lw_vec2 c = lw_v2_add(a->p, lw_v2_scale(r->reg[st->out[0]].p, st->r1));
+            lw_vec2 u = r->reg[st->out[0]].p, c = lw_v2_add(a->p, lw_v2_scale(u, st->r1));
             double off = st->kind == LW_STEP_RRR ? lw_v2_norm(lw_v2_sub(c, b->p)) - fabs(st->r2)
+                       : st->kind == LW_STEP_RPR ? lw_v2_cross(u, lw_v2_sub(b->p, a->p)) - st->r1
                        : lw_v2_cross(r->reg[st->in[2]].p, lw_v2_sub(c, b->p));
-            if (!(fabs(off) <= on_lengths*(fabs(st->r1) + (st->kind == LW_STEP_RRR ? fabs(st->r2) : 0))))
+            double length = st->kind == LW_STEP_RPR ? r->dynamics->s.unit : fabs(st->r1) + (st->kind == LW_STEP_RRR ? fabs(st->r2) : 0);
+            if (!(fabs(off) <= on_lengths*length))
                 return false;
         }
     }

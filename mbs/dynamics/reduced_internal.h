@@ -99,7 +99,8 @@ lw_status lw_reduced_start(lw_reduced *r, const lw_dynamics *d, const double *y,
 /* Evaluate all registers at an input.  LW_OPEN: the linkage does not close, or nearly not. */
 lw_status lw_reduced_registers(lw_reduced *r, double input);
 
-/* The same with given modes and bridges.  *margin: least of all dyads; margin_of (n_dyad): of each, unless NULL. */
+/* The same with given modes and bridges.  *margin: least of all dyads; margin_of (n_dyad), unless NULL: of each,
+ * 0 where its assembly modes meet. */
 void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_change_point *bridge, double input, double *margin_of,
                       double *margin);
 

@@ -40,6 +40,15 @@ static const lw_bridge *bridge_of(const lw_change_point *t, const lw_dyad_step *
     return NULL;
 }
 
+/* Square of the way of a slide from where it is at right angles to the line between its pins, over the size: without an eccentricity the
+ * assembly modes meet where the pins do, which the margin of the dyad does not show. */
+static double slid(const lw_reduced *r, const lw_dyad_step *st)
+{
+    lw_vec2 span = lw_v2_sub(r->reg[st->in[1]].p, r->reg[st->in[0]].p);
+    double unit = r->dynamics->s.unit;
+    return (lw_v2_dot(span, span) - st->r1*st->r1)/(unit*unit);
+}
+
 void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_change_point *bridge, double input, double *margin_of,
                       double *margin)
 {
@@ -56,7 +65,7 @@ void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_change_point *
             m = lw_step_rates(st, mode, input, reg);
         *margin = m < *margin ? m : *margin;
         if (margin_of && st->kind >= LW_STEP_RRR)
-            margin_of[st->dyad] = m;
+            margin_of[st->dyad] = st->kind == LW_STEP_RPR ? slid(r, st) : m;
     }
 }
 
