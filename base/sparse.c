@@ -334,7 +334,7 @@ void lw_cholesky_solve(const lw_cholesky *c, double *b)
 {
     for (int i = 0; i < c->n; i++) {
         double x = b[i] *= c->diag[i];
-        for (int k = c->at[i]; k < c->at[i + 1]; k++)
+        for (int k = c->at[i]; x != 0 && k < c->at[i + 1]; k++)
             b[c->list[k]] -= c->value[k]*x;
     }
     for (int i = c->n - 1; i >= 0; i--) {
@@ -422,11 +422,15 @@ static int gather(lw_row_fronts *f, const lw_cholesky *c, const double *entry, i
     f->place[k] = 0;
     for (int j = 1; j < w; j++)
         f->place[c->list[c->at[k] + j - 1]] = j;
-    for (int i = f->first[k]; i < f->first[k + 1]; i++, m++) {
+    for (int i = f->first[k]; i < f->first[k + 1]; i++) {
         double *to = f->front + (size_t)m*(size_t)w;
+        bool any = false;
         memset(to, 0, (size_t)w*sizeof *to);
-        for (int p = f->at[f->row[i]]; p < f->at[f->row[i] + 1]; p++)
+        for (int p = f->at[f->row[i]]; p < f->at[f->row[i] + 1]; p++) {
             to[f->place[f->column[p]]] += entry[p];
+            any = any || entry[p] != 0;
+        }
+        m += any;                                            /* rows of zeros are left out */
     }
     for (int j = f->child[k]; j >= 0; j = f->sibling[j]) {
         int others = c->at[j + 1] - c->at[j];

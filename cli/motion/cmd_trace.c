@@ -285,8 +285,8 @@ static void curve_window(const job *j, cli_curve_trace *t)
 {
     const settings *s = j->s;
     const cli_call *call = j->call;
-    const lw_input *in = &t->k->input[0];
-    double unit = t->k->n_input ? cli_curve_unit(t, 0) : 1;
+    const lw_input *in = &t->k.input[0];
+    double unit = t->k.n_input ? cli_curve_unit(t, 0) : 1;
     bool given = cli_given(&call->parsed, "input-range");
     t->whole = !given && in->first == in->last;
     t->from = given ? s->input_range[0]*unit : fmin(in->first, in->last);
@@ -299,15 +299,15 @@ static void curve_window(const job *j, cli_curve_trace *t)
 static void json_top(const cli_call *call, cli_curve_trace *t, const char *way)
 {
     cli_json *j = t->rows.json;
-    const lw_input *in = &t->k->input[0];
-    bool slider = t->k->n_input && lw_joint_slides(t->k->joint[in->joint].kind);
+    const lw_input *in = &t->k.input[0];
+    bool slider = t->k.n_input && lw_joint_slides(t->k.joint[in->joint].kind);
     bool timed = t->timed || strcmp(way, "time") == 0;
     cli_json_head(j, call->line);
-    cli_json_text(j, "name", t->k->name);
+    cli_json_text(j, "name", t->k.name);
     cli_json_text(j, "way", way);
     cli_json_object(j, "units");
-    cli_json_text(j, "length", t->k->units.length);
-    cli_json_text(j, "angle", t->k->units.angle);
+    cli_json_text(j, "length", t->k.units.length);
+    cli_json_text(j, "angle", t->k.units.angle);
     cli_json_text(j, "rates_by", timed ? "s" : slider ? "length" : "rad");
     cli_json_end(j);
 }
@@ -368,6 +368,7 @@ static void free_curves(cli_curve_trace *t)
     lw_system_free(&t->s);
     free(t->groups);
     free(t->drawn);
+    free(t->series);
     free(t);
 }
 
@@ -392,16 +393,18 @@ static lw_status make_curves(const job *j, bool timed, bool all, cli_curve_trace
     if (!t)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     t->model = j->m;
-    t->k = j->k;
-    t->rows = make_rows(j, t->k);
-    lw_status st = lw_system_make(t->k, NULL, 0, &t->s, e);
+    t->rows = make_rows(j, j->k);
+    t->k = t->rows.k;
+    lw_status st = lw_system_assemble(&t->k, NULL, 0, &t->s, e);
     if (st == LW_OK)
+        st = cli_curve_room(t, e);
+    if (st == LW_OK && j->k)
         st = adjust(j, t, e);
     if (st == LW_OK)
         curve_window(j, t);
     if (st != LW_OK || timed || (st = find_curves(j->call, t, all, e)) != LW_OK)
         return st;
-    t->groups = j->s->cycle ? NULL : cli_groups_make(t->k, tracer_bits(j));
+    t->groups = j->s->cycle || !j->k ? NULL : cli_groups_make(j->k, tracer_bits(j));
     cli_curve_stretches(t);
     if (j->s->mode == MODE_FILE)
         keep_posture_stretch(t);
@@ -548,18 +551,14 @@ static int explain_large(const cli_call *call, const lw_model *m)
 /* A planar model with more parts than a linkage holds. */
 static int run_large(const job *j)
 {
-    static const char *const small[] = { "cycle", "all-assemblies" };
     const cli_call *call = j->call;
     const settings *s = j->s;
     double range[3], window[2];
     lw_error e = { 0 };
-    for (size_t i = 0; i < sizeof small/sizeof *small; i++)
-        if (cli_given(&call->parsed, small[i]))
-            return cli_usage(call, "--%s is for linkages of at most %d links, %d joints, %d inputs and %d tracers: it needs steps that are "
-                             "shown not to jump, which larger ones do not have", small[i], LW_LINK_MAX, LW_JOINT_MAX, LW_INPUT_MAX,
-                             LW_TRACER_MAX);
     if (s->explain)
         return explain_large(call, j->m);
+    if ((s->cycle || s->all) && !s->range)
+        return run_curves(j, NULL);
     if (s->range && read_range(s, range, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
     if (s->mode != MODE_FILE && !s->range)

@@ -10,24 +10,24 @@
 
 static bool is_slider(const cli_curve_trace *t, int input)
 {
-    return lw_joint_slides(t->k->joint[t->k->input[input].joint].kind);
+    return lw_joint_slides(t->k.joint[t->k.input[input].joint].kind);
 }
 
 double cli_curve_unit(const cli_curve_trace *t, int input)
 {
-    return is_slider(t, input) ? t->k->units.metre : t->k->units.radian;
+    return is_slider(t, input) ? t->k.units.metre : t->k.units.radian;
 }
 
 const char *cli_curve_unit_name(const cli_curve_trace *t, int input)
 {
-    const char *length = t->k->units.length[0] ? t->k->units.length : "length";
-    return is_slider(t, input) ? length : t->k->units.angle;
+    const char *length = t->k.units.length[0] ? t->k.units.length : "length";
+    return is_slider(t, input) ? length : t->k.units.angle;
 }
 
 void cli_curve_values(cli_curve_trace *t, const double *series, bool first, cli_row *row)
 {
     static const double factorial[] = { 1, 1, 2, 6 };
-    for (int k = 0; k < t->k->n_tracer; k++) {
+    for (int k = 0; k < t->k.n_tracer; k++) {
         int body = t->s.tracer_body[k];
         lw_vec2 p[CLI_ROW_ORDER + 1];
         double a[CLI_ROW_ORDER + 1];
@@ -36,20 +36,32 @@ void cli_curve_values(cli_curve_trace *t, const double *series, bool first, cli_
             p[order] = lw_v2_scale(p[order], factorial[order]);
             a[order] = body < 0 ? 0 : series[order*t->s.n_q + 3*body + 2]*factorial[order];
         }
-        double angle = t->k->tracer[k].angle + a[0];
+        double angle = t->k.tracer[k].angle + a[0];
         if (first)
             t->shift[k] = angle - remainder(angle, 2*LW_PI);
         cli_row_values(&t->rows, p, a, angle - t->shift[k], row->value[k]);
     }
 }
 
+lw_status cli_curve_room(cli_curve_trace *t, lw_error *e)
+{
+    size_t n = (size_t)t->s.n_q, tracers = (size_t)t->k.n_tracer, leads = 2 + (size_t)t->k.n_input;
+    t->series = calloc((CLI_ROW_ORDER + 2)*n + leads + tracers*(1 + CLI_ROW_MOST), sizeof *t->series);
+    if (!t->series)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    t->q = t->series + (CLI_ROW_ORDER + 1)*n;
+    t->lead = t->q + n;
+    t->shift = t->lead + leads;
+    t->value = (double (*)[CLI_ROW_MOST])(t->shift + tracers);
+    return LW_OK;
+}
+
 /* ---- stretches --------------------------------------------------------------------------------- */
 
-static double input_at(lw_motion_curve *motion, double station)
+static double input_at(const cli_curve_trace *t, lw_motion_curve *motion, double station)
 {
-    double q[LW_SYSTEM_Q_MAX];
-    lw_motion_curve_posture(motion, station, q, NULL);
-    return lw_motion_curve_input(motion, q);
+    lw_motion_curve_posture(motion, station, t->q, NULL);
+    return lw_motion_curve_input(motion, t->q);
 }
 
 static void add_stretch(cli_curve_trace *t, cli_stretch s)
@@ -96,14 +108,14 @@ static void stretch_from_to(cli_curve_trace *t, int curve, double from, double t
     cli_stretch s = { .curve = curve, .limit = { limit0, limit1 }, .n_part = 1 };
     s.part[0].from = from;
     s.part[0].to = fmin(to, end);
-    s.first = input_at(motion, from);
+    s.first = input_at(t, motion, from);
     if (to > end) {                                       /* past the end of a closed curve */
         s.n_part = 2;
         s.part[1].to = to - end;
-        s.part[1].more = input_at(motion, end) - input_at(motion, 0);
-        s.last = input_at(motion, to - end) + s.part[1].more;
+        s.part[1].more = input_at(t, motion, end) - input_at(t, motion, 0);
+        s.last = input_at(t, motion, to - end) + s.part[1].more;
     } else
-        s.last = input_at(motion, to);
+        s.last = input_at(t, motion, to);
     s.turns = lw_motion_curve_ended(motion) == LW_MOTION_CURVE_CLOSED && !limit0 && !limit1;
     s.zero = s.first;
     s.input_per_round = s.turns && lw_motion_curve_turns(motion, -1) != 0 ? s.last - s.first : 0;
@@ -148,11 +160,11 @@ void cli_curve_stretches(cli_curve_trace *t)
 /* ---- rows -------------------------------------------------------------------------------------- */
 
 /* How many rounds of a closed curve are complete where the input of a stretch is u. */
-static double rounds_at(lw_motion_curve *motion, const cli_stretch *s, double u)
+static double rounds_at(const cli_curve_trace *t, lw_motion_curve *motion, const cli_stretch *s, double u)
 {
     if (s->input_per_round != 0)
         return floor((u - s->zero)/s->input_per_round);
-    return s->n_part > 1 && (u - input_at(motion, s->part[0].to) - s->part[0].more)*(s->last - s->first) > 0;
+    return s->n_part > 1 && (u - input_at(t, motion, s->part[0].to) - s->part[0].more)*(s->last - s->first) > 0;
 }
 
 /* Station of the curve where the input is u; the stretch must contain u. */
@@ -173,7 +185,7 @@ static void count_turns(const cli_curve_trace *t, const lw_motion_curve *motion,
 /* Unit of what derivatives are taken by: the free input's own unit, or time. */
 static double rate_unit(const cli_curve_trace *t)
 {
-    return t->timed ? t->speed : is_slider(t, 0) ? t->k->units.metre : 1;
+    return t->timed ? t->speed : is_slider(t, 0) ? t->k.units.metre : 1;
 }
 
 /* Compute the posture at a station and its derivatives. False: there are no derivatives. */
@@ -190,9 +202,9 @@ static bool fill_series(cli_curve_trace *t, lw_motion_curve *motion, double stat
 static void curve_row(cli_curve_trace *t, const cli_stretch *s, int i, double u, cli_row *row)
 {
     lw_motion_curve *motion = t->curves.curve[s->curve];
-    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX];
+    double *series = t->series;
     bool limit = (i == 0 && s->limit[0]) || (i == t->steps && s->limit[1]);
-    double rounds = rounds_at(motion, s, u);
+    double rounds = rounds_at(t, motion, s, u);
     row->rates = fill_series(t, motion, station_at(motion, s, u, rounds), series) && !limit;
     count_turns(t, motion, rounds, series);
     cli_curve_values(t, series, i == 0, row);
@@ -218,13 +230,12 @@ static void stretch_rows(cli_curve_trace *t, int index)
     const cli_stretch *s = &t->stretch[index];
     lw_motion_curve *motion = t->curves.curve[s->curve];
     double middle = 0.5*(s->first + s->last);
-    int side = lw_motion_curve_side(motion, station_at(motion, s, middle, rounds_at(motion, s, middle)));
+    int side = lw_motion_curve_side(motion, station_at(motion, s, middle, rounds_at(t, motion, s, middle)));
     bool groups = t->groups && !crosses(motion);
     for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
         bool between = groups && i % CLI_GROUP_ROWS != 0 && i < t->steps;
         double u = i == t->steps ? s->last : s->first + (s->last - s->first)*i/t->steps;
-        CLI_ROW_SPACE;
-        cli_row row = { .arc = index + 1, .mode = side > 0 ? "+" : side < 0 ? "-" : "0", .n_lead = 1, .lead = lead, .value = value };
+        cli_row row = { .arc = index + 1, .mode = side > 0 ? "+" : side < 0 ? "-" : "0", .n_lead = 1, .lead = t->lead, .value = t->value };
         row.lead[0] = u/cli_curve_unit(t, 0);
         if (!between || !cli_groups_row(t->groups, u, rate_unit(t), &t->rows, &row))
             curve_row(t, s, i, u, &row);
@@ -235,10 +246,9 @@ static void stretch_rows(cli_curve_trace *t, int index)
 static void cycle_rows(cli_curve_trace *t, int curve)
 {
     lw_motion_curve *motion = t->curves.curve[curve];
-    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX], length = lw_motion_curve_length(motion);
+    double *series = t->series, length = lw_motion_curve_length(motion);
     for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
-        CLI_ROW_SPACE;
-        cli_row row = { .arc = curve + 1, .n_lead = 2, .lead = lead, .value = value };
+        cli_row row = { .arc = curve + 1, .n_lead = 2, .lead = t->lead, .value = t->value };
         double arc = length*i/t->steps;
         double station = i == t->steps ? lw_motion_curve_segments(motion) : lw_motion_curve_station(motion, arc);
         int side = lw_motion_curve_side(motion, station);
@@ -278,19 +288,18 @@ static const char *end_text(const cli_curve_trace *t, const lw_motion_curve *mot
 /* The circuit that crosses `curve` at an event; -1: no circuit that was found crosses there. */
 static int crossing_circuit(const cli_curve_trace *t, int curve, const lw_motion_curve_event *e)
 {
-    double q[LW_SYSTEM_Q_MAX];
     if (e->kind != LW_EVENT_CROSSING)
         return -1;
-    lw_motion_curve_posture(t->curves.curve[curve], e->station, q, NULL);
+    lw_motion_curve_posture(t->curves.curve[curve], e->station, t->q, NULL);
     for (int i = 0; i < t->curves.n; i++)
-        if (i != curve && lw_motion_curve_holds(t->curves.curve[i], q))
+        if (i != curve && lw_motion_curve_holds(t->curves.curve[i], t->q))
             return i;
     return -1;
 }
 
 static void event_text(const cli_curve_trace *t, int curve, const lw_motion_curve_event *e, char text[128])
 {
-    const char *slides = e->joint >= 0 && lw_joint_slides(t->k->joint[e->joint].kind) ? "slider" : "pin";
+    const char *slides = e->joint >= 0 && lw_joint_slides(t->k.joint[e->joint].kind) ? "slider" : "pin";
     int other = crossing_circuit(t, curve, e);
     if (other >= 0)
         snprintf(text, 128, "branch point, passed straight on; circuit %d crosses", other + 1);
@@ -298,7 +307,7 @@ static void event_text(const cli_curve_trace *t, int curve, const lw_motion_curv
         snprintf(text, 128, "branch point, passed straight on");
     else
         snprintf(text, 128, "%s: %s %s turns back", e->kind == LW_EVENT_LIMIT ? "limit of the input" : "dead point",
-                 slides, t->k->joint[e->joint].name);
+                 slides, t->k.joint[e->joint].name);
 }
 
 static void csv_curve(cli_curve_trace *t, int curve)
@@ -308,7 +317,7 @@ static void csv_curve(cli_curve_trace *t, int curve)
     int n;
     const lw_motion_curve_event *e = lw_motion_curve_events(motion, &n);
     fprintf(t->rows.f, "# circuit %d: %s; arc length %.6g, residual %.2g\n", curve + 1, end_text(t, motion, text),
-            lw_motion_curve_length(motion), lw_motion_curve_worst(motion)/t->k->units.metre);
+            lw_motion_curve_length(motion), lw_motion_curve_worst(motion)/t->k.units.metre);
     for (int i = 0; i < n; i++) {
         event_text(t, curve, &e[i], text);
         fprintf(t->rows.f, "# circuit %d: %s, at input ", curve + 1, text);
@@ -337,7 +346,7 @@ static void json_events(cli_curve_trace *t, int curve)
     for (int i = 0; i < n; i++) {
         cli_json_object(t->rows.json, NULL);
         cli_json_text(t->rows.json, "kind", kind[e[i].kind]);
-        cli_json_text(t->rows.json, "joint", e[i].joint < 0 ? NULL : t->k->joint[e[i].joint].name);
+        cli_json_text(t->rows.json, "joint", e[i].joint < 0 ? NULL : t->k.joint[e[i].joint].name);
         cli_json_real(t->rows.json, "input", e[i].input/cli_curve_unit(t, 0));
         cli_json_real(t->rows.json, "along", lw_motion_curve_arc(motion, e[i].station));
         int other = crossing_circuit(t, curve, &e[i]);
@@ -358,7 +367,7 @@ static void json_circuit(cli_curve_trace *t, int curve)
     cli_json_text(j, "ends", end[lw_motion_curve_ended(motion)]);
     cli_json_int(j, "turns", lw_motion_curve_turns(motion, -1));
     cli_json_real(j, "length", lw_motion_curve_length(motion));
-    cli_json_real(j, "residual", lw_motion_curve_worst(motion)/t->k->units.metre);
+    cli_json_real(j, "residual", lw_motion_curve_worst(motion)/t->k.units.metre);
     json_events(t, curve);
     cli_json_end(j);
 }
@@ -441,7 +450,7 @@ void cli_curve_print(cli_curve_trace *t, bool cycle)
 static void lead_text(const cli_curve_trace *t, bool units, char *text, size_t size)
 {
     size_t n = (size_t)snprintf(text, size, units ? "time s" : "time");
-    for (int i = 0; i < t->k->n_input && n < size; i++) {
+    for (int i = 0; i < t->k.n_input && n < size; i++) {
         char number[16] = "";
         if (i > 0)
             snprintf(number, sizeof number, "_%d", i + 1);
@@ -457,10 +466,10 @@ static void begin(cli_curve_trace *t)
         fprintf(t->rows.f, "# %s\n", t->line);
         lead_text(t, true, text, sizeof text);
         cli_rows_units(&t->rows, text, "s");
-        for (int i = 0; i < t->k->n_input; i++) {
+        for (int i = 0; i < t->k.n_input; i++) {
             const lw_expression *x = t->model->motion[i];
-            fprintf(t->rows.f, "# input %d, %s: %s\n", i + 1, t->k->joint[t->k->input[i].joint].name,
-                    x ? lw_expression_text(x) : t->k->input[i].ratio != 0 ? "goes with input 1" : "rests");
+            fprintf(t->rows.f, "# input %d, %s: %s\n", i + 1, t->k.joint[t->k.input[i].joint].name,
+                    x ? lw_expression_text(x) : t->k.input[i].ratio != 0 ? "goes with input 1" : "rests");
         }
     }
     lead_text(t, false, text, sizeof text);
@@ -475,14 +484,14 @@ static void begin(cli_curve_trace *t)
 
 static void put_posture(cli_curve_trace *t, lw_prescribed_motion *d, bool first)
 {
-    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX] = { 0 }, u[LW_INPUT_MAX];
-    CLI_ROW_SPACE;
-    cli_row row = { .arc = 1, .mode = ".", .n_lead = 1 + t->k->n_input, .lead = lead, .value = value };
+    double *series = t->series, u[LW_INPUT_MAX];
+    memset(series, 0, (CLI_ROW_ORDER + 1)*(size_t)t->s.n_q*sizeof *series);
+    cli_row row = { .arc = 1, .mode = ".", .n_lead = 1 + t->k.n_input, .lead = t->lead, .value = t->value };
     row.rates = lw_prescribed_motion_rates(d, CLI_ROW_ORDER, series);
     memcpy(series, lw_prescribed_motion_posture(d), (size_t)t->s.n_q*sizeof *series);
     row.lead[0] = lw_prescribed_motion_time(d);
     lw_prescribed_motion_of_model((void *)t->model, lw_prescribed_motion_time(d), 0, u);
-    for (int i = 0; i < t->k->n_input; i++)
+    for (int i = 0; i < t->k.n_input; i++)
         row.lead[1 + i] = u[i]/cli_curve_unit(t, i);
     cli_curve_values(t, series, first, &row);
     cli_rows_put(&t->rows, &row);

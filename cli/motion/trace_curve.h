@@ -50,7 +50,7 @@ typedef struct cli_stretch {
 
 typedef struct cli_curve_trace {
     const lw_model *model;
-    const lw_linkage *k;
+    lw_assembly k;                    /* a view                                                    */
     lw_system   s;
     double     *drawn;           /* (s.n_q) posture of the file, where an overconstrained linkage was adjusted; or NULL */
     lw_circuits   curves;
@@ -65,8 +65,14 @@ typedef struct cli_curve_trace {
     bool        dropped;              /* more stretches than CLI_STRETCH_MAX                         */
     int         n_stretch;
     cli_stretch stretch[CLI_STRETCH_MAX];
-    double      shift[LW_TRACER_MAX]; /* whole turns subtracted from printed angles                */
+    double     *series;               /* (CLI_ROW_ORDER + 1) x n_q: of the row at hand; owns the next three arrays */
+    double     *shift, *lead;         /* (n_tracer) whole turns subtracted from printed angles; of the row */
+    double    (*value)[CLI_ROW_MOST]; /* of the row                                                */
+    double     *q;                    /* (n_q) scratch                                             */
 } cli_curve_trace;
+
+/* Make room for a row, with the system made.  LW_E_MEMORY. */
+lw_status cli_curve_room(cli_curve_trace *t, lw_error *e);
 
 /* Cut the curves into stretches, within the chosen range of the input. */
 void cli_curve_stretches(cli_curve_trace *t);

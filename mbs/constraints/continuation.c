@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/linalg.h"
+#include "base/vector.h"
 
 /* ---- making ------------------------------------------------------------------------------------ */
 
@@ -29,25 +30,38 @@ bool lw_continuation_create(const lw_system *s, const int *held, int n_held, boo
     f->n_held = n_held;
     f->plane = plane;
     f->m = s->n_row + n_held + plane;
-    for (int i = 0; i < n_held; i++)
-        f->held[i] = held[i];
-    choose_norm(f);
-    size_t n = (size_t)f->n, m = (size_t)f->m, longest = m > n ? m : n;
-    f->store = calloc(m*n + 4*n + 2*longest + (LW_SYSTEM_ORDER_MAX + 1)*longest, sizeof *f->store);
-    if (!f->store)
+    size_t n = (size_t)f->n, m = (size_t)f->m, longest = m > n ? m : n, h = (size_t)n_held;
+    bool sparse = s->n_q > LW_SYSTEM_Q_MAX;
+    f->store = calloc((sparse ? n : m*n) + 4*n + 2*longest + (LW_SYSTEM_ORDER_MAX + 1)*longest + h, sizeof *f->store);
+    f->frame = calloc((size_t)s->n_body + 1, sizeof *f->frame);
+    f->curved = calloc(n + 1, sizeof *f->curved);
+    f->held = calloc(h + 1, sizeof *f->held);
+    if (!f->store || !f->frame || !f->curved || !f->held)
         return false;
-    f->matrix = f->store;
-    f->diag = f->matrix + m*n;
+    if (h > 0)
+        memcpy(f->held, held, h*sizeof *held);
+    choose_norm(f);
+    f->matrix = sparse ? NULL : f->store;
+    f->null = sparse ? f->store : NULL;
+    f->diag = f->store + (sparse ? n : m*n);
     f->row = f->diag + n;
     f->origin = f->row + n;
     f->tangent = f->origin + n;
     f->rest = f->tangent + n;
     f->work = f->rest + longest;
     f->series = f->work + longest;
-    return true;
+    f->value = f->series + (LW_SYSTEM_ORDER_MAX + 1)*longest;
+    return !sparse || lw_sparse_rows_create(s, f->held, n_held, &f->sparse);
 }
 
-void lw_continuation_free(lw_continuation *f) { free(f->store); }
+void lw_continuation_free(lw_continuation *f)
+{
+    free(f->store);
+    free(f->frame);
+    free(f->curved);
+    free(f->held);
+    lw_sparse_rows_free(&f->sparse);
+}
 
 /* ---- equations --------------------------------------------------------------------------------- */
 
@@ -55,12 +69,14 @@ void lw_continuation_free(lw_continuation *f) { free(f->store); }
 static double assemble(lw_continuation *f, const double *q, bool derivatives)
 {
     const lw_system *s = f->s;
-    lw_body_frame at[LW_LINK_MAX];
+    lw_body_frame *at = f->frame;
     double most = 0.0, *jac = derivatives ? f->matrix : NULL;
     if (jac)
         memset(jac, 0, (size_t)f->m*(size_t)f->n*sizeof *jac);
     lw_system_place(s, q, at);
     lw_system_fill(s, at, f->rest, jac, 1, f->m);
+    if (derivatives && !f->matrix)
+        lw_sparse_rows_fill(&f->sparse, at);
     for (int i = 0; i < f->n_held; i++) {
         int r = s->n_row + i;
         f->rest[r] = lw_system_count(s, at, s->input_joint[f->held[i]], jac ? jac + r : NULL, f->m) - f->value[i];
@@ -81,17 +97,49 @@ static double assemble(lw_continuation *f, const double *q, bool derivatives)
 
 void lw_continuation_assemble(lw_continuation *f, const double *q) { assemble(f, q, true); }
 
+/* Factor what was assembled.  Sparse rows are completed by the coordinate that changes most along the plane's normal. */
+static double factor(lw_continuation *f)
+{
+    if (f->matrix)
+        return lw_qr_factor(f->m, f->n, f->matrix, f->diag);
+    int widest = 0;
+    double *weight = lw_sparse_rows_weights(&f->sparse);
+    memset(weight, 0, (size_t)f->n*sizeof *weight);
+    for (int i = 1; i < f->n; i++)
+        widest = fabs(f->row[i]) > fabs(f->row[widest]) ? i : widest;
+    weight[widest] = f->plane;
+    double share = lw_sparse_rows_factor(&f->sparse, 0.0, NULL);
+    if (!f->plane || !(share > 0.0))
+        return share;
+    lw_sparse_rows_null(&f->sparse, widest, f->null);
+    return isfinite(lw_dot(f->n, f->null, f->row)) ? share : 0.0;
+}
+
+/* Least squares with the factors; the first n numbers of b receive the solution. */
+static void solve(const lw_continuation *f, double *b)
+{
+    if (f->matrix) {
+        lw_qr_solve(f->m, f->n, f->matrix, f->diag, b);
+        return;
+    }
+    double last = f->plane ? b[f->m - 1] : 0.0;
+    lw_sparse_rows_solve(&f->sparse, b, f->rough, f->diag);
+    double by = f->plane ? (last - lw_dot(f->n, f->diag, f->row))/lw_dot(f->n, f->null, f->row) : 0.0;
+    for (int i = 0; i < f->n; i++)
+        b[i] = f->diag[i] + (f->plane ? by*f->null[i] : 0.0);
+}
+
 double lw_continuation_factor(lw_continuation *f, const double *q)
 {
     f->has_tangent = false;
     assemble(f, q, true);
-    return f->m < f->n ? 0.0 : lw_qr_factor(f->m, f->n, f->matrix, f->diag);
+    return f->m < f->n ? 0.0 : factor(f);
 }
 
 void lw_continuation_solve(const lw_continuation *f, double *b)
 {
     double last = f->plane ? b[f->m - 1] : 0.0, along = 0.0;
-    lw_qr_solve(f->m, f->n, f->matrix, f->diag, b);
+    solve(f, b);
     if (!f->has_tangent)
         return;
     for (int i = 0; i < f->n; i++)
@@ -105,7 +153,7 @@ bool lw_continuation_tangent(lw_continuation *f)
     double length = 0.0;
     memset(f->work, 0, (size_t)f->m*sizeof *f->work);
     f->work[f->m - 1] = 1.0;
-    lw_qr_solve(f->m, f->n, f->matrix, f->diag, f->work);
+    solve(f, f->work);
     for (int i = 0; i < f->n; i++)
         length += f->work[i]*f->work[i];
     length = sqrt(length);
@@ -130,9 +178,9 @@ bool lw_continuation_correct(lw_continuation *f, double *q)
     for (int iteration = 0; iteration < 20; iteration++) {
         double left = assemble(f, q, true), length = 0.0;
         f->has_tangent = false;
-        if (!isfinite(left) || !(lw_qr_factor(f->m, f->n, f->matrix, f->diag) > 1e-15))
+        if (!isfinite(left) || !(factor(f) > 1e-15))
             return false;
-        lw_qr_solve(f->m, f->n, f->matrix, f->diag, f->rest);
+        solve(f, f->rest);
         for (int i = 0; i < f->n; i++)
             length = fmax(length, fabs(f->rest[i]));
         if (iteration > 0 && !(length < 0.5*last))
@@ -254,11 +302,13 @@ static double projection_bound(lw_continuation *f, const lw_body_frame *at, doub
 
 double lw_continuation_bound(lw_continuation *f, const double *q)
 {
-    lw_body_frame at[LW_LINK_MAX];
-    lw_system_place(f->s, q, at);
+    const lw_body_frame *at = f->frame;
+    lw_system_place(f->s, q, f->frame);
+    f->rough = true;
     double pins = pin_bound(f, at), slides = projection_bound(f, at, 0.0);
     if (slides > 0.0)                       /* the reach without growth is larger than the reach with it */
         slides = projection_bound(f, at, 1.0/(pins + slides));
+    f->rough = false;
     f->kappa = fmax(pins + slides, 1e-3);
     return f->kappa;
 }

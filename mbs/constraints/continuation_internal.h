@@ -17,11 +17,14 @@
  * further, so its length is at most the largest singular value of [g g'].  Rows that project on a slide line (slider,
  * slot, rack, driven slider) are bilinear in rotations and positions; the .c file derives their coefficients.  All
  * other rows are linear.  Norms take only the coordinates in which G is not linear: rotations, and positions of
- * bodies at slide lines. */
+ * bodies at slide lines.
+ *
+ * Systems of linkages are solved by dense matrices, larger ones by sparse ones: there the plane is replaced by one coordinate, and the
+ * solution is moved along the null vector onto the plane. */
 #ifndef LW_MBS_CONSTRAINTS_CONTINUATION_INTERNAL_H
 #define LW_MBS_CONSTRAINTS_CONTINUATION_INTERNAL_H
 
-#include "mbs/constraints/system_internal.h"
+#include "mbs/constraints/sparse_rows_internal.h"
 
 #define LW_CONTINUATION_SHARE 0.9      /* share of the reach 1/(2 kappa) that a step may use                  */
 #define LW_CONTINUATION_LEAST 1e-6     /* shortest step: branches nearer than about this count as crossing    */
@@ -30,15 +33,19 @@
 typedef struct lw_continuation {
     const lw_system *s;
     int     n, m;                          /* coordinates; equations                                */
-    int     n_held, held[LW_INPUT_MAX];    /* driven inputs: rows n_row, n_row + 1, ...             */
-    double  value[LW_INPUT_MAX];           /* their values relative to the posture [rad or units]   */
+    int     n_held, *held;                 /* driven inputs: rows n_row, n_row + 1, ...             */
+    double *value;                         /* their values relative to the posture [rad or units]   */
     bool    plane;                         /* last row: row . (q - origin) = distance               */
     double  distance;
     double *row, *origin, *tangent;        /* (n); tangent: result of the last lw_continuation_tangent    */
+    bool    rough;                         /* few digits of solutions are needed                    */
     bool    has_tangent;                   /* make solutions orthogonal to the tangent              */
-    bool    curved[LW_SYSTEM_Q_MAX];       /* coordinates that norms include                        */
+    bool   *curved;                        /* coordinates that norms include                        */
     double  kappa;                         /* result of the last lw_continuation_bound                    */
-    double *matrix, *diag, *rest, *work, *series;
+    double *matrix, *diag, *rest, *work, *series;    /* matrix: NULL where it is sparse                  */
+    lw_body_frame *frame;                  /* (n_body + 1)                                          */
+    lw_sparse_rows sparse;
+    double *null;                          /* sparse, with a plane: null vector of the rows factored  */
     double *store;
 } lw_continuation;
 
@@ -46,7 +53,7 @@ typedef struct lw_continuation {
 bool   lw_continuation_create(const lw_system *s, const int *held, int n_held, bool plane, lw_continuation *f);
 void   lw_continuation_free(lw_continuation *f);
 
-/* Equations at q into f->rest, their derivatives into f->matrix (m x n, by columns). */
+/* Equations at q into f->rest, their derivatives into f->matrix (m x n, by columns), or into f->sparse without the plane. */
 void   lw_continuation_assemble(lw_continuation *f, const double *q);
 
 /* Factor the derivatives at q (with f->row as plane).  Returns the condition estimate of base/linalg.h. */
@@ -81,7 +88,15 @@ void   lw_continuation_sum(const lw_continuation *f, int order, const double *q,
 
 /* Degrees of freedom that rows and driven inputs leave at q, from their rank (diagonals below 1e-9 count as 0), and a
  * unit vector (n) of such a motion if there is one.  -1: out of memory. */
-int    lw_continuation_freedoms(const lw_continuation *f, const double *q, double *direction);
+int    lw_continuation_freedoms(lw_continuation *f, const double *q, double *direction);
+
+/* The same with another `least` diagonal; the motion is drawn by `seed`, across the unit vector `without` unless
+ * that is NULL. */
+int    lw_continuation_null(lw_continuation *f, const double *q, double least, uint64_t seed, const double *without, double *out);
+
+/* out (m without the plane): a unit vector of the null space of the transposed derivatives.  Returns its dimension, -1: out of
+ * memory. */
+int    lw_continuation_left_null(lw_continuation *f, const double *q, double least, double *out);
 
 /* Locate where the equations lose rank between two regular postures.  `series` is the motion as a function of x from a
  * posture before that point, `guess` an estimate.  set(context, x) sets the equations of f to those at x.  Accurate to

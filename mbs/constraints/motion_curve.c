@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/linalg.h"
+#include "base/vector.h"
 
 void lw_motion_curve_free(lw_motion_curve *b)
 {
@@ -217,8 +218,8 @@ int lw_motion_curve_turns(const lw_motion_curve *b, int link)
 static bool segment_holds(lw_motion_curve *b, const lw_motion_curve_segment *s, const double *q)
 {
     const double *base = b->node[s->base].q, *t = lw_node_tangent(b, s->base);
-    double h = 0.0, size = 0.0, gap = 0.0;
-    for (int i = 0; i < b->n; i++) {
+    double h = 0.0, size = 0.0, gap = 0.0, most = 4.0*s->arc*s->arc + 1e-12;
+    for (int i = 0; i < b->n && size <= most; i++) {
         double d = q[i] - base[i];
         if (i % 3 == 2)
             d -= 2.0*LW_PI*round(d/(2.0*LW_PI));
@@ -226,7 +227,7 @@ static bool segment_holds(lw_motion_curve *b, const lw_motion_curve_segment *s, 
         h += s->way*t[i]*d;
         size += d*d;
     }
-    if (h < -1e-9 || h > s->length + 1e-9 || size > 4.0*s->arc*s->arc + 1e-12)
+    if (h < -1e-9 || h > s->length + 1e-9 || size > most)
         return false;
     lw_motion_curve_at(b, s, h, b->b, NULL);
     for (int i = 0; i < b->n; i++)
@@ -244,9 +245,14 @@ bool lw_motion_curve_holds(lw_motion_curve *b, const double *q)
 
 int lw_motion_curve_side(lw_motion_curve *b, double station)
 {
-    lw_motion_curve_posture(b, station, b->a, NULL);
-    lw_continuation_factor(&b->driven, b->a);
     if (b->driven.m != b->driven.n)
         return 0;
+    if (!b->driven.matrix) {
+        lw_motion_curve_posture(b, station, b->a, b->b);
+        lw_system_measure(b->s, b->s->input_joint[b->input], b->a, b->c);
+        return lw_dot(b->n, b->c, b->b) < 0.0 ? -1 : 1;
+    }
+    lw_motion_curve_posture(b, station, b->a, NULL);
+    lw_continuation_factor(&b->driven, b->a);
     return lw_qr_determinant(b->n, b->driven.diag) < 0.0 ? -1 : 1;
 }

@@ -88,7 +88,7 @@ double lw_motion_curve_find(lw_motion_curve *b, double first, double last, doubl
 bool   lw_motion_curve_holds(lw_motion_curve *b, const double *q);
 
 /* +1 or -1: a sign that changes at every limit of the input; 0 if it is not defined (more equations than
- * coordinates). */
+ * coordinates).  Of systems larger than a linkage: whether the input grows along the curve. */
 int    lw_motion_curve_side(lw_motion_curve *b, double station);
 
 /* Coefficients q[k*n_q + i], k = 0 .. order, of the motion through posture q[0 ..] when input i moves by the sum of

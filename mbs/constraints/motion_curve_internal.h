@@ -6,6 +6,8 @@
 #include "mbs/constraints/continuation_internal.h"
 
 #define LW_MOTION_CURVE_ORDER 8                  /* order of the series across a branch point                */
+#define LW_MOTION_CURVE_KNOTS 6                  /* points from which rates beside a branch point come       */
+#define LW_MOTION_CURVE_BESIDE (4*LW_MOTION_CURVE_KNOTS + LW_MOTION_CURVE_ORDER + 2)
 
 typedef struct lw_motion_curve_node {
     double *q;                             /* posture, unit tangent, half the curvature vector: 3 x n */
@@ -40,6 +42,8 @@ struct lw_motion_curve {
     int               n_event;
     double           *series;              /* (LW_MOTION_CURVE_ORDER + 1) x n                               */
     double           *a, *b, *c;           /* scratch, n each                                         */
+    double           *beside;              /* LW_MOTION_CURVE_BESIDE x n                              */
+    double           *motion;              /* 2 x n_input x (LW_MOTION_CURVE_ORDER + 1)               */
 };
 
 static inline double *lw_node_tangent(const lw_motion_curve *b, int node) { return b->node[node].q + b->n; }

@@ -18,8 +18,9 @@ static lw_status check(const lw_system *s, const lw_motion_curve_options *o, lw_
 
 static bool allocate(const lw_system *s, const lw_motion_curve_options *o, lw_motion_curve *b)
 {
-    int rest[LW_INPUT_MAX], all[LW_INPUT_MAX], n_rest = 0;
-    for (int i = 0; i < s->n_input; i++) {
+    size_t inputs = (size_t)s->n_input;
+    int n_rest = 0, *all = malloc((2*inputs + 1)*sizeof *all), *rest = all ? all + inputs : NULL;
+    for (int i = 0; all && i < s->n_input; i++) {
         all[i] = i;
         if (i != o->input)
             rest[n_rest++] = i;
@@ -30,13 +31,18 @@ static bool allocate(const lw_system *s, const lw_motion_curve_options *o, lw_mo
     b->reach = o->reach > 0.0 ? o->reach : 30.0;
     b->stop = o->stop;
     b->most = o->most_segments > 0 ? o->most_segments : 20000;
-    b->series = calloc((size_t)(LW_MOTION_CURVE_ORDER + 1 + 3)*(size_t)b->n, sizeof *b->series);
-    if (!b->series || !lw_continuation_create(s, rest, n_rest, true, &b->f)
-        || !lw_continuation_create(s, all, s->n_input, false, &b->driven))
+    b->series = calloc((size_t)(LW_MOTION_CURVE_ORDER + 1 + 3 + LW_MOTION_CURVE_BESIDE)*(size_t)b->n
+                       + 2*inputs*(LW_MOTION_CURVE_ORDER + 1), sizeof *b->series);
+    bool made = b->series && all && lw_continuation_create(s, rest, n_rest, true, &b->f)
+                && lw_continuation_create(s, all, s->n_input, false, &b->driven);
+    free(all);
+    if (!made)
         return false;
     b->a = b->series + (LW_MOTION_CURVE_ORDER + 1)*b->n;
     b->b = b->a + b->n;
     b->c = b->b + b->n;
+    b->beside = b->c + b->n;
+    b->motion = b->beside + LW_MOTION_CURVE_BESIDE*b->n;
     return true;
 }
 

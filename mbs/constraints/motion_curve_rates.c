@@ -6,8 +6,8 @@
 /* Near a branch point the k-th derivative loses k + 1 digits for each digit of the distance, although the curve is
  * smooth. There, derivatives come from a polynomial through points on both sides and their tangents. */
 static const double beside = 0.025;                       /* use the polynomial within this arc of a branch point */
-static const double knot[] = { -0.1, -0.06, -0.03, 0.03, 0.06, 0.1 };
-enum { KNOTS = sizeof knot/sizeof *knot, TERMS = 2*KNOTS };
+static const double knot[LW_MOTION_CURVE_KNOTS] = { -0.1, -0.06, -0.03, 0.03, 0.06, 0.1 };
+enum { KNOTS = LW_MOTION_CURVE_KNOTS, TERMS = 2*KNOTS };
 static const double least_rate = 1e-8;     /* d input / d arc; below this the input turns back or rests    */
 
 static bool input_turns(const lw_motion_curve *b, int input)
@@ -17,7 +17,7 @@ static bool input_turns(const lw_motion_curve *b, int input)
 
 bool lw_motion_curve_rates(lw_motion_curve *b, int order, const double *motion, double *q)
 {
-    double scaled[LW_INPUT_MAX*(LW_SYSTEM_ORDER_MAX + 1)];
+    double *scaled = b->motion;
     for (int i = 0; i < b->s->n_input; i++)
         for (int k = 0; k <= order; k++)
             scaled[i*(order + 1) + k] = motion[i*(order + 1) + k]/(input_turns(b, i) ? 1.0 : b->s->unit);
@@ -60,7 +60,7 @@ static void look_beside(lw_motion_curve *b, double arc, double away, const doubl
 static void series_beside(lw_motion_curve *b, double arc, const double *q, const double *direction, int order,
                           double *out)
 {
-    double x[TERMS], f[TERMS*LW_SYSTEM_Q_MAX], df[TERMS*LW_SYSTEM_Q_MAX], one[LW_MOTION_CURVE_ORDER + 1];
+    double x[TERMS], *f = b->beside, *df = f + TERMS*b->n, one[LW_MOTION_CURVE_ORDER + 1];
     int n = 0;
     for (int k = 0; k < KNOTS; k++) {
         double *p = b->a, *t = b->b, along = 0.0, distance = 0.0;
@@ -107,7 +107,7 @@ static void invert(int order, const double *u, const double *w, double power[][L
 static bool motion_beside(lw_motion_curve *b, double arc, const double *direction, int order, const double *w,
                           double *q)
 {
-    double curve[(LW_MOTION_CURVE_ORDER + 1)*LW_SYSTEM_Q_MAX], u[LW_MOTION_CURVE_ORDER + 1];
+    double *curve = b->beside + 2*TERMS*b->n, u[LW_MOTION_CURVE_ORDER + 1];
     double power[LW_MOTION_CURVE_ORDER + 1][LW_MOTION_CURVE_ORDER + 1] = { { 0 } };
     series_beside(b, arc, q, direction, order, curve);
     lw_system_measure_series(b->s, b->s->input_joint[b->input], order, curve, u);
@@ -139,7 +139,9 @@ static bool branch_point_near(const lw_motion_curve *b, double arc, double *at)
 
 bool lw_motion_curve_motion(lw_motion_curve *b, double station, int order, const double *motion, double *q)
 {
-    double direction[LW_SYSTEM_Q_MAX], all[LW_INPUT_MAX*(LW_MOTION_CURVE_ORDER + 1)] = { 0 }, at;
+    double *direction = b->beside + (LW_MOTION_CURVE_BESIDE - 1)*b->n, at;
+    double *all = b->motion + b->s->n_input*(LW_MOTION_CURVE_ORDER + 1);
+    memset(all, 0, (size_t)b->s->n_input*(LW_MOTION_CURVE_ORDER + 1)*sizeof *all);
     double *own = all + b->input*(order + 1), unit = input_turns(b, b->input) ? 1.0 : b->s->unit;
     lw_motion_curve_posture(b, station, q, direction);
     if (b->rests)

@@ -8,43 +8,10 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include "base/rank.h"
-#include "base/rng.h"
 
 static const double step_off = 0.02;       /* step along the other branch: beyond rounding, short for its curvature */
 static const double least_rank = 1e-8;     /* pivot that counts as lost rank, at branch points known to 1e-11 */
 static const double least_bend = 1e-6;     /* psi F'' below this: branches touch, or more than two meet        */
-
-/* A vector of the null space of the m x n matrix a (by columns), not parallel to `without`.  Returns the dimension of
- * the null space, -1: out of memory. */
-static int null_vector(int m, int n, const double *a, const double *without, double *out)
-{
-    double *memory = malloc(lw_rank_doubles(m, n)*sizeof *memory), length = 0.0, along = 0.0;
-    int *ints = malloc(lw_rank_ints(m, n)*sizeof *ints), left = -1;
-    if (memory && ints) {
-        lw_rank r;
-        lw_rng rng;
-        lw_rank_place(&r, m, n, memory, ints);
-        memcpy(r.a, a, (size_t)m*(size_t)n*sizeof *a);
-        lw_rank_factor(&r, least_rank);
-        left = n - r.rank;
-        lw_rng_seed(&rng, 3, without != NULL);            /* a different random start than for `without` */
-        for (int i = 0; i < n; i++)
-            out[i] = lw_rng_range(&rng, -1.0, 1.0);
-        lw_rank_null_part(&r, out);
-        for (int i = 0; i < n && without; i++)
-            along += out[i]*without[i];
-        for (int i = 0; i < n; i++) {
-            out[i] -= without ? along*without[i] : 0.0;
-            length += out[i]*out[i];
-        }
-        for (int i = 0; i < n; i++)
-            out[i] /= length > 0.0 ? sqrt(length) : 1.0;
-    }
-    free(memory);
-    free(ints);
-    return left;
-}
 
 /* psi F''[v, v]/2 at q */
 static double bent(const lw_motion_curve *b, const double *q, const double *v, const double *psi, double *series,
@@ -65,40 +32,30 @@ static double bent(const lw_motion_curve *b, const double *q, const double *v, c
     return sum;
 }
 
-/* Rows and resting inputs without the plane, by columns: m x n, and transposed. */
-static void derivatives(lw_motion_curve *b, const double *q, double *a, double *transposed)
-{
-    int m = b->f.m - 1, n = b->n;
-    lw_continuation_assemble(&b->f, q);
-    for (int i = 0; i < n; i++)
-        for (int r = 0; r < m; r++)
-            a[r + (long)m*i] = transposed[i + (long)n*r] = b->f.matrix[r + (long)b->f.m*i];
-}
-
 /* The data of a branch point: two directions, psi, and scratch memory for `bent`. */
-typedef struct crossing { double *t, *n, *sum, *psi, *series, *phi, *store; } crossing;
+typedef struct crossing { double *t, *n, *sum, *psi, *try, *row, *series, *phi, *store; } crossing;
 
 /* Fill c at q; own: the direction of a known branch, or NULL.  False if the branch point is not simple.  Call
  * free_crossing in any case. */
 static bool make_crossing(lw_motion_curve *b, const double *q, const double *own, crossing *c)
 {
     int m = b->f.m - 1, n = b->n;
-    c->store = calloc(2*(size_t)m*(size_t)n + (size_t)m + 6*(size_t)n + 3*(size_t)b->s->n_row, sizeof *c->store);
+    c->store = calloc((size_t)m + 8*(size_t)n + 3*(size_t)b->s->n_row, sizeof *c->store);
     if (!c->store)
         return false;
-    double *a = c->store, *transposed = a + (long)m*n;
-    c->psi = transposed + (long)m*n;
+    c->psi = c->store;
     c->t = c->psi + m;
     c->n = c->t + n;
     c->sum = c->n + n;
-    c->series = c->sum + n;
+    c->try = c->sum + n;
+    c->row = c->try + n;
+    c->series = c->row + n;
     c->phi = c->series + 3*n;
-    derivatives(b, q, a, transposed);
     if (own)
         memcpy(c->t, own, (size_t)n*sizeof *own);
     else
-        null_vector(m, n, a, NULL, c->t);
-    return null_vector(m, n, a, c->t, c->n) == 2 && null_vector(n, m, transposed, NULL, c->psi) >= 1;
+        lw_continuation_null(&b->f, q, least_rank, 3, NULL, c->t);
+    return lw_continuation_null(&b->f, q, least_rank, 3, c->t, c->n) == 2 && lw_continuation_left_null(&b->f, q, least_rank, c->psi) >= 1;
 }
 
 static void free_crossing(crossing *c) { free(c->store); }
@@ -144,21 +101,21 @@ static bool other_direction(lw_motion_curve *b, const double *q, const double *t
 static bool faster_direction(lw_motion_curve *b, const double *q, double *out)
 {
     crossing c;
-    double tt, nn, tn, fastest = -1.0, try[LW_SYSTEM_Q_MAX], row[LW_SYSTEM_Q_MAX];
+    double tt, nn, tn, fastest = -1.0;
     bool simple = make_crossing(b, q, NULL, &c);
     if (simple) {
         form(b, q, &c, &tt, &nn, &tn);
         double size = hypot(tt - nn, tn), middle = atan2(tn, tt - nn), off = -(tt + nn)/size;
         simple = size > least_bend && fabs(off) < 1.0;
-        lw_system_measure(b->s, b->s->input_joint[b->input], q, row);
+        lw_system_measure(b->s, b->s->input_joint[b->input], q, c.row);
         for (int sign = -1; sign <= 1 && simple; sign += 2) {
             double angle = 0.5*(middle + sign*acos(off)), rate = 0.0;
-            combine(b, &c, cos(angle), sin(angle), try);
+            combine(b, &c, cos(angle), sin(angle), c.try);
             for (int i = 0; i < b->n; i++)
-                rate += row[i]*try[i];
+                rate += c.row[i]*c.try[i];
             if (fabs(rate) > fastest) {
                 fastest = fabs(rate);
-                memcpy(out, try, (size_t)b->n*sizeof *out);
+                memcpy(out, c.try, (size_t)b->n*sizeof *out);
             }
         }
     }
@@ -181,7 +138,7 @@ static bool step_from(lw_motion_curve *b, const double *at, const double *v, dou
 
 bool lw_motion_curve_other(lw_motion_curve *b, int event, double *q)
 {
-    double at[LW_SYSTEM_Q_MAX], t[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
+    double *at = b->a, *t = b->b, *v = b->c;
     if (event < 0 || event >= b->n_event || b->event[event].kind != LW_EVENT_CROSSING)
         return false;
     lw_motion_curve_posture(b, b->event[event].station, at, t);
@@ -190,7 +147,7 @@ bool lw_motion_curve_other(lw_motion_curve *b, int event, double *q)
 
 bool lw_motion_curve_leave(lw_motion_curve *b, double *q)
 {
-    double at[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
+    double *at = b->a, *v = b->b;
     memcpy(at, q, (size_t)b->n*sizeof *q);
     if (faster_direction(b, at, v) && step_from(b, at, v, q))
         return true;
