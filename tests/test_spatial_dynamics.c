@@ -688,6 +688,34 @@ TEST(a_flywheel_counts_its_turns)
     lw_spatial_free(&m);
 }
 
+/* Constant rates leave no change to measure convergence by: bodies that spin and slide freely are where their speed says, at any speed
+ * and tolerance, after up to 16000 turns. */
+TEST(free_flywheels_spin)
+{
+    static const char *const joint[] = { "\"kind\": \"revolute\"", "\"kind\": \"cylindrical\"", "\"kind\": \"universal\", \"second_axis\": [1, 0, 0]" };
+    static const double speed[] = { 1, 100, 6283, 1e5, 1e6 }, tolerance[] = { 1e-3, 1e-10, 1e-14 };
+    for (int i = 0; i < 3*5*3; i++) {
+        const double w = speed[i/3%5], slide = i/15 == 1 ? 3 : 0;
+        char text[512];
+        lw_spatial m;
+        snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 2, \"centre\": [0, 0, 0], "
+                 "\"inertia\": [0.01, 0.01, 0.02], \"angular_velocity\": [0, 0, %.17g], \"velocity\": [0, 0, %g]}], \"joints\": [{\"name\": "
+                 "\"A\", %s, \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}], "
+                 "\"tracers\": [{\"name\": \"P\", \"link\": \"a\", \"at\": [1, 0, 0]}]}", w, slide, joint[i/15]);
+        read_spatial(text, strlen(text), "flywheel", &m);
+        lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 0.1, 3, tolerance[i%3]);
+        CHECK_INT(k.n, 4);
+        for (int n = 0; n < k.n; n++) {
+            double angle = w*k.at[n].t, off = 4e-16*angle + 1e-14;
+            CHECK_NEAR(k.at[n].tracer.x, cos(angle), off, 0);
+            CHECK_NEAR(k.at[n].tracer.y, sin(angle), off, 0);
+            CHECK_NEAR(k.at[n].tracer.z, slide*k.at[n].t, 1e-13, 0);
+        }
+        CHECK(q.energy_error <= 1e-14*q.energy_scale);
+        lw_spatial_free(&m);
+    }
+}
+
 /* A bar between two balls that is not symmetric spins as it swings; a symmetric one does not, and its spin is held. */
 TEST(spins_of_bars)
 {

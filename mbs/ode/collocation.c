@@ -10,6 +10,7 @@ enum { N = LW_STAGES, MOST_ITERATIONS = 14, PAIRS = N/2 };
 
 static const double exact_enough = 0.03;      /* change that the improvements still promise, over the error allowed */
 static const double best_factor = 0.15;      /* of an improvement: longer steps need more work for their length */
+static const double least_factor = 0.01;     /* smaller ones are taken as this one */
 static const double fresh_factor = 0.1;      /* above it derivatives are found afresh */
 static const double relax = 1.2;             /* growth of the limit that a step sets that did not converge, and its part of that step: */
 static const double less = 0.8;
@@ -246,13 +247,25 @@ static double improve_all(lw_collocation *w, double h, bool implicit)
     return sqrt(moved/w->ode->n);
 }
 
+/* How far rounding moves the states, over the error allowed. */
+static double rounding(const lw_collocation *w)
+{
+    double sum = 0;
+    for (int i = 0; i < w->ode->n; i++) {
+        double by = 4*DBL_EPSILON*fmax(fabs(w->y_old[i]), fabs(w->stage[N*i + N - 1]))*w->scale[i];
+        sum += by*by;
+    }
+    return sqrt(sum/w->ode->n);
+}
+
 /* Improve the states of a step until their error is allowed.  LW_OPEN: they do not converge fast enough. */
 static lw_status iterate(lw_collocation *w, double h)
 {
-    double last = 0, by = w->fastest*h;
+    double last = 0, by = w->fastest*h, none = 0;
     /* integrals have the rates before the last Newton step */
     const double most = w->ode->implicit && w->ode->n > 2*w->ode->n_rate ? 1 : INFINITY;
     improve_all(w, h, false);
+    none = fmin(exact_enough, rounding(w));
     for (int i = 1; i <= MOST_ITERATIONS; i++) {
         lw_status s = rates_at(w, h);
         if (s != LW_OK)
@@ -260,6 +273,10 @@ static lw_status iterate(lw_collocation *w, double h)
         double moved = improve_all(w, h, w->ode->implicit);
         if (!isfinite(moved))
             return LW_OPEN;
+        if (moved <= none) {                 /* its size against the last one tells nothing of how fast they converge */
+            w->fastest = fmin(w->fastest, least_factor/h);
+            return LW_OK;
+        }
         if (i > 1 && last > 0)
             by = i > 2 ? fmax(moved/last, 0.5*by) : moved/last, w->fastest = by/h;
         else if (i == 1)
@@ -401,7 +418,7 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
     double old = w->fastest;
     s = iterate(w, h);
     double error = s == LW_OK ? step_error(w, h) : INFINITY, of = h*w->fastest, rising = fmax(1, fmin(3, w->fastest/old));
-    double room = pow(best_factor/fmax(of, 0.01)/rising, 0.6);
+    double room = pow(best_factor/fmax(of, least_factor)/rising, 0.6);
     w->stale = of > fresh_factor || s != LW_OK;
     if (s == LW_OPEN) {
         *by = fresh ? fmax(0.2, fmin(0.6, room)) : 1;    /* 1: with fresh derivatives */
