@@ -2,7 +2,7 @@
 #include "base/file.h"
 #include "base/rng.h"
 #include "base/vec2.h"
-#include "optimise/task/target.h"
+#include "optimise/task/read_file.h"
 #include "tests/check.h"
 
 static lw_status read_with(const char *text, size_t size, const lw_target_options *o, lw_target *t, lw_error *e)
@@ -278,6 +278,35 @@ TEST(few_stations_and_repeated_points)
     CHECK_INT(read("x,y\n5,5\n5,5\n5,5\n", &t, &e), LW_OK);
     CHECK(!t.closed && t.size == 0 && t.length == 0);
     lw_target_free(&t);
+}
+
+/* A closed path that returns to its first station has one station less, with the same length; rows that belong to input angles, or
+ * to another place or angle, all stay. */
+TEST(the_first_station_repeated_at_the_end)
+{
+    static const struct { const char *text; size_t n; bool said; } rows[] = {
+        { "x_mm,y_mm\n0,0\n2,0\n2,1\n0,1\n0,0\n", 4, true },
+        { "x_mm,y_mm\n0,0\n2,0\n2,1\n0,0\n", 3, true },
+        { "x_mm,y_mm\n0,0\n2,0\n0,0\n", 3, false },
+        { "# closed: no\nx_mm,y_mm\n0,0\n2,0\n2,1\n0,1\n0,0\n", 5, false },
+        { "x_mm,y_mm\n0,0\n2,0\n2,1\n0,1\n0,0.001\n", 5, false },
+        { "x_mm,y_mm,theta_deg\n0,0,0\n2,0,90\n2,1,180\n0,1,270\n0,0,360\n", 4, true },
+        { "x_mm,y_mm,theta_deg\n0,0,0\n2,0,90\n2,1,180\n0,1,270\n0,0,350\n", 5, false },
+        { "x_mm,y_mm,angle_deg\n0,0,0\n2,0,90\n2,1,180\n0,1,270\n0,0,360\n", 5, false },
+        { "x_mm,y_mm,x2,y2\n0,0,5,5\n2,0,6,5\n2,1,7,5\n0,1,6,5\n0,0,5,5\n", 4, true },
+    };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        lw_target t, whole;
+        lw_error e;
+        CHECK_INT(lw_target_read_text(rows[i].text, strlen(rows[i].text), "path.csv", NULL, &t, &e), LW_OK);
+        CHECK_INT(lw_target_read(rows[i].text, strlen(rows[i].text), "path.csv", NULL, &whole, &e), LW_OK);
+        CHECK_INT(t.n, rows[i].n);
+        CHECK_INT(t.closed, whole.closed);
+        CHECK_NEAR(t.length, whole.length, 0, 0);
+        CHECK_INT(strstr(t.note, "repeats the first station") != NULL, rows[i].said);
+        lw_target_free(&whole);
+        lw_target_free(&t);
+    }
 }
 
 /* ---- angles ------------------------------------------------------------------------------------ */

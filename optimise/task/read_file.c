@@ -6,6 +6,7 @@
 #include <strings.h>
 #include <unistd.h>
 #include "base/file.h"
+#include "optimise/task/target_internal.h"
 #include "optimise/task/target_outline.h"
 
 lw_status lw_refuse_foreign(const char *text, size_t size, const char *path, lw_error *e)
@@ -65,8 +66,7 @@ static const char *find_curve(const char *path)
     return hash && hash > path && access(path, F_OK) != 0 ? hash + 1 : NULL;
 }
 
-lw_status lw_target_read_text(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
-                              lw_error *e)
+static lw_status read_text(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t, lw_error *e)
 {
     lw_status s = lw_refuse_foreign(text, size, file, e);
     *t = (lw_target){ .n = 0 };
@@ -83,7 +83,8 @@ lw_status lw_target_read_text(const char *text, size_t size, const char *file, c
     return lw_target_read(text, size, file, o, t, e);
 }
 
-lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_target *t, lw_error *e)
+/* With all rows of a table, as they belong to those of other targets. */
+static lw_status read_file(const char *path, const lw_target_options *o, lw_target *t, lw_error *e)
 {
     char *text = NULL, file[4096];
     size_t size = 0;
@@ -96,8 +97,25 @@ lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_t
     if (s == LW_OK && curve && lw_target_kind_of(text, size, file) == LW_TARGET_KIND_TABLE)
         s = lw_error_at(e, LW_E_ARG, file, 0, 0, "'#%s' names a curve of a drawing, but this is a table", curve);
     if (s == LW_OK)
-        s = lw_target_read_text(text, size, file, &mine, t, e);
+        s = read_text(text, size, file, &mine, t, e);
     free(text);
+    return s;
+}
+
+lw_status lw_target_read_text(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
+                              lw_error *e)
+{
+    lw_status s = read_text(text, size, file, o, t, e);
+    if (s == LW_OK)
+        lw_target_drop_repeat(t);
+    return s;
+}
+
+lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_target *t, lw_error *e)
+{
+    lw_status s = read_file(path, o, t, e);
+    if (s == LW_OK)
+        lw_target_drop_repeat(t);
     return s;
 }
 
@@ -119,7 +137,7 @@ static lw_status read_source(const char *path, const char *name, const lw_target
         return LW_OK;
     lw_status s = lw_task_file_beside(path, name, file, e);
     *part = read;
-    return s == LW_OK ? lw_target_read_file(file, o, read, e) : s;
+    return s == LW_OK ? read_file(file, o, read, e) : s;
 }
 
 static lw_status read_target(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t,
@@ -143,6 +161,8 @@ static lw_status read_target(const char *path, const lw_target_options *o, lw_ta
         lw_target_free(&joined);
         if (s == LW_OK && read[0].note[0])
             memcpy(t->note, read[0].note, sizeof t->note);
+        if (s == LW_OK)
+            lw_target_drop_repeat(t);
     }
     for (int i = 0; i <= LW_ALSO_MAX; i++)
         lw_target_free(&read[i]);

@@ -14,7 +14,8 @@ lw_target_kind lw_target_kind_of(const char *text, size_t size, const char *path
  * bytes with which it begins; the message says how to go on. */
 lw_status lw_refuse_foreign(const char *text, size_t size, const char *path, lw_error *e);
 
-/* A table (CSV) or a drawing, from text; `file` decides by its end which of them, and is for messages; may be "". */
+/* A table (CSV) or a drawing, from text; `file` decides by its end which of them, and is for messages; may be "".  A last station
+ * that repeats the first one of a closed path without input angles is left out, here and below. */
 lw_status lw_target_read_text(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
                               lw_error *e);
 

@@ -64,7 +64,7 @@ static const char *find_unit(lw_text_span word)
 {
     static const struct { const char *word, *unit; } other[] = {
         { "degree", "deg" }, { "degrees", "deg" }, { "\xc2\xb0", "deg" }, { "\xb0", "deg" },
-        { "inch", "in" }, { "inches", "in" }, { "\xc2\xb5m", "um" }, { "\xce\xbcm", "um" }, { "metre", "m" },
+        { "inch", "in" }, { "inches", "in" }, { "\xc2\xb5m", "um" }, { "\xce\xbcm", "um" }, { "\xb5m", "um" }, { "metre", "m" },
         { "meter", "m" }, { "millimetre", "mm" }, { "millimeter", "mm" }, { "radian", "rad" }, { "radians", "rad" },
         { "turns", "turn" }
     };

@@ -90,6 +90,12 @@ double   *lw_target_array(const lw_target *t, lw_target_field role);       /* NU
 /* Check weights and order of the angles, then set closed, length, size. closed as in the options. */
 lw_status lw_target_finish(lw_target *t, int closed, lw_target_place *place, lw_error *e);
 
+/* Add words to the note of the target, after "; " if it has some. */
+__attribute__((format(printf, 2, 3))) void lw_target_add_note(lw_target *t, const char *format, ...);
+
+/* Drop the last station of a closed path without input angles if it is the first one again, and say so in the note. */
+void lw_target_drop_repeat(lw_target *t);
+
 /* Check that the angles are in cyclic order, with one point for each angle; undo a wrap at the full turn. */
 lw_status lw_target_order(lw_target *t, lw_target_place *place, lw_error *e);
 

@@ -47,6 +47,15 @@ static bool same_station(const lw_target *t, size_t i, size_t k)
     return same;
 }
 
+void lw_target_drop_repeat(lw_target *t)
+{
+    char text[40];
+    if (!t->closed || !t->x || t->angle || t->n < 4 || !same_station(t, 0, t->n - 1))
+        return;
+    t->n--;
+    lw_target_add_note(t, "%s repeats the first station of the closed path and is left out", where(t, t->n, text));
+}
+
 static lw_status repeated(const lw_target *t, size_t i, size_t k, lw_target_place *place, lw_error *e)
 {
     size_t first = i < k ? i : k, later = i < k ? k : i;

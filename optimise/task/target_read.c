@@ -234,15 +234,12 @@ static void note_assumptions(const lw_header *h, lw_target *t)
 {
     bool turned = h->column[LW_TARGET_FIELD_THETA] >= 0;
     bool driven = h->column[LW_TARGET_FIELD_ANGLE] >= 0 && strcmp(h->name[LW_TARGET_FIELD_ANGLE], "t") != 0;
-    size_t used = 0, size = sizeof t->note;
     if (!h->named)
-        used = (size_t)snprintf(t->note, size, "the columns have no names; they count as x, y%s", t->x && !*h->length_by ? "; " : "");
+        lw_target_add_note(t, "the columns have no names; they count as x, y");
     if (t->x && !*h->length_by)
-        used += (size_t)snprintf(t->note + used, size - used, "lengths have no unit: results are in that of the file, exports take "
-                         "metres; add \"# units: mm\"");
+        lw_target_add_note(t, "lengths have no unit: results are in that of the file, exports take metres; add \"# units: mm\"");
     if ((turned || driven) && !*h->angle_by)
-        snprintf(t->note + used, size - used, "%sangles have no unit and count as rad; add \"# units: deg\" if they are degrees",
-                 used ? "; " : "");
+        lw_target_add_note(t, "angles have no unit and count as rad; add \"# units: deg\" if they are degrees");
 }
 
 lw_status lw_target_read(const char *text, size_t size, const char *file, const lw_target_options *o,

@@ -1,5 +1,4 @@
 /* Places along a curve: stations by length and curvature; smoothing of noisy points. */
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -351,18 +350,6 @@ lw_status lw_smooth(double *x, double *y, size_t n, bool closed, double distance
 
 /* ---- targets ------------------------------------------------------------------------------------------------- */
 
-__attribute__((format(printf, 2, 3))) static void add_note(lw_target *t, const char *format, ...)
-{
-    size_t used = strlen(t->note);
-    va_list list;
-    if (used > 0 && used + 2 < sizeof t->note)
-        strcpy(t->note + used, "; ");
-    used = strlen(t->note);
-    va_start(list, format);
-    vsnprintf(t->note + used, sizeof t->note - used, format, list);
-    va_end(list);
-}
-
 static lw_status smooth_target(lw_target *t, double distance, lw_error *e)
 {
     double all = 0, worst = 0, rms, most, noise = 0, *work = NULL;
@@ -377,7 +364,7 @@ static lw_status smooth_target(lw_target *t, double distance, lw_error *e)
             noise = fmax(noise, lw_noise(i < 0 ? t->x : t->also[i].x, i < 0 ? t->y : t->also[i].y, t->n, t->closed, work));
     if (work) {
         distance = noise*sqrt(2*log((double)t->n));               /* the greatest of n deviations, as expected */
-        add_note(t, "noise across the path: %.3g %s (standard deviation), smoothed by --smooth %.3g", noise/t->units.metre,
+        lw_target_add_note(t, "noise across the path: %.3g %s (standard deviation), smoothed by --smooth %.3g", noise/t->units.metre,
                  t->units.length, distance/t->units.metre);
         free(work);
     }
@@ -389,7 +376,7 @@ static lw_status smooth_target(lw_target *t, double distance, lw_error *e)
         all = fmax(all, rms);
         worst = fmax(worst, most);
     }
-    add_note(t, "smoothed: the path lies %.3g %s (RMS) from the points, %.3g at most", all/t->units.metre,
+    lw_target_add_note(t, "smoothed: the path lies %.3g %s (RMS) from the points, %.3g at most", all/t->units.metre,
              t->units.length,
              worst/t->units.metre);
     return s;
@@ -422,7 +409,7 @@ static lw_status spread_target(lw_target *t, size_t m, lw_error *e)
         for (size_t i = 0; i < m; i++)
             spread.line[i] = t->line[from[i]];
         memcpy(spread.note, t->note, sizeof spread.note);
-        add_note(&spread, "%zu stations on the path through the %zu points of the file", m, t->n);
+        lw_target_add_note(&spread, "%zu stations on the path through the %zu points of the file", m, t->n);
         lw_target_free(t);
         *t = spread;
     }
