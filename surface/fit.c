@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
-#include "catalogues/pages/page.h"
+#include "catalogues/pages/fit_page.h"
 #include "optimise/precision/exact.h"
 #include "optimise/report/robustness.h"
 #include "optimise/task/read_file.h"
@@ -296,24 +296,26 @@ struct lw_results {
     bool               is_exact;
     lw_exact           exact;            /* precision points: instead of the search's              */
     lw_fit_results     verified;         /* ... with what passed the second simulation              */
-    size_t             n_station;
-    double             extent;           /* of the target [m]                                              */
-    bool               has_points;
+    lw_target          target;           /* a copy                                                         */
+    lw_task            task;
 };
 
 static const lw_fit *fit_of(const lw_results *r) { return r->is_exact ? &r->exact.fit : &r->search.found.fit; }
 static const lw_fit_results *list_of(const lw_results *r) { return r->is_exact ? &r->verified : &r->search.results; }
 
-/* Hand out r, which a search that ended with s has filled. */
-static lw_status hand_over(lw_results *r, const lw_target *target, lw_status s, lw_results **out)
+/* Hand out r, which a search for this task that ended with s has filled. */
+static lw_status hand_over(lw_results *r, const lw_target *target, lw_task task, lw_status s, lw_results **out, lw_error *e)
 {
     if (s < 0 || s == LW_NOTHING) {
         free(r);
         return s;
     }
-    r->n_station = target->n;
-    r->extent = target->extent;
-    r->has_points = target->x != NULL;
+    r->task = task;
+    lw_status copied = lw_target_join(&target, 1, &r->target, e);
+    if (copied != LW_OK) {
+        lw_results_destroy(r);
+        return copied;
+    }
     *out = r;
     return s;
 }
@@ -346,7 +348,7 @@ lw_status lw_fit_target(const lw_target *target, const lw_fit_request *request, 
         s = lw_topology_search_run(target, &o, &r->search, error);
     }
     free(start);
-    return hand_over(r, target, s, out);
+    return hand_over(r, target, o.fit.spec.task, s, out, error);
 }
 
 lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request *request, lw_results **out,
@@ -373,17 +375,20 @@ lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request 
         if (made != LW_OK)
             lw_exact_free(&r->exact);
     }
-    return hand_over(r, target, s, out);
+    return hand_over(r, target, o.spec.task, s, out, error);
 }
 
 void lw_results_destroy(lw_results *results)
 {
-    if (results && results->is_exact) {
+    if (!results)
+        return;
+    if (results->is_exact) {
         lw_fit_results_free(&results->verified);
         lw_exact_free(&results->exact);
-    } else if (results) {
+    } else {
         lw_topology_search_free(&results->search);
     }
+    lw_target_free(&results->target);
     free(results);
 }
 
@@ -436,7 +441,7 @@ lw_status lw_results_inputs(const lw_results *results, int i, double *input)
 {
     if (!has_result(results, i))
         return LW_E_ARG;
-    memcpy(input, candidate_of(results, i)->input, results->n_station*sizeof *input);
+    memcpy(input, candidate_of(results, i)->input, results->target.n*sizeof *input);
     return LW_OK;
 }
 
@@ -446,7 +451,7 @@ lw_status lw_results_spread(const lw_results *results, const lw_target *target, 
     lw_tolerances of = { .length = tolerance, .clearance = clearance, .seed = 1 };
     lw_robustness r;
     memset(out, 0, sizeof *out);
-    if (!has_result(results, i) || !results->has_points || target->n != results->n_station)
+    if (!has_result(results, i) || !results->target.x || target->n != results->target.n)
         return lw_error_set(error, LW_E_ARG, "no result %d with a path for this target", i);
     const lw_fit_report *report = &list_of(results)->report[i];
     lw_status s = lw_robustness_of(target, candidate_of(results, i), report, &of, &r, error);
@@ -458,46 +463,14 @@ lw_status lw_results_spread(const lw_results *results, const lw_target *target, 
 
 /* ---- the page -------------------------------------------------------------------------------------------------- */
 
-static lw_status make_scenes(const lw_results *r, lw_scene *scene, lw_page_result *row, int *n, lw_error *e)
-{
-    lw_status s = LW_OK;
-    lw_scene_options o = lw_scene_options_default();
-    for (; *n < list_of(r)->n && s == LW_OK; (*n)++) {
-        const lw_fit_report *report = &list_of(r)->report[*n];
-        const lw_candidate *c = candidate_of(r, *n);
-        o.title = lw_family_title(c->family);
-        s = lw_scene_make(&report->linkage, NULL, &o, &scene[*n], e);
-        row[*n] = (lw_page_result){ .scene = &scene[*n], .type = o.title,
-                                    .class_name = report->has_class ? report->barker.name : NULL,
-                                    .transmission_min = report->transmission_min, .objective = lw_fit_report_objective(c, report),
-                                    .input = lw_fit_report_input(report), .stray = lw_fit_report_stray(report),
-                                    .size = r->extent > 0 ? report->size/r->extent : 0,
-                                    .error_mean = report->error_mean, .error_max = report->error_max,
-                                    .angle_mean = report->angle_mean, .angle_max = report->angle_max,
-                                    .error_percent = report->error_percent };
-    }
-    return s;
-}
-
 lw_status lw_results_page(const lw_results *results, const char *title, char **out, size_t *size, lw_error *error)
 {
-    size_t most = (size_t)list_of(results)->n + 1;
-    lw_scene *scene = calloc(most, sizeof *scene);
-    lw_page_result *row = calloc(most, sizeof *row);
+    const lw_fitted f = { title, &results->target, results->task, fit_of(results), list_of(results) };
     lw_bytes b = { 0 };
-    int n = 0;
     *out = NULL;
-    lw_status s = scene && row ? make_scenes(results, scene, row, &n, error)
-                               : lw_error_set(error, LW_E_MEMORY, "out of memory");
-    lw_page_target target = { .name = title, .n_result = n, .result = row };
-    lw_page page = { .title = title, .n_target = 1, .target = &target };
+    lw_status s = lw_fitted_page(&f, 1, title, &b, error);
     if (s == LW_OK)
-        s = lw_page_write(&page, &b, error);
-    if (s == LW_OK)
-        s = lw_surface_give(&b, out, size, error);
-    for (int i = 0; i < n; i++)
-        lw_scene_free(&scene[i]);
-    free(scene);
-    free(row);
+        return lw_surface_give(&b, out, size, error);
+    lw_bytes_free(&b);
     return s;
 }

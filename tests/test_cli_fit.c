@@ -279,6 +279,43 @@ TEST(rows_end_where_nobody_would_build_them)
     json_decref(root);
 }
 
+/* The same of a function, with 5 % of the swing of its output: a parabola over 90 degrees, which cranks that turn follow badly. */
+TEST(rows_of_a_function_end_too)
+{
+    json_t *root = json_of("awk 'BEGIN {print \"angle [deg],theta [deg]\"; for (i = 0; i <= 18; i++) print 5*i \",\" 0.02*(5*i - 45)^2}' |"
+                           " $P fit --open - --json -q"), *rows = json_object_get(root, "results"), *r;
+    size_t i;
+    double least[2] = { INFINITY, INFINITY };
+    json_array_foreach(rows, i, r) {
+        bool turns = json_is_true(json_object_get(r, "crank"));
+        least[turns] = fmin(least[turns], member(r, "objective"));
+    }
+    CHECK(least[0] < 0.01*least[1] && least[1] < INFINITY);
+    json_array_foreach(rows, i, r)
+        CHECK(member(r, "angle_error_max") <= 0.05*40.5*3.14159265358979/180
+              || member(r, "objective") <= 4*least[json_is_true(json_object_get(r, "crank"))]);
+    json_decref(root);
+}
+
+/* Half an ellipse of 16 points: the first row is within 1/10000 of its points.  Of those that are larger only the one with the least error
+ * is listed, of the others each is smaller. */
+TEST(a_fine_row_ends_larger_ones)
+{
+    json_t *root = json_of("awk 'BEGIN {print \"x [mm],y [mm]\"; for (i = 0; i < 16; i++) {a = (20 + 140*i/15)*atan2(0, -1)/180; print 100*cos(a) \",\" 60*sin(a)}}' |"
+                           " $P fit --open - --rounds 1 --starts 8 --json -q"), *rows = json_object_get(root, "results"), *r;
+    json_t *first = json_array_get(rows, 0);
+    size_t i;
+    int larger = 0, smaller = 0;
+    CHECK(member(first, "error_max") < 1e-4*192.8 && member(first, "stray") < 3e-4*192.8);
+    json_array_foreach(rows, i, r) {
+        CHECK(i == 0 || member(r, "size") < member(first, "size") || member(r, "objective") < member(first, "objective"));
+        larger += member(r, "size") > member(first, "size");
+        smaller += member(r, "size") < member(first, "size");
+    }
+    CHECK(larger <= 1 && smaller >= 2);
+    json_decref(root);
+}
+
 /* The table of a function has all that is needed to build it: the rocker of its row is moved here by trigonometry. */
 TEST(tables_of_functions_say_where_angles_begin)
 {

@@ -285,13 +285,42 @@ static const int watt[7][2] = { {0,1},{1,2},{2,3},{3,0},{2,4},{4,5},{5,3} };
 static const int watt_two[7][2] = { {0,1},{1,2},{2,3},{3,0},{3,4},{4,5},{5,0} };
 static const int stephenson[7][2] = { {0,1},{1,2},{2,3},{3,0},{2,4},{4,5},{5,0} };
 
+/* The angle at pin b between pins a and c, folded to at most pi/2. */
+static double folded_angle(const lw_posture *p, int a, int b, int c)
+{
+    lw_vec2 u = lw_v2_sub(p->joint[a][0], p->joint[b][0]), v = lw_v2_sub(p->joint[c][0], p->joint[b][0]);
+    double angle = fabs(atan2(lw_v2_cross(u, v), lw_v2_dot(u, v)));
+    return fmin(angle, LW_PI - angle);
+}
+
+/* The transmission angles of an arc are those of both dyads, which join at pins 2 and 5. */
+static void check_transmission(const lw_plan *plan, const double *dim, const lw_arc *a, int *n_inner)
+{
+    enum { N = 500 };
+    double least[2] = { LW_PI, LW_PI }, said = fmin(a->transmission_min, LW_PI - a->transmission_max);
+    for (int i = 0; i <= N; i++) {
+        static lw_posture p;
+        if (lw_posture_solve(plan, dim, a->mode, a->first + (a->last - a->first)*i/N, 0, &p) != LW_OK)
+            continue;
+        least[0] = fmin(least[0], folded_angle(&p, 1, 2, 3));
+        least[1] = fmin(least[1], folded_angle(&p, 4, 5, 6));
+    }
+    double both = fmin(least[0], least[1]);
+    CHECK(said <= both + 1e-7);
+    if (a->limit[0] || a->limit[1])                           /* a limit is a flat posture */
+        CHECK_NEAR(said, 0, 0, 0);
+    else
+        CHECK_NEAR(said, both, 1e-3, 0);
+    *n_inner += a->turns && least[0] < least[1];
+}
+
 /* Postures drawn at random; all arcs of all modes are run into by the verifier. */
 TEST(six_bars_by_newton)
 {
     const int (*kind[3])[2] = { watt, watt_two, stephenson };
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
-    int n_arc = 0, n_inner = 0;
+    int n_arc = 0, n_inner = 0, n_first = 0;
     for (int trial = 0; trial < 90; trial++) {
         lw_linkage k;
         double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
@@ -311,11 +340,12 @@ TEST(six_bars_by_newton)
         check_joints_of_arcs(&plan, dim, &m);
         for (int i = 0; i < m.n_arc; i++) {
             run_into_ends(&plan, dim, &m.arc[i], 1.0, &k);
+            check_transmission(&plan, dim, &m.arc[i], &n_first);
             n_arc++;
             n_inner += m.arc[i].limit[0];
         }
     }
-    CHECK(n_arc > 200 && n_inner > 150);
+    CHECK(n_arc > 200 && n_inner > 150 && n_first > 0);
 }
 
 /* --- Jansen's leg --- */

@@ -272,6 +272,8 @@ TEST(fits_find_stop_and_explain)
     CHECK_INT(lw_results_linkage(r, 0, &k), LW_OK);
     CHECK_INT(lw_results_page(r, "test", &page, &size, &e), LW_OK);
     CHECK_HAS(page, "<!DOCTYPE html>");
+    CHECK_HAS(page, "test: four-bar");
+    CHECK_HAS(page, "download=\"test-1.json\"");
     lw_free(page);
     lw_linkage_destroy(k);
     lw_results_destroy(r);
@@ -289,6 +291,33 @@ TEST(fits_find_stop_and_explain)
     CHECK(lw_results_count(r) >= 1);
     lw_results_destroy(r);
     lw_target_destroy(t);
+}
+
+/* The page of a function is that of the program: where its angles begin, and its curve; also after the target is gone. */
+TEST(the_page_of_a_function)
+{
+    double angle[7], theta[7];
+    lw_target *t = NULL;
+    lw_results *r = NULL;
+    lw_error e;
+    char *page = NULL;
+    size_t size = 0;
+    lw_fit_request o = lw_fit_request_default();
+    o.rounds = 1;
+    o.results = 1;
+    for (int i = 0; i < 7; i++) {
+        angle[i] = 0.2*i;
+        theta[i] = 0.1*i + 0.05*i*i;
+    }
+    CHECK_INT(lw_target_create(7, NULL, NULL, theta, angle, NULL, 0, &t, &e), LW_OK);
+    CHECK_INT(lw_fit_target(t, &o, &r, &e), LW_OK);
+    lw_target_destroy(t);
+    CHECK_INT(lw_results_page(r, "test", &page, &size, &e), LW_OK);
+    CHECK_HAS(page, " input0=");
+    CHECK_HAS(page, " tool0=");
+    CHECK_HAS(page, "class=\"curves\"");
+    lw_free(page);
+    lw_results_destroy(r);
 }
 
 /* ---- the program's error handler ------------------------------------------------------------------------------- */

@@ -761,7 +761,8 @@ static int save(const cli_call *call, const cli_fit_set *set, int n, int code)
         return code;
     cli_go_on();
     if (s->plot && set->search.results.n > 0) {
-        lw_status st = cli_fit_curves(set, &d, &e);
+        const lw_fitted f = cli_fitted(set);
+        lw_status st = lw_fitted_curves(&f, &d, &e);
         if (st == LW_OK) {
             st = lw_draw_drawing(&d, s->plot, &e);
             lw_drawing_free(&d);
@@ -961,8 +962,8 @@ const cli_command cli_fit_command = {
         "target; beyond 3 as 0.65 of it), 35 degrees of transmission angle (up to 45), or 3.5 links. Below 1.5 diagonals\n"
         "a smaller one comes first where the rest is nearly alike. An error below 1/3000 of the target counts as none,\n"
         "one above 1/50 more. Of a function the ratio of the longest to the shortest length stands for the size, 4 for a\n"
-        "diagonal. Beside a row within 1/10000 of the target, none is listed for still less error but the one with the least. --tolerance says\n"
-        "instead how much error is as good as none.\n"
+        "diagonal. Beside a row within 1/10000 of the target (3/10000 between its points), none is listed for still less error\n"
+        "but the one with the least. --tolerance says instead how much error is as good as none.\n"
         "\n"
         "Every result is simulated a second time by independent code before it is printed. The table of results\n"
         "goes to standard output; with -o FILE the results go to FILE as JSON too, with --json they replace the\n"

@@ -2,7 +2,7 @@
 #ifndef CLI_FIT_FIT_H
 #define CLI_FIT_FIT_H
 
-#include "catalogues/draw/drawing.h"
+#include "catalogues/pages/fit_page.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
 #include "optimise/task/task_file.h"
@@ -38,12 +38,6 @@ typedef struct cli_fit_set {
 /* Ranked table, lengths in the unit of the target. */
 void cli_fit_table(const cli_fit_set *s, FILE *f);
 
-/* The dimensions of result i as " r1=12 ...": of a function those that it has, and the angles from which the target counts, in degrees. */
-void cli_fit_dimensions(const cli_fit_set *s, int i, FILE *f);
-
-/* Is the four-bar so near a change point that small errors of its lengths change its class?  false without a class. */
-bool cli_fit_near_change_point(const lw_fit_report *r);
-
 /* The JSON object of docs/notation.md, "Results of a fit". */
 void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int indent);
 
@@ -58,9 +52,6 @@ int cli_fit_check_folder(const cli_call *call, const char *folder, int results);
  * take longer; and one page for all targets. */
 lw_status cli_fit_save(const cli_fit_set *s, const char *folder, bool quick, lw_error *e);
 lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_error *e);
-
-/* Draw what is wanted and what the best results reach (fit_plot.c): of a function output over input, else paths. */
-lw_status cli_fit_curves(const cli_fit_set *s, lw_drawing *d, lw_error *e);
 
 /* --exact (fit_exact.c): find linkages through all stations instead of the best ones; then print as for a fit, with
  * their defects. */
@@ -86,7 +77,7 @@ lw_status cli_fit_start_read(const char *path, cli_fit_start *s, lw_error *e);
 /* Candidate of result i. */
 const lw_candidate *cli_fit_candidate(const cli_fit_set *s, int i);
 
-/* Value of a dimension in the user's unit: angles in radians. */
-double cli_fit_value(const cli_fit_set *s, const lw_fit_report *r, int dim, double si);
+/* For the plot and the page. */
+lw_fitted cli_fitted(const cli_fit_set *s);
 
 #endif

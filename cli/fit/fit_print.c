@@ -4,30 +4,19 @@
 
 #include "base/real.h"
 #include "cli/fit/fit.h"
-double cli_fit_value(const cli_fit_set *s, const lw_fit_report *r, int dim, double si)
-{
-    if (r->dim_kind[dim] != LW_DIM_ANGLE)
-        return si/s->target.units.metre;
-    bool frame = strcmp(r->dim_name[dim], "theta0") == 0 && r->input_turns_per_period == 1;
-    return frame && fabs(si) > LW_PI ? remainder(si, 2*LW_PI) : si;
-}
-
 static double length(const cli_fit_set *s, double metres)
 {
     return metres/s->target.units.metre;
 }
 
+lw_fitted cli_fitted(const cli_fit_set *s)
+{
+    return (lw_fitted){ s->name, &s->target, s->spec.task, &s->search.found.fit, &s->search.results };
+}
+
 const lw_candidate *cli_fit_candidate(const cli_fit_set *s, int i)
 {
     return &s->search.found.fit.candidate[s->search.results.candidate[i]];
-}
-
-/* A class that small errors of the lengths change: its margin in perimeters is less than this. */
-#define NEAR_CHANGE_POINT 1e-3
-
-bool cli_fit_near_change_point(const lw_fit_report *r)
-{
-    return r->has_class && r->barker.margin < NEAR_CHANGE_POINT;
 }
 
 /* ---- table ------------------------------------------------------------------------------------ */
@@ -56,29 +45,6 @@ static int title_width(const cli_fit_set *s)
     return (int)width;
 }
 
-void cli_fit_dimensions(const cli_fit_set *s, int result, FILE *f)
-{
-    const lw_fit_report *r = &s->search.results.report[result];
-    const lw_candidate *c = cli_fit_candidate(s, result);
-    static const char *const place[] = { "cx", "cy", "x0", "y0", "theta0" };
-    const bool has_place = lw_task_has_place(s->spec.task);
-    for (int d = 0; d < c->n_dim; d++) {           /* what no one can make is printed as 0 */
-        double least = r->dim_kind[d] == LW_DIM_ANGLE ? 1e-9 : 1e-9*r->size;
-        bool idle = false;
-        for (size_t k = 0; k < sizeof place/sizeof *place && !has_place; k++)
-            idle |= strcmp(r->dim_name[d], place[k]) == 0;
-        if (!idle)
-            fprintf(f, " %s=%.6g", r->dim_name[d], fabs(c->dim[d]) < least ? 0 : cli_fit_value(s, r, d, c->dim[d]));
-    }
-    const double turn = 2*LW_PI*r->input_turns_per_period, deg = 180/LW_PI;
-    if (!has_place && lw_joint_slides(r->linkage.joint[r->linkage.input[0].joint].kind))
-        fprintf(f, " input0=%.6g", length(s, c->input0));
-    else if (!has_place)
-        fprintf(f, " input0=%.6g", remainder(r->input_turns_per_period*c->input0, turn)*deg);
-    if (!has_place)
-        fprintf(f, " tool0=%.6g", remainder(c->tool0, 2*LW_PI)*deg);
-}
-
 static void table_row(const cli_fit_set *s, int i, int width, FILE *f)
 {
     const lw_fit_report *r = &s->search.results.report[i];
@@ -86,7 +52,7 @@ static void table_row(const cli_fit_set *s, int i, int width, FILE *f)
     double deg = 180/LW_PI;
     char class[24] = "-";
     if (r->has_class)
-        snprintf(class, sizeof class, "%s%s", r->barker.symbol, cli_fit_near_change_point(r) ? "*" : "");
+        snprintf(class, sizeof class, "%s%s", r->barker.symbol, lw_fitted_near_change_point(r) ? "*" : "");
     fprintf(f, "%3d  %-*s %-6s", i + 1, width, lw_family_title(c->family), class);
     if (!lw_task_has_place(s->spec.task))
         fprintf(f, " %9.4g %9.4g @%-4zu", r->angle_mean*deg, r->angle_max*deg, r->worst + 1);
@@ -105,7 +71,8 @@ static void table_row(const cli_fit_set *s, int i, int width, FILE *f)
         fputs(c->intended.sense < 0 ? " <" : " ", f);
     if (s->is_exact)
         cli_fit_exact_row(s, i, f);
-    cli_fit_dimensions(s, i, f);
+    const lw_fitted fitted = cli_fitted(s);
+    lw_fitted_dimensions(&fitted, i, f);
     fputc('\n', f);
     limits_row(r, f);
     cli_fit_points_row(s, i, f);
@@ -115,9 +82,9 @@ static void table_row(const cli_fit_set *s, int i, int width, FILE *f)
 static void print_marks(const cli_fit_set *s, FILE *f)
 {
     for (int i = 0; i < s->search.results.n; i++)
-        if (cli_fit_near_change_point(&s->search.results.report[i])) {
+        if (lw_fitted_near_change_point(&s->search.results.report[i])) {
             fprintf(f, "* near a change point: it is nearer than %g perimeters, so small errors of the lengths "
-                    "make the motion another one\n", NEAR_CHANGE_POINT);
+                    "make the motion another one\n", LW_NEAR_CHANGE_POINT);
             return;
         }
 }
@@ -250,7 +217,7 @@ static void json_class(const lw_fit_report *r, cli_json *j)
         return;
     cli_json_text(j, "class_name", r->barker.name);
     cli_json_real(j, "class_margin", r->barker.margin);
-    cli_json_bool(j, "near_change_point", cli_fit_near_change_point(r));
+    cli_json_bool(j, "near_change_point", lw_fitted_near_change_point(r));
 }
 
 static void json_cognates(const cli_fit_set *s, const lw_fit_report *r, cli_json *j)
@@ -259,7 +226,7 @@ static void json_cognates(const cli_fit_set *s, const lw_fit_report *r, cli_json
     for (int i = 0; i < r->n_cognate; i++) {
         cli_json_object(j, NULL);
         for (int d = 0; d < 9; d++)
-            cli_json_real(j, r->dim_name[d], cli_fit_value(s, r, d, r->cognate[i][d]));
+            cli_json_real(j, r->dim_name[d], lw_fitted_value(&s->target.units, r, d, r->cognate[i][d]));
         cli_json_real(j, "mode", r->cognate_mode[i]);
         cli_json_end(j);
     }
@@ -451,7 +418,7 @@ static void json_result(const cli_fit_set *s, int i, cli_json *j)
         json_robustness(s, i, j);
     cli_json_object(j, "dimensions");
     for (int d = 0; d < c->n_dim; d++)
-        cli_json_real(j, r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));
+        cli_json_real(j, r->dim_name[d], lw_fitted_value(&s->target.units, r, d, c->dim[d]));
     cli_json_end(j);
     json_limits(s, r, j);
     json_motion(s, c, r, j);

@@ -118,7 +118,6 @@ static int cut_by_span(const walk *w, int dyad, const lw_motion_piece *whole, lw
 static void add_arc(walk *w, const lw_motion_piece *p)
 {
     lw_motion *m = w->motion;
-    int last = w->plan->n_dyad - 1;
     if (m->n_arc == LW_ARC_MAX) {
         w->full = true;
         return;
@@ -133,11 +132,13 @@ static void add_arc(walk *w, const lw_motion_piece *p)
         a->flips[e] = p->turns ? -1 : p->end[e].dyad;
         a->limit[e] = a->flips[e] >= 0;
     }
-    double angle[2] = { 0.5*LW_PI, 0.5*LW_PI };
-    if (last >= 0)
-        lw_piece_transmission(w->plan, w->dim, last, w->step[last], p, angle);
-    a->transmission_min = angle[0];
-    a->transmission_max = angle[1];
+    a->transmission_min = a->transmission_max = 0.5*LW_PI;
+    for (int k = 0; k < w->plan->n_dyad; k++) {
+        double angle[2];
+        lw_piece_transmission(w->plan, w->dim, k, w->step[k], p, angle);
+        a->transmission_min = k > 0 ? fmin(a->transmission_min, angle[0]) : angle[0];
+        a->transmission_max = k > 0 ? fmax(a->transmission_max, angle[1]) : angle[1];
+    }
 }
 
 static void explore(walk *w, int dyad, const lw_motion_piece *whole)

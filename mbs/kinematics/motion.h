@@ -15,9 +15,9 @@ typedef struct lw_arc {
     bool   turns;                   /* the input turns fully in this arc                          */
     double mode[LW_MODE_MAX];
     int    circuit;                 /* arcs with the same number can be reached from each other   */
-    double transmission_min;        /* least and greatest transmission angle over the arc [rad],  */
-    double transmission_max;        /* in [0, pi]; its squared sine is the margin of the last     */
-                                    /* dyad (mbs/batch/batch.h).  It is the angle between the     */
+    double transmission_min;        /* least and greatest transmission angle of any dyad over the */
+    double transmission_max;        /* arc [rad], in [0, pi]; the least squared sine of the two   */
+                                    /* is the margin (mbs/batch/batch.h).  It is the angle of     */
                                     /* links (RRR), link and slide normal (RRP), slide normal and */
                                     /* line of pins (RPR), or slides (PRP, PPR)                   */
     bool   limit[2];                /* is `first`, `last` a limit of motion, where the mode of a  */
@@ -63,7 +63,7 @@ lw_status lw_motion_range(const lw_plan *plan, const double *dim, double side, l
  * when no arc has the mode. */
 int lw_motion_arc(const lw_plan *plan, const lw_motion *motion, const double *mode, double input);
 
-/* The last dyad of an arc of this circuit almost reaches a flat posture inside the arc, or stops a little before one beyond
+/* A dyad of an arc of this circuit almost reaches a flat posture inside the arc, or stops a little before one beyond
  * which another circuit begins, as where a linkage with a change point (a parallelogram, a kite) is drawn with rounded
  * numbers: the angle that is left [rad], else 0.  pin: the input is an angle. */
 double lw_motion_nearly_flat(const lw_motion *motion, int circuit, bool pin);

@@ -41,7 +41,7 @@ static double bulk_of(const lw_target *t, const lw_fit_report *r)
 #define GENTLER (5*LW_PI/180)
 #define ENOUGH  (45*LW_PI/180)
 /* The list ends where errors exceed WORSE times the least, and these parts of the target or angles [rad]; for linkages that leave the
- * target by FAR of its diagonal, FAR_WORSE times. */
+ * target by FAR of its diagonal, or a function by FAR of the swing of its output, FAR_WORSE times. */
 #define WORSE       5
 #define ROUGH       0.01
 #define ROUGH_ANGLE (1*LW_PI/180)
@@ -54,11 +54,13 @@ static bool same_type(const lw_candidate *a, const lw_candidate *b)
         || !a->family->type || strcmp(a->family->type, b->family->type) == 0;
 }
 
-/* Does the linkage stay so near the target that nobody would build it for less error? */
-#define FINE 1e-4                  /* of the target, and an angle [rad]                                    */
+/* Does the linkage stay so near the target that nobody would build another one for less error?  Between the stations the target is a
+ * guess. */
+#define FINE     1e-4              /* of the target at the stations, and an angle [rad]; ...                   */
+#define NO_ERROR 3e-4              /* ... and between them: play and tolerances are more                       */
 static bool is_fine(const lw_target *t, const lw_fit_report *r)
 {
-    return t->extent > 0 && lw_fit_report_misses(t, r) <= FINE*t->extent && !(r->angle_max > FINE);
+    return t->extent > 0 && r->error_max <= FINE*t->extent && lw_fit_report_stray(r) <= NO_ERROR*t->extent && !(r->angle_max > FINE);
 }
 
 #define NOISE 1e-9                 /* parts of the target, and angles [rad]: linkages that err by less meet it equally well */
@@ -80,6 +82,17 @@ static bool covers(const lw_target *t, double factor, const lw_candidate *ca, co
         && (a->transmission_min >= ENOUGH || !(b->transmission_min > a->transmission_min + GENTLER));
 }
 
+/* The range of the output of a function, a full turn at most [rad]. */
+static double swing_of(const lw_target *t)
+{
+    double least = INFINITY, most = -INFINITY;
+    for (size_t i = 0; t->theta && i < t->n; i++) {
+        least = fmin(least, t->theta[i]);
+        most = fmax(most, t->theta[i]);
+    }
+    return fmin(most - least, 2*LW_PI);
+}
+
 /* Is c, with report r, so much worse than the candidate with the least error and no more links (of inputs that turn, if its turns)
  * that nobody wants it? */
 static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, int least, const lw_candidate *c,
@@ -87,13 +100,14 @@ static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report 
 {
     const lw_candidate *first = &fit->candidate[least];
     const lw_fit_report *best = &all[least];
-    double worse = lw_fit_report_misses(t, r) > FAR*t->extent ? FAR_WORSE : WORSE;
+    bool far = t->extent > 0 ? lw_fit_report_misses(t, r) > FAR*t->extent : r->angle_max > FAR*swing_of(t);
+    double worse = far ? FAR_WORSE : WORSE;
     return c->objective > worse*worse*first->objective && !(lw_fit_report_stray(r) < lw_fit_report_stray(best))
         && (r->error_max > ROUGH*t->size || r->angle_max > ROUGH_ANGLE);
 }
 
 /* Numbers of a report in which a search over more should not be worse; less is better.  The first matter most. */
-enum { MEASURES = 7 };
+enum { ERROR, STRAY, CHAMFER, ANGLE, BULK, TRANSMISSION, SPREAD, MEASURES };
 #define NO_BETTER 1e-3             /* relative: the best in a measure is not replaced by one better by less, a twin    */
 
 static void measures(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, double m[MEASURES])
@@ -148,7 +162,7 @@ static bool is_best(const front *f, int i)
     return best;
 }
 
-/* Is candidate i the best in a measure in which none of the n rows is as good? */
+/* Is candidate i the best in a measure in which none of the n rows is as good?  No curve is better than a fine one. */
 static bool is_needed(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, const front *f, const int *row, int n, int i)
 {
     double m[MEASURES], of_row[MEASURES];
@@ -159,7 +173,7 @@ static bool is_needed(const lw_target *t, const lw_fit *fit, const lw_fit_report
     for (int r = 0; r < n; r++) {
         measures(t, &fit->candidate[row[r]], &all[row[r]], of_row);
         for (int k = 0; k < MEASURES; k++)
-            if (of_row[k] <= m[k] + NO_BETTER*fabs(m[k]))
+            if (of_row[k] <= m[k] + NO_BETTER*fabs(m[k]) || ((k == STRAY || k == CHAMFER) && is_fine(t, &all[row[r]])))
                 missing &= ~(1u << k);
     }
     return missing != 0;
@@ -211,7 +225,6 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 }
 
 /* Properties that a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
-#define NO_ERROR     3e-4          /* half of this part of the target's diagonal is hardly better than this: play and tolerances are more */
 #define COMPACT      1.5           /* the longest link, in sizes of the target: ...                                 */
 #define PER_SIZE     0.85          /* ... beyond this twice the length counts as 1.8 times the error, ...           */
 #define PER_LESS     0.1           /* ... below it half the length counts as 0.93 times the error                   */
