@@ -328,6 +328,32 @@ TEST(damping)
     close_scene(&s);
 }
 
+/* Dampers at two places, weak and strong: two modes of a bar are those that all of its motions give. */
+TEST(dampers_at_places)
+{
+    for (double c = 1; c < 1e6; c *= 100) {
+        lw_mode first[2][2];
+        for (int all = 0; all < 2; all++) {
+            scene s;
+            lw_modes modes;
+            CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'beam', 'elastic': {'section': {'shape': 'round', 'diameter': "
+                                 "0.01}, 'material': 'steel', 'segments': 8}}], 'joints': [{'name': 'A', 'kind': 'f', 'links': ['ground', 'beam'], "
+                                 "'at': [0, 0]}], 'tracers': [{'name': 'P', 'link': 'beam', 'at': [1, 0]}], 'dampers': [{'links': ['ground', 'beam'], "
+                                 "'at': [[1, -1], [1, 0]], 'damping': %g}, {'links': ['ground', 'beam'], 'at': [[0, 1], [0.5, 0]], 'damping': 3}]}", c), LW_OK);
+            CHECK_INT(open_scene(&s, LW_ANALYSIS_STATIC), LW_OK);
+            CHECK_INT(lw_modes_find_large(s.d, &(lw_modes_options){ 0 }, all ? 24 : 2, 0, s.q, &modes, &s.e), LW_OK);
+            CHECK_INT(modes.freedom, 24);
+            memcpy(first[all], modes.mode, sizeof first[all]);
+            lw_modes_free(&modes);
+            close_scene(&s);
+        }
+        for (int i = 0; i < 2; i++) {
+            CHECK_NEAR(first[0][i].re, first[1][i].re, 1e-8*first[1][i].natural, 0);
+            CHECK_NEAR(first[0][i].im, first[1][i].im, 1e-8*first[1][i].natural, 0);
+        }
+    }
+}
+
 /* Elements chosen by themselves: 1 % at the frequency asked for. */
 TEST(chosen_elements)
 {
@@ -472,38 +498,38 @@ TEST(inner_forces_and_frame)
     close_scene(&s);
 }
 
-/* A cantilever at an angle under a load that grows along it, and one on its outer half: the integrals of the bar with shear, at
- * its clamp, at its end. */
+/* A cantilever of length l at an angle under a load that grows along it, and one on its outer part: the integrals of the bar with shear,
+ * at its clamp, at its end. */
 TEST(line_loads)
 {
-    static const struct { double from, q[2], shear, moment; } rows[] = {
-        { 0, { 0, 0.01 }, 0.01, 0.01*4./3 }, { 1, { 0.02, 0.01 }, 0.015, 0.01*1.5 + 0.005*4./3 },
-    };
+    static const struct { double l, from, q[2]; } rows[] = { { 2, 0, { 0, 0.01 } }, { 2, 1, { 0.02, 0.01 } }, { 5, 2.5, { 0.02, 0.01 } } };
     double c = cos(2.5), n = sin(2.5), ei = 210e9*1e-4/12, ga = 210e9/2.6*0.01/1.2;
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         scene s;
         lw_rest r;
         lw_inner_force inner[21];
-        double from = rows[i].from, bend = 0;
+        double l = rows[i].l, from = rows[i].from, bend = 0, shear = 0, moment = 0;
         const double *q = rows[i].q;
         for (int k = 0; k < 20000; k++) {
-            double part = (k + 0.5)/20000, x = from + part*(2 - from);
-            bend += (q[0] + part*(q[1] - q[0]))*(2 - from)/20000*(x*x*(6 - x)/(6*ei) + x/ga);
+            double part = (k + 0.5)/20000, x = from + part*(l - from), load = (q[0] + part*(q[1] - q[0]))*(l - from)/20000;
+            bend += load*(x*x*(3*l - x)/(6*ei) + x/ga);
+            shear += load;
+            moment += load*x;
         }
         CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'beam', 'elastic': {'section': " SQUARE ", 'material': 'steel', "
                              "'segments': 8}}], 'joints': [{'name': 'A', 'kind': 'f', 'links': ['ground', 'beam'], 'at': [0, 0]}], 'tracers': [{"
                              "'name': 'P', 'link': 'beam', 'at': [%.17g, %.17g]}], 'forces': [{'link': 'beam', 'along': [[%.17g, %.17g], "
-                             "[%.17g, %.17g]], 'fx': [%.17g, %.17g], 'fy': [%.17g, %.17g]}]}", 2*c, 2*n, from*c, from*n, 2*c, 2*n, -n*q[0],
+                             "[%.17g, %.17g]], 'fx': [%.17g, %.17g], 'fy': [%.17g, %.17g]}]}", l*c, l*n, from*c, from*n, l*c, l*n, -n*q[0],
                              -n*q[1], c*q[0], c*q[1]), LW_OK);
         CHECK_TEXT(s.e.text, "");
         CHECK_INT(open_scene(&s, LW_ANALYSIS_STATIC), LW_OK);
         CHECK_INT(lw_statics_rest(s.d, 0, s.q, &r, &s.e), LW_OK);
         double *still = calloc((size_t)lw_dynamics_system(s.d)->n_q, sizeof *still);
         lw_reactions_inner(s.d, &(lw_moment){ .q = s.q, .v = still }, 0, inner);
-        lw_vec2 moved = lw_v2_sub(tracer(&s, 0, s.q), lw_v2(2*c, 2*n));
+        lw_vec2 moved = lw_v2_sub(tracer(&s, 0, s.q), lw_v2(l*c, l*n));
         CHECK_NEAR(c*moved.y - n*moved.x, bend, 0, 1e-4);              /* a bar 20 times as long as high: shear, see theory.md */
-        CHECK_NEAR(inner[0].shear, rows[i].shear, 1e-6, 0);
-        CHECK_NEAR(inner[0].moment, rows[i].moment, 1e-6, 0);
+        CHECK_NEAR(inner[0].shear, shear, 1e-6, 0);
+        CHECK_NEAR(inner[0].moment, moment, 1e-6, 0);
         CHECK_NEAR(inner[8].shear, 0, 1e-6, 0);
         CHECK_NEAR(inner[8].moment, 0, 1e-6, 0);
         free(still);

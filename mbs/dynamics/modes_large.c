@@ -5,7 +5,8 @@
  * orthogonalisation.  A run that starts anew, orthogonal to the modes found, finds the further ones of equal frequency;
  * it is repeated until it finds none below the greatest.  Models with few freedoms and no elastic links are reduced to all their
  * motions instead, which accelerations under random forces span, and solved as matrices.  Damped modes are those of the equations reduced to twice as many
- * undamped modes as are wanted, which is exact where damping is proportional to the stiffness. */
+ * undamped modes as are wanted, which is exact where damping is proportional to the stiffness; and, where it is not, to what its forces
+ * and the masses bend besides (K z = C x, K z = M x), as a Krylov space of the damped equations has it (Bai & Su 2005). */
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +27,7 @@ typedef struct lanczos {
     const double *q;
     double *basis, *heavy;           /* (most + 1 vectors of n) vectors, and M times these */
     double *found, *found_heavy, *value;     /* modes, M times these, w^2 */
-    int     n_found;
+    int     n_found, n_mode;         /* n_mode of those found are modes */
     double *b;                       /* (n + c) */
 } lanczos;
 
@@ -194,6 +195,40 @@ static void multiply(void *context, int row, int column, double by_q, double by_
     p->c[row] -= by_v*p->x[column];
 }
 
+/* k, c (n) = K x, C x at rest, of forces alone. */
+static void multiply_all(lanczos *z, double t, double *still, const double *x, double *k, double *c)
+{
+    lw_dynamics *d = z->d;
+    product p = { x, k, c };
+    memset(k, 0, (size_t)z->n*sizeof *k);
+    memset(c, 0, (size_t)z->n*sizeof *c);
+    d->eq.derivatives(d->eq.context, t, z->q, still, d->force, &(lw_force_sink){ .context = &p, .add = multiply });
+}
+
+/* Add to the modes found what the damping forces and the masses of their motion bend, and those of what was added, in three rounds; at
+ * most `room` vectors in all. */
+static void add_responses(lanczos *z, int room, double t, double *still, double *k, double *c)
+{
+    static const double own = 1e-9;          /* part of a vector that is not in the others; less is rounding */
+    int first = 0;
+    for (int round = 0; round < 3; round++) {
+        int end = z->n_found;
+        for (int j = first; j < end; j++) {
+            size_t n = (size_t)z->n;
+            multiply_all(z, t, still, z->found + (size_t)j*n, k, c);
+            const double *push[2] = { c, z->found_heavy + (size_t)j*n };
+            for (int i = 0; i < 2 && z->n_found < room; i++) {
+                double *to = z->found + (size_t)z->n_found*n, *heavy = z->found_heavy + (size_t)z->n_found*n;
+                apply(z, push[i], to);
+                lw_tangent_mass(z->tangent, z->q, to, heavy);
+                double whole = sqrt(fmax(lw_dot(z->n, to, heavy), 0));
+                z->n_found += orthogonal(z, to, heavy, 0) > own*whole;
+            }
+        }
+        first = end;
+    }
+}
+
 /* A basis of all motions that the rows allow, instead of modes: for few freedoms. */
 static lw_status find_basis(lanczos *z, int freedom)
 {
@@ -221,16 +256,13 @@ static bool reduce(lanczos *z, bool are_modes, double t, const double *l, lw_vib
     for (int i = 0; i < m*m && are_modes; i++) {
         v->mass[i] = i/m == i%m;
         v->damping[i] = 0;
-        v->stiffness[i] = i/m == i%m ? z->value[i/m] : 0;
+        v->stiffness[i] = i/m == i%m && i/m < z->n_mode ? z->value[i/m] : 0;
     }
     if (are_modes && d->eq.conservative)
         return true;
     for (int j = 0; j < m; j++) {
         const double *x = z->found + (size_t)j*(size_t)n;
-        product p = { x, k, c };
-        memset(k, 0, (size_t)n*sizeof *k);
-        memset(c, 0, (size_t)n*sizeof *c);
-        d->eq.derivatives(d->eq.context, t, z->q, still, d->force, &(lw_force_sink){ .context = &p, .add = multiply });
+        multiply_all(z, t, still, x, k, c);
         for (int r = 0; r < z->tangent->c; r++) {
             lw_bend bend[LW_BEND_MAX];
             int row = d->kept[r], count = lw_mbs_bends(d, row, bend);
@@ -245,14 +277,17 @@ static bool reduce(lanczos *z, bool are_modes, double t, const double *l, lw_vib
             v->mass[i*m + j] = are_modes ? i == j : lw_dot(n, y, z->heavy);
         }
     }
-    /* stiffness of a potential is symmetric, in the modes diagonal, but for rounding */
+    /* stiffness of a potential is symmetric, in the modes diagonal and 0 between them and what is orthogonal to them, but for rounding */
     double skew = 0, stiff = 0;
     for (int i = 0; i < m*m; i++) {
+        if (are_modes && (i/m >= z->n_mode || i%m >= z->n_mode))
+            continue;
         stiff = fmax(stiff, fabs(v->stiffness[i]));
         skew = fmax(skew, fabs(v->stiffness[i] - v->stiffness[i%m*m + i/m]));
     }
     for (int i = 0; i < m*m && are_modes; i++)
-        v->stiffness[i] = i/m == i%m ? z->value[i/m] : 0;
+        if (i/m < z->n_mode || i%m < z->n_mode)
+            v->stiffness[i] = i/m == i%m ? z->value[i/m] : 0;
     for (int i = 0; i < m*m && d->eq.conservative && !are_modes; i++)
         v->stiffness[i] = v->stiffness[i%m*m + i/m] = 0.5*(v->stiffness[i] + v->stiffness[i%m*m + i/m]);
     return d->eq.conservative || skew <= 1e-7*stiff;
@@ -273,8 +308,10 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t,
     int aim = damped ? 2*wanted : wanted, room = aim + 4 < modes->freedom ? aim + 4 : modes->freedom;
     bool small = !d->elastic && modes->freedom <= 2*LW_MODES_DEFAULT;
     room = small ? modes->freedom : room;
-    int most = 2*room + 20 < modes->freedom ? 2*room + 20 : modes->freedom;
-    size_t vectors = 2*((size_t)most + 1) + 2*((size_t)room + 1), square = (size_t)room*(size_t)room;
+    int most = 2*room + 20 < modes->freedom ? 2*room + 20 : modes->freedom, all = room;      /* all: with responses to damping */
+    if (damped && !small)
+        all = LW_SYSTEM_Q_MAX < modes->freedom ? LW_SYSTEM_Q_MAX : modes->freedom;
+    size_t vectors = 2*((size_t)most + 1) + 2*((size_t)all + 1), square = (size_t)all*(size_t)all;
     double *memory = calloc(vectors*n + (size_t)room + 5*n + 2*c + 3*square + 8, sizeof *memory), *p = memory;
     lw_tangent own = { 0 };
     lanczos z = { .d = d, .n = d->n_v, .most = most, .t = t, .q = q, .tangent = kept ? kept : &own };
@@ -282,7 +319,7 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t,
                 : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         z.basis = p, p += ((size_t)most + 1)*n, z.heavy = p, p += ((size_t)most + 1)*n;
-        z.found = p, p += ((size_t)room + 1)*n, z.found_heavy = p, p += ((size_t)room + 1)*n, z.value = p, p += room;
+        z.found = p, p += ((size_t)all + 1)*n, z.found_heavy = p, p += ((size_t)all + 1)*n, z.value = p, p += room;
         double *still = p, *k = p + n, *damp = p + 2*n, *l = p + 3*n;
         z.b = l + c;
         lw_vibration v = { .eq = &d->eq, .n_q = d->n_v, .null = z.found };
@@ -320,6 +357,9 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t,
             for (int i = 0; i < z.n_found && !small; i++)
                 if (fabs(z.value[i]) < 1e-6*z.shift)                       /* a free motion, but for rounding */
                     z.value[i] = 0;
+            z.n_mode = z.n_found;
+            if (damped && !small)
+                add_responses(&z, all, t, still, k, damp);
             v.n_free = z.n_found;
             s = reduce(&z, !small, t, l, &v, k, damp, still) ? lw_modes_solve(&v, modes, e)
               : lw_error_set(e, LW_E_KIND, "modes of large models and of elastic links need loads with a potential; a force that "

@@ -467,7 +467,7 @@ lw_vec2 lw_forces_applied(const lw_forces *f, int i, double t, const double *q, 
         value[k] = x[k] ? evaluate(f, x[k], NULL, t, q, v, NULL, &(sum){ .n = f->system->n_q }) : 0;
     lw_vec2 u = body < 0 ? lw_v2(1, 0) : lw_v2_polar(1, q[3*body + 2]), force = lw_v2(value[0], value[1]);
     force = p->follows ? lw_v2_turn(force, u) : force;
-    *moment = value[2] + lw_v2_cross(lw_v2_turn(f->force_arm[i], u), force);
+    *moment = value[2] + f->system->unit*lw_v2_cross(lw_v2_turn(f->force_arm[i], u), force);
     return force;
 }
 
