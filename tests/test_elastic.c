@@ -354,6 +354,26 @@ TEST(dampers_at_places)
     }
 }
 
+/* Beck's column (1952): a force that turns with the tip of a cantilever makes it flutter from 20.05 EI/L^2 on, and not before. */
+TEST(a_column_flutters)
+{
+    double ei = 210e9*LW_PI*pow(0.01, 4)/64;
+    for (int k = 0; k < 2; k++) {
+        scene s;
+        lw_modes modes;
+        CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'beam', 'elastic': {'section': {'shape': 'round', 'diameter': 0.01}, "
+                             "'material': 'steel', 'segments': 14}}], 'joints': [{'name': 'A', 'kind': 'f', 'links': ['ground', 'beam'], 'at': [0, 0]}], "
+                             "'tracers': [{'name': 'P', 'link': 'beam', 'at': [1, 0]}], 'forces': [{'link': 'beam', 'at': [1, 0], 'fx': %.17g, 'fy': 0, "
+                             "'frame': 'link'}]}", -(k ? 20.15 : 19.95)*ei), LW_OK);
+        CHECK_INT(open_scene(&s, LW_ANALYSIS_STATIC), LW_OK);
+        CHECK_INT(lw_modes_find_large(s.d, &(lw_modes_options){ .rest = true }, 2, 0, s.q, &modes, &s.e), LW_OK);
+        CHECK(k ? modes.mode[0].re > 1 || modes.mode[1].re > 1 : fabs(modes.mode[0].re) < 1e-6 && fabs(modes.mode[1].re) < 1e-6);
+        CHECK(modes.mode[0].im > 50);
+        lw_modes_free(&modes);
+        close_scene(&s);
+    }
+}
+
 /* Elements chosen by themselves: 1 % at the frequency asked for. */
 TEST(chosen_elements)
 {
@@ -377,7 +397,7 @@ TEST(chosen_elements)
 
 /* EI = 1, L = 1, stretch and shear stiff. */
 #define ELASTICA "{'linkwright': 1, 'links': ['ground', {'name': 'beam', 'elastic': {'section': {'shape': 'general', 'area': 1e4, 'Iz': 1e-6," \
-                 "'zeta': 0}, 'material': {'E': 1e6, 'G': 1e6, 'density': 1e-4}, 'segments': %d}}]," \
+                 "'zeta': 0}, 'material': {'E': 1e6, 'G': 1e6, 'density': 1e-4}, 'segments': %d, 'damping': 1e-3}}]," \
                  "'joints': [{'name': 'A', 'kind': 'f', 'links': ['ground', 'beam'], 'at': [0, 0]}]," \
                  "'tracers': [{'name': 'P', 'link': 'beam', 'at': [1, 0]}]," \
                  "'forces': [{'link': 'beam', 'at': [1, 0], 'fx': %.17g, 'fy': %.17g, 'torque': %.17g}]}"
@@ -425,7 +445,8 @@ TEST(elastica)
     }
 }
 
-/* A column beyond its buckling load pi^2/4: P/P_cr = (2 K(k)/pi)^2, tip at 2 k/sqrt(P), k = sin(half the angle at the tip). */
+/* A column beyond its buckling load pi^2/4, which damping does not change: P/P_cr = (2 K(k)/pi)^2, tip at 2 k/sqrt(P), k = sin(half the
+ * angle at the tip). */
 TEST(buckling)
 {
     scene s;

@@ -6,7 +6,8 @@
  * it is repeated until it finds none below the greatest.  Models with few freedoms and no elastic links are reduced to all their
  * motions instead, which accelerations under random forces span, and solved as matrices.  Damped modes are those of the equations reduced to twice as many
  * undamped modes as are wanted, which is exact where damping is proportional to the stiffness; and, where it is not, to what its forces
- * and the masses bend besides (K z = C x, K z = M x), as a Krylov space of the damped equations has it (Bai & Su 2005). */
+ * and the masses bend besides (K z = C x, K z = M x), as a Krylov space of the damped equations has it (Bai & Su 2005).  Up to
+ * LW_SYSTEM_Q_MAX freedoms under loads without a potential are solved as matrices, too. */
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +18,8 @@
 #include "mbs/dynamics/tangent_internal.h"
 #include "mbs/dynamics/vibration_internal.h"
 #include "mbs/equations/limits_internal.h"
+
+static const double shift_part = 1e-9;   /* of the greatest stiffness over mass */
 
 typedef struct lanczos {
     lw_dynamics *d;
@@ -248,8 +251,9 @@ static lw_status find_basis(lanczos *z, int freedom)
     return LW_OK;
 }
 
-/* Matrices of the modes or of the basis.  false: the stiffness is not symmetric. */
-static bool reduce(lanczos *z, bool are_modes, double t, const double *l, lw_vibration *v, double *k, double *c, double *still)
+/* Matrices of the modes or of the basis; damping: with C, and of a basis as they are.  false: the loads have no potential, the stiffness
+ * is not symmetric. */
+static bool reduce(lanczos *z, bool are_modes, bool damping, double t, const double *l, lw_vibration *v, double *k, double *c, double *still)
 {
     lw_dynamics *d = z->d;
     int n = z->n, m = z->n_found;
@@ -277,23 +281,28 @@ static bool reduce(lanczos *z, bool are_modes, double t, const double *l, lw_vib
             v->mass[i*m + j] = are_modes ? i == j : lw_dot(n, y, z->heavy);
         }
     }
+    for (int i = 0; i < m*m && !damping; i++)
+        v->damping[i] = 0;
+    if (damping && !are_modes && !d->eq.conservative)
+        return true;
     /* stiffness of a potential is symmetric, in the modes diagonal and 0 between them and what is orthogonal to them, but for rounding */
-    double skew = 0, stiff = 0;
-    for (int i = 0; i < m*m; i++) {
-        if (are_modes && (i/m >= z->n_mode || i%m >= z->n_mode))
-            continue;
-        stiff = fmax(stiff, fabs(v->stiffness[i]));
-        skew = fmax(skew, fabs(v->stiffness[i] - v->stiffness[i%m*m + i/m]));
+    double rounding = 64*DBL_EPSILON*z->shift/shift_part;
+    for (int i = 0; i < m*m && !d->eq.conservative; i++) {
+        int row = i/m, column = i%m;
+        double size = sqrt(fabs(v->stiffness[row*m + row]*v->stiffness[column*m + column]));
+        bool part = !are_modes || (row < z->n_mode && column < z->n_mode);
+        if (part && fabs(v->stiffness[i] - v->stiffness[column*m + row]) > 1e-7*size + rounding)
+            return false;
     }
-    for (int i = 0; i < m*m && are_modes; i++)
-        if (i/m < z->n_mode || i%m < z->n_mode)
+    for (int i = 0; i < m*m; i++)
+        if (are_modes && (i/m < z->n_mode || i%m < z->n_mode))
             v->stiffness[i] = i/m == i%m ? z->value[i/m] : 0;
-    for (int i = 0; i < m*m && d->eq.conservative && !are_modes; i++)
-        v->stiffness[i] = v->stiffness[i%m*m + i/m] = 0.5*(v->stiffness[i] + v->stiffness[i%m*m + i/m]);
-    return d->eq.conservative || skew <= 1e-7*stiff;
+        else
+            v->stiffness[i] = v->stiffness[i%m*m + i/m] = 0.5*(v->stiffness[i] + v->stiffness[i%m*m + i/m]);
+    return true;
 }
 
-lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t, double *q, lw_modes *modes, lw_error *e)
+lw_status lw_modes_about(lw_dynamics *d, int wanted, bool damping, lw_tangent *kept, double t, double *q, lw_modes *modes, lw_error *e)
 {
     size_t n = (size_t)d->n_v, c = (size_t)d->n_kept;
     modes->freedom = d->n_v - d->n_kept;
@@ -301,15 +310,15 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t,
     if (modes->freedom <= 0)
         return lw_error_set(e, LW_NOTHING, "no freedom is left to vibrate");
     bool damped = false;
-    if (!d->eq.conservative && lw_mbs_rows(d, t, q) == LW_OK) {
+    if (damping && !d->eq.conservative && lw_mbs_rows(d, t, q) == LW_OK) {
         memset(d->v_try, 0, n*sizeof *d->v_try);
         d->eq.derivatives(d->eq.context, t, q, d->v_try, d->force, &(lw_force_sink){ .context = &damped, .add = see_damping });
     }
     int aim = damped ? 2*wanted : wanted, room = aim + 4 < modes->freedom ? aim + 4 : modes->freedom;
     bool small = !d->elastic && modes->freedom <= 2*LW_MODES_DEFAULT;
     room = small ? modes->freedom : room;
-    int most = 2*room + 20 < modes->freedom ? 2*room + 20 : modes->freedom, all = room;      /* all: with responses to damping */
-    if (damped && !small)
+    int most = 2*room + 20 < modes->freedom ? 2*room + 20 : modes->freedom, all = room;      /* all: with responses to damping, or a basis */
+    if (damping && !d->eq.conservative && !small)
         all = LW_SYSTEM_Q_MAX < modes->freedom ? LW_SYSTEM_Q_MAX : modes->freedom;
     size_t vectors = 2*((size_t)most + 1) + 2*((size_t)all + 1), square = (size_t)all*(size_t)all;
     double *memory = calloc(vectors*n + (size_t)room + 5*n + 2*c + 3*square + 8, sizeof *memory), *p = memory;
@@ -343,7 +352,7 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t,
         /* what rounding of places leaves of the stiffness is no force */
         modes->unbalanced = force > 0 && left > rounding*stiffest ? left/force : 0;
         scale = ratio > 0 ? ratio : 1;
-        z.shift = 1e-9*scale;
+        z.shift = shift_part*scale;
         lw_status factored = s == LW_OK && !small ? lw_tangent_factor(z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) : s;
         if (factored != s)
             s = lw_error_set(e, factored, factored == LW_E_MEMORY ? "out of memory" : "the stiffness is singular in this posture");
@@ -361,9 +370,16 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t,
             if (damped && !small)
                 add_responses(&z, all, t, still, k, damp);
             v.n_free = z.n_found;
-            s = reduce(&z, !small, t, l, &v, k, damp, still) ? lw_modes_solve(&v, modes, e)
-              : lw_error_set(e, LW_E_KIND, "modes of large models and of elastic links need loads with a potential; a force that "
-                             "turns with its link or depends on others has none");
+            bool known = reduce(&z, !small, damping, t, l, &v, k, damp, still);
+            if (!known && damping && all == modes->freedom) {              /* few enough for their matrices as they are */
+                s = find_basis(&z, all);
+                v.n_free = z.n_found;
+                known = s == LW_OK && reduce(&z, false, true, t, l, &v, k, damp, still);
+            }
+            if (s == LW_OK)
+                s = known ? lw_modes_solve(&v, modes, e)
+                  : lw_error_set(e, LW_E_KIND, "modes of more than %d freedoms need loads with a potential; a force that turns with its "
+                                 "link or depends on others has none", LW_SYSTEM_Q_MAX);
         }
         if (s == LW_OK && modes->n_mode > wanted)
             modes->n_mode = wanted;

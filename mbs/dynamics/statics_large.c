@@ -272,7 +272,7 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
     }
     for (int k = 0; st == LW_OK; k++) {                       /* off an equilibrium that is not stable */
         r->residual = greatest(s.residual, s.n);
-        st = lw_modes_about(d, 4, NULL, t, q, &modes, &ignored);
+        st = lw_modes_about(d, 4, false, NULL, t, q, &modes, &ignored);
         r->stable = st == LW_NOTHING;
         r->unknown = st == LW_E_KIND;
         if (st != LW_OK) {
@@ -306,7 +306,7 @@ lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wan
     lw_rest rest = { 0 };
     lw_status s = o->rest ? lw_statics_rest_large(d, t, q, &rest, e) : LW_OK;
     memset(modes, 0, sizeof *modes);
-    return s == LW_OK ? lw_modes_about(d, wanted, o->kept, t, q, modes, e) : s == LW_NOTHING ? LW_E_NUMERIC : s;
+    return s == LW_OK ? lw_modes_about(d, wanted, true, o->kept, t, q, modes, e) : s == LW_NOTHING ? LW_E_NUMERIC : s;
 }
 
 /* ---- quasi-static runs ------------------------------------------------------------------------------------------ */
