@@ -50,8 +50,8 @@ static inline void read_chain(int n, double damping, lw_model *m)
     read_text(&t, m);
 }
 
-/* N four-bars in a row: n + 1 upright cranks on the ground, their ends joined by rods. */
-static inline void read_row(int n, lw_model *m)
+/* N four-bars in a row: n + 1 upright cranks on the ground, each by `rise` longer than the one before it, their ends joined by rods. */
+static inline void read_rising_row(int n, double rise, lw_model *m)
 {
     text t = { 0 };
     put(&t, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground'");
@@ -62,10 +62,12 @@ static inline void read_row(int n, lw_model *m)
     put(&t, "], 'joints': [{'name': 'A0', 'links': ['ground', 'c0'], 'at': [0, 0]}");
     for (int i = 1; i <= n; i++)
         put(&t, ",{'name': 'A%d', 'links': ['ground', 'c%d'], 'at': [%d, 0]}"
-            ",{'name': 'B%d', 'links': ['c%d', 'r%d'], 'at': [%d, 1]},{'name': 'C%d', 'links': ['r%d', 'c%d'], 'at': [%d, 1]}",
-            i, i, i, i, i - 1, i - 1, i - 1, i, i - 1, i, i);
+            ",{'name': 'B%d', 'links': ['c%d', 'r%d'], 'at': [%d, %.17g]},{'name': 'C%d', 'links': ['r%d', 'c%d'], 'at': [%d, %.17g]}",
+            i, i, i, i, i - 1, i - 1, i - 1, 1 + rise*(i - 1), i, i - 1, i, i, 1 + rise*i);
     put(&t, "], 'input': {'joint': 'A0', 'speed': 1}}");
     read_text(&t, m);
 }
+
+static inline void read_row(int n, lw_model *m) { read_rising_row(n, 0, m); }
 
 #endif

@@ -1,6 +1,7 @@
 /* tests/test_dynamics_large.c - models of any size: the sparse way alone gives the motion that both ways give together on
  * models small enough for both; long chains and rows of loops keep their energy. */
 #include "mbs/analysis/freedoms.h"
+#include "mbs/dynamics/dynamics_equations_internal.h"
 #include "mbs/dynamics/follow.h"
 #include "mbs/dynamics/modes.h"
 #include "mbs/dynamics/statics.h"
@@ -911,6 +912,38 @@ TEST(friction_in_any_number_of_joints)
             lw_model_free(&m);
         }
         CHECK(fabs(alone[2]) > 0.01);
+    }
+}
+
+/* Friction in pins that load each other, in passes over all of them, beside IDA, whose unknowns the reactions are; the equations of all
+ * joints, quadratic in memory, are made only where passes do not do. */
+TEST(friction_in_passes)
+{
+    lw_model m;
+    kept one, all;
+    lw_dynamics_report report;
+    lw_error e = { 0 };
+    read_rising_row(8, 0.05, &m);
+    for (int j = 0; j < m.linkage.n_joint; j++)
+        m.friction[j] = (lw_friction){ .coefficient = 0.3, .radius = 0.05, .speed = 0.02 };
+    CHECK_INT(run_by(LW_FORMULATION_GGL, &m, 0.3, 1e-10, &one, &report, &e), LW_OK);
+    CHECK_INT(run(&m, 0.3, 1e-11, &all, &report, &e), LW_OK);
+    CHECK(one.n_q == all.n_q && fabs(all.q[2] - LW_PI/2) > 0.01);
+    for (int i = 0; i < one.n_q; i++)
+        CHECK_NEAR(all.q[i], one.q[i], 1e-8, 0);
+    free(one.q);
+    free(all.q);
+    lw_model_free(&m);
+    for (int wide = 0; wide < 2; wide++) {
+        lw_dynamics_options o = lw_dynamics_options_default();
+        lw_dynamics *d;
+        read_copies(100, wide ? 0.6 : 0.02, &m);
+        o.to = 0.01, o.intervals = 1, o.formulation = LW_FORMULATION_INDEX1;
+        CHECK_INT(lw_dynamics_make(&m, &o, &d, &e), LW_OK);
+        CHECK_INT(lw_dynamics_run(d, NULL, NULL, &report, &e), LW_OK);
+        CHECK((d->response != NULL) == wide);
+        lw_dynamics_free(d);
+        lw_model_free(&m);
     }
 }
 

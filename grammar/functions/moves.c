@@ -80,12 +80,10 @@ lw_status lw_moves_read(const lw_json_node *object, lw_moves *m, lw_error *e)
     return s;
 }
 
-const lw_moves *lw_moves_find(int n, const lw_moves *all, const char *name)
+const lw_moves *lw_moves_find(lw_json *json, int n, const lw_moves *all, const char *name)
 {
-    for (int i = 0; i < n; i++)
-        if (strcmp(name, all[i].name) == 0)
-            return &all[i];
-    return NULL;
+    int i = lw_read_find(json, name, (const char *)all, sizeof *all, n);
+    return i < 0 ? NULL : &all[i];
 }
 
 lw_status lw_moves_read_profiles(const lw_json_node *root, int *count, lw_moves **out, lw_error *e)
@@ -104,7 +102,7 @@ lw_status lw_moves_read_profiles(const lw_json_node *root, int *count, lw_moves 
         if (s == LW_OK && (s = lw_json_known_keys(&one, known, COUNT(known), e)) == LW_OK &&
             (s = lw_read_need(&one, "name", &n, e)) == LW_OK)
             s = lw_json_name(&n, p->name, sizeof p->name, e);
-        if (s == LW_OK && lw_moves_find(*count, *out, p->name))
+        if (s == LW_OK && lw_moves_find(root->json, *count, *out, p->name))
             s = lw_json_fault(&n, e, "there are two profiles with the name \"%s\"", p->name);
         ++*count;
         if (s == LW_OK)

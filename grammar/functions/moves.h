@@ -13,7 +13,7 @@ typedef struct lw_move {                 /* then rest until the next one */
 } lw_move;
 
 typedef struct lw_moves {
-    char     name[32];
+    char     name[32];                   /* first, for lw_moves_find */
     int      n;
     lw_move *move;
     double   end;                        /* of the last move */
@@ -25,9 +25,9 @@ lw_status lw_moves_read(const lw_json_node *object, lw_moves *m, lw_error *e);
 void      lw_moves_free(lw_moves *m);
 
 /* The list "profiles" of a model into *all (*n), which is allocated and needs lw_moves_free for each, then free(), also
- * after a failure.  The one of a name; NULL: there is none. */
+ * after a failure.  The one of a name; NULL: there is none; json as in lw_read_find. */
 lw_status lw_moves_read_profiles(const lw_json_node *root, int *n, lw_moves **all, lw_error *e);
-const lw_moves *lw_moves_find(int n, const lw_moves *all, const char *name);
+const lw_moves *lw_moves_find(lw_json *json, int n, const lw_moves *all, const char *name);
 
 /* Taylor coefficients 0 .. order <= 8 of the position at t; at a kink (direction < 0) those before it, else behind it. */
 void lw_moves_series(const lw_moves *m, double t, int direction, int order, double *out);

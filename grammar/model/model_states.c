@@ -146,8 +146,9 @@ static const lw_expression *insert_signal(void *context, const char *word, const
 
 static const struct lw_moves *find_profile(void *context, const char *name)
 {
-    const lw_reading *r = ((const look *)context)->r;
-    return lw_moves_find(*r->n_profile, *r->profile, name);
+    const look *l = context;
+    const lw_reading *r = l->r;
+    return lw_moves_find(l->json, *r->n_profile, *r->profile, name);
 }
 
 /* The state of integral(x) or lag(x, time). */
@@ -618,7 +619,7 @@ static lw_status read_cylinder(const lw_json_node *object, size_t index, const l
         return s;
     int spring, p = find_state(r->states, name, "p1");
     double length;
-    lw_expression **law = r->cylinder(r->model, name, &spring, &length);
+    lw_expression **law = r->cylinder(r->model, object->json, name, &spring, &length);
     if (length < retracted || length > retracted + stroke) {
         lw_expression_free(valve);
         return lw_json_fault(object, e, "the cylinder is %.6g m long in the posture, which is not within %.6g .. %.6g m",

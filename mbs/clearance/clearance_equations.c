@@ -482,7 +482,8 @@ static lw_status add_friction(lw_clearance_work *w, double t, const double *du, 
     lw_tree_write(&c->tree, &w->state, du, w->q, w->v);
     for (int k = 0; k < c->n_friction; k++) {
         memset(b, 0, sizeof(double)*(size_t)all);
-        lw_friction_force(&c->s, &c->friction[k], w->q, w->v, force);
+        memset(force, 0, sizeof(double)*(size_t)c->s.n_q);
+        lw_friction_force(&c->s, &c->friction[k], w->q, w->v, 1, force);
         lw_clearance_through_tree(w, force, b);
         solve_again(w, b, w->response + k*all);
     }

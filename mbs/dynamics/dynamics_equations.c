@@ -363,48 +363,109 @@ static const char *rubbing(const void *context, int j)
     return d->space ? d->space->model->joint[d->friction[j].joint].name : d->model->linkage.joint[d->friction[j].joint].name;
 }
 
-double lw_mbs_reaction(const lw_dynamics *d, int j)
+static double reaction_size(const lw_dynamics *d, int j, const double *l)
 {
     double f[3];
-    reaction_of(d, j, d->l, f);
+    reaction_of(d, j, l, f);
     return d->space ? lw_v3_norm(lw_v3(f[0], f[1], f[2])) : hypot(f[0], f[1]);
 }
 
-/* The force (n_v) of friction j for a reaction of 1 N, along its sense; returns its power. */
-static double unit_friction(lw_dynamics *d, const lw_friction_joint *f, const double *q, const double *v, double *force)
+double lw_mbs_reaction(const lw_dynamics *d, int j) { return reaction_size(d, j, d->l); }
+
+/* Add the friction for a reaction of `size`, along its sense, to force (n_v); returns its power. */
+static double rub(const lw_dynamics *d, const lw_friction_joint *f, const double *q, const double *v, double size, double *force)
 {
-    return d->space ? lw_spatial_rub(d->space, f, v, force) : lw_friction_force(&d->s, f, q, v, force);
+    return d->space ? lw_spatial_rub(d->space, f, v, size, force) : lw_friction_force(&d->s, f, q, v, size, force);
 }
 
 double lw_mbs_rub(lw_dynamics *d, const double *q, const double *v, double *force)
 {
-    double power = 0, *unit = d->small_v;
-    for (int j = 0; j < d->n_friction; j++) {
-        double size = lw_mbs_reaction(d, j);
-        power += size*unit_friction(d, &d->friction[j], q, v, unit);
-        for (int i = 0; i < d->n_v; i++)
-            force[i] += size*unit[i];
-    }
+    double power = 0;
+    for (int j = 0; j < d->n_friction; j++)
+        power += rub(d, &d->friction[j], q, v, lw_mbs_reaction(d, j), force);
     return power;
 }
 
 void lw_mbs_rub_slopes(lw_dynamics *d, const double *q, const double *v, const lw_force_sink *sink)
 {
     double *unit = d->small_v;
+    const int width = d->space ? 2*LW_BLOCK : LW_BLOCK;
+    memset(unit, 0, (size_t)d->n_v*sizeof *unit);
     for (int j = 0; j < d->n_friction; j++) {
         const lw_friction_joint *f = &d->friction[j];
+        const int *body = d->space ? d->space->s.joint[f->joint].body : d->s.joint[f->joint].body;
         lw_friction_joint whole = *f;
-        int at[2*LW_ROW_SIZE], n = 0;
+        int at[4*LW_BLOCK], n = 0;
         whole.held = true, whole.part = -1;
-        double arm = f->coefficient*f->lever_arm, rate = unit_friction(d, &whole, q, v, unit)/arm;
+        double arm = f->coefficient*f->lever_arm, rate = rub(d, &whole, q, v, 1, unit)/arm;
         double part = tanh(f->lever_arm*rate/f->speed), slope = -lw_mbs_reaction(d, j)*(1 - part*part)/(f->coefficient*f->speed);
-        for (int i = 0; i < d->n_v && n < 2*LW_ROW_SIZE; i++)
-            if (unit[i] != 0)
-                at[n++] = i;
+        for (int i = 0; i < 2*width; i++)
+            if (body[i/width] >= 0 && unit[width*body[i/width] + i%width] != 0)
+                at[n++] = width*body[i/width] + i%width;
         for (int a = 0; a < n; a++)
             for (int b = 0; b < n; b++)
                 sink->add(sink->context, at[a], at[b], 0, slope*unit[at[a]]*unit[at[b]]);
+        for (int a = 0; a < n; a++)
+            unit[at[a]] = 0;
     }
+}
+
+double *lw_mbs_response(lw_dynamics *d)
+{
+    size_t n = (size_t)d->n_friction, rows = (size_t)(d->n_row + d->n_input + LW_STOP_ROW_MAX) + (d->touch ? (size_t)d->touch->row_max : 0);
+    if (!d->response)
+        d->response = malloc((n*((size_t)d->n_v + rows + 2) + lw_friction_doubles(d->n_friction, 3))*sizeof *d->response);
+    return d->response;
+}
+
+enum { MANY = 16 };                      /* joints with friction, from which on equations for all at once cost more than passes */
+
+/* a and l, found without friction, become those with it, in passes whose cost is linear in the number of joints: the change of the
+ * reactions in one pass causes the friction of the next.  Reactions begin beside those without friction, so that no way in which they
+ * could grow is left out: if all changes fall to `least` of themselves in each pass, the friction of any part of the joints determines its reactions
+ * too, and there is no paradox.  false: they do not fall so fast; then a and l are as before. */
+static bool rub_in_passes(lw_dynamics *d, const double *q, const double *v, double *a, double *l, double *power)
+{
+    static const double least = 0.4, beside = 0.1;
+    const int n = d->n_friction, n_x = d->n_v + d->n_c;
+    double *size = d->rub, *x = size + n, *was = x + n_x, scale = 0, before = INFINITY, ratio = 0, work = 0;
+    for (int j = 0; j < n; j++) {
+        size[j] = 0;
+        scale = fmax(scale, reaction_size(d, j, l));
+    }
+    memcpy(was, a, (size_t)d->n_v*sizeof *a);
+    memcpy(was + d->n_v, l, (size_t)d->n_c*sizeof *l);
+    memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
+    for (int pass = 0; ratio < least; pass++) {
+        double most = 0;
+        memset(d->force, 0, (size_t)d->n_v*sizeof *d->force);
+        for (int j = 0; j < n; j++) {
+            double more = reaction_size(d, j, l) - size[j] + (pass ? 0 : beside*scale*fmod(0.6180339887498949*(j + 1), 1));
+            work += rub(d, &d->friction[j], q, v, more, d->force);
+            size[j] += more;
+            scale = fmax(scale, size[j]);
+            most = !(fabs(more) <= most) ? fabs(more) : most;
+        }
+        if (most <= 64*DBL_EPSILON*scale) {
+            *(d->touch ? &d->touch->determinant : &d->friction_determinant) = 1 - ratio;
+            if (power)
+                *power += work;
+            return true;
+        }
+        if (pass > 1)
+            ratio = !(most <= ratio*before) ? most/before : ratio;
+        if (pass > 0)
+            before = most;
+        if (lw_mbs_linear(d, d->force, d->rhs, x, x + d->n_v) != LW_OK)
+            break;
+        for (int i = 0; i < d->n_v; i++)
+            a[i] += x[i];
+        for (int r = 0; r < d->n_c; r++)
+            l[r] += x[d->n_v + r];
+    }
+    memcpy(a, was, (size_t)d->n_v*sizeof *a);
+    memcpy(l, was + d->n_v, (size_t)d->n_c*sizeof *l);
+    return false;
 }
 
 /* a and l, found without friction, become those with it. */
@@ -412,14 +473,23 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
                               double *power)
 {
     int joints = d->n_friction, n = joints + (d->touch ? d->touch->n_slip : 0), stride = d->n_v + d->n_c;
-    double *response = d->touch && d->touch->response ? d->touch->response : d->response;       /* before the run: none */
+    if (n == joints && n >= MANY && rub_in_passes(d, q, v, a, l, power)) {
+        if (!d->touch && !(d->friction_determinant > d->least_determinant))
+            d->least_determinant = d->friction_determinant;
+        return LW_OK;
+    }
+    double *response = d->touch && d->touch->response ? d->touch->response : lw_mbs_response(d);       /* before the run: none */
+    if (!response)
+        return lw_error_set(d->e, LW_E_MEMORY, "out of memory");
     int dim = d->space ? 3 : 2;
     double *size = response + (size_t)n*(size_t)stride + lw_friction_doubles(n, dim), *unit_power = size + n;
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
     lw_status s = LW_OK;
     for (int j = 0; s == LW_OK && j < n; j++) {
         double *to = response + (size_t)j*(size_t)stride;
-        unit_power[j] = j < joints ? unit_friction(d, &d->friction[j], q, v, d->force) : lw_mbs_touch_slip(d, j - joints, v, d->force);
+        if (j < joints)
+            memset(d->force, 0, (size_t)d->n_v*sizeof *d->force);
+        unit_power[j] = j < joints ? rub(d, &d->friction[j], q, v, 1, d->force) : lw_mbs_touch_slip(d, j - joints, v, d->force);
         s = lw_mbs_linear(d, d->force, d->rhs, to, to + d->n_v);
     }
     if (s == LW_OK)

@@ -89,7 +89,8 @@ struct lw_dynamics {
     int    *rank_ints;
     double *force, *bias, *q_try, *v_try, *small_v, *stop_v, *a, *l, *l_each, *hold;
     double  friction_determinant, least_determinant;    /* of the friction equations, without contacts; the least of a run */
-    double *response;                         /* n_friction x (n_v + n_c): a and l for friction of 1 N; lw_friction_doubles; 2*n_friction */
+    double *rub;                              /* n_friction reactions, 2*(n_v + n_c): scratch of many joints with friction */
+    double *response;                         /* lw_mbs_response; NULL: not yet wanted */
     double *start_q, *start_v, *start_z, *drawn_q;   /* drawn_q: of the drawing, closed */
     double *speed_rows;                       /* (n_c + inputs) x n_v: rows that decide the velocities of the start */
     bool   *at_rest;                          /* (inputs) without a speed, which start at rest */
@@ -175,6 +176,10 @@ double lw_mbs_reaction(const lw_dynamics *d, int j);
  * power.  The slopes of that of revolute joints, pins and slides by v, the reactions kept. */
 double lw_mbs_rub(lw_dynamics *d, const double *q, const double *v, double *force);
 void   lw_mbs_rub_slopes(lw_dynamics *d, const double *q, const double *v, const lw_force_sink *sink);
+
+/* Scratch of all joints with friction at once: n_friction x (n_v + n_c), a and l for friction of 1 N; lw_friction_doubles; 2*n_friction.
+ * NULL: out of memory. */
+double *lw_mbs_response(lw_dynamics *d);
 
 /* Rates of the first-order states at the z placed last.  LW_E_NUMERIC: one is not a number; it is named. */
 lw_status lw_mbs_state_rates(lw_dynamics *d, double t, const double *q, const double *v, double *rate);

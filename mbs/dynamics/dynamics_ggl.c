@@ -54,13 +54,9 @@ static double add_friction(lw_dynamics *d, const double *q, const double *v, con
 {
     double power = 0;
     for (int f = 0; f < d->n_friction; f++) {
-        double force[LW_SYSTEM_Q_MAX], unit = lw_friction_force(&d->s, &d->friction[f], q, v, force);
         const lw_system_joint *j = &d->s.joint[d->friction[f].joint];
         int x = d->place[j->row], y = lw_joint_turns(j->kind) ? d->place[j->row + 1] : -1;
-        double n = hypot(x < 0 ? 0 : l[x], y < 0 ? 0 : l[y])/d->s.unit;
-        for (int i = 0; i < d->n_q; i++)
-            d->force[i] += n*force[i];
-        power += n*unit;
+        power += lw_friction_force(&d->s, &d->friction[f], q, v, hypot(x < 0 ? 0 : l[x], y < 0 ? 0 : l[y])/d->s.unit, d->force);
     }
     return power;
 }

@@ -97,7 +97,7 @@ lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
         { &d->small, 3*c + v }, { &d->force, v }, { &d->bias, v }, { &d->q_try, q }, { &d->v_try, v }, { &d->small_v, v },
         { &d->stop_v, v }, { &d->a, v }, { &d->l, c }, { &d->l_each, 3*c }, { &d->hold, v }, { &d->start_q, q }, { &d->drawn_q, q },
         { &d->start_v, v }, { &d->start_z, (size_t)d->eq.n_z }, { &d->along_null, v },
-        { &d->speed_rows, dense*speeds*v }, { &d->response, (size_t)d->n_friction*(v + c + 2) + lw_friction_doubles(d->n_friction, 3) },
+        { &d->speed_rows, dense*speeds*v }, { &d->rub, (size_t)d->n_friction + 2*(v + c) },
     };
     const int_piece ints[] = { { &d->kept, c }, { &d->place, c }, { &d->unknown, c },
                                { &d->rank_ints, dense*lw_rank_ints((int)v, (int)speeds) } };
@@ -131,7 +131,7 @@ void lw_dynamics_free(lw_dynamics *d)
     if (!d)
         return;
     void *const array[] = { d->work, d->ints, d->pair, d->weld, d->parts, d->row_block, d->frames, d->stop, d->friction, d->friction_row,
-                            d->driven, d->held, d->at_rest, d->reduced, d->rule };
+                            d->driven, d->held, d->at_rest, d->reduced, d->rule, d->response };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
     if (d->masses)

@@ -322,12 +322,15 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *v, lw_erro
 {
     lw_spatial_scene *c = d->space;
     int n_l = c->drives.n_row;
-    double *size = d->response + (size_t)c->n_rub*(size_t)n_l + lw_friction_doubles(c->n_rub, 3);
+    double *response = lw_mbs_response(d), *size = response + (size_t)c->n_rub*(size_t)n_l + lw_friction_doubles(c->n_rub, 3);
+    if (!response)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int j = 0; j < c->n_rub; j++) {
-        lw_spatial_rub(c, &d->friction[j], v, c->drive_f);
-        carry(d, d->response + j*n_l);
+        memset(c->drive_f, 0, (size_t)d->n_v*sizeof *c->drive_f);
+        lw_spatial_rub(c, &d->friction[j], v, 1, c->drive_f);
+        carry(d, response + j*n_l);
     }
-    return lw_friction_add(&(lw_friction_scene){ d, 3, drive_reaction, rubbing }, c->n_rub, d->friction, d->response, t, 0, NULL, n_l,
+    return lw_friction_add(&(lw_friction_scene){ d, 3, drive_reaction, rubbing }, c->n_rub, d->friction, response, t, 0, NULL, n_l,
                            c->drive_l, size, NULL, e);
 }
 

@@ -365,29 +365,28 @@ static double push_torque(const lw_spatial_scene *c, const int body[2], lw_vec3 
     return power;
 }
 
-double lw_spatial_rub(const lw_spatial_scene *c, const lw_friction_joint *f, const double *v, double *force)
+double lw_spatial_rub(const lw_spatial_scene *c, const lw_friction_joint *f, const double *v, double size, double *force)
 {
     const lw_space_joint *j = &c->s.joint[f->joint];
     double rate[2], value, slip, push;
     const lw_spatial_measure of[2] = { { LW_OF_TURN, f->joint }, { LW_OF_SLIDE, f->joint } };
-    memset(force, 0, (size_t)c->s.n_v*sizeof *force);
     lw_vec3 w = lw_v3_sub(lw_space_omega(c->frame, j->body[1], v), lw_space_omega(c->frame, j->body[0], v));
     switch (j->kind) {
     case LW_SPATIAL_REVOLUTE:
     case LW_SPATIAL_PRISMATIC: {
         const lw_spatial_measure *one = &of[j->kind == LW_SPATIAL_PRISMATIC];
         lw_space_measured(&c->s, c->frame, *one, 0, v, &value, rate);
-        return push_along(c, *one, lw_friction_push(f, rate[0]), v, force);
+        return push_along(c, *one, size*lw_friction_push(f, rate[0]), v, force);
     }
     case LW_SPATIAL_CYLINDRICAL:
         for (int k = 0; k < 2; k++)
             lw_space_measured(&c->s, c->frame, of[k], 0, v, &value, &rate[k]);
         slip = hypot(f->lever_arm*rate[0], rate[1]);
-        push = -f->coefficient*(slip > 1e-9*f->speed ? tanh(slip/f->speed)/slip : 1/f->speed);
+        push = -size*f->coefficient*(slip > 1e-9*f->speed ? tanh(slip/f->speed)/slip : 1/f->speed);
         return push_along(c, of[0], push*f->lever_arm*f->lever_arm*rate[0], v, force) + push_along(c, of[1], push*rate[1], v, force);
     case LW_SPATIAL_SPHERICAL:
         slip = f->lever_arm*lw_v3_norm(w);
-        push = -f->coefficient*f->lever_arm*f->lever_arm*(slip > 1e-9*f->speed ? tanh(slip/f->speed)/slip : 1/f->speed);
+        push = -size*f->coefficient*f->lever_arm*f->lever_arm*(slip > 1e-9*f->speed ? tanh(slip/f->speed)/slip : 1/f->speed);
         return push_torque(c, j->body, lw_v3_scale(w, push), v, force);
     case LW_SPATIAL_UNIVERSAL: {             /* rates about a and b are those along a*, b*, with a*.a = 1, a*.b = 0 */
         lw_vec3 a = lw_m3_apply(&c->frame[j->body[0] + 1].turn, j->x[0]), b = lw_m3_apply(&c->frame[j->body[1] + 1].turn, j->x[1]);
@@ -395,7 +394,7 @@ double lw_spatial_rub(const lw_spatial_scene *c, const lw_friction_joint *f, con
         lw_vec3 dual[2] = { lw_v3_scale(lw_v3_sub(a, lw_v3_scale(b, dot)), wide), lw_v3_scale(lw_v3_sub(b, lw_v3_scale(a, dot)), wide) };
         value = 0;
         for (int k = 0; k < 2; k++)
-            value += push_torque(c, j->body, lw_v3_scale(dual[k], lw_friction_push(f, lw_v3_dot(dual[k], w))), v, force);
+            value += push_torque(c, j->body, lw_v3_scale(dual[k], size*lw_friction_push(f, lw_v3_dot(dual[k], w))), v, force);
         return value;
     }
     default:

@@ -46,14 +46,14 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c);
 /* Give massless bodies masses and inertias: at rest they do not matter.  Otherwise LW_E_ARG names a link without mass. */
 lw_status lw_spatial_weigh_massless(lw_spatial_scene *c, bool at_rest, lw_error *e);
 
-/* Friction of joint f->joint for a reaction of 1 N, at the posture placed last: generalised force (n_v), which replaces force;
+/* Friction of joint f->joint for a reaction of `size` [N], at the posture placed last: generalised force, added to force (n_v);
  * returns its power [W].
  *
  *     revolute, prismatic     along the turn or the slide
  *     cylindrical             against the slip of the pin's surface, slide and turn together
  *     spherical               a torque against the relative angular velocity
  *     universal               about each of the two axes for itself */
-double lw_spatial_rub(const lw_spatial_scene *c, const lw_friction_joint *f, const double *v, double *force);
+double lw_spatial_rub(const lw_spatial_scene *c, const lw_friction_joint *f, const double *v, double size, double *force);
 
 /* Numbers of measures in the layer. */
 int                lw_spatial_number(const lw_spatial_scene *c, lw_spatial_measure of);

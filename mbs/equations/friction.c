@@ -23,13 +23,12 @@ double lw_friction_push(const lw_friction_joint *f, double rate)
     return -f->coefficient*f->lever_arm*(f->held ? f->part : tanh(f->lever_arm*rate/f->speed));
 }
 
-double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v,
+double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v, double size,
                          double *force)
 {
     lw_measure m;
     lw_measure_joint(s, f->joint, q, v, false, &m);
-    double push = lw_friction_push(f, m.rate);
-    memset(force, 0, (size_t)s->n_q*sizeof *force);
+    double push = size*lw_friction_push(f, m.rate);
     for (int i = 0; i < 6; i++)
         if (m.body[i/3] >= 0)
             force[3*m.body[i/3] + i%3] += push*m.g[i];

@@ -28,8 +28,8 @@ lw_friction_joint lw_friction_joint_of(const lw_model *m, int j);
  * [m/s]. */
 double lw_friction_push(const lw_friction_joint *f, double rate);
 
-/* Generalised force (n_q) of the friction for a reaction of 1 N; returns its power [W]. */
-double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v,
+/* Adds the generalised force of the friction for a reaction of `size` [N] to force (n_q); returns its power [W]. */
+double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v, double size,
                          double *force);
 
 /* Reaction of a joint [N] in the multipliers of its rows: both rows of a pin, the row across the line of a slide. */
