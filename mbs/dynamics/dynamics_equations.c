@@ -410,11 +410,10 @@ void lw_mbs_rub_slopes(lw_dynamics *d, const double *q, const double *v, const l
     }
 }
 
-double *lw_mbs_response(lw_dynamics *d)
+double *lw_mbs_response(lw_dynamics *d, int n, int most)
 {
-    size_t n = (size_t)d->n_friction, rows = (size_t)(d->n_row + d->n_input + LW_STOP_ROW_MAX) + (d->touch ? (size_t)d->touch->row_max : 0);
     if (!d->response)
-        d->response = malloc((n*((size_t)d->n_v + rows + 2) + lw_friction_doubles(d->n_friction, 3))*sizeof *d->response);
+        d->response = malloc(((size_t)n*((size_t)most + 2) + lw_friction_doubles(n, 3))*sizeof *d->response);
     return d->response;
 }
 
@@ -478,7 +477,8 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
             d->least_determinant = d->friction_determinant;
         return LW_OK;
     }
-    double *response = d->touch && d->touch->response ? d->touch->response : lw_mbs_response(d);       /* before the run: none */
+    double *response = d->touch && d->touch->response ? d->touch->response       /* before the run: none */
+                     : lw_mbs_response(d, n, stride - d->n_c + d->n_row + d->n_input + LW_STOP_ROW_MAX + (d->touch ? d->touch->row_max : 0));
     if (!response)
         return lw_error_set(d->e, LW_E_MEMORY, "out of memory");
     int dim = d->space ? 3 : 2;

@@ -177,9 +177,9 @@ double lw_mbs_reaction(const lw_dynamics *d, int j);
 double lw_mbs_rub(lw_dynamics *d, const double *q, const double *v, double *force);
 void   lw_mbs_rub_slopes(lw_dynamics *d, const double *q, const double *v, const lw_force_sink *sink);
 
-/* Scratch of all joints with friction at once: n_friction x (n_v + n_c), a and l for friction of 1 N; lw_friction_doubles; 2*n_friction.
- * NULL: out of memory. */
-double *lw_mbs_response(lw_dynamics *d);
+/* Scratch of n joints with friction at once, made by the first call: n times `most` numbers, those that friction of 1 N causes;
+ * lw_friction_doubles; 2*n.  NULL: out of memory. */
+double *lw_mbs_response(lw_dynamics *d, int n, int most);
 
 /* Rates of the first-order states at the z placed last.  LW_E_NUMERIC: one is not a number; it is named. */
 lw_status lw_mbs_state_rates(lw_dynamics *d, double t, const double *q, const double *v, double *rate);
