@@ -30,7 +30,7 @@ mbs/batch base grammar mbs/plan
 mbs/kinematics base grammar mbs/plan mbs/batch
 mbs/constraints base grammar
 mbs/ode base
-mbs/space base grammar mbs/elastic mbs/batch
+mbs/space base grammar mbs/constraints mbs/elastic mbs/batch
 mbs/elastic base grammar
 mbs/equations base grammar mbs/constraints mbs/elastic mbs/space
 mbs/clearance base grammar mbs/constraints mbs/ode mbs/elastic mbs/equations

@@ -15,6 +15,7 @@
 #include "base/rng.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/statics.h"
+#include "mbs/space/space_adjust.h"
 #include "mbs/space/space_mobility.h"
 #include "mbs/space/space_trace.h"
 #include "tests/spatial_models.h"
@@ -84,6 +85,71 @@ static void make_model(int n, const axis *a, bool runs, lw_spatial *m)
     free(text);
 }
 
+static lw_status see_place(void *context, double u, const double *input, const lw_space_tracer *t)
+{
+    (void)u, (void)input;
+    lw_vec3 **to = context;
+    *(*to)++ = t->place;
+    return LW_OK;
+}
+
+static lw_vec3 rounded(lw_vec3 v, double by, lw_rng *rng)
+{
+    return lw_v3_add(v, lw_v3(lw_rng_range(rng, -by, by), lw_rng_range(rng, -by, by), lw_rng_range(rng, -by, by)));
+}
+
+/* With a tracer on the link behind joint 1. */
+static void make_traced(int n, const axis *a, lw_vec3 at, lw_spatial *m)
+{
+    make_model(n, a, false, m);
+    free(m->tracer);
+    m->tracer = calloc(1, sizeof *m->tracer);
+    m->n_tracer = 1;
+    m->tracer[0] = (lw_spatial_tracer){ .name = "P", .link = m->joint[1].link[1], .at = at, .frame = { 1, 0, 0, 0 } };
+}
+
+/* Drawn with rounded numbers it is adjusted by less than twice as much, and its middle goes where that of the exact one goes. */
+static void check_rounded(int n, const axis *exact, double by)
+{
+    enum { ROWS = 5 };
+    lw_spatial m;
+    lw_space_adjusted adjusted;
+    lw_space_mobility got;
+    lw_error e = { 0 };
+    lw_rng rng;
+    lw_vec3 place[2][ROWS];
+    axis a[16];
+    lw_rng_seed(&rng, check_seed(), (uint64_t)n);
+    make_traced(n, exact, exact[2].f.at, &m);
+    lw_vec3 *to = place[0];
+    lw_space_trace t = { .from = -0.2, .to = 0, .intervals = ROWS - 1 };
+    if (lw_space_trace_run(&m, &t, see_place, &to, &e) != LW_OK) {       /* a limit is near on that side */
+        to = place[0];
+        t = (lw_space_trace){ .from = 0, .to = 0.2, .intervals = ROWS - 1 };
+        CHECK_INT(lw_space_trace_run(&m, &t, see_place, &to, &e), LW_OK);
+    }
+    CHECK(t.moved == 0 && t.turned == 0);
+    lw_spatial_free(&m);
+    for (int i = 0; i < n; i++) {
+        a[i] = exact[i];
+        a[i].f.at = rounded(a[i].f.at, by, &rng);
+        a[i].f.z = rounded(a[i].f.z, by, &rng);
+    }
+    make_traced(n, a, exact[2].f.at, &m);
+    to = place[1];
+    CHECK_INT(lw_space_trace_run(&m, &t, see_place, &to, &e), LW_OK);
+    CHECK(t.open < 1e-12);
+    CHECK(t.moved > 0.1*by && t.moved < 2*by && t.turned > 0.1*by && t.turned < 2*by);
+    for (int i = 0; i < ROWS; i++)
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(place[0][i], place[1][i])), 0, 20*by, 0);
+    CHECK_INT(lw_space_adjust(&m, &adjusted, &e), LW_OK);
+    CHECK_INT(lw_space_mobility_find(&adjusted.model, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
+    CHECK_INT(got.freedom, 1);
+    lw_space_mobility_free(&got);
+    lw_space_adjusted_free(&adjusted);
+    lw_spatial_free(&m);
+}
+
 static void check_mobility(int n, const axis *a, int count, int redundant)
 {
     lw_spatial m;
@@ -97,6 +163,8 @@ static void check_mobility(int n, const axis *a, int count, int redundant)
     CHECK(!got.shaky && got.residual < 1e-12);
     lw_space_mobility_free(&got);
     lw_spatial_free(&m);
+    for (double by = 1e-6; redundant > 0 && n <= 16 && by < 2e-3; by *= 10)
+        check_rounded(n, a, by);
 }
 
 typedef struct seen { double off, off_rate, energy[2]; bool unique; } seen;

@@ -330,7 +330,7 @@ static int run(const cli_call *call)
     if (spatial) {
         static const char *const planar[] = { "result", NULL };
         int code = cli_spatial_refuse(call, planar);
-        code = code == CLI_DONE ? cli_spatial_mobility(call, spatial, s->tolerance) : code;
+        code = code == CLI_DONE ? cli_spatial_mobility(call, spatial, s->tolerance, cli_given(&call->parsed, "tolerance")) : code;
         cli_free_spatial(spatial);
         return code;
     }
@@ -371,7 +371,8 @@ const cli_command cli_mobility_command = {
         "slider. 'idle' degrees of freedom do not move any tracer (without tracers: any other link). For a\n"
         "linkage that cannot move, 'misfit' is how far its joints must open so that it moves by 1/20 of its size.\n"
         "An overconstrained linkage drawn with rounded numbers (up to 2e-3 of its size off) is adjusted first, by least\n"
-        "squares, as simulate and trace do; 'adjusted' says by how much. With --tolerance it is taken as drawn.\n"
+        "squares, in space too, as simulate and trace do; 'adjusted' says by how much. With --tolerance it is taken as\n"
+        "drawn.\n"
         "Models of more than 32 links are analysed with sparse matrices; 'idle', 'misfit' and the order of shaky ones\n"
         "are not looked for, and 'redundant' does not name the joints that imply a constraint.\n",
     .options = options,

@@ -381,8 +381,7 @@ static lw_status adjust(const job *j, cli_curve_trace *t, lw_error *e)
     lw_system_posture(&t->s, t->drawn);
     lw_status st = lw_system_adjust(&t->s, t->drawn, &by, e);
     if (st == LW_OK)
-        cli_note(j->call, "the linkage is overconstrained and moves only if its dimensions fit: joints were moved by up to "
-                 "%.3g m so that they do, by least squares", by*t->s.unit);
+        cli_note_adjusted(j->call, by*t->s.unit, 0);
     return st == LW_NOTHING ? LW_OK : st;
 }
 

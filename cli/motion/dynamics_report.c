@@ -18,8 +18,10 @@ void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status
     if (r->without_forces)
         fprintf(f, "# singular posture in %ld row%s, first at t = %.12g s: forces without a limit there are left empty\n",
                 r->without_forces, r->without_forces == 1 ? "" : "s", r->without_forces_t);
-    if (r->adjusted > 0)
-        fprintf(f, "# assumed: dimensions of the overconstrained linkage changed by up to %.3g m so that it moves\n", r->adjusted);
+    if (r->adjusted > 0) {
+        fprintf(f, "# assumed: dimensions of the overconstrained linkage changed by up to %.3g m ", r->adjusted);
+        fprintf(f, r->adjusted_turn > 0 ? "and %.3g rad so that it moves\n" : "so that it moves\n", r->adjusted_turn);
+    }
     if (r->smooth_friction)
         fputs("# assumed: friction is regularised by a speed of 0.001 m/s; a joint at rest under load creeps\n", f);
     if (r->no_friction)
@@ -68,6 +70,8 @@ void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_repo
     cli_json_int(j, "redundant", r->redundant);
     cli_json_int(j, "idle", lw_dynamics_idle(d));
     cli_json_real(j, "adjusted", r->adjusted);
+    if (r->adjusted_turn > 0)
+        cli_json_real(j, "adjusted_turn", r->adjusted_turn);
     cli_json_real(j, "residual", r->worst_off);
     cli_json_real(j, "residual_rate", r->worst_off_rate);
     cli_json_real(j, "energy_error", r->energy_error);
@@ -111,8 +115,7 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
     char text[1024];
     int idle = lw_dynamics_idle(d);
     if (r->adjusted > 0)
-        cli_note(c, "the linkage is overconstrained and moves only if its dimensions fit: joints were moved by up to %.3g m so that "
-                 "they do, by least squares", r->adjusted);
+        cli_note_adjusted(c, r->adjusted, r->adjusted_turn);
     lw_linkage linkage;
     if (lw_dynamics_model(d) && lw_assembly_linkage(&lw_dynamics_model(d)->linkage, &linkage, NULL) == LW_OK)
         cli_note_nearly_flat(c, &linkage);

@@ -19,7 +19,7 @@ typedef struct cli_spatial_trace {
 int cli_spatial_refuse(const cli_call *call, const char *const *names);
 
 int cli_spatial_trace_run(const cli_call *call, const lw_spatial *m, const cli_spatial_trace *o);
-int cli_spatial_mobility(const cli_call *call, const lw_spatial *m, double tolerance);
+int cli_spatial_mobility(const cli_call *call, const lw_spatial *m, double tolerance, bool as_drawn);
 
 /* Pictures of a run; NULL: none. */
 typedef struct cli_spatial_pictures { const char *plot, *columns, *gif; } cli_spatial_pictures;

@@ -2,6 +2,7 @@
 #include "cli/motion/spatial.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
+#include "mbs/space/space_adjust.h"
 #include "mbs/space/space_mobility.h"
 
 static const char *verdict(const lw_space_mobility *m)
@@ -17,9 +18,13 @@ static const char *name_of(const lw_spatial *m, int joint)
     return joint < m->n_joint ? m->joint[joint].name : m->coupling[joint - m->n_joint].name;
 }
 
-static void write_text(FILE *f, const lw_spatial *model, const lw_space_mobility *m)
+static void write_text(FILE *f, const lw_space_adjusted *a, const lw_space_mobility *m)
 {
+    const lw_spatial *model = &a->model;
     lw_vec3 normal;
+    if (a->moved > 0)
+        fprintf(f, "%-16sjoints by up to %.3g m, axes by %.3g rad, so that the dimensions fit; as drawn nothing moves so far\n", "adjusted", a->moved,
+                a->turned);
     fprintf(f, "%-16s%s\n", "verdict", verdict(m));
     fprintf(f, "%-16s%d = 6*%d - %d  (freedoms of the links less rows of the joints%s)\n", "count", m->count, m->n_body,
             m->n_row, model->n_coupling ? " and couplings" : "");
@@ -50,8 +55,9 @@ static void write_text(FILE *f, const lw_spatial *model, const lw_space_mobility
         fprintf(f, "%-16s%.3g (sizes and radians), joints closed to %.2g m\n", "moved", m->moved, m->residual);
 }
 
-static void write_json(FILE *f, const lw_spatial *model, const lw_space_mobility *m)
+static void write_json(FILE *f, const lw_space_adjusted *a, const lw_space_mobility *m)
 {
+    const lw_spatial *model = &a->model;
     lw_vec3 normal;
     cli_json j = cli_json_begin(f, 2);
     cli_json_object(&j, NULL);
@@ -78,6 +84,8 @@ static void write_json(FILE *f, const lw_spatial *model, const lw_space_mobility
     cli_json_bool(&j, "planar", lw_spatial_is_planar(model, &normal));
     cli_json_real(&j, "moved", m->moved);
     cli_json_real(&j, "residual", m->residual);
+    cli_json_real(&j, "adjusted", a->moved);
+    cli_json_real(&j, "adjusted_turn", a->turned);
     cli_json_end(&j);
 }
 
@@ -95,20 +103,23 @@ static lw_status note_rounded(const cli_call *call, const lw_spatial *model, dou
     return s == LW_NOTHING ? LW_OK : s;
 }
 
-int cli_spatial_mobility(const cli_call *call, const lw_spatial *model, double tolerance)
+int cli_spatial_mobility(const cli_call *call, const lw_spatial *model, double tolerance, bool as_drawn)
 {
-    lw_space_mobility m;
+    lw_space_adjusted adjusted = { .model = *model };
+    lw_space_mobility m = { 0 };
     lw_output out;
     lw_error e = { 0 };
-    if (lw_space_mobility_find(model, tolerance, call->common.seed, cli_stop_flag(), &m, &e) != LW_OK)
+    lw_status s = as_drawn ? LW_OK : lw_space_adjust(model, &adjusted, &e);
+    if (s < 0 || (s = lw_space_mobility_find(&adjusted.model, tolerance, call->common.seed, cli_stop_flag(), &m, &e)) != LW_OK
+        || (s = cli_open(call, &out, &e)) != LW_OK) {
+        lw_space_adjusted_free(&adjusted), lw_space_mobility_free(&m);
         return cli_fail(call, &e);
-    if (cli_open(call, &out, &e) != LW_OK)
-        return lw_space_mobility_free(&m), cli_fail(call, &e);
+    }
     if (call->common.json)
-        write_json(out.f, model, &m);
+        write_json(out.f, &adjusted, &m);
     else
-        write_text(out.f, model, &m);
-    lw_status s = m.freedom == 0 ? note_rounded(call, model, tolerance, &e) : LW_OK;
-    lw_space_mobility_free(&m);
+        write_text(out.f, &adjusted, &m);
+    s = m.freedom == 0 ? note_rounded(call, model, tolerance, &e) : LW_OK;
+    lw_space_adjusted_free(&adjusted), lw_space_mobility_free(&m);
     return cli_close(call, &out, s == LW_OK ? CLI_DONE : cli_fail(call, &e));
 }

@@ -7,6 +7,7 @@
 #include "base/suggest.h"
 #include "catalogues/pages/draw.h"
 #include "cli/motion/spatial.h"
+#include "cli/motion/trace.h"
 #include "cli/program/json.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
@@ -313,6 +314,8 @@ int cli_spatial_trace_run(const cli_call *call, const lw_spatial *m, const cli_s
         if (t.away[k] >= 0)
             cli_note(call, "beyond its %s value link \"%s\" slides away without bound; rows end where it is %.3g times the size of the model from "
                      "its place in the file", k ? "greatest" : "least", m->body[t.away[k]].name, t.distance[k]);
+    if (st == LW_OK && t.moved > 0)
+        cli_note_adjusted(call, t.moved, t.turned);
     if (st == LW_OK && t.open > 1e-9)
         cli_note(call, "joints stay open by up to %.2g (over the size of the model, or radians): the linkage is overconstrained and its numbers are "
                  "rounded; taken as drawn it does not move (\"mobility\"), and limits may be those of the rounding", t.open);

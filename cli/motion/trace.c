@@ -248,6 +248,15 @@ void cli_trace_json(cli_trace *t)
     cli_json_end(&j);
 }
 
+void cli_note_adjusted(const cli_call *call, double moved, double turned)
+{
+    char axes[64] = "";
+    if (turned > 0)
+        snprintf(axes, sizeof axes, " and their axes turned by up to %.3g rad", turned);
+    cli_note(call, "the linkage is overconstrained and moves only if its dimensions fit: joints were moved by up to %.3g m%s so that they do, "
+             "by least squares", moved, axes);
+}
+
 void cli_note_nearly_flat(const cli_call *call, const lw_linkage *linkage)
 {
     cli_trace *t = calloc(1, sizeof *t);

@@ -106,6 +106,7 @@ typedef struct lw_dynamics_report {
     int    redundant;            /* rows that depend on others */
     double moved;                /* change of the start by putting it on the constraints, scaled */
     double adjusted;             /* greatest change of a dimension that makes an overconstrained linkage move [m], 0: none */
+    double adjusted_turn;        /* in space: of the direction of an axis [rad] */
     long   steps, refused, rates;          /* rates: evaluations of the equations */
     double worst_off, worst_off_rate;      /* greatest residuals over all samples */
     double energy_error;         /* greatest |E - E(start) - work| [J] */

@@ -18,6 +18,7 @@
 #include "mbs/equations/equations_space.h"
 #include "mbs/equations/friction.h"
 #include "mbs/equations/rigid_stops_internal.h"
+#include "mbs/space/space_adjust.h"
 
 #define LW_STOP_ROW_MAX 16               /* stops that can be rested on at one time */
 #define LW_MBS_ROW_MAX  (LW_SYSTEM_ROW_MAX + LW_INPUT_MAX + LW_STOP_ROW_MAX)
@@ -36,6 +37,7 @@ struct lw_dynamics {
     lw_elastic_expansion         expansion;           /* elastic links as chains of elements */
     lw_model             rigid;               /* elastic links as rigid bars */
     lw_spatial_expansion spatial_expansion;   /* the same in space */
+    lw_space_adjusted    spatial_adjusted;    /* with its overconstrained linkages made to move */
     lw_spatial           spatial_rigid;
     lw_spatial           spatial_open;        /* with its clearances opened */
     bool                 elastic;

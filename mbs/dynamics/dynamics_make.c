@@ -145,6 +145,7 @@ void lw_dynamics_free(lw_dynamics *d)
     lw_elastic_expansion_free(&d->expansion);
     lw_elastic_rigid_free(&d->rigid);
     lw_spatial_expansion_free(&d->spatial_expansion);
+    lw_space_adjusted_free(&d->spatial_adjusted);
     lw_spatial_rigid_free(&d->spatial_rigid);
     lw_spatial_open_free(&d->spatial_open);
     if (d->space)

@@ -782,12 +782,16 @@ static void weigh_alike(lw_dynamics *d)
 
 lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_error *e)
 {
-    const lw_spatial *given = m;
     d->e = e;
     d->space = calloc(1, sizeof *d->space);
     if (!d->space)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_status st = expand(d, &m, e);
+    bool bends = m->n_elastic > 0 && !d->o.rigid;
+    lw_status st = bends ? LW_NOTHING : lw_space_adjust(m, &d->spatial_adjusted, e);
+    if (st < 0)
+        return st;
+    const lw_spatial *given = m = st == LW_OK ? &d->spatial_adjusted.model : m;
+    st = expand(d, &m, e);
     bool open = st == LW_OK && opens(d, given);
     if (open) {
         st = lw_spatial_open(m, &d->spatial_open, e);

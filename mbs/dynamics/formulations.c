@@ -61,7 +61,8 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     r->freedom = d->freedom + d->n_driven;
     r->redundant = d->n_c - d->rank;
     r->moved = d->moved;
-    r->adjusted = d->adjusted*d->eq.unit;
+    r->adjusted = d->space ? d->spatial_adjusted.moved : d->adjusted*d->eq.unit;
+    r->adjusted_turn = d->spatial_adjusted.turned;
     r->t = d->o.from;
     if (d->elastic && a == LW_ANALYSIS_KINEMATIC)
         return lw_error_set(e, LW_E_KIND, "the motion of elastic links does not follow from the inputs alone: run the model in time "

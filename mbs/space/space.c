@@ -85,11 +85,14 @@ lw_space_point lw_space_point_of(const lw_space *s, int link, lw_vec3 at)
     return (lw_space_point){ b, b < 0 ? at : in_body(s, b, lw_v3_sub(at, lw_v3_scale(lw_v3(q[0], q[1], q[2]), s->unit))) };
 }
 
-static void make_joint(lw_space *s, int i)
+static lw_vec3 axis_of(const lw_spatial_joint *p) { return lw_v3_norm(p->axis) > 0 ? p->axis : lw_v3(0, 0, 1); }
+
+/* x: a line across the axis. */
+static void make_joint(lw_space *s, int i, lw_vec3 x)
 {
     const lw_spatial_joint *p = &s->model->joint[i];
     lw_space_joint *j = &s->joint[i];
-    lw_vec3 z = lw_v3_norm(p->axis) > 0 ? p->axis : lw_v3(0, 0, 1), x = lw_v3_across(z), y = lw_v3_cross(z, x);
+    lw_vec3 z = axis_of(p), y = lw_v3_cross(z, x);
     j->kind = p->kind;
     j->row = s->n_row;
     s->n_row += lw_spatial_kind_of(p->kind)->rows;
@@ -160,6 +163,16 @@ static lw_status make_coupling(lw_space *s, int i, lw_error *e)
     return LW_OK;
 }
 
+void lw_space_joints(lw_space *s, const lw_spatial_joint *drawn)
+{
+    s->n_row = 0;
+    for (int i = 0; i < s->n_joint; i++) {
+        lw_vec3 z = axis_of(&s->model->joint[i]), x = lw_v3_across(axis_of(&drawn[i]));
+        x = lw_v3_sub(x, lw_v3_scale(z, lw_v3_dot(z, x)));
+        make_joint(s, i, lw_v3_scale(x, 1/lw_v3_norm(x)));
+    }
+}
+
 lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e)
 {
     memset(s, 0, sizeof *s);
@@ -183,7 +196,7 @@ lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e)
     s->n_q = 7*s->n_body;
     s->n_v = 6*s->n_body;
     for (int i = 0; i < m->n_joint; i++)
-        make_joint(s, i);
+        make_joint(s, i, lw_v3_across(axis_of(&m->joint[i])));
     for (int i = 0; i < m->n_tracer; i++)
         s->tracer[i] = lw_space_point_of(s, m->tracer[i].link, m->tracer[i].at);
     s->n_joint_row = s->n_row;

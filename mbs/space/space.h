@@ -71,6 +71,10 @@ typedef struct lw_space {
 lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e);
 void      lw_space_free(lw_space *s);
 
+/* Take joints that changed a little in the model, which has no couplings; the posture stays.  drawn (n_joint): before all changes, so that
+ * rows depend on them smoothly. */
+void lw_space_joints(lw_space *s, const lw_spatial_joint *drawn);
+
 /* frames (n_body + 1) at q [m]. */
 void lw_space_place(const lw_space *s, const double *q, lw_space_frame *frame);
 

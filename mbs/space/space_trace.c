@@ -3,6 +3,7 @@
 
 #include <stdint.h>
 #include <stdlib.h>
+#include "mbs/space/space_adjust.h"
 
 /* Rates have no bound at a limit of the input: traces end before it by this share of their range. */
 static const double limit_inside = 1e-8;
@@ -106,15 +107,20 @@ static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, i
 lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_row_sink *sink, void *context,
                              lw_error *e)
 {
-    lw_space s;
+    lw_space s = { 0 };
     lw_space_follow f = { 0 };
+    lw_space_adjusted adjusted;
     o->away[0] = o->away[1] = -1;
     lw_status st = m->n_input > 0 ? LW_OK : lw_error_set(e, LW_E_ARG, "the model has no input, so there is nothing "
                                                                       "to move");
-    if (st == LW_OK)
-        st = lw_space_make(m, &s, e);
     if (st != LW_OK)
         return st;
+    st = lw_space_adjust(m, &adjusted, e);
+    o->moved = adjusted.moved, o->turned = adjusted.turned;
+    m = &adjusted.model;
+    st = st < 0 ? st : lw_space_make(m, &s, e);
+    if (st != LW_OK)
+        return lw_space_adjusted_free(&adjusted), st;
     lw_spatial_measure *input = calloc((size_t)m->n_input, sizeof *input);
     lw_space_tracer *tracer = calloc((size_t)m->n_tracer + 1, sizeof *tracer);
     double *value = calloc(4*(size_t)m->n_input, sizeof *value);
@@ -156,5 +162,6 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
     lw_space_follow_free(&f);
     free(input), free(tracer), free(value);
     lw_space_free(&s);
+    lw_space_adjusted_free(&adjusted);
     return st;
 }

@@ -19,6 +19,7 @@ typedef struct lw_space_trace {
     bool   limit[2];                             /* out: an end is a limit of the motion               */
     int    away[2];                              /* out: there this link slides away without bound; -1: none */
     double distance[2];                          /* out: where rows end it is so many times the size of the model from its place in the file */
+    double moved, turned;                        /* out: joints were adjusted by so much (mbs/space/space_adjust.h) */
     double open;                                 /* out: greatest residual of a joint, lengths over the size of the model, radians */
 } lw_space_trace;
 
