@@ -191,7 +191,7 @@ lw_status lw_motion_curves_create(const lw_linkage *linkage, int patience, uint6
         return lw_error_set(error, LW_E_MEMORY, "out of memory");
     lw_status s = lw_system_make(linkage, NULL, 0, &m->s, error);
     if (s == LW_OK)
-        s = lw_circuits_find(&m->s, &o, patience, seed, &m->c, error);
+        s = lw_circuits_find(&m->s, NULL, &o, patience, seed, &m->c, error);
     if (s == LW_OK)
         *out = m;
     else

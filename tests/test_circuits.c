@@ -5,6 +5,7 @@
 #include "mbs/kinematics/motion.h"
 #include "tests/check.h"
 #include "tests/kept_system.h"
+#include "tests/large_models.h"
 #include "tests/mbs_random.h"
 
 static int circuits(const lw_linkage *k, uint64_t seed)
@@ -13,7 +14,7 @@ static int circuits(const lw_linkage *k, uint64_t seed)
     lw_circuits c;
     lw_error e = { 0 };
     CHECK_INT(lw_system_make(k, NULL, 0, &s, &e), LW_OK);
-    CHECK_INT(lw_circuits_find(&s, &(lw_motion_curve_options){ .input = 0 }, 40, seed, &c, &e), LW_OK);
+    CHECK_INT(lw_circuits_find(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, 40, seed, &c, &e), LW_OK);
     CHECK(c.since == 40 && !c.full && c.closed <= c.draws);
     for (int i = 0; i < c.n; i++)
         CHECK(lw_motion_curve_worst(c.curve[i]) <= 1e-12*s.unit);
@@ -77,7 +78,7 @@ TEST(both_branches_at_a_change_point)
     lw_error e = { 0 };
     fourbar_linkage(&l, k, 1, 0.5);
     CHECK_INT(lw_system_make(&l, NULL, 0, &s, &e), LW_OK);
-    CHECK_INT(lw_circuits_find(&s, &(lw_motion_curve_options){ .input = 0 }, 30, 1, &c, &e), LW_OK);
+    CHECK_INT(lw_circuits_find(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, 30, 1, &c, &e), LW_OK);
     CHECK_INT(c.n, 2);
     for (int i = 0; i < c.n; i++) {
         int n, crossings = 0;
@@ -102,4 +103,69 @@ TEST(both_branches_at_a_change_point)
         }
     }
     lw_circuits_free(&c);
+}
+
+/* A crank turns three rockers, each of which has two assembly modes: 2^3 circuits.  With 30 more links, whose inputs rest, the
+ * linkage is solved by sparse rows and has 31 inputs; with none it is not. */
+static int modes_found(int more)
+{
+    text t = { 0 };
+    lw_model m;
+    KEPT_SYSTEM s = { 0 };
+    lw_circuits c;
+    lw_error e = { 0 };
+    lw_vec2 b = lw_v2_polar(1, 1);
+    int seen = 0;
+    put(&t, "{'linkwright': 1, 'links': ['ground', 'crank'");
+    for (int i = 0; i < 3; i++)
+        put(&t, ", 'b%d', 'r%d'", i, i);
+    for (int i = 0; i < more; i++)
+        put(&t, ", 'm%d'", i);
+    put(&t, "], 'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]}");
+    for (int i = 0; i < 3; i++) {
+        double rod = 2.8 + 0.03*i, rocker = 2 + 0.02*i;
+        lw_vec2 d = lw_v2_polar(3, 0.7*i + 0.1), way = lw_v2_sub(d, b);
+        double far = lw_v2_norm(way), along = (rod*rod - rocker*rocker + far*far)/(2*far), high = sqrt(rod*rod - along*along);
+        lw_vec2 at = lw_v2_add(b, lw_v2_scale(lw_v2_turn(way, lw_v2(along, high)), 1/far));
+        put(&t, ", {'name': 'B%d', 'links': ['crank', 'b%d'], 'at': [%.17g, %.17g]}", i, i, b.x, b.y);
+        put(&t, ", {'name': 'C%d', 'links': ['b%d', 'r%d'], 'at': [%.17g, %.17g]}", i, i, i, at.x, at.y);
+        put(&t, ", {'name': 'D%d', 'links': ['ground', 'r%d'], 'at': [%.17g, %.17g]}", i, i, d.x, d.y);
+    }
+    for (int i = 0; i < more; i++)
+        put(&t, ", {'name': 'M%d', 'links': ['%s%.0d', 'm%d'], 'at': [%.3f, -1]}", i, i == 0 ? "ground" : i == 1 ? "m0" : "m",
+            i > 1 ? i - 1 : 0, i, 0.05*i);
+    put(&t, "], 'inputs': [{'joint': 'A'}");
+    for (int i = 0; i < more; i++)
+        put(&t, ", {'joint': 'M%d'}", i);
+    put(&t, "]}");
+    read_text(&t, &m);
+    CHECK_INT(lw_system_assemble(&m.linkage, NULL, 0, &s, &e), LW_OK);
+    CHECK(more == 0 || s.n_q > LW_SYSTEM_Q_MAX);
+    CHECK_INT(lw_circuits_find(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, 100, 1, &c, &e), LW_OK);
+    double *q = malloc((size_t)s.n_q*sizeof *q);
+    for (int i = 0; i < c.n; i++) {
+        lw_vec2 p[3];
+        int number = 0;
+        CHECK_INT(lw_motion_curve_turns(c.curve[i], -1), 1);
+        lw_motion_curve_posture(c.curve[i], 0, q, NULL);
+        for (int rocker = 0; rocker < 3; rocker++) {
+            for (int k = 0; k < 3; k++) {
+                const lw_system_joint *j = &s.joint[1 + 3*rocker + k];
+                p[k] = lw_system_point(&s, j->body[1], j->arm[1], q);
+            }
+            number |= (lw_v2_cross(lw_v2_sub(p[2], p[0]), lw_v2_sub(p[1], p[0])) > 0) << rocker;
+        }
+        seen |= 1 << number;
+    }
+    CHECK_INT(c.n, 8);
+    free(q);
+    lw_circuits_free(&c);
+    lw_model_free(&m);
+    return seen;
+}
+
+TEST(three_rockers_have_eight_circuits_at_any_size)
+{
+    CHECK_INT(modes_found(0), 255);
+    CHECK_INT(modes_found(30), 255);
 }

@@ -1,5 +1,6 @@
 /* tests/test_motion_curve.c - curves of postures against closed forms, against the second opinion, and closing. */
 #include "tests/kept_system.h"
+#include "tests/large_models.h"
 #include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/constraints/newton.h"
@@ -479,4 +480,46 @@ TEST(refuses_with_reasons)
     CHECK_INT(lw_motion_curve_create(&s, NULL, &o, &b, &e), LW_E_NUMERIC);
     CHECK_HAS(e.text, "it is a branch point");
     lw_motion_curve_free(NULL);
+}
+
+/* A row of 20 parallelograms, beyond a linkage: every crank turns as the first, through both flat postures, where 20 ranks are lost at
+ * once.  The arc length is that of one turn in the coordinates of all links. */
+TEST(a_row_of_parallelograms_turns_as_one)
+{
+    enum { N = 20, LOOKS = 60 };
+    lw_model m;
+    KEPT_SYSTEM s = { 0 };
+    lw_motion_curve *b;
+    lw_error e = { 0 };
+    read_row(N, &m);
+    CHECK_INT(lw_system_assemble(&m.linkage, NULL, 0, &s, &e), LW_OK);
+    CHECK(s.n_q > LW_SYSTEM_Q_MAX);
+    CHECK_INT(lw_motion_curve_create(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, &b, &e), LW_OK);
+    CHECK_INT(lw_motion_curve_ended(b), LW_MOTION_CURVE_CLOSED);
+    CHECK_INT(lw_motion_curve_turns(b, -1), 1);
+    CHECK(lw_motion_curve_worst(b) < 1e-12);
+    double arms = 2*0.25 + (N - 1)*4.0/9 + N;                /* squares of the circles of the links' reference points */
+    CHECK_NEAR(lw_motion_curve_length(b), 2*LW_PI*sqrt(N + 1 + arms/(s.unit*s.unit)), 0, 1e-4);
+    int n;
+    const lw_motion_curve_event *event = lw_motion_curve_events(b, &n);
+    CHECK_INT(n, 2);
+    for (int i = 0; i < n; i++) {
+        CHECK_INT(event[i].kind, LW_EVENT_CROSSING);
+        CHECK_NEAR(sin(event[i].input), 0, 1e-9, 0);
+    }
+    double *series = calloc(4*(size_t)s.n_q, sizeof *series), motion[4] = { 0, 1, 0, 0 };
+    for (int look = 0; look < LOOKS; look++) {
+        double arc = lw_motion_curve_length(b)*(look + 0.5)/LOOKS;
+        CHECK(lw_motion_curve_motion(b, lw_motion_curve_station(b, arc), 3, motion, series));
+        double turn = lw_motion_curve_input(b, series) - s.input_value[0];
+        for (int k = 0; k < s.n_body; k++) {
+            bool crank = k <= N;
+            CHECK_NEAR(series[3*k + 2], crank ? turn : 0, 1e-9, 0);
+            CHECK_NEAR(series[s.n_q + 3*k + 2], crank, 1e-8, 0);
+            CHECK_NEAR(series[2*s.n_q + 3*k + 2], 0, 1e-6, 0);
+        }
+    }
+    free(series);
+    lw_motion_curve_free(b);
+    lw_model_free(&m);
 }

@@ -54,12 +54,8 @@ lw_status lw_motion_path_along(const lw_linkage *linkage, bool all, lw_motion_pa
     const lw_motion_curve_options o = { .input = 0, .reach = REACH };
     *c = (lw_motion_path){ .turns = 0 };
     lw_status st = lw_system_make(linkage, NULL, 0, &c->s, e);
-    if (st == LW_OK && all)
-        st = lw_circuits_find(&c->s, &o, PATIENCE, 1, &c->curves, e);
-    else if (st == LW_OK) {
-        st = lw_motion_curve_create(&c->s, NULL, &o, &c->curves.curve[0], e);
-        c->curves.n = st == LW_OK;
-    }
+    if (st == LW_OK)
+        st = lw_circuits_find(&c->s, NULL, &o, all ? PATIENCE : 0, 1, &c->curves, e);
     if (st == LW_OK)
         lw_motion_path_choose(c, 0);
     return st;

@@ -32,7 +32,7 @@ typedef struct job {
     const lw_model *m;
     lw_linkage     *k;                /* of the model, without idle freedoms; NULL: it is too large */
     int             only;             /* the tracer that is printed; -1: all                       */
-    double          until;            /* wall time [s] at which to stop; 0: never                  */
+    double          until, half;      /* wall time [s] at which rows, and the search for circuits, stop; 0: never */
     double          speed;            /* of the input [rad/s] or [m/s]; 0: not given               */
     cli_kept       *kept;             /* rows for the plot; NULL: none                             */
 } job;
@@ -258,20 +258,14 @@ static void keep_posture_stretch(cli_curve_trace *t)
     }
 }
 
-static lw_status find_curves(const cli_call *call, cli_curve_trace *t, bool all, lw_error *e)
+static lw_status find_curves(const cli_call *call, cli_curve_trace *t, bool all, double until, lw_error *e)
 {
-    lw_motion_curve_options o = { .input = 0, .stop = cli_stop_flag() };
-    lw_status st = LW_OK;
-    if (all) {
-        st = lw_circuits_find(&t->s, &o, 300, call->common.seed, &t->curves, e);
-        if (st == LW_OK)
-            cli_note(call, "%d circuit%s found so far; the last %d of %d postures that closed were on them%s",
-                     t->curves.n, t->curves.n == 1 ? "" : "s", t->curves.since, t->curves.closed,
-                     t->curves.full ? "; there are more than can be listed" : "");
-    } else {
-        st = lw_motion_curve_create(&t->s, t->drawn, &o, &t->curves.curve[0], e);
-        t->curves.n = st == LW_OK;
-    }
+    lw_motion_curve_options o = { .input = 0, .stop = cli_stop_flag(), .until = until };
+    lw_status st = lw_circuits_find(&t->s, t->drawn, &o, all ? 300 : 0, call->common.seed, &t->curves, e);
+    if (st == LW_OK && all)
+        cli_note(call, "%d circuit%s found so far; the last %d of %d postures that closed were on them%s",
+                 t->curves.n, t->curves.n == 1 ? "" : "s", t->curves.since, t->curves.closed,
+                 !t->curves.full ? "" : until > 0 && lw_clock_wall() > until ? "; half of --time ended the search" : "; memory ended the search");
     for (int i = 0; st == LW_OK && i < t->curves.n; i++) {
         lw_motion_curve_end end = lw_motion_curve_ended(t->curves.curve[i]);
         if (end == LW_MOTION_CURVE_LOST || end == LW_MOTION_CURVE_STOPPED)
@@ -356,8 +350,8 @@ static int print_curves(const cli_call *call, cli_curve_trace *t, const double *
     if (nothing)
         cli_note(call, all_rest(t) ? "the input stands still while parts move; --cycle shows how"
                                    : "the linkage does not reach that range of the input");
-    bool some = cut_short(call, &t->rows, t->dropped, CLI_STRETCH_MAX);
-    return cli_close(call, &o, some ? CLI_LIMIT : nothing ? CLI_NOTHING : CLI_DONE);
+    bool some = cut_short(call, &t->rows, t->dropped, t->n_stretch);
+    return cli_close(call, &o, some || t->curves.full ? CLI_LIMIT : nothing ? CLI_NOTHING : CLI_DONE);
 }
 
 static void free_curves(cli_curve_trace *t)
@@ -369,6 +363,7 @@ static void free_curves(cli_curve_trace *t)
     free(t->groups);
     free(t->drawn);
     free(t->series);
+    free(t->stretch);
     free(t);
 }
 
@@ -401,7 +396,7 @@ static lw_status make_curves(const job *j, bool timed, bool all, cli_curve_trace
         st = adjust(j, t, e);
     if (st == LW_OK)
         curve_window(j, t);
-    if (st != LW_OK || timed || (st = find_curves(j->call, t, all, e)) != LW_OK)
+    if (st != LW_OK || timed || (st = find_curves(j->call, t, all, j->half, e)) != LW_OK)
         return st;
     t->groups = j->s->cycle || !j->k ? NULL : cli_groups_make(j->k, tracer_bits(j));
     cli_curve_stretches(t);
@@ -593,7 +588,7 @@ static int run(const cli_call *call)
     const settings *s = call->settings;
     if (cli_given(&call->parsed, "input-range") && !(s->input_range[0] < s->input_range[1]))
         return cli_usage(call, "--input-range wants two different inputs, the smaller first");
-    double until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
+    double now = lw_clock_wall(), time = call->common.time;
     lw_error e = { 0 };
     lw_model *m;
     lw_spatial *spatial;
@@ -605,7 +600,8 @@ static int run(const cli_call *call)
         return code;
     }
     cli_kept kept = { 0 };
-    job j = { .call = call, .s = s, .m = m, .k = m->small, .until = until, .kept = s->plot ? &kept : NULL };
+    job j = { .call = call, .s = s, .m = m, .k = m->small, .until = time > 0 ? now + time : 0, .half = time > 0 ? now + time/2 : 0,
+              .kept = s->plot ? &kept : NULL };
     lw_assembly parts = j.k ? lw_linkage_view(j.k) : m->linkage;
     bool good = true;
     if (parts.n_tracer == 0 && !j.k) {                    /* room for as many as there are joints */
@@ -662,8 +658,8 @@ const cli_command cli_trace_command = {
         "Linkages made of dyads are solved in closed form. All others, and those that pass a change point, are\n"
         "followed step by step, with steps small enough never to jump to another assembly mode; standard error\n"
         "and --explain tell which method is used. In the second case only the circuit of the file's posture is\n"
-        "printed; --all-assemblies searches for the others. Models of more than 32 links are followed from the posture\n"
-        "of the file, a whole turn or to the limits of the input (found to 1e-7).\n",
+        "printed; --all-assemblies searches for the others. Without it and --cycle, models of more than 32 links are\n"
+        "followed from the posture of the file, a whole turn or to the limits of the input (found to 1e-7).\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 1,

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "base/growable_array.h"
 #include "base/real.h"
 #include "cli/program/output.h"
 
@@ -66,10 +67,13 @@ static double input_at(const cli_curve_trace *t, lw_motion_curve *motion, double
 
 static void add_stretch(cli_curve_trace *t, cli_stretch s)
 {
-    if (t->n_stretch == CLI_STRETCH_MAX)
-        t->dropped = true;
-    else
-        t->stretch[t->n_stretch++] = s;
+    bool enough = !t->whole && t->n_stretch >= CLI_STRETCH_MAX;      /* a wide range repeats them at every turn */
+    cli_stretch *grown = enough ? NULL : lw_array_grow(t->stretch, t->n_stretch, &t->room, sizeof *grown);
+    t->dropped = t->dropped || !grown;
+    if (!grown)
+        return;
+    t->stretch = grown;
+    t->stretch[t->n_stretch++] = s;
 }
 
 /* Add the parts of a stretch in the requested range of the input, shifted by whole turns. */

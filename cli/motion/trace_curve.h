@@ -34,7 +34,7 @@ void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double 
 /* Compute the row at input u; by: input rate that scales the derivatives. False: the plan is too near a dead point. */
 bool cli_groups_row(cli_groups *g, double u, double by, const cli_rows *rows, cli_row *row);
 
-#define CLI_STRETCH_MAX 1024
+#define CLI_STRETCH_MAX 1024          /* within a range of the input                                 */
 
 /* A part of a motion curve on which the free input moves in one direction: from limit to limit, or the whole curve.
  * On a closed curve it may contain the end of the stations; it then has two parts.  If the input can turn without
@@ -62,9 +62,9 @@ typedef struct cli_curve_trace {
     bool        timed;                /* derivatives by time                                       */
     double      speed;                /* of the input [rad/s] or [m/s]                             */
     int         steps;
-    bool        dropped;              /* more stretches than CLI_STRETCH_MAX                         */
-    int         n_stretch;
-    cli_stretch stretch[CLI_STRETCH_MAX];
+    bool        dropped;              /* more stretches than CLI_STRETCH_MAX or than memory holds     */
+    int         n_stretch, room;
+    cli_stretch *stretch;
     double     *series;               /* (CLI_ROW_ORDER + 1) x n_q: of the row at hand; owns the next three arrays */
     double     *shift, *lead;         /* (n_tracer) whole turns subtracted from printed angles; of the row */
     double    (*value)[CLI_ROW_MOST]; /* of the row                                                */

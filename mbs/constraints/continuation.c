@@ -32,7 +32,8 @@ bool lw_continuation_create(const lw_system *s, const int *held, int n_held, boo
     f->m = s->n_row + n_held + plane;
     size_t n = (size_t)f->n, m = (size_t)f->m, longest = m > n ? m : n, h = (size_t)n_held;
     bool sparse = s->n_q > LW_SYSTEM_Q_MAX;
-    f->store = calloc((sparse ? n : m*n) + 4*n + 2*longest + (LW_SYSTEM_ORDER_MAX + 1)*longest + h, sizeof *f->store);
+    f->store = calloc((sparse ? n : m*n) + 4*n + 2*longest + (LW_SYSTEM_ORDER_MAX + 1)*longest
+                      + (size_t)(s->n_input + s->n_tie), sizeof *f->store);
     f->frame = calloc((size_t)s->n_body + 1, sizeof *f->frame);
     f->curved = calloc(n + 1, sizeof *f->curved);
     f->held = calloc(h + 1, sizeof *f->held);

@@ -34,7 +34,7 @@ typedef struct lw_continuation {
     const lw_system *s;
     int     n, m;                          /* coordinates; equations                                */
     int     n_held, *held;                 /* driven inputs: rows n_row, n_row + 1, ...             */
-    double *value;                         /* their values relative to the posture [rad or units]   */
+    double *value;                         /* their values relative to the posture [rad or units]; with room for all inputs, tied ones too */
     bool    plane;                         /* last row: row . (q - origin) = distance               */
     double  distance;
     double *row, *origin, *tangent;        /* (n); tangent: result of the last lw_continuation_tangent    */

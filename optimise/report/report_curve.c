@@ -134,7 +134,7 @@ void lw_fit_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_can
     work *w = calloc(1, sizeof *w);
     lw_status status = w ? lw_system_make(&r->linkage, NULL, 0, &w->s, NULL) : LW_E_MEMORY;
     if (status == LW_OK)
-        status = lw_circuits_find(&w->s, &o, PATIENCE, 1, &all, NULL);
+        status = lw_circuits_find(&w->s, NULL, &o, PATIENCE, 1, &all, NULL);
     r->no_memory |= status == LW_E_MEMORY;
     if (status == LW_OK) {
         w->k = r->linkage;
