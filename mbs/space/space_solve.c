@@ -14,7 +14,7 @@ double lw_space_length(const lw_space *s, const double *by)
 {
     double most = 0;
     for (int i = 0; i < s->n_v; i++)
-        most = fmax(most, fabs(by[i]));
+        most = fabs(by[i]) > most ? fabs(by[i]) : most;
     return most;
 }
 
@@ -58,14 +58,14 @@ static inline int sides_of(const lw_space_rows_set *z, int r) { return z->at[r +
 static inline void add_row(const lw_space_rows_set *z, int r, const double *jac, double f, double *x)
 {
     jac += z->at[r];
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < sides_of(z, r); k++) {
         double *to = x + 6*z->body[r][k];
-        for (int i = 0; z->body[r][k] >= 0 && i < 6; i++)
+        if (z->body[r][k] < 0)
+            continue;
+#pragma GCC unroll 6
+        for (int i = 0; i < 6; i++)
             to[i] += f*jac[6*k + i];
     }
-    for (int k = 2; k < sides_of(z, r) && z->body[r][k] >= 0; k++)
-        for (int i = 0; i < 6; i++)
-            x[6*z->body[r][k] + i] += f*jac[6*k + i];
 }
 
 static int side_of(const lw_space_rows_set *z, int r, int body)
@@ -333,14 +333,16 @@ void lw_space_rows_add(const lw_space_rows_set *z, double sign, const double *l,
             add_row(z, r, z->jac, sign*l[r], x);
 }
 
-/* l -= (J W J^T)^-1 (rhs - J x), x changed by W J^T of that.  Returns the greatest change of l. */
-static double improve(lw_space_rows_set *z, const double *rhs, double *x, double *l)
+/* l -= (J W J^T)^-1 (rhs - J x), x changed by W J^T of that; still: x is 0.  Returns the greatest change of l. */
+static double improve(lw_space_rows_set *z, const double *rhs, bool still, double *x, double *l)
 {
     double *b = z->small, most = 0;
     for (int i = 0; i < z->n_kept; i++) {
         int r = z->kept[i];
         const double *jac = z->jac + z->at[r];
         b[i] = rhs ? -rhs[r] : 0;
+        if (still)
+            continue;
         for (int k = 0; k < 2; k++)
             if (z->body[r][k] >= 0)
                 b[i] += dot6(jac + 6*k, x + 6*z->body[r][k]);
@@ -353,7 +355,7 @@ static double improve(lw_space_rows_set *z, const double *rhs, double *x, double
         int r = z->kept[i];
         l[r] += b[i];
         add_row(z, r, z->jac_w, -b[i], x);
-        most = fmax(most, fabs(b[i]));
+        most = fabs(b[i]) > most ? fabs(b[i]) : most;
     }
     return most;
 }
@@ -369,11 +371,11 @@ bool lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rh
     for (int i = 0; i < z->s->n_v; i++)
         x[i] = f ? f[i]*z->weight[i] : 0;
     memset(l, 0, (size_t)z->n_row*sizeof *l);
-    double first = improve(z, rhs, x, l), before = first, change = refine ? INFINITY : 0;
+    double first = improve(z, rhs, !f, x, l), before = first, change = refine ? INFINITY : 0;
     /* the pivots do not tell how much long rows of loops magnify rounding: more corrections where one is not small */
     for (int pass = 0; pass < most_refined && !refined(first, before, change); pass++) {
         before = pass ? change : first;
-        change = improve(z, rhs, x, l);
+        change = improve(z, rhs, false, x, l);
     }
     return refined(first, before, change);
 }
