@@ -322,9 +322,10 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *v, lw_erro
 {
     lw_spatial_scene *c = d->space;
     int n_l = c->drives.n_row;
-    double *response = lw_mbs_response(d, c->n_rub, n_l), *size = response + (size_t)c->n_rub*(size_t)n_l + lw_friction_doubles(c->n_rub, 3);
+    double *response = lw_mbs_response(d, c->n_rub, n_l);
     if (!response)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    double *size = response + (size_t)c->n_rub*(size_t)n_l + lw_friction_doubles(c->n_rub, 3);
     for (int j = 0; j < c->n_rub; j++) {
         memset(c->drive_f, 0, (size_t)d->n_v*sizeof *c->drive_f);
         lw_spatial_rub(c, &d->friction[j], v, 1, c->drive_f);
