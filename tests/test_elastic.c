@@ -115,6 +115,9 @@ TEST(sections)
     CHECK_NEAR(s.iz, 1e-9, 0, 1e-14);
     CHECK_NEAR(s.y, 0.006, 0, 1e-14);
     CHECK_NEAR(lw_section_stress(&s, -100, 2), -100/1e-4 - 2*0.006/1e-9, 0, 1e-12);
+    CHECK(isnan(lw_section_stress_space(&s, -100, 2, 2)));       /* of no width */
+    s = section_of("{'shape': 'general', 'area': 100, 'Iz': 1000}");
+    CHECK(isnan(lw_section_stress(&s, -100, 2)));
 }
 
 /* ---- element ---------------------------------------------------------------------------------------------- */

@@ -221,7 +221,7 @@ static double *put_inner(const cli_simulate *s, const lw_moment *m, int chain, d
         *to++ = s->inner[i].shear;
         *to++ = s->inner[i].moment;
         *to++ = s->inner[i].stress;
-        most = fabs(s->inner[i].stress) > fabs(most) ? s->inner[i].stress : most;
+        most = fabs(s->inner[i].stress) <= fabs(most) ? most : s->inner[i].stress;
     }
     *to++ = most;
     return to;

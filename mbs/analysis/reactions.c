@@ -117,7 +117,7 @@ void lw_reactions_inner(const lw_dynamics *d, const lw_moment *m, int chain, lw_
             to->normal += share*normal;
             to->shear += share*(z.shear + sign*lw_v2_cross(along, load));
             to->moment += share*moment;
-            to->stress = fabs(stress) > fabs(to->stress) ? stress : to->stress;
+            to->stress = fabs(stress) <= fabs(to->stress) ? to->stress : stress;
         }
     }
 }

@@ -474,7 +474,7 @@ static void add_inner(const lw_elastic_chain *c, int node, int nodes, const lw_m
     to->shear[0] += share*f.y, to->shear[1] += share*f.z;
     to->torque += share*m.x;
     to->bending[0] += share*m.y, to->bending[1] += share*m.z;
-    to->stress = fabs(stress) > fabs(to->stress) ? stress : to->stress;
+    to->stress = fabs(stress) <= fabs(to->stress) ? to->stress : stress;
 }
 
 /* Of a condensed bar: the superelement with its weight pushes its nodes, less what it takes for its motion. */

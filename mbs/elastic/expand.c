@@ -10,11 +10,15 @@ static double add_bending(double tension, double bending) { return tension < 0 ?
 
 double lw_section_stress(const lw_section *s, double normal, double moment)
 {
+    if (!(s->y > 0))
+        return NAN;
     return add_bending(normal/s->area, fabs(moment)*s->y/s->iz);
 }
 
 double lw_section_stress_space(const lw_section *s, double normal, double about_y, double about_z)
 {
+    if (!(s->y > 0 && s->z > 0))
+        return NAN;
     double y = fabs(about_y)*s->z/s->iy, z = fabs(about_z)*s->y/s->iz;
     return add_bending(normal/s->area, s->round ? hypot(y, z) : y + z);
 }

@@ -55,10 +55,11 @@ int lw_elastic_chain_of(const lw_elastic_chain *chain, int n, int link);
 /* Copy the data of the axis into the chain, and allocate its nodes. */
 lw_status lw_elastic_chain_take(lw_elastic_chain *c, const lw_elastic_axis *a, lw_error *e);
 
-/* Greatest stress of a section under tension and bending moment, N/A + |M| y/I [N/m^2], of the greater absolute value. */
+/* Greatest stress of a section under tension and bending moment, N/A + |M| y/I [N/m^2], of the greater absolute value; NAN
+ * without its height. */
 double lw_section_stress(const lw_section *s, double normal, double moment);
 
-/* The same with bending moments about y and z; shear and torsion are not in it. */
+/* The same with bending moments about y and z, NAN without height or width; shear and torsion are not in it. */
 double lw_section_stress_space(const lw_section *s, double normal, double about_y, double about_z);
 
 #endif
