@@ -338,13 +338,10 @@ void lw_cholesky_solve(const lw_cholesky *c, double *b)
             b[c->list[k]] -= c->value[k]*x;
     }
     for (int i = c->n - 1; i >= 0; i--) {
-        double sum = b[i], other = 0;        /* two sums, since each addition waits for the one before */
-        int k = c->at[i];
-        for (; k + 1 < c->at[i + 1]; k += 2)
-            sum -= c->value[k]*b[c->list[k]], other -= c->value[k + 1]*b[c->list[k + 1]];
-        if (k < c->at[i + 1])
+        double sum = b[i];
+        for (int k = c->at[i]; k < c->at[i + 1]; k++)
             sum -= c->value[k]*b[c->list[k]];
-        b[i] = (sum + other)*c->diag[i];
+        b[i] = sum*c->diag[i];
     }
 }
 
