@@ -72,7 +72,8 @@ typedef struct stages {
     bool    may_leave;                       /* for index1 */
     int     n_watched;                       /* steps since watched_t */
     double  watched_t, explicit_step;        /* step of an explicit method that follows the fastest vibration; 0: not known */
-    double *side;                            /* (2 n_switch) sides of the switches: at the start of the step, within it */
+    double *side;                            /* (3 n_switch) sides of the switches: at the start of the step, within it, before the last one passed */
+    double  across;                          /* time in which that one was passed */
 } stages;
 
 /* x (n): A x = b, A by columns, overwritten. */
@@ -902,6 +903,8 @@ static double step_to_switch(stages *g, double h, double limit, bool passed)
     double across = beyond*g->h + 1e-5*near;
     if (passed || across > 2*near || g->t + across >= limit)
         return 0;
+    memcpy(g->side + 2*d->eq.n_switch, g->side, (size_t)d->eq.n_switch*sizeof *g->side);
+    g->across = across;
     for (int i = 0; i < g->n; i++) {
         g->e[i] = across*(g->v[i] + 0.5*across*g->a[i]);
         g->v[i] += across*g->a[i];
@@ -912,6 +915,27 @@ static double step_to_switch(stages *g, double h, double limit, bool passed)
     g->work += across*g->power_old;
     g->t += across;
     return -1;
+}
+
+/* Do the forces behind a jump that was just passed push the motion back over it, within the time in which it was passed?  Then it slides along
+ * the jump.  Steps of generalised alpha would go on to and fro, off by the order of a step, without an error that its estimate sees. */
+static bool is_pushed_back(stages *g)
+{
+    const lw_equations *eq = &g->run->d->eq;
+    double *ahead = g->side, *behind = ahead + eq->n_switch, *before = behind + eq->n_switch, h = g->across;
+    bool back = false;
+    eq->place_states(eq->context, g->x);
+    eq->switches(eq->context, g->t, g->q, g->v, g->r, behind);
+    for (int i = 0; i < g->n; i++) {
+        g->e[i] = h*(g->v[i] + 0.5*h*g->a[i]);
+        g->b[i] = g->v[i] + h*g->a[i];
+    }
+    memcpy(g->qi, g->q, (size_t)g->n_q*sizeof *g->qi);
+    eq->move(eq->context, g->qi, g->e);
+    eq->switches(eq->context, g->t + h, g->qi, g->b, g->r, ahead);
+    for (int i = eq->n_switch - eq->n_jump; i < eq->n_switch; i++)
+        back = back || ((before[i] > 0) != (behind[i] > 0) && (ahead[i] > 0) == (before[i] > 0));
+    return back;
 }
 
 static lw_status run_steps(stages *g)
@@ -955,6 +979,8 @@ static lw_status run_steps(stages *g)
             s = lw_run_jumps(run, g->t, state(g, run->y));
         if (other < 0 && s == LW_OK)
             s = begin_again(g);
+        if (other < 0 && s == LW_OK && g->alpha && is_pushed_back(g))
+            s = lw_run_slides(run, g->t);
         if (other != 0)
             continue;
         double part = d->eq.piece_left ? piece_end(g) : 1;
@@ -1018,14 +1044,14 @@ static lw_status run_implicit(lw_run *run, bool alpha)
     g.watched_t = g.t;
     g.dense = !alpha && !d->n_friction && !d->elastic && !d->space && !d->eq.next_piece;
     size_t s_n = (size_t)g.s*n, s_x = (size_t)g.s*x, s_c = (size_t)g.s*c, all = n + x + c;
-    double *memory = calloc(3*(size_t)run->n + 2*q + 5*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 2*(size_t)d->eq.n_switch + 8, sizeof *memory), *p = memory;
+    double *memory = calloc(3*(size_t)run->n + 2*q + 5*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 3*(size_t)d->eq.n_switch + 8, sizeof *memory), *p = memory;
     if (!memory)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     run->y = p, p += 2*run->n, g.ahead = p, p += run->n;
     g.q = p, p += q, g.qi = p, p += q, g.v = p, p += n, g.a = p, p += n, g.e = p, p += n, g.l = p, p += c, g.aux = p, p += n, g.v_old = p, p += n;
     g.x = p, p += x, g.dx = p, p += x, g.aux_x = p, p += x, g.xi = p, p += x, g.scale = p, p += x;
     g.z = p, p += s_n, g.last = p, p += s_n, g.vi = p, p += s_n, g.ai = p, p += s_n, g.zx = p, p += s_x, g.last_x = p, p += s_x;
-    g.zl = p, p += s_c, g.last_l = p, p += s_c, g.side = p, p += 2*d->eq.n_switch, g.r = p, p += s_n + s_x + s_c, g.b = p, p += all, g.pair_b = p;
+    g.zl = p, p += s_c, g.last_l = p, p += s_c, g.side = p, p += 3*d->eq.n_switch, g.r = p, p += s_n + s_x + s_c, g.b = p, p += all, g.pair_b = p;
     lw_dynamics_start(d, g.q, g.v);
     memcpy(g.x, d->start_z, x*sizeof *g.x);
     for (int i = 0; i < g.n_x; i++)
