@@ -1049,6 +1049,45 @@ TEST(four_drives_keep_the_hand)
     lw_spatial_free(&m);
 }
 
+/* A rod of length 1 between two slides at right angles, x^2 + y^2 = 1: the drive of y loses the tool at x = 0, and reaches no farther than x = 1.  With
+ * one drive, and on a gantry with five. */
+TEST(drives_that_are_not_as_many_as_freedoms_lose_the_tool)
+{
+    static const char *const on[] = { "ground", "gr" };
+    for (int k = 0; k < 2; k++) {
+        char text[4096];
+        lw_spatial m;
+        lw_robot r;
+        lw_robot_pose p;
+        lw_error e = { 0 };
+        int n = snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", %s{\"name\": \"a\"}, {\"name\": \"rod\"}, {\"name\": \"b\"}],"
+            "\"joints\": [%s{\"name\": \"Y\", \"kind\": \"t\", \"links\": [\"%s\", \"a\"], \"at\": [0, 0.8, 0], \"axis\": [0, 1, 0]},"
+            "{\"name\": \"A\", \"kind\": \"b\", \"links\": [\"a\", \"rod\"], \"at\": [0, 0.8, 0]}, {\"name\": \"B\", \"kind\": \"b\", \"links\": "
+            "[\"rod\", \"b\"], \"at\": [0.6, 0, 0]}, {\"name\": \"X\", \"kind\": \"t\", \"links\": [\"%s\", \"b\"], \"at\": [0.6, 0, 0], \"axis\": [1, 0, 0]}],"
+            "\"drives\": [%s{\"joint\": \"Y\"}], \"tracers\": [{\"name\": \"T\", \"link\": \"b\", \"at\": [0.6, 0, 0]}]}",
+            k ? "{\"name\": \"gx\"}, {\"name\": \"gy\"}, {\"name\": \"gz\"}, {\"name\": \"gr\"}, " : "",
+            k ? "{\"name\": \"GX\", \"kind\": \"t\", \"links\": [\"ground\", \"gx\"], \"at\": [0, 0, 0], \"axis\": [1, 0, 0]}, {\"name\": \"GY\", \"kind\": \"t\", "
+                "\"links\": [\"gx\", \"gy\"], \"at\": [0, 0, 0], \"axis\": [0, 1, 0]}, {\"name\": \"GZ\", \"kind\": \"t\", \"links\": [\"gy\", \"gz\"], \"at\": "
+                "[0, 0, 0], \"axis\": [0, 0, 1]}, {\"name\": \"GR\", \"links\": [\"gz\", \"gr\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, " : "",
+            on[k], on[k], k ? "{\"joint\": \"GX\"}, {\"joint\": \"GY\"}, {\"joint\": \"GZ\"}, {\"joint\": \"GR\"}, " : "");
+        CHECK_INT(lw_spatial_read(text, (size_t)n, "trammel", &m, &e), LW_OK);
+        CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+        CHECK_INT(lw_robot_move(&r, lw_v3(-1, 0, 0), NULL, &e), LW_OPEN);
+        CHECK(strstr(e.text, "the drives do not hold the tool"));
+        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_NEAR(p.place.x - (k ? p.drive[0] : 0), 0, 2e-5, 0);
+        lw_robot_reset(&r);
+        if (k == 0) {
+            CHECK_INT(lw_robot_move(&r, lw_v3(1.1, 0, 0), NULL, &e), LW_OPEN);
+            CHECK(strstr(e.text, "what the drives can reach"));
+            CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+            CHECK_NEAR(p.place.x, 1, 1e-7, 0);
+        }
+        lw_robot_free(&r);
+        lw_spatial_free(&m);
+    }
+}
+
 /* Masses that forces on the tool of a planar robot move: of a gantry its slides, of an arm with all mass at its tip that mass. */
 TEST(masses_in_a_plane)
 {

@@ -143,7 +143,9 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
         return s;
     s = lw_space_follow_make(&r->space, drive, r->n_drive, false, &r->follow, e);
     size_t n_v = (size_t)r->space.n_v, n_q = (size_t)r->space.n_q;
-    if (s == LW_OK && !(r->column = calloc((size_t)r->n_drive*n_v + n_q, sizeof *r->column)))
+    bool loops = r->space.n_joint > r->space.n_body;
+    size_t square = loops ? n_v*(n_v + 1) : 0;
+    if (s == LW_OK && !(r->column = calloc((size_t)r->n_drive*n_v + n_q + square, sizeof *r->column)))
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s != LW_OK) {
         lw_robot_free(r);
@@ -164,6 +166,7 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
     }
     r->start = r->column + (size_t)r->n_drive*n_v;
     memcpy(r->start, r->follow.q, n_q*sizeof *r->start);
+    r->square = loops ? r->start + n_q : NULL;
     lw_space_follow_values(&r->follow, r->drive);
     s = find_freedoms(r, e);
     if (s != LW_OK)
@@ -465,15 +468,41 @@ static void count_angles(void *context, const double *q)
 static const char not_held[] = "a posture in which the drives do not hold the tool";
 static const char out_of_reach[] = "the limit of what the drives can reach";
 
-/* Determinant of the Jacobian of the freedoms that the drives command: place, turn, or both; 0: it is not square. */
-static double determinant(const lw_robot *r, const lw_robot_pose *p)
+/* Inverse of the determinant of all rows, those of the drives among them, over their lengths: it has a pole where the drives lose the tool, like
+ * the determinant of a square Jacobian.  0: of an open chain, whose drives lose nothing, and where rows depend on others. */
+static double inverse_of_rows(lw_robot *r)
+{
+    const lw_space_rows_set *z = &r->follow.z;
+    size_t n = (size_t)r->space.n_v;
+    if (!r->square || z->n_row != r->space.n_v)
+        return 0;
+    double *diag = r->square + n*n;
+    memset(r->square, 0, n*n*sizeof *r->square);
+    for (int i = 0; i < z->n_row; i++) {
+        double *row = r->square + (size_t)i*n, length = 0;
+        for (int c = z->at[i]; c < z->at[i + 1]; c++) {
+            int b = z->body[i][(c - z->at[i])/6];
+            if (b >= 0)
+                row[6*b + (c - z->at[i])%6] += z->jac[c];
+        }
+        for (size_t c = 0; c < n; c++)
+            length = hypot(length, row[c]);
+        for (size_t c = 0; c < n; c++)
+            row[c] /= length;
+    }
+    lw_qr_factor((int)n, (int)n, r->square, diag);
+    return 1/lw_qr_determinant((int)n, diag);
+}
+
+/* Determinant of the Jacobian of the freedoms that the drives command: place, turn, or both; if it is not square, inverse_of_rows. */
+static double determinant(lw_robot *r, const lw_robot_pose *p)
 {
     double a[6*6], diag[6];
     int n = r->n_drive;
     bool flat = r->normal.x != 0 || r->normal.y != 0 || r->normal.z != 0;
     bool one = r->spin.x != 0 || r->spin.y != 0 || r->spin.z != 0;
     if (n != (flat ? (r->only_turns ? 0 : r->turns ? 3 : 2) : r->only_turns || !r->turns ? 3 : one ? 4 : 6))
-        return 0;
+        return inverse_of_rows(r);
     lw_vec3 right = lw_v3_across(r->normal), ahead = lw_v3_cross(r->normal, right);
     for (int i = 0; i < n; i++) {
         lw_vec3 v = lw_v3(p->jacobian[0][i], p->jacobian[1][i], p->jacobian[2][i]), w = lw_v3(p->jacobian[3][i], p->jacobian[4][i], p->jacobian[5][i]);

@@ -32,6 +32,7 @@ typedef struct lw_robot {
     double from[LW_ROBOT_DRIVES];
     lw_vec3 goal, begin;                         /* the same of the tool                                */
     double *column, *start;                      /* (n_drive x n_v) velocities of unit drive rates; (n_q) posture of the file */
+    double *square;                              /* (n_v * (n_v + 1)) scratch; NULL: an open chain        */
     double determinant, jump;                    /* of the Jacobian at the last posture of a way, where it is square; its change beyond */
     lw_status broken;                            /* of the last move: what went wrong besides a limit, such as LW_E_MEMORY */
     double condition_limit;                      /* going ends where the condition number exceeds it; 0: no limit (0) */
