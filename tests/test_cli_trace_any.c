@@ -373,3 +373,42 @@ TEST(odd_ranges_of_the_input)
     expect("echo " TRIAD " | $P trace - -n 1 --input-range -1e9:1e9 -o /dev/null", 5, NULL, "more arcs than the 1024");
     expect("$P trace examples/chebyshev.json -n 1 --input-range -1e9:1e9 -o /dev/null", 5, NULL, "more arcs than");
 }
+
+/* Seven rockers on one crank have 2^7 assembly modes, more than are listed in closed form: then that is an exit code, and the search
+ * along curves finds them all. */
+TEST(more_arcs_than_in_closed_form)
+{
+    const char *path = "/tmp/test_trace_rockers.json";
+    char line[200];
+    FILE *f = fopen(path, "w");
+    fputs("{\"linkwright\": 1, \"links\": [\"ground\", \"crank\"", f);
+    for (int i = 0; i < 7; i++)
+        fprintf(f, ", \"b%d\", \"r%d\"", i, i);
+    fputs("], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0]}", f);
+    for (int i = 0; i < 7; i++) {
+        double bx = cos(1), by = sin(1), rod = 2.8 + 0.03*i, rocker = 2 + 0.02*i, dx = 3*cos(0.7*i + 0.1), dy = 3*sin(0.7*i + 0.1);
+        double far = hypot(dx - bx, dy - by), along = (rod*rod - rocker*rocker + far*far)/(2*far), high = sqrt(rod*rod - along*along);
+        fprintf(f, ", {\"name\": \"B%d\", \"links\": [\"crank\", \"b%d\"], \"at\": [%.17g, %.17g]}, {\"name\": \"C%d\", \"links\": "
+                "[\"b%d\", \"r%d\"], \"at\": [%.17g, %.17g]}, {\"name\": \"D%d\", \"links\": [\"ground\", \"r%d\"], \"at\": "
+                "[%.17g, %.17g]}", i, i, bx, by, i, i, i, bx + (along*(dx - bx) - high*(dy - by))/far,
+                by + (along*(dy - by) + high*(dx - bx))/far, i, i, dx, dy);
+    }
+    fputs("], \"input\": {\"joint\": \"A\"}, \"tracers\": [{\"name\": \"P\", \"link\": \"b6\", \"at\": [1, 2]}]}", f);
+    fclose(f);
+    snprintf(line, sizeof line, "$P trace %s -n 1", path);
+    expect(line, 5, "# arc 64", "more arcs than the 64");
+    snprintf(line, sizeof line, "$P trace %s -n 1 --all-assemblies", path);
+    ran r = run(line);
+    double v[20];
+    CHECK_INT(r.code, 0);
+    CHECK_HAS(r.err, "128 circuits found");
+    CHECK_INT(last_row(r.out, v), 256);
+    ran_free(&r);
+    snprintf(line, sizeof line, "$P trace %s -n 1 --all-assemblies --time 1", path);
+    r = run(line);
+    CHECK_INT(r.code, 5);
+    CHECK_HAS(r.err, "half of --time ended the search");
+    CHECK(last_row(r.out, v) < 256);
+    ran_free(&r);
+    remove(path);
+}

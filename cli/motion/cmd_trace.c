@@ -169,8 +169,7 @@ static lw_status prepare(const job *j, cli_trace *t, lw_error *e)
     st = lw_motion_find(&t->plan, t->dim, &t->motion);
     if (st < 0)
         return lw_error_at(e, st, file, 0, 0, "its motion cannot be found: %s", lw_status_text(st));
-    if (st == LW_STOPPED)
-        cli_note(call, "the linkage has more arcs than the %d that are printed", LW_ARC_MAX);
+    t->more_arcs = st == LW_STOPPED && (s->mode != MODE_FILE || lw_motion_arc(&t->plan, &t->motion, t->mode, t->input) < 0);
     set_tools(t);
     set_window(s, call, t);
     t->speed = j->speed;
@@ -207,7 +206,8 @@ static int print_plan(const cli_call *call, cli_trace *t)
     else
         cli_trace_csv(t);
     cli_progress_end(&progress);
-    int code = cut_short(call, &t->rows, t->dropped, CLI_PIECE_MAX) ? CLI_LIMIT : t->n_piece ? CLI_DONE : CLI_NOTHING;
+    bool some = cut_short(call, &t->rows, t->dropped, CLI_PIECE_MAX) || t->more_arcs;
+    int code = some ? CLI_LIMIT : t->n_piece ? CLI_DONE : CLI_NOTHING;
     if (code == CLI_NOTHING)
         cli_note(call, "%s", t->motion.n_arc ? "the linkage does not reach that range of the input"
                                              : "the linkage closes nowhere");
@@ -467,14 +467,18 @@ static int by_plan(const job *j, cli_trace *t)
     int code;
     if (prepare(j, t, &e) != LW_OK)
         return cli_fail(j->call, &e);
-    lw_status st = t->motion.change_point ? make_curves(j, false, j->s->mode != MODE_FILE, &c, &e) : LW_NOTHING;
+    bool along = t->motion.change_point || (t->more_arcs && (j->s->all || j->s->mode == MODE_FILE));
+    lw_status st = along ? make_curves(j, false, j->s->mode != MODE_FILE, &c, &e) : LW_NOTHING;
     if (st == LW_OK) {
-        cli_note(j->call, "traced along its motion curves, because it passes change points");
+        cli_note(j->call, "traced along its motion curves, because it %s", t->motion.change_point ? "passes change points"
+                 : "has more arcs than are found in closed form");
         code = print_curves(j->call, c, NULL);
     } else if (st == LW_E_MEMORY) {
         code = cli_fail(j->call, &e);
     } else {
         cli_note(j->call, "in closed form, dyad by dyad (%d)", t->plan.n_dyad);
+        if (t->more_arcs)
+            cli_note(j->call, "the linkage has more arcs than the %d that are printed; --all-assemblies prints all that it finds", LW_ARC_MAX);
         if (t->motion.change_point)
             cli_note(j->call, "it passes change points, and the rows do not continue through them: %s", e.text);
         code = print_plan(j->call, t);

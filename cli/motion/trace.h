@@ -26,6 +26,7 @@ typedef struct cli_trace {
     bool       timed;                   /* derivatives by time, at the given input speed           */
     double     speed;                   /* [rad/s] or [m/s]                                        */
     int        steps;
+    bool       more_arcs;               /* arcs that are wanted are not in `motion`                */
     bool       dropped;                 /* more pieces than CLI_PIECE_MAX                          */
     int        n_piece;
     cli_piece  piece[CLI_PIECE_MAX];
