@@ -313,6 +313,24 @@ TEST(states_in_space)
     lw_model_free(&d.model);
 }
 
+/* A slide that its input moves from the start, u = U cos(4 t), and a lag of this speed, T z' = u - z from z = U. */
+TEST(states_beside_inputs_that_leave_no_freedom)
+{
+    static const lw_formulation way[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE };
+    double t = 0.3, lag = 0.1, u = 0.06*4*0.6, part = 1/(1 + 16*lag*lag);
+    for (size_t k = 0; k < sizeof way/sizeof *way; k++) {
+        space_end s;
+        read_in_space("{'linkwright': 1, 'links': ['ground', {'name': 'b', 'mass': 2, 'centre': [0.1, 0, 0], 'inertia': [0.01, 0.01, 0.01]}], "
+                      "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'b'], 'at': [0, 0, 0], 'axis': [0.6, 0.8, 0]}], "
+                      "'tracers': [{'name': 'P', 'link': 'b', 'at': [0.1, 0.2, 0]}], 'inputs': [{'joint': 'S', 'motion': '0.06*sin(4*t)'}], "
+                      "'forces': [{'link': 'b', 'at': [0, 0, 0], 'fy': '-3*lag(vx(P), 0.1)'}]}");
+        run_in_space(t, way[k], &s);
+        CHECK_NEAR(s.v, 0.24*cos(4*t), 1e-9, 0);
+        CHECK_NEAR(s.z[0], u*part*(cos(4*t) + 4*lag*sin(4*t)) + u*(1 - part)*exp(-t/lag), 1e-8, 0);
+        lw_spatial_free(&in_space);
+    }
+}
+
 /* An elastic boom on a cylinder, from pressures that do not hold it: implicit with states, and explicit; in the plane the same. */
 TEST(a_boom_on_oil)
 {

@@ -174,10 +174,11 @@ static lw_status correct(lw_dynamics *d, const double *wanted)
     return st;
 }
 
-/* Does the file give a speed or a velocity, which the motions of the inputs may contradict? */
-static bool has_velocities(const lw_spatial *m)
+/* Where inputs move every freedom: does the run in time need velocities at the start, or does the file give a speed or a velocity, which the
+ * motions of the inputs may contradict? */
+static bool needs_velocities(const lw_dynamics *d, const lw_spatial *m)
 {
-    bool any = false;
+    bool any = d->eq.n_z > 0 || d->o.pieces || (d->o.formulation != LW_FORMULATION_AUTO && d->o.formulation != LW_FORMULATION_DRIVEN);
     for (int i = 0; i < m->n_input && !any; i++)
         any = m->input[i].has_speed && !m->input[i].motion;
     for (int i = 0; i < m->n_link && !any; i++)
@@ -829,7 +830,7 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
     if (st == LW_OK && (d->elastic || open))
         st = start_as_rigid(d, given, e);
     else if (st == LW_OK && (st = find_posture(d, e)) == LW_OK && !rest &&
-             (d->freedom > 0 || d->o.closed || (lw_dynamics_in_time(d) && has_velocities(m))))
+             (d->freedom > 0 || d->o.closed || (lw_dynamics_in_time(d) && needs_velocities(d, m))))
         st = find_velocities(d, e);
     if (st == LW_OK)
         st = lw_mbs_start_states(d, e);
