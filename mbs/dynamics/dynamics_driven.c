@@ -413,6 +413,31 @@ static lw_status watch_places(driven *z, double t, double *y, double *between)
     return looked == LW_OK ? s : looked;
 }
 
+int lw_run_looks(const lw_dynamics *d)
+{
+    enum { LOOKS = 2000 };                               /* over a run */
+    return d->n_stop > 0 && d->o.intervals < LOOKS ? LOOKS/d->o.intervals : 1;
+}
+
+lw_status lw_run_look_at_stops(lw_run *run, double t, const double *q)
+{
+    static const double rounding = 1e-9;
+    lw_dynamics *d = run->d;
+    if (d->n_stop > 0)
+        d->eq.place(d->eq.context, q);
+    for (int i = 0; i < d->n_stop; i++) {
+        const lw_rigid_stop *p = &d->stop[i];
+        double row[LW_ROW_SIZE] = { 0 };
+        int block[LW_ROW_BLOCKS];
+        d->eq.measure_blocks(d->eq.context, p->measure, block);
+        if (p->sign*(d->eq.measure(d->eq.context, p->measure, row, block) - p->limit) < -rounding)
+            return lw_error_set(run->e, LW_E_KIND, "the prescribed motion brings \"%s\" beyond its rigid stop, at t = %.9g s or a little before: inputs that move every "
+                                "freedom do not give way, so how much a rigid stop carries is not determined; give it a \"stiffness\", or leave "
+                                "the motion of an input out", d->eq.name(d->eq.context, LW_NAMED_MEASURE, p->measure), t);
+    }
+    return LW_OK;
+}
+
 /* The energy balance is not checked: nothing is integrated, and the work of the driving torques, from their powers
  * at the samples, would be known to second order only. */
 static lw_status run_all(driven *z, double *y)
@@ -430,7 +455,12 @@ static lw_status run_all(driven *z, double *y)
                             "(radians or multiples of the size) in a second", d->o.from, d->o.to, fastest);
     z->piece = fmin(d->o.to - d->o.from, 100/fmax(fastest, 1e-300));
     for (int k = 0; s == LW_OK && k <= d->o.intervals; k++) {
-        double t = lw_run_time(d, k);
+        double t = lw_run_time(d, k), before = lw_run_time(d, k > 0 ? k - 1 : 0);
+        for (int i = 1, looks = lw_run_looks(d); s == LW_OK && i <= looks && d->n_stop > 0; i++)
+            if ((s = follow(z, i == looks ? t : before + (t - before)*i/looks)) == LW_OK)
+                s = lw_run_look_at_stops(run, lw_prescribed_motion_time(z->motion), lw_prescribed_motion_posture(z->motion));
+        if (s != LW_OK)
+            break;
         s = d->touch ? watch_places(z, t, y, z->gap + 2*d->touch->list.n) : moment_at(z, t, y);
         if (s == LW_OPEN)
             for (int i = 0; i < d->n_q || i < d->n_c; i++) {
@@ -467,11 +497,15 @@ static lw_status run_large(lw_run *run)
     lw_status s = y ? lw_follow_ready(d, lw_mbs_driven_inputs, d, d->o.from, &f, run->e)
                     : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     for (int k = 0; s == LW_OK && k <= d->o.intervals; k++) {
-        double t = lw_run_time(d, k);
-        s = lw_follow_to(f, t, run->e);
-        if (s == LW_OPEN)
-            s = lw_error_set(run->e, LW_E_NUMERIC, "the linkage cannot follow its inputs beyond t = %.12g s: it stands at a "
-                             "limit of its motion", lw_follow_time(f));
+        double t = lw_run_time(d, k), before = lw_follow_time(f);
+        for (int i = 1, looks = lw_run_looks(d); s == LW_OK && i <= looks; i++) {
+            double at = i == looks ? t : before + (t - before)*i/looks;
+            s = lw_follow_to(f, at, run->e);
+            if (s == LW_OPEN)
+                s = lw_error_set(run->e, LW_E_NUMERIC, "the linkage cannot follow its inputs beyond t = %.12g s: it stands at a "
+                                 "limit of its motion", lw_follow_time(f));
+            s = s == LW_OK ? lw_run_look_at_stops(run, at, lw_follow_series(f)) : s;
+        }
         if (s != LW_OK)
             break;
         memcpy(y, lw_follow_series(f), 2*n*sizeof *y);

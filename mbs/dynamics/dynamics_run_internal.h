@@ -194,6 +194,10 @@ lw_status lw_run_go_on(lw_run *run, const double *y);
 
 /* A run of a spatial model whose inputs leave no freedom. */
 lw_status lw_run_driven_spatial(lw_run *run);
+/* Driven runs look at rigid stops so many times from sample to sample: motions can go beyond one and back between two. */
+int       lw_run_looks(const lw_dynamics *d);
+/* LW_E_KIND: the posture q (n_q) at t is beyond a rigid stop. */
+lw_status lw_run_look_at_stops(lw_run *run, double t, const double *q);
 
 /* "", or a note that a spatial model could be written as a planar one. */
 const char *lw_mbs_is_planar(const lw_dynamics *d);

@@ -620,11 +620,16 @@ lw_status lw_run_driven_spatial(lw_run *run)
     lw_status st = y ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     for (int k = 0; st == LW_OK && k <= d->o.intervals; k++) {
         double t = lw_run_time(d, k);
-        if ((st = lw_limits_check(d->o.stop, d->o.until, true, t, run->e)) != LW_OK ||
-            (st = lw_space_follow_to(f, motions, d, t, run->e)) != LW_OK) {
+        double before = f->u;
+        for (int i = 1, looks = lw_run_looks(d); st == LW_OK && i <= looks; i++) {
+            double at = i == looks ? t : before + (t - before)*i/looks;
+            if ((st = lw_limits_check(d->o.stop, d->o.until, true, at, run->e)) == LW_OK)
+                st = lw_space_follow_to(f, motions, d, at, run->e);
             st = st == LW_OPEN ? LW_E_NUMERIC : st;      /* its text says where and why */
-            break;
+            st = st == LW_OK ? lw_run_look_at_stops(run, at, f->q) : st;
         }
+        if (st != LW_OK)
+            break;
         run->r->t = t;
         lw_space_follow_rates(f, motions, d);
         memcpy(y, f->q, (size_t)d->n_q*sizeof *y);
