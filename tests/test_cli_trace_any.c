@@ -412,3 +412,18 @@ TEST(more_arcs_than_in_closed_form)
     ran_free(&r);
     remove(path);
 }
+
+/* Three parallel bars, rounded to 1e-5, move after they are adjusted; the search begins from there. */
+TEST(circuits_of_a_rounded_overconstrained_linkage)
+{
+    const char *path = "/tmp/test_trace_bars.json";
+    FILE *f = fopen(path, "w");
+    fputs("{\"linkwright\": 1, \"links\": [\"ground\", \"c0\", \"c1\", \"c2\", \"b\"], \"joints\": ["
+          "{\"name\": \"A0\", \"links\": [\"ground\", \"c0\"], \"at\": [0, 0]}, {\"name\": \"B0\", \"links\": [\"c0\", \"b\"], \"at\": [1.00001, 1.7]}, "
+          "{\"name\": \"A1\", \"links\": [\"ground\", \"c1\"], \"at\": [4, 0]}, {\"name\": \"B1\", \"links\": [\"c1\", \"b\"], \"at\": [5, 1.70002]}, "
+          "{\"name\": \"A2\", \"links\": [\"ground\", \"c2\"], \"at\": [9, 0]}, {\"name\": \"B2\", \"links\": [\"c2\", \"b\"], \"at\": [10, 1.69999]}], "
+          "\"input\": {\"joint\": \"A0\"}, \"tracers\": [{\"name\": \"P\", \"link\": \"b\", \"at\": [6, 3]}]}", f);
+    fclose(f);
+    expect("$P trace /tmp/test_trace_bars.json --all-assemblies -n 4", 0, "# circuit 1: closes after 1 turn of the input", "joints were moved");
+    remove(path);
+}

@@ -1,9 +1,9 @@
 /* mbs/constraints/sparse_rows.c - see sparse_rows_internal.h */
 #include "mbs/constraints/sparse_rows_internal.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 
 static void row_bodies(const lw_sparse_rows *r, int row, int body[LW_SYSTEM_ROW_BODIES])
 {
