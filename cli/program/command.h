@@ -17,7 +17,9 @@ typedef enum cli_kind_of_file {
     CLI_FOREIGN = 128,                 /* a linkage of Pyslvs or ADAMS                                 */
     CLI_BINARY = 256,
     CLI_LENGTHS = 512,                 /* lines of four lengths                                        */
-    CLI_MASTER = 1024                  /* a master file of a product family                            */
+    CLI_MASTER = 1024,                 /* a master file of a product family                            */
+    CLI_CYCLE = 2048,                  /* a work cycle of axes                                         */
+    CLI_SERVO = 4096                   /* a servo axis                                                 */
 } cli_kind_of_file;
 
 typedef struct cli_call {

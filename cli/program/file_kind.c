@@ -45,6 +45,8 @@ static cli_kind_of_file kind_of_json(const char *text, size_t size)
     cli_kind_of_file kind = json_is_array(json_object_get(root, "results")) ? CLI_RESULTS
                           : json_object_get(root, "linkwright-task") ? CLI_TASK
                           : json_is_object(json_object_get(root, "model")) ? CLI_MASTER
+                          : json_object_get(root, "linkwright-cycle") ? CLI_CYCLE
+                          : json_is_object(json_object_get(root, "servo")) ? CLI_SERVO
                           : !joints ? CLI_UNKNOWN : json_is_array(json_array_get(joints, 0)) ? CLI_TOPOLOGIES
                               : CLI_LINKAGE;
     json_decref(root);
@@ -89,6 +91,7 @@ bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
         { CLI_TASK, "a task", "fit %s" },
         { CLI_TOPOLOGIES, "a list of chains or mechanisms", "draw %s -o chains.svg" },
         { CLI_MASTER, "a master file of a product family", "family expand %s" },
+        { CLI_CYCLE, "a work cycle", "profile %s" }, { CLI_SERVO, "a servo axis", "drive simulate %s" },
         { CLI_CATALOGUE, "a catalogue", "catalogue query %s" },
         { CLI_FOREIGN, "a linkage of another program", "convert %s -o linkage.json" },
         { CLI_BINARY, "no text in UTF-8 (a picture, an archive, another encoding)", NULL },

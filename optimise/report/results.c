@@ -101,8 +101,8 @@ static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report 
     const lw_candidate *first = &fit->candidate[least];
     const lw_fit_report *best = &all[least];
     bool far = t->extent > 0 ? lw_fit_report_misses(t, r) > FAR*t->extent : r->angle_max > FAR*swing_of(t);
-    double worse = far ? FAR_WORSE : WORSE;
-    return c->objective > worse*worse*first->objective && !(lw_fit_report_stray(r) < lw_fit_report_stray(best))
+    double worse = far ? FAR_WORSE : WORSE, less = far ? MUCH_SMALLER : 1;
+    return c->objective > worse*worse*first->objective && !(lw_fit_report_stray(r) < less*lw_fit_report_stray(best))
         && (r->error_max > ROUGH*t->size || r->angle_max > ROUGH_ANGLE);
 }
 
