@@ -266,6 +266,34 @@ TEST(block_over_a_pivot)
         }
 }
 
+/* Cranks of a parallelogram that come to rest in the flat posture at 1 s, or turn back there, slowly or at once. */
+TEST(rests_in_a_flat_posture)
+{
+    static const char *const motion[] = { "1 - step(t, 0, 0, 1, 1)", "(t - 1)^4", "(t - 1)^6", "abs(1 - t)", "max(1 - t, 0)", "(1 - t)^5" };
+    for (int k = 0; k < 6; k++)
+        for (int n = 20; n <= 37; n += 17) {
+            char text[1500];
+            snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0], 'inertia': 1}, {'name': 'b',"
+                     "'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 1}, {'name': 'c', 'mass': 1, 'centre': [2, 0], 'inertia': 1}], 'joints': ["
+                     "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [%.17g, %.17g]},"
+                     "{'name': 'C', 'links': ['b', 'c'], 'at': [%.17g, %.17g]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [2, 0]}],"
+                     "'input': {'joint': 'A', 'value': 1, 'motion': '%s'}, 'tracers': [{'name': 'P', 'link': 'c', 'at': [%.17g, %.17g]}]}",
+                     1 + cos(1), sin(1), cos(1), sin(1), 2 + cos(1), sin(1), motion[k], 2 + cos(1), sin(1));
+            drun_read_format(&d, text, 0, 0);
+            CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 2, n), LW_OK);
+            CHECK_INT(d.n_moment, n + 1);
+            for (int i = 0; i < d.n_moment; i++) {
+                double x = fabs(1 - d.t[i]), t = d.t[i], rest = fmin(t, 1), s = 0;
+                s = k == 0 ? 1 - rest*rest*(3 - 2*rest) : k == 1 ? pow(x, 4) : k == 2 ? pow(x, 6) : k == 3 ? x : k == 4 ? 1 - rest : pow(1 - t, 5);
+                CHECK_NEAR(d.tracer[i].x, 2 + cos(s), 1e-8, 0);
+                CHECK_NEAR(d.tracer[i].y, sin(s), 1e-8, 0);
+            }
+            for (int i = 0; i < 9; i++)
+                CHECK(isfinite(d.a[i]));
+            lw_model_free(&d.model);
+        }
+}
+
 /* Ten parallelograms in a row, whose change points all have to be found as one; the motion is that of one crank, s''
  * = -g 15.5/(11/3 + 10) cos s. */
 static lw_status rate_of_ten(void *context, double t, const double *y, double *dy)

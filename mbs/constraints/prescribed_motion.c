@@ -8,6 +8,9 @@
 
 #define TRACK 64                            /* stored postures, from which branch points are crossed   */
 #define ORDER LW_SYSTEM_ORDER_MAX
+#define PARTS 12                            /* places of a step by values that are gone to              */
+
+static const double by_values = 0.02;       /* greatest change of the input in such a step, scaled      */
 
 struct lw_prescribed_motion {
     const lw_system *s;
@@ -30,6 +33,9 @@ struct lw_prescribed_motion {
     double          *over;                  /* (ORDER + 1) x n                                         */
     double           asked;                 /* reported time and posture; inside a singular step they  */
     double          *posture;               /* differ from those where the next step starts            */
+    lw_prescribed_motion *place;            /* one input: the linkage along its value; made where no   */
+    double          *drawn;                 /* series in time leads on, from the drawn posture (n)     */
+    bool             in_time, placed;       /* may `place` be asked?  Is the posture its?               */
 };
 
 /* Series of the inputs at t, relative to the posture; false if a motion is not a number. */
@@ -215,7 +221,7 @@ static outcome advance(lw_prescribed_motion *d, double last)
     if (!hold(d, d->t))
         return LOST;
     if (!(lw_continuation_factor(&d->f, d->q) > 1e-15))
-        return leap(d, d->t, last) ? MOVED : LIMIT;
+        return !d->in_time && leap(d, d->t, last) ? MOVED : LIMIT;
     lw_continuation_bound(&d->f, d->q);
     d->weight[0][0] = d->weight[1][0];
     d->weight[0][1] = d->weight[1][1];
@@ -225,7 +231,7 @@ static outcome advance(lw_prescribed_motion *d, double last)
         h *= 0.5;
         double speed = change(d, d->t + h);
         if (speed < LW_CONTINUATION_LEAST && 1.0 < d->f.kappa*2.0*LW_CONTINUATION_LEAST)
-            return leap(d, d->t + h, last) ? MOVED : LIMIT;
+            return !d->in_time && leap(d, d->t + h, last) ? MOVED : LIMIT;
         if (!(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
             return LOST;                                  /* an input jumps here, or is not a number     */
     }
@@ -243,6 +249,65 @@ static outcome advance(lw_prescribed_motion *d, double last)
         }
     }
     return LOST;
+}
+
+/* With one input the posture is a function of its value, whatever it does in time.  It may rest or turn back in a branch point, from
+ * where no series in time leads on: go on by values, one step towards `last`.  False: it jumps, or leads beyond a limit. */
+static bool go_by_values(lw_prescribed_motion *d, double last)
+{
+    double now, u[PARTS + 1], h = last - d->t, most = by_values*lw_system_joint_unit(d->s, d->s->input_joint[0]);
+    d->motion(d->context, d->t, 0, &now);
+    lw_status s = d->place ? LW_OK : lw_prescribed_motion_create(d->s, d->drawn, lw_prescribed_motion_itself, NULL, d->s->input_value[0],
+                                                                 &d->place, NULL);
+    if (s != LW_OK || lw_prescribed_motion_to(d->place, now) != LW_OK || !(lw_continuation_distance(&d->f, d->place->posture, d->q) < 1e-4))
+        return false;
+    for (bool near = false; !near; h *= near ? 1 : 0.5) {
+        near = true;
+        for (int i = 1; i <= PARTS; i++) {
+            d->motion(d->context, d->t + h*i/PARTS, 0, &u[i]);
+            near = near && fabs(u[i] - now) <= most;
+        }
+        if (!near && !(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
+            return false;
+    }
+    for (int i = 1; i <= PARTS; i++)
+        if (lw_prescribed_motion_to(d->place, u[i]) != LW_OK)
+            return false;
+    double before = d->t, side = u[PARTS] - d->place->crossing;
+    memcpy(d->q, d->place->posture, (size_t)d->n*sizeof *d->q);
+    d->t = h == last - d->t ? last : d->t + h;
+    if (d->place->crossings > 0 && (now - d->place->crossing)*side < 0) {
+        d->crossings++;
+        d->crossing = d->t;
+        for (double middle; middle = 0.5*(before + d->crossing), middle != before && middle != d->crossing;) {
+            d->motion(d->context, middle, 0, &now);
+            *((now - d->place->crossing)*side > 0 ? &d->crossing : &before) = middle;
+        }
+    }
+    d->n_track = 0;
+    d->leapt = false;
+    return d->placed = true;
+}
+
+/* The series of the posture in time, from that along the value of the input and that of the input in time. */
+static bool series_by_values(lw_prescribed_motion *d, int order, double *q)
+{
+    double u[ORDER + 1], p[ORDER + 1];
+    d->motion(d->context, d->asked, order, u);
+    if (!lw_prescribed_motion_rates(d->place, order, d->series))
+        return false;
+    for (int i = 0; i < d->n; i++) {
+        memset(p, 0, sizeof p);
+        for (int m = order; m >= 0; m--)                  /* Horner's scheme; u[0] is left out */
+            for (int k = order; k >= 0; k--) {
+                p[k] = k == 0 ? d->series[m*d->n + i] : 0;
+                for (int j = 1; j <= k; j++)
+                    p[k] += u[j]*p[k - j];
+            }
+        for (int k = 1; k <= order; k++)
+            q[k*d->n + i] = p[k];
+    }
+    return true;
 }
 
 /* Return from a limit to a stored posture before it. */
@@ -277,8 +342,9 @@ lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t)
     if (d->stuck && d->t != t)
         come_free(d);
     while (d->t != t && !leapt_over(d, t)) {
+        d->placed = false;
         outcome o = advance(d, t);
-        if (o != MOVED) {
+        if (o != MOVED && !(d->in_time && go_by_values(d, t))) {
             hold(d, d->t);
             tell(d, d->t, d->q);
             find_limit(d, t);
@@ -304,6 +370,13 @@ static void straight(void *context, double t, int order, double *u)
         for (int k = 0; k <= order; k++)
             u[i*(order + 1) + k] = k == 0 ? first + t*way : k == 1 ? way : 0.0;
     }
+}
+
+void lw_prescribed_motion_itself(void *context, double x, int order, double *u)
+{
+    (void)context;
+    for (int k = 0; k <= order; k++)
+        u[k] = k == 0 ? x : k == 1;
 }
 
 /* There cannot be more inputs than the rows leave degrees of freedom. */
@@ -369,7 +442,7 @@ lw_status lw_prescribed_motion_create(const lw_system *s, const double *q, lw_in
         d->n = s->n_q;
         d->motion = motion;
         d->context = context;
-        size_t vectors = 3 + (ORDER + 2) + (ORDER + 1);
+        size_t vectors = 4 + (ORDER + 2) + (ORDER + 1);
         d->q = calloc(vectors*(size_t)d->n + (size_t)TRACK*(size_t)(1 + d->n), sizeof *d->q);
     }
     if (!d || !d->q || !lw_continuation_create(s, all, s->n_input, false, &d->f)) {
@@ -380,11 +453,13 @@ lw_status lw_prescribed_motion_create(const lw_system *s, const double *q, lw_in
     d->series = d->next + d->n;
     d->over = d->series + (ORDER + 2)*d->n;
     d->posture = d->over + (ORDER + 1)*d->n;
-    d->track = d->posture + d->n;
+    d->drawn = d->posture + d->n;
+    d->track = d->drawn + d->n;
     if (q)
         memcpy(d->q, q, (size_t)d->n*sizeof *q);
     else
         lw_system_posture(s, d->q);
+    memcpy(d->drawn, d->q, (size_t)d->n*sizeof *d->q);
     lw_status status = check_inputs(d, e);
     if (status == LW_OK)
         status = begin(d, t, e);
@@ -392,6 +467,7 @@ lw_status lw_prescribed_motion_create(const lw_system *s, const double *q, lw_in
         lw_prescribed_motion_free(d);
         return status;
     }
+    d->in_time = s->n_input == 1 && motion != lw_prescribed_motion_itself;
     *out = d;
     return LW_OK;
 }
@@ -417,6 +493,7 @@ void lw_prescribed_motion_free(lw_prescribed_motion *d)
 {
     if (!d)
         return;
+    lw_prescribed_motion_free(d->place);
     free(d->q);
     lw_continuation_free(&d->f);
     free(d);
@@ -428,6 +505,8 @@ const double *lw_prescribed_motion_posture(const lw_prescribed_motion *d) { retu
 bool lw_prescribed_motion_rates(lw_prescribed_motion *d, int order, double *q)
 {
     memcpy(q, d->posture, (size_t)d->n*sizeof *q);
+    if (d->placed)
+        return series_by_values(d, order, q);
     if (leapt_over(d, d->asked) && from_crossing(d, d->asked) < 0.25) {
         for (int k = 1; k <= order; k++) {                /* the series of the singular step, about this time */
             double choose = 1.0;

@@ -2,7 +2,7 @@
  *
  * Every step is so short that the posture provably stays on its branch, for any path of the inputs within their change
  * over the step (mbs/constraints/continuation_internal.h).  Whether the inputs stay within that change is checked at a
- * dozen times inside the step. */
+ * dozen times inside the step.  One input may also rest or turn back in a branch point: there the posture follows its value. */
 #ifndef LW_MBS_CONSTRAINTS_PRESCRIBED_MOTION_H
 #define LW_MBS_CONSTRAINTS_PRESCRIBED_MOTION_H
 
@@ -14,6 +14,9 @@ typedef void lw_input_function(void *context, double t, int order, double *u);
 
 /* The motions of a model (grammar/model/model.h), which is the context.  Inputs without a motion rest. */
 lw_input_function lw_prescribed_motion_of_model;
+
+/* One input as a function of itself: postures along its value. */
+lw_input_function lw_prescribed_motion_itself;
 
 typedef struct lw_prescribed_motion lw_prescribed_motion;
 

@@ -478,14 +478,6 @@ static lw_status run_all(driven *z, double *y)
     return s;
 }
 
-/* The input as a function of itself. */
-static void input_itself(void *context, double x, int order, double *u)
-{
-    (void)context;
-    for (int k = 0; k <= order; k++)
-        u[k] = k == 0 ? x : k == 1;
-}
-
 /* Models of any size (mbs/dynamics/follow.h). */
 static lw_status run_large(lw_run *run)
 {
@@ -556,7 +548,7 @@ static lw_status run_driven(lw_run *run)
     if (s == LW_OK && z->system.n_input == 1) {
         double x;
         lw_mbs_driven_inputs(d, d->o.from, 0, &x);
-        s = lw_prescribed_motion_create(&z->system, d->drawn_q, input_itself, NULL, x, &z->by_place, run->e);
+        s = lw_prescribed_motion_create(&z->system, d->drawn_q, lw_prescribed_motion_itself, NULL, x, &z->by_place, run->e);
     }
     if (s == LW_OK)
         s = run_all(z, y);
