@@ -231,7 +231,7 @@ static void from_window(driven *z, double place, double *y)
     double x = place - w->at, most = scale(z, w, 3), *pole = z->middle;
     bool near = fabs(x) < at_pole*w->half;
     interpolate(w, z->width, N_SIDE, 0, false, pole);
-    interpolate(w, z->width, N_SIDE, near ? 0 : x, false, z->rough);
+    interpolate(w, z->width, N_SIDE, x, false, z->rough);
     memcpy(y, z->rough, 2*(size_t)n*sizeof *y);
     memcpy(d->a, z->rough + 2*n, (size_t)n*sizeof *d->a);
     for (int c = 0; c < d->n_c && !near; c++) {
