@@ -11,6 +11,7 @@ enum { N = LW_STAGES, MOST_ITERATIONS = 14, PAIRS = N/2 };
 static const double exact_enough = 0.03;      /* change that the improvements still promise, over the error allowed */
 static const double best_factor = 0.15;      /* of an improvement: longer steps need more work for their length */
 static const double least_factor = 0.01;     /* smaller ones are taken as this one */
+static const double first_change = 16;       /* square of how far rates may change in the first step, over their size there */
 static const double fresh_factor = 0.1;      /* above it derivatives are found afresh */
 static const double relax = 1.2;             /* growth of the limit that a step sets that did not converge, and its part of that step: */
 static const double less = 0.8;
@@ -326,7 +327,7 @@ static lw_status differentiate(lw_collocation *w, double h)
     return LW_OK;
 }
 
-/* Rates everywhere as at the start; and how far a step of Euler's method may go before they change by as much as they are. */
+/* Rates everywhere as at the start; and how far they may go on so: from rest, positions move by the rates of u alone. */
 static lw_status begin(lw_collocation *w, double span)
 {
     int n = w->ode->n;
@@ -342,8 +343,9 @@ static lw_status begin(lw_collocation *w, double span)
     for (int i = 0; i < n; i++) {
         double rate = w->c[N*i] = w->f[N*i];
         first += rate*w->scale[i]*(rate*w->scale[i]);
+        double bend = i < w->ode->n_rate ? 0.5*w->f[N*(w->ode->n_rate + i)] : 0;
         for (int k = 0; k < N; k++)
-            w->stage[N*i + k] = w->y[i] + far[k]*rate;
+            w->stage[N*i + k] = w->y[i] + far[k]*(rate + far[k]*bend);
     }
     for (int k = 0; k < N; k++)
         t[k] = w->t + far[k];
@@ -356,7 +358,7 @@ static lw_status begin(lw_collocation *w, double span)
             change[k] += by*by;
         }
     int k = 0;
-    while (k < N - 1 && (s != LW_OK || !(change[k]*far[k]*far[k] <= first)))
+    while (k < N - 1 && (s != LW_OK || !(change[k] <= first_change*first)))
         k++;
     w->h = far[k];
     w->h_done = 1;                           /* a constant polynomial */
