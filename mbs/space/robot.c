@@ -205,13 +205,14 @@ void lw_robot_reset(lw_robot *r)
 
 /* ---- the posture reached --------------------------------------------------------------------------------- */
 
-/* Columns of J, and the velocities of all bodies that belong to them. */
+/* Columns of J, and the velocities of all bodies that belong to them, where the bodies are placed. */
 static lw_status fill_jacobian(lw_robot *r, double jacobian[6][LW_ROBOT_DRIVES], lw_error *e)
 {
     lw_space_follow *f = &r->follow;
     const lw_space *s = &r->space;
     int first = s->n_row + f->n_idle;
-    lw_space_rows_fill(&f->z, f->q, f->z.near);
+    if (memcmp(f->z.filled, f->q, (size_t)s->n_q*sizeof *f->q) != 0)         /* else the way here has filled them */
+        lw_space_rows_fill(&f->z, f->q, f->z.near);
     if (!lw_space_rows_factor_near(&f->z))
         return lw_error_set(e, LW_OPEN, "the drives do not hold the tool in this posture: it is singular");
     for (int i = 0; i < r->n_drive; i++) {
