@@ -416,7 +416,7 @@ static lw_status watch_places(driven *z, double t, double *y, double *between)
 int lw_run_looks(const lw_dynamics *d)
 {
     enum { LOOKS = 2000 };                               /* over a run */
-    return d->n_stop > 0 && d->o.intervals < LOOKS ? LOOKS/d->o.intervals : 1;
+    return d->n_stop > 0 && d->o.intervals < LOOKS ? LOOKS/(d->o.intervals > 1 ? d->o.intervals : 1) : 1;
 }
 
 lw_status lw_run_look_at_stops(lw_run *run, double t, const double *q)
