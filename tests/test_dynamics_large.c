@@ -113,6 +113,7 @@ TEST(velocities_agree)
     read_row(3, &m);
     m.has_speed[0] = false;
     m.body[1].has_velocity = true;              /* about its pin, which is half a length away */
+    m.has_speed[0] = false;                     /* that of the row is another */
     m.body[1].omega = 2;
     m.body[1].velocity = lw_v2_scale(lw_v2_turn(lw_v2_sub(m.body[1].centre, m.linkage.joint[0].at), lw_v2(0, 1)), 2);
     agree(&m, 0.3, 1e-7);
