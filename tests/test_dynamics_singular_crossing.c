@@ -511,3 +511,23 @@ TEST(steps_allowed)
         }
     lw_model_free(&d.model);
 }
+
+/* Peaucellier's inversor, where its crank is thrown back at the end of its range, cos(x/2) = 2/3, while links without mass turn
+ * infinitely fast.  A formulation may stop there, but `auto` must not go on by one that leaves with another motion (0.1 m
+ * off, at 7e-8).  Reference: (J + m y'^2) x'' + m y' y'' x'^2 = -c x' with y = 16/3 tan(x/2), thrown back without loss, by Runge and Kutta's
+ * method with steps of 5e-6 s. */
+TEST(thrown_back_at_a_limit)
+{
+    double angle = -1.5142875007846848;
+    int arrived = 0;
+    drun_read(&d, "examples/dynamics/inversor.json");
+    for (double tolerance = 1e-5; tolerance > 5e-10; tolerance /= 1.25) {
+        lw_status status = drun_to(&d, LW_FORMULATION_AUTO, tolerance, 1, 10);
+        CHECK(status == LW_OK || status == LW_E_NUMERIC);
+        arrived += status == LW_OK;
+        if (status == LW_OK)
+            CHECK_NEAR(d.tracer[10].y, 16/3.*tan(0.5*angle), 5e-5, 0);
+    }
+    CHECK(arrived >= 20);
+    lw_model_free(&d.model);
+}

@@ -238,33 +238,85 @@ static lw_status run_one(lw_run *run)
     return s;
 }
 
+/* Run again from the start by the formulation of *next; run: sink, context and rows shown. */
+static lw_status run_again(lw_run *run, const char *why, lw_dynamics_report *next, lw_error *e)
+{
+    lw_dynamics *d = run->d;
+    lw_formulation f = next->formulation;
+    *next = d->choice;
+    next->formulation = f;
+    snprintf(next->why, sizeof next->why, "%s", why);
+    run->r = next;
+    d->e = run->e = e;
+    for (int i = 0; i < d->n_stop; i++)
+        d->stop[i].resting = false;
+    d->n_resting = 0;
+    d->eq.place_states(d->eq.context, d->start_z);
+    lw_status s = lw_mbs_arrange(d, d->o.from, d->start_q);
+    return s == LW_OK ? run_one(run) : s;
+}
+
+typedef struct ending { double *q; int n; } ending;
+
+static lw_status keep_posture(void *context, const lw_moment *m)
+{
+    const ending *end = context;
+    memcpy(end->q, m->q, (size_t)end->n*sizeof *m->q);
+    return LW_OK;
+}
+
+/* May the formulation go on from where another gave up?  One that steps over a singular posture in which others stop arrives where chance
+ * leads it: it has to arrive at the same posture at a tenfold tolerance, within `agree` of that. */
+static lw_status confirm(const lw_run *run, lw_formulation f, const char *why)
+{
+    static const double agree = 1e3, most = 1e-2;
+    lw_dynamics *d = run->d;
+    const lw_dynamics_options given = d->o;
+    const size_t n = (size_t)d->n_q;
+    double *q = malloc((2*n + 1)*sizeof *q), off = 0;
+    if (!q)
+        return LW_E_MEMORY;
+    lw_status s = LW_OK;
+    for (int k = 0; s == LW_OK && k < 2; k++) {
+        ending end = { q + (size_t)k*n, d->n_q };
+        lw_error e = { 0 };
+        lw_dynamics_report r = { .formulation = f };
+        lw_run dry = { .d = d, .sink = keep_posture, .context = &end, .sides = run->sides };
+        d->o.relative = given.relative*(k ? 1 : 10), d->o.absolute = given.absolute*(k ? 1 : 10);
+        s = run_again(&dry, why, &r, &e);
+    }
+    d->o.relative = given.relative, d->o.absolute = given.absolute;
+    for (size_t i = 0; s == LW_OK && i < n; i++)
+        off = fmax(off, fabs(q[n + i] - q[i]));
+    free(q);
+    return s != LW_OK ? s : off <= fmin(agree*10*fmax(given.relative, given.absolute), most) ? LW_OK : LW_E_NUMERIC;
+}
+
 /* The formulation chosen by itself has given up: run again from the start by the others, without the samples handed out
  * already, which they have to go on from.  If none reaches the end, e and run->r keep what the first one ended on. */
 static lw_status run_others(lw_run *run, lw_status s)
 {
     lw_dynamics *d = run->d;
     lw_dynamics_report first = *run->r, next;
-    lw_error said = *run->e;
+    lw_error said = *run->e, *e_run = run->e;
     long steps = d->o.max_step;
-    lw_formulation tried = first.formulation;
+    char why[sizeof first.why];
+    snprintf(why, sizeof why, "%s gave up at t = %.9g s", lw_formulation_name(first.formulation), first.t);
     for (int f = LW_FORMULATION_REDUCED; f < (int)(sizeof table/sizeof *table) && s == LW_E_NUMERIC && !run->refused; f++) {
         next = d->choice;
         next.formulation = (lw_formulation)f;
-        if (f == (int)tried || f == LW_FORMULATION_CAPTURE || f == LW_FORMULATION_RADAU || f == LW_FORMULATION_ALPHA || table[f]->able(d, true, &next) != LW_OK)
+        if (f == (int)first.formulation || f == LW_FORMULATION_CAPTURE || f == LW_FORMULATION_RADAU || f == LW_FORMULATION_ALPHA || table[f]->able(d, true, &next) != LW_OK)
             continue;
         lw_error e = { 0 };
-        lw_run again = { .d = d, .sink = run->sink, .context = run->context, .r = &next, .e = &e, .sides = run->sides, .shown = run->shown,
-                         .last_shown = run->last_shown };
-        for (int i = 0; i < d->n_stop; i++)
-            d->stop[i].resting = false;
-        d->n_resting = 0;
-        d->e = &e;
         d->o.max_step = steps > 0 ? steps : 1000000;
-        d->eq.place_states(d->eq.context, d->start_z);
-        snprintf(next.why, sizeof next.why, "%s gave up at t = %.9g s", lw_formulation_name(tried), first.t);
-        if (lw_mbs_arrange(d, d->o.from, d->start_q) != LW_OK)
-            break;
-        lw_status other = run_one(&again);
+        lw_status other = confirm(run, (lw_formulation)f, why);
+        if (other == LW_E_MEMORY)
+            s = lw_error_set(&said, other, "out of memory");
+        if (other != LW_OK)
+            continue;
+        lw_run again = { .d = d, .sink = run->sink, .context = run->context, .sides = run->sides, .shown = run->shown,
+                         .last_shown = run->last_shown };
+        other = run_again(&again, why, &next, &e);
         run->shown = next.samples > run->shown ? next.samples : run->shown;
         run->refused = again.refused;
         if (other == LW_OK || other == LW_E_MEMORY || again.refused) {
@@ -274,7 +326,8 @@ static lw_status run_others(lw_run *run, lw_status s)
         }
     }
     d->o.max_step = steps;
-    if (s == LW_E_NUMERIC)
+    d->e = e_run;
+    if (s == LW_E_NUMERIC || (s == LW_E_MEMORY && said.text[0]))
         *run->r = first, *run->e = said;
     return s;
 }
