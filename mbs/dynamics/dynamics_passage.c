@@ -67,13 +67,13 @@ static void weights(const lw_passage *z, int first, int last, double x, double w
     }
 }
 
-/* State at x in 0 .. 1. */
-static void state_in_gap(const lw_passage *z, const double weight[LW_PASSAGE_NODES], double *restrict y)
+/* State at x in 0 .. 1 by the rates of the first `known` nodes: those behind may be no numbers yet. */
+static void state_in_gap(const lw_passage *z, const double weight[LW_PASSAGE_NODES], int known, double *restrict y)
 {
     const double *restrict rate = z->rate;
     size_t n = (size_t)z->run->n;
     memset(y, 0, n*sizeof *y);
-    for (int k = 0; k < LW_PASSAGE_NODES; k++, rate += n)
+    for (int k = 0; k < known; k++, rate += n)
         for (size_t i = 0; i < n; i++)
             y[i] += weight[k]*rate[i];
     for (size_t i = 0; i < n; i++)
@@ -84,7 +84,7 @@ void lw_passage_state(const lw_passage *z, double x, double *y)
 {
     double weight[LW_PASSAGE_NODES];
     weights(z, 0, LW_PASSAGE_NODES - 1, x, weight);
-    state_in_gap(z, weight, y);
+    state_in_gap(z, weight, LW_PASSAGE_NODES, y);
 }
 
 lw_status lw_passage_guess(lw_passage *z)
@@ -100,7 +100,7 @@ lw_status lw_passage_guess(lw_passage *z)
             s = lw_passage_integrate(z->run, t, at, to, false);
         } else {
             weights(z, 0, k - 1, z->at[k], weight);
-            state_in_gap(z, weight, to);
+            state_in_gap(z, weight, k, to);
             s = lw_run_project(z->run, at, to);
         }
         if (s == LW_OK)
@@ -199,7 +199,7 @@ lw_status lw_passage_solve(lw_passage *z, double *y, double *tail)
         before = change;
         change = 0;
         for (int k = 0; k < LW_PASSAGE_NODES; k++) {
-            state_in_gap(z, weight[k], y);
+            state_in_gap(z, weight[k], LW_PASSAGE_NODES, y);
             lw_status s = lw_run_project(run, z->start + z->length*z->at[k], y);
             if (s != LW_OK)
                 return s;
@@ -215,7 +215,7 @@ lw_status lw_passage_solve(lw_passage *z, double *y, double *tail)
     }
     *tail = 0;
     weights(z, 1, LW_PASSAGE_NODES - 2, 1, whole);
-    state_in_gap(z, whole, run->state);
+    state_in_gap(z, whole, LW_PASSAGE_NODES, run->state);
     lw_passage_state(z, 1, y);
     lw_status s = lw_run_project(run, z->start + z->length, y);    /* away with rounding across the motion curve */
     if (s == LW_OK)
