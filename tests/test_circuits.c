@@ -15,7 +15,7 @@ static int circuits(const lw_linkage *k, uint64_t seed)
     lw_error e = { 0 };
     CHECK_INT(lw_system_make(k, NULL, 0, &s, &e), LW_OK);
     CHECK_INT(lw_circuits_find(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, 40, seed, &c, &e), LW_OK);
-    CHECK(c.since == 40 && !c.full && c.closed <= c.draws);
+    CHECK(c.since == 40 && !c.late && c.closed <= c.draws);
     for (int i = 0; i < c.n; i++)
         CHECK(lw_motion_curve_worst(c.curve[i]) <= 1e-12*s.unit);
     int n = c.n;

@@ -265,7 +265,7 @@ static lw_status find_curves(const cli_call *call, cli_curve_trace *t, bool all,
     if (st == LW_OK && all)
         cli_note(call, "%d circuit%s found so far; the last %d of %d postures that closed were on them%s",
                  t->curves.n, t->curves.n == 1 ? "" : "s", t->curves.since, t->curves.closed,
-                 !t->curves.full ? "" : until > 0 && lw_clock_wall() > until ? "; half of --time ended the search" : "; memory ended the search");
+                 t->curves.late ? "; half of --time ended the search" : "");
     for (int i = 0; st == LW_OK && i < t->curves.n; i++) {
         lw_motion_curve_end end = lw_motion_curve_ended(t->curves.curve[i]);
         if (end == LW_MOTION_CURVE_LOST || end == LW_MOTION_CURVE_STOPPED)
@@ -351,7 +351,7 @@ static int print_curves(const cli_call *call, cli_curve_trace *t, const double *
         cli_note(call, all_rest(t) ? "the input stands still while parts move; --cycle shows how"
                                    : "the linkage does not reach that range of the input");
     bool some = cut_short(call, &t->rows, t->dropped, t->n_stretch);
-    return cli_close(call, &o, some || t->curves.full ? CLI_LIMIT : nothing ? CLI_NOTHING : CLI_DONE);
+    return cli_close(call, &o, some || t->curves.late ? CLI_LIMIT : nothing ? CLI_NOTHING : CLI_DONE);
 }
 
 static void free_curves(cli_curve_trace *t)
@@ -467,8 +467,7 @@ static int by_plan(const job *j, cli_trace *t)
     int code;
     if (prepare(j, t, &e) != LW_OK)
         return cli_fail(j->call, &e);
-    bool along = t->motion.change_point || (t->more_arcs && (j->s->all || j->s->mode == MODE_FILE));
-    lw_status st = along ? make_curves(j, false, j->s->mode != MODE_FILE, &c, &e) : LW_NOTHING;
+    lw_status st = t->motion.change_point || t->more_arcs ? make_curves(j, false, j->s->mode != MODE_FILE, &c, &e) : LW_NOTHING;
     if (st == LW_OK) {
         cli_note(j->call, "traced along its motion curves, because it %s", t->motion.change_point ? "passes change points"
                  : "has more arcs than are found in closed form");
@@ -478,7 +477,7 @@ static int by_plan(const job *j, cli_trace *t)
     } else {
         cli_note(j->call, "in closed form, dyad by dyad (%d)", t->plan.n_dyad);
         if (t->more_arcs)
-            cli_note(j->call, "the linkage has more arcs than the %d that are printed; --all-assemblies prints all that it finds", LW_ARC_MAX);
+            cli_note(j->call, "the linkage has more arcs than the %d that are printed: %s", LW_ARC_MAX, e.text);
         if (t->motion.change_point)
             cli_note(j->call, "it passes change points, and the rows do not continue through them: %s", e.text);
         code = print_plan(j->call, t);

@@ -186,20 +186,22 @@ static lw_status add_curve(const lw_system *s, const lw_motion_curve_options *o,
 
 static bool ended(const lw_motion_curve_options *o, lw_circuits *c)
 {
-    c->full = c->full || (o->until > 0 && lw_clock_wall() > o->until);
-    return c->full || (o->stop && *o->stop);
+    c->late = c->late || (o->until > 0 && lw_clock_wall() > o->until);
+    return c->late || (o->stop && *o->stop);
 }
 
 /* Add the curves that cross those from number `first` on, and repeat for the new ones. */
-static void add_crossing(const lw_system *s, const lw_motion_curve_options *o, int first, double *q, lw_circuits *c)
+static lw_status add_crossing(const lw_system *s, const lw_motion_curve_options *o, int first, double *q, lw_circuits *c, lw_error *e)
 {
-    for (int i = first; i < c->n && !ended(o, c); i++) {
+    lw_status status = LW_OK;
+    for (int i = first; i < c->n && status != LW_E_MEMORY && !ended(o, c); i++) {
         int n;
         lw_motion_curve_events(c->curve[i], &n);
-        for (int event = 0; event < n && !ended(o, c); event++)
+        for (int event = 0; event < n && status != LW_E_MEMORY && !ended(o, c); event++)
             if (lw_motion_curve_other(c->curve[i], event, q) && !known(c, q))
-                c->full = add_curve(s, o, q, c, NULL) == LW_E_MEMORY;
+                status = add_curve(s, o, q, c, e);
     }
+    return status == LW_E_MEMORY ? status : LW_OK;
 }
 
 lw_status lw_circuits_find(const lw_system *s, const double *q, const lw_motion_curve_options *o, int patience, uint64_t seed,
@@ -215,7 +217,7 @@ lw_status lw_circuits_find(const lw_system *s, const double *q, const lw_motion_
         status = lw_error_set(e, LW_E_MEMORY, "out of memory");
     lw_rng_seed(&r, seed, 0);
     if (status == LW_OK)
-        add_crossing(s, o, 0, by.q, c);
+        status = add_crossing(s, o, 0, by.q, c, e);
     for (int wanted = patience; status == LW_OK && c->since < wanted && c->draws < 20*wanted && !ended(o, c);
          wanted = patience*(c->n < 16 ? 1 : c->n/16)) {
         if (by.sparse)
@@ -230,8 +232,7 @@ lw_status lw_circuits_find(const lw_system *s, const double *q, const lw_motion_
         if (known(c, by.q))
             continue;
         int first = c->n;
-        c->full = add_curve(s, o, by.q, c, NULL) == LW_E_MEMORY;
-        add_crossing(s, o, first, by.q, c);
+        status = add_curve(s, o, by.q, c, e) == LW_E_MEMORY ? LW_E_MEMORY : add_crossing(s, o, first, by.q, c, e);
     }
     free_closer(&by);
     if (status != LW_OK)

@@ -17,11 +17,11 @@ typedef struct lw_circuits {
     lw_motion_curve **curve;               /* the first one contains the posture given                */
     int        draws, closed;              /* postures drawn; number of these that closed             */
     int        since;                      /* closed postures since the last new curve                */
-    bool       full;                       /* memory or the time ended the search                     */
+    bool       late;                       /* the time ended the search                               */
 } lw_circuits;
 
 /* The circuit of posture q (NULL: the drawn one) alone if patience is 0, else the search: it ends after `patience` closed postures
- * without a new curve, n/16 times as many beyond 16 curves, after 20 times as many draws, at time o->until, where memory is used up,
+ * without a new curve, n/16 times as many beyond 16 curves, after 20 times as many draws, at time o->until,
  * or when *o->stop is set: the curves found so far stay.  The same seed gives the same curves.  Fails as lw_motion_curve_create for
  * the first posture. */
 lw_status lw_circuits_find(const lw_system *s, const double *q, const lw_motion_curve_options *o, int patience, uint64_t seed,
