@@ -108,6 +108,15 @@ static void add_inner(run *r)
         }
 }
 
+/* Is a drive's measure that of an input, whose columns begin with its rate? */
+static bool is_input(const lw_spatial *m, lw_spatial_measure of)
+{
+    bool is = false;
+    for (int i = 0; i < m->n_input; i++)
+        is = is || (m->input[i].measure.of == of.of && m->input[i].measure.index == of.index);
+    return is;
+}
+
 static void make_columns(run *r)
 {
     const lw_spatial *m = r->m;
@@ -130,7 +139,8 @@ static void make_columns(run *r)
     for (int i = 0; i < m->n_drive; i++) {
         lw_spatial_measure_name(m, m->drive[i], name, sizeof name);
         bool turn = m->drive[i].of == LW_OF_TURN;
-        add_rate(r, name, "rate", turn, 1);
+        if (!is_input(m, m->drive[i]))
+            add_rate(r, name, "rate", turn, 1);
         add_rate(r, name, "acceleration", turn, 2);
         add(r, name, "drive", force_unit(m->drive[i]), 1);
     }
@@ -272,7 +282,8 @@ static lw_status put_row(void *context, const lw_moment *moment)
     }
     for (int i = 0; i < m->n_drive; i++) {
         double value;
-        lw_space_measured(s, o->frame, m->drive[i], 0, o->v, &value, to++);
+        lw_space_measured(s, o->frame, m->drive[i], 0, o->v, &value, to);
+        to += !is_input(m, m->drive[i]);
         *to++ = acceleration(r, o, m->drive[i]);
         *to++ = o->drive[i];
     }
