@@ -413,31 +413,6 @@ static lw_status watch_places(driven *z, double t, double *y, double *between)
     return looked == LW_OK ? s : looked;
 }
 
-int lw_run_looks(const lw_dynamics *d)
-{
-    enum { LOOKS = 2000 };                               /* over a run */
-    return d->n_stop > 0 && d->o.intervals < LOOKS ? LOOKS/(d->o.intervals > 1 ? d->o.intervals : 1) : 1;
-}
-
-lw_status lw_run_look_at_stops(lw_run *run, double t, const double *q)
-{
-    static const double rounding = 1e-9;
-    lw_dynamics *d = run->d;
-    if (d->n_stop > 0)
-        d->eq.place(d->eq.context, q);
-    for (int i = 0; i < d->n_stop; i++) {
-        const lw_rigid_stop *p = &d->stop[i];
-        double row[LW_ROW_SIZE] = { 0 };
-        int block[LW_ROW_BLOCKS];
-        d->eq.measure_blocks(d->eq.context, p->measure, block);
-        if (p->sign*(d->eq.measure(d->eq.context, p->measure, row, block) - p->limit) < -rounding)
-            return lw_error_set(run->e, LW_E_KIND, "the prescribed motion brings \"%s\" beyond its rigid stop, at t = %.9g s or a little before: inputs that move every "
-                                "freedom do not give way, so how much a rigid stop carries is not determined; give it a \"stiffness\", or leave "
-                                "the motion of an input out", d->eq.name(d->eq.context, LW_NAMED_MEASURE, p->measure), t);
-    }
-    return LW_OK;
-}
-
 /* The energy balance is not checked: nothing is integrated, and the work of the driving torques, from their powers
  * at the samples, would be known to second order only. */
 static lw_status run_all(driven *z, double *y)

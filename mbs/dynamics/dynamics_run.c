@@ -33,6 +33,31 @@ void lw_run_watch(lw_run *run, const double *y)
     }
 }
 
+int lw_run_looks(const lw_dynamics *d)
+{
+    enum { LOOKS = 2000 };                               /* over a run */
+    return d->n_stop > 0 && d->o.intervals < LOOKS ? LOOKS/(d->o.intervals > 1 ? d->o.intervals : 1) : 1;
+}
+
+lw_status lw_run_look_at_stops(lw_run *run, double t, const double *q)
+{
+    static const double rounding = 1e-9;
+    lw_dynamics *d = run->d;
+    if (d->n_stop > 0)
+        d->eq.place(d->eq.context, q);
+    for (int i = 0; i < d->n_stop; i++) {
+        const lw_rigid_stop *p = &d->stop[i];
+        double row[LW_ROW_SIZE] = { 0 };
+        int block[LW_ROW_BLOCKS];
+        d->eq.measure_blocks(d->eq.context, p->measure, block);
+        if (p->sign*(d->eq.measure(d->eq.context, p->measure, row, block) - p->limit) < -rounding)
+            return lw_error_set(run->e, LW_E_KIND, "the prescribed motion brings \"%s\" beyond its rigid stop, at t = %.9g s or a little before: inputs that move every "
+                                "freedom do not give way, so how much a rigid stop carries is not determined; give it a \"stiffness\", or leave "
+                                "the motion of an input out", d->eq.name(d->eq.context, LW_NAMED_MEASURE, p->measure), t);
+    }
+    return LW_OK;
+}
+
 /* A motion that slides along a jump of the forces shows it in one of two ways.  Forces jump LW_RUN_JUMPS times in so short a time that a run
  * would have most_jumps.  Or most_near steps in a row are shorter than a run over most_jumps, all with a jump near them that neither
  * comes nearer nor goes away, since stages within the steps jump; most_steady times as many where no end of a step of late was behind the

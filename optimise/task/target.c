@@ -2,8 +2,6 @@
 #include "base/real.h"
 #include "optimise/task/target_internal.h"
 
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -150,18 +148,6 @@ lw_status lw_target_finish(lw_target *t, int closed, lw_target_place *place, lw_
     else
         t->closed = closed > 0;
     return t->angle ? lw_target_order(t, place, e) : LW_OK;
-}
-
-void lw_target_add_note(lw_target *t, const char *format, ...)
-{
-    size_t used = strlen(t->note);
-    va_list list;
-    if (used > 0 && used + 2 < sizeof t->note)
-        strcpy(t->note + used, "; ");
-    used = strlen(t->note);
-    va_start(list, format);
-    vsnprintf(t->note + used, sizeof t->note - used, format, list);
-    va_end(list);
 }
 
 static lw_status fill(lw_target *t, const double *const from[LW_TARGET_FIELD_COUNT], lw_error *e)

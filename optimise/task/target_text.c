@@ -1,6 +1,8 @@
-/* Lines and fields of tables, as people and spreadsheets write them. */
+/* Lines and fields of tables, as people and spreadsheets write them; notes on what was read. */
 #include "optimise/task/target_internal.h"
 
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -81,4 +83,16 @@ bool lw_field_next(lw_text_span line, char separator, size_t *at, lw_text_span *
     *field = unquote(lw_span_trim((lw_text_span){ line.s + start, i - start }));
     *at = separator == ' ' ? i : i + 1;
     return true;
+}
+
+void lw_target_add_note(lw_target *t, const char *format, ...)
+{
+    size_t used = strlen(t->note);
+    va_list list;
+    if (used > 0 && used + 2 < sizeof t->note)
+        strcpy(t->note + used, "; ");
+    used = strlen(t->note);
+    va_start(list, format);
+    vsnprintf(t->note + used, sizeof t->note - used, format, list);
+    va_end(list);
 }
