@@ -21,6 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include "tests/fresh_memory.h"
 
 enum kind { MEMORY, SYNC, RENAME, THREAD, WRITE, JANSSON, SQLITE, N_KIND };
 static const char *const names[N_KIND] = { "malloc", "fsync", "rename", "pthread_create", "write", "jansson",
@@ -60,14 +61,11 @@ WRAP(int, pthread_create, (pthread_t *t, const pthread_attr_t *a, void *(*run)(v
 WRAP(ssize_t, write, (int fd, const void *data, size_t n), (fd, data, n), WRITE, -1, ENOSPC)
 WRAP(int, fflush, (FILE *f), (f), WRITE, EOF, ENOSPC)
 
-/* What a program leaves unwritten are no numbers, and no other number by chance. */
 void *__real_malloc(size_t n);
 void *__wrap_malloc(size_t n);
 void *__wrap_malloc(size_t n)
 {
-    enum { FILLED = 1 << 20 };
-    void *p = fails(MEMORY, ENOMEM) ? NULL : __real_malloc(n);
-    return p ? memset(p, 0xff, n < FILLED ? n : FILLED) : NULL;
+    return fails(MEMORY, ENOMEM) ? NULL : fill_with_nan(__real_malloc(n), n);
 }
 
 int __real_fclose(FILE *f);

@@ -513,8 +513,8 @@ TEST(steps_allowed)
 }
 
 /* Peaucellier's inversor, where its crank is thrown back at the end of its range, cos(x/2) = 2/3, while links without mass turn
- * infinitely fast.  A formulation may stop there, but `auto` must not go on by one that leaves with another motion (0.1 m
- * off, at 7e-8).  Reference: (J + m y'^2) x'' + m y' y'' x'^2 = -c x' with y = 16/3 tan(x/2), thrown back without loss, by Runge and Kutta's
+ * infinitely fast.  A formulation may stop there, but `auto` must not continue with one that arrives elsewhere (0.1 m off at
+ * 7e-8).  Reference: (J + m y'^2) x'' + m y' y'' x'^2 = -c x' with y = 16/3 tan(x/2), thrown back without loss, by Runge and Kutta's
  * method with steps of 5e-6 s. */
 TEST(thrown_back_at_a_limit)
 {

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/growable_array.h"
 #include "base/real.h"
 #include "catalogues/draw/plot.h"
 #include "catalogues/pages/page.h"
@@ -60,22 +61,17 @@ typedef struct curves {
     int       n;
     lw_series series[SHOWN + 1];
     char      name[SHOWN][64];
-    double   *numbers;                 /* x and y of all points in turn, owned */
-    size_t    used, room;
+    lw_vec2  *point;                   /* of all series, owned */
+    int       n_point, room;
 } curves;
 
 static bool add_point(curves *c, double x, double y)
 {
-    if (c->used + 2 > c->room) {
-        size_t room = 2*c->room + 4096;
-        double *more = realloc(c->numbers, room*sizeof *more);
-        if (!more)
-            return false;
-        c->numbers = more;
-        c->room = room;
-    }
-    c->numbers[c->used++] = x;
-    c->numbers[c->used++] = y;
+    lw_vec2 *point = lw_array_grow(c->point, c->n_point, &c->room, sizeof *point);
+    if (!point)
+        return false;
+    c->point = point;
+    c->point[c->n_point++] = lw_v2(x, y);
     c->series[c->n - 1].n++;
     return true;
 }
@@ -163,14 +159,13 @@ lw_status lw_fitted_curves(const lw_fitted *f, lw_drawing *d, lw_error *e)
         ok = st != LW_OK || (function ? add_function(&c, scene, t, lw_fitted_candidate(f, i)->intended.sense) : add_path(&c, scene, 1 + t->n_also));
         lw_scene_free(scene);
     }
-    size_t room = c.used/2;
-    double *y = malloc((room + 1)*sizeof *y);
-    if (!ok || !y)
+    double *x = malloc((2*(size_t)c.n_point + 1)*sizeof *x), *y = x ? x + c.n_point : NULL;
+    if (!ok || !x)
         st = lw_error_set(e, LW_E_MEMORY, "no memory for a plot");
-    for (size_t i = 0; y && i < room; i++)                     /* pairs to rows: x in place, y apart */
-        y[i] = c.numbers[2*i + 1], c.numbers[i] = c.numbers[2*i];
-    for (size_t i = 0, at = 0; i < (size_t)c.n; at += c.series[i++].n)
-        c.series[i].x = c.numbers + at, c.series[i].y = y + at;
+    for (int i = 0; x && i < c.n_point; i++)
+        x[i] = c.point[i].x, y[i] = c.point[i].y;
+    for (size_t i = 0, at = 0; x && i < (size_t)c.n; at += c.series[i++].n)
+        c.series[i].x = x + at, c.series[i].y = y + at;
     if (function)
         snprintf(label[0], sizeof label[0], "input angle [%s]", u->angle), snprintf(label[1], sizeof label[1], "output angle [%s]",
                                                                                  u->angle);
@@ -181,8 +176,8 @@ lw_status lw_fitted_curves(const lw_fitted *f, lw_drawing *d, lw_error *e)
     lw_plot plot = { .title = title, .x_label = label[0], .y_label = label[1], .n_series = c.n, .series = c.series, .equal = !function };
     if (st == LW_OK)
         st = lw_plot_draw(&plot, d, e);
-    free(y);
-    free(c.numbers);
+    free(x);
+    free(c.point);
     free(scene);
     return st < 0 ? st : LW_OK;
 }

@@ -113,7 +113,7 @@ static void write_text(FILE *f, const lw_linkage *linkage, const lw_mobility *m,
     bool moves = m->kind == LW_MOBILITY_MOVES;
     fprintf(f, "%-16s%s\n", "verdict", verdict(m));
     if (adjusted > 0)
-        fprintf(f, "%-16sjoints by up to %.3g m, so that the dimensions fit; as drawn nothing moves so far\n", "adjusted", adjusted);
+        fprintf(f, "%-16sjoints by up to %.3g m, so that the dimensions fit; as drawn the linkage does not move\n", "adjusted", adjusted);
     fprintf(f, "%-16s%d = 3*%d - %d  (freedoms of the links less rows of the joints)\n", "count", m->count,
             m->n_body, m->n_row);
     fprintf(f, "%-16s%d", "freedom", m->freedom);

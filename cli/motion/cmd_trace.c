@@ -399,10 +399,10 @@ static lw_status make_curves(const job *j, bool timed, bool all, cli_curve_trace
     if (st != LW_OK || timed || (st = find_curves(j->call, t, all, j->half, e)) != LW_OK)
         return st;
     t->groups = j->s->cycle || !j->k ? NULL : cli_groups_make(j->k, tracer_bits(j));
-    cli_curve_stretches(t);
-    if (j->s->mode == MODE_FILE)
+    st = cli_curve_stretches(t, e);
+    if (st == LW_OK && j->s->mode == MODE_FILE)
         keep_posture_stretch(t);
-    return LW_OK;
+    return st;
 }
 
 /* Trace along curves; range: the range of time, or NULL. */

@@ -19,8 +19,10 @@ void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status
         fprintf(f, "# singular posture in %ld row%s, first at t = %.12g s: forces without a limit there are left empty\n",
                 r->without_forces, r->without_forces == 1 ? "" : "s", r->without_forces_t);
     if (r->adjusted > 0) {
-        fprintf(f, "# assumed: dimensions of the overconstrained linkage changed by up to %.3g m ", r->adjusted);
-        fprintf(f, r->adjusted_turn > 0 ? "and %.3g rad so that it moves\n" : "so that it moves\n", r->adjusted_turn);
+        fprintf(f, "# assumed: dimensions of the overconstrained linkage changed by up to %.3g m", r->adjusted);
+        if (r->adjusted_turn > 0)
+            fprintf(f, " and %.3g rad", r->adjusted_turn);
+        fputs(" so that it moves\n", f);
     }
     if (r->smooth_friction)
         fputs("# assumed: friction is regularised by a speed of 0.001 m/s; a joint at rest under load creeps\n", f);

@@ -23,7 +23,7 @@ static void write_text(FILE *f, const lw_space_adjusted *a, const lw_space_mobil
     const lw_spatial *model = &a->model;
     lw_vec3 normal;
     if (a->moved > 0)
-        fprintf(f, "%-16sjoints by up to %.3g m, axes by %.3g rad, so that the dimensions fit; as drawn nothing moves so far\n", "adjusted", a->moved,
+        fprintf(f, "%-16sjoints by up to %.3g m, axes by %.3g rad, so that the dimensions fit; as drawn the linkage does not move\n", "adjusted", a->moved,
                 a->turned);
     fprintf(f, "%-16s%s\n", "verdict", verdict(m));
     fprintf(f, "%-16s%d = 6*%d - %d  (freedoms of the links less rows of the joints%s)\n", "count", m->count, m->n_body,

@@ -69,7 +69,8 @@ static void add_stretch(cli_curve_trace *t, cli_stretch s)
 {
     bool enough = !t->whole && t->n_stretch >= CLI_STRETCH_MAX;      /* a wide range repeats them at every turn */
     cli_stretch *grown = enough ? NULL : lw_array_grow(t->stretch, t->n_stretch, &t->room, sizeof *grown);
-    t->dropped = t->dropped || !grown;
+    t->dropped = t->dropped || enough;
+    t->no_memory = t->no_memory || (!enough && !grown);
     if (!grown)
         return;
     t->stretch = grown;
@@ -153,12 +154,13 @@ static void cut_curve(cli_curve_trace *t, int curve)
         stretch_from_to(t, curve, last, closed ? first + end : end, true, closed);
 }
 
-void cli_curve_stretches(cli_curve_trace *t)
+lw_status cli_curve_stretches(cli_curve_trace *t, lw_error *e)
 {
     t->n_stretch = 0;
     t->dropped = false;
     for (int i = 0; i < t->curves.n; i++)
         cut_curve(t, i);
+    return t->no_memory ? lw_error_set(e, LW_E_MEMORY, "out of memory") : LW_OK;
 }
 
 /* ---- rows -------------------------------------------------------------------------------------- */

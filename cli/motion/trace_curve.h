@@ -62,7 +62,8 @@ typedef struct cli_curve_trace {
     bool        timed;                /* derivatives by time                                       */
     double      speed;                /* of the input [rad/s] or [m/s]                             */
     int         steps;
-    bool        dropped;              /* more stretches than CLI_STRETCH_MAX or than memory holds     */
+    bool        dropped;              /* more stretches than CLI_STRETCH_MAX                         */
+    bool        no_memory;            /* for another stretch                                       */
     int         n_stretch, room;
     cli_stretch *stretch;
     double     *series;               /* (CLI_ROW_ORDER + 1) x n_q: of the row at hand; owns the next three arrays */
@@ -74,8 +75,8 @@ typedef struct cli_curve_trace {
 /* Make room for a row, with the system made.  LW_E_MEMORY. */
 lw_status cli_curve_room(cli_curve_trace *t, lw_error *e);
 
-/* Cut the curves into stretches, within the chosen range of the input. */
-void cli_curve_stretches(cli_curve_trace *t);
+/* Cut the curves into stretches, within the chosen range of the input.  LW_E_MEMORY. */
+lw_status cli_curve_stretches(cli_curve_trace *t, lw_error *e);
 
 /* Print all stretches; with `cycle` each curve as a whole, at equal distances along it. */
 void cli_curve_print(cli_curve_trace *t, bool cycle);

@@ -83,7 +83,7 @@ static cli_kind_of_file kind_of_text(const char *text, size_t size, const char *
     return lw_topologies_next(&t, &m, NULL) == LW_OK ? CLI_TOPOLOGIES : CLI_UNKNOWN;
 }
 
-bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
+cli_kind_of_file cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
 {
     static const struct { cli_kind_of_file kind; const char *is, *command; } rows[] = {
         { CLI_LINKAGE, "a linkage", "trace %s" }, { CLI_RESULTS, "a list of results", "trace %s" },
@@ -100,14 +100,14 @@ bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
     char *text = NULL, command[600], what[160] = "";
     size_t size, n = sizeof rows/sizeof *rows;
     if (!wanted || !cli_can_read_again(path) || lw_file_read(path, &text, &size, NULL) != LW_OK)
-        return false;
+        return CLI_UNKNOWN;
     cli_kind_of_file kind = kind_of_text(text, size, path);
     bool foreign = kind == CLI_BINARY && lw_refuse_foreign(text, size, path, e) != LW_OK;
     free(text);
     if (kind == CLI_UNKNOWN || kind & wanted)
-        return false;
+        return CLI_UNKNOWN;
     if (foreign)
-        return true;
+        return kind;
     for (size_t i = 0; i < n; i++)
         if (wanted & rows[i].kind && rows[i].kind != CLI_RESULTS)
             snprintf(what + strlen(what), sizeof what - strlen(what), "%s%s", what[0] ? " or " : "", rows[i].is);
@@ -118,5 +118,5 @@ bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
         lw_error_at(e, LW_E_NOTATION, path, kind == CLI_BINARY ? e->line : 0, kind == CLI_BINARY ? e->column : 0, "this is %s, not %s%s%s%s", rows[i].is, what,
                     rows[i].command ? ": did you mean 'linkwright " : "", command, rows[i].command ? "'?" : "");
     }
-    return true;
+    return kind;
 }

@@ -2,7 +2,7 @@
 #ifndef CLI_PROGRAM_FILE_KIND_H
 #define CLI_PROGRAM_FILE_KIND_H
 
-#include "base/error.h"
+#include "cli/program/command.h"
 
 /* Is this the text of a target (CSV)? */
 bool cli_is_target(const char *text, size_t size);
@@ -14,7 +14,7 @@ bool cli_can_read_again(const char *path);
 bool cli_is_catalogue(const char *path);
 
 /* If the file is of a known kind (command.h) that is not among those wanted, set e: what it is, and the command that
- * reads it.  Call it after reading the file has failed. */
-bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e);
+ * reads it.  Call it after reading the file has failed.  Returns that kind; else CLI_UNKNOWN. */
+cli_kind_of_file cli_wrong_kind(const char *path, unsigned wanted, lw_error *e);
 
 #endif

@@ -41,7 +41,7 @@ typedef struct lw_motion_curve_options {
     double reach;             /* largest distance of links from the middle, in sizes; 0: 30          */
     int    most_segments;     /* 0: 20000                                                          */
     const volatile sig_atomic_t *stop;     /* may be NULL; nonzero: LW_STOPPED at the next step            */
-    double until;             /* of mbs/constraints/circuits.h: lw_clock_wall at which a search ends; 0: never */
+    double until;             /* wall time (lw_clock_wall) at which a search for circuits ends; 0: never */
 } lw_motion_curve_options;
 
 typedef struct lw_motion_curve lw_motion_curve;

@@ -67,7 +67,7 @@ static void weights(const lw_passage *z, int first, int last, double x, double w
     }
 }
 
-/* State at x in 0 .. 1 by the rates of the first `known` nodes: those behind may be no numbers yet. */
+/* State at x in 0 .. 1 by the rates of the first `known` nodes: those of later nodes may not be written yet. */
 static void state_in_gap(const lw_passage *z, const double weight[LW_PASSAGE_NODES], int known, double *restrict y)
 {
     const double *restrict rate = z->rate;

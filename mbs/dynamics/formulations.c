@@ -265,8 +265,9 @@ static lw_status keep_posture(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-/* May the formulation go on from where another gave up?  One that steps over a singular posture in which others stop arrives where chance
- * leads it: it has to arrive at the same posture at a tenfold tolerance, within `agree` of that. */
+/* May the formulation replace the one that gave up?  It may have stepped over a singular posture in which the other rightly stopped, and
+ * what follows is then chance.  So its last posture has to agree with that at ten times the tolerance, within `agree` of that tolerance.
+ * LW_E_NUMERIC: it does not. */
 static lw_status confirm(const lw_run *run, lw_formulation f, const char *why)
 {
     static const double agree = 1e3, most = 1e-2;
