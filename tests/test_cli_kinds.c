@@ -53,12 +53,21 @@ TEST(foreign_targets)
     static const struct { const char *begin, *says; } rows[] = {
         { "PK\\003\\004\\000", "workbook" }, { "\\320\\317\\021\\340", "workbook of Excel" }, { "AC1027", "DWG" },
         { "AutoCAD Binary DXF", "binary DXF" }, { "\\037\\213", "compressed" }, { "%%PDF-1.4", "PDF" },
-        { "\\211PNG", "picture of pixels" }, { "ISO-10303-21;", "STEP" }
+        { "\\211PNG", "picture of pixels" }, { "ISO-10303-21;", "STEP" }, { "solid cube\\n", "mesh of triangles" },
+        { "ply\\nformat ascii 1.0\\n", "mesh of triangles" }, { "\\261\\262\\263SolveSpaceREVa\\n", "sketch of SolveSpace" },
+        { "<?xml version=\"1.0\"?>\\n<!-- <svg> -->\\n<mujoco model=\"a\"><worldbody/></mujoco>", "MJCF" },
+        { "<robot name=\"a\"><link name=\"b\"/></robot>", "URDF" }, { "\\357\\273\\277 <sdf/>", "SDFormat" }, { "<svg/>", "no visible path" },
+        { "<robots/>", "no visible path" }, { "<!-- <robot", "no visible path" }
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         char line[256];
         snprintf(line, sizeof line, "printf '%s' > $D/foreign; $P fit $D/foreign", rows[i].begin);
         expect(line, 3, "", rows[i].says);
     }
+    expect("(head -c 80 /dev/zero; printf '\\001\\000\\000\\000'; head -c 50 /dev/zero) > $D/foreign; $P fit $D/foreign", 3, "", "mesh of triangles");
+    expect("$P trace $D/foreign", 3, "", "mesh of triangles");
+    expect("$P fit examples/space/boom.json", 3, "", "this is a model in space, not a target or a drawing or a task: did you mean 'linkwright trace "
+           "examples/space/boom.json'?\n");
+    expect("printf '{\"type\":\"FeatureCollection\"}' > $D/other.json; $P fit $D/other.json", 3, "", "this is no task");
     expect("$P classify $D/c.db", 3, "", "this is a catalogue");
 }

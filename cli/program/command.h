@@ -19,7 +19,8 @@ typedef enum cli_kind_of_file {
     CLI_LENGTHS = 512,                 /* lines of four lengths                                        */
     CLI_MASTER = 1024,                 /* a master file of a product family                            */
     CLI_CYCLE = 2048,                  /* a work cycle of axes                                         */
-    CLI_SERVO = 4096                   /* a servo axis                                                 */
+    CLI_SERVO = 4096,                  /* a servo axis                                                 */
+    CLI_SPATIAL = 8192 | CLI_LINKAGE   /* a linkage in space                                           */
 } cli_kind_of_file;
 
 typedef struct cli_call {

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include "base/file.h"
 #include "cli/program/command.h"
+#include "grammar/model/spatial.h"
 #include "grammar/topology/notation.h"
 #include "optimise/task/read_file.h"
 
@@ -67,12 +68,14 @@ static cli_kind_of_file kind_of_text(const char *text, size_t size, const char *
     static lw_mechanism m;
     if (size >= 15 && memcmp(text, "SQLite format 3", 15) == 0)
         return CLI_CATALOGUE;
+    if (lw_refuse_foreign(text, size, path, NULL) != LW_OK)
+        return CLI_BINARY;
     if (is_binary(text, size) && !cli_is_target(text, size))
         return CLI_BINARY;
     if (strlen(text) < size && !cli_is_target(text, size))           /* what its reader says of the byte 0 tells more */
         return CLI_UNKNOWN;
     if (text[strspn(text, " \t\r\n")] == '{')
-        return kind_of_json(text, size);
+        return lw_spatial_text(text, size) ? CLI_SPATIAL : kind_of_json(text, size);
     if (lw_target_kind_of(text, size, path) != LW_TARGET_KIND_TABLE)
         return CLI_DRAWING;
     if (cli_is_target(text, size))
@@ -87,7 +90,7 @@ cli_kind_of_file cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
 {
     static const struct { cli_kind_of_file kind; const char *is, *command; } rows[] = {
         { CLI_LINKAGE, "a linkage", "trace %s" }, { CLI_RESULTS, "a list of results", "trace %s" },
-        { CLI_TARGET, "a target", "fit %s" }, { CLI_DRAWING, "a drawing", "fit %s" },
+        { CLI_SPATIAL, "a model in space", "trace %s" }, { CLI_TARGET, "a target", "fit %s" }, { CLI_DRAWING, "a drawing", "fit %s" },
         { CLI_TASK, "a task", "fit %s" },
         { CLI_TOPOLOGIES, "a list of chains or mechanisms", "draw %s -o chains.svg" },
         { CLI_MASTER, "a master file of a product family", "family expand %s" },
@@ -109,7 +112,7 @@ cli_kind_of_file cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
     if (foreign)
         return kind;
     for (size_t i = 0; i < n; i++)
-        if (wanted & rows[i].kind && rows[i].kind != CLI_RESULTS)
+        if (wanted & rows[i].kind && rows[i].kind != CLI_RESULTS && rows[i].kind != CLI_SPATIAL)
             snprintf(what + strlen(what), sizeof what - strlen(what), "%s%s", what[0] ? " or " : "", rows[i].is);
     for (size_t i = 0; i < n; i++) {
         if (rows[i].kind != kind)

@@ -135,7 +135,8 @@ lw_status cli_read_task_file(const char *path, const lw_target_options *o, lw_ta
     if (strcmp(path, "-") == 0)
         cli_say_waiting("a task (JSON)");
     lw_status s = waited(path, lw_task_file_read_file(path, o, b, t, e), e);
-    if (s == LW_E_NOTATION && (cli_wrong_kind(path, CLI_TARGET | CLI_DRAWING | CLI_TASK, e) & (CLI_LINKAGE | CLI_RESULTS))) {
+    cli_kind_of_file kind = s == LW_E_NOTATION ? cli_wrong_kind(path, CLI_TARGET | CLI_DRAWING | CLI_TASK, e) : CLI_UNKNOWN;
+    if (kind == CLI_LINKAGE || kind == CLI_RESULTS) {
         size_t used = strlen(e->text);
         snprintf(e->text + used, sizeof e->text - used, " Or 'linkwright fit TARGET --start-from %s'?", path);
     }

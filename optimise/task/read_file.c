@@ -9,8 +9,41 @@
 #include "optimise/task/target_internal.h"
 #include "optimise/task/target_outline.h"
 
+/* Name of the first element of an XML text, of *n bytes; NULL: there is none. */
+static const char *first_element(const char *text, size_t size, size_t *n)
+{
+    const char *at = text, *end = text + size;
+    while (at < end) {
+        if (strchr(" \t\r\n\xef\xbb\xbf", *at) && *at) {
+            at++;
+        } else if (*at != '<' || end - at < 4) {
+            return NULL;
+        } else if (at[1] == '?' || at[1] == '!') {
+            bool comment = memcmp(at, "<!--", 4) == 0;
+            while (++at < end && !(*at == '>' && (!comment || memcmp(at - 2, "--", 2) == 0)))
+                ;
+            at += at < end;
+        } else {
+            const char *name = ++at;
+            while (at < end && !strchr(" \t\r\n/>", *at))
+                at++;
+            *n = (size_t)(at - name);
+            return name;
+        }
+    }
+    return NULL;
+}
+
+/* A binary STL: 80 bytes, the number of triangles, 50 bytes for each. */
+static bool is_binary_stl(const char *text, size_t size)
+{
+    const unsigned char *n = (const unsigned char *)text + 80;
+    return size >= 84 && size == 84 + 50*((size_t)n[0] | (size_t)n[1] << 8 | (size_t)n[2] << 16 | (size_t)n[3] << 24);
+}
+
 lw_status lw_refuse_foreign(const char *text, size_t size, const char *path, lw_error *e)
 {
+    static const char mesh[] = "a mesh of triangles; export the sketch of the curve as DXF or SVG";
     static const char pixels[] = "a picture of pixels; trace its curve (Inkscape: Path > Trace Bitmap) and save that "
         "as SVG";
     static const struct { const char *bytes; size_t n; const char *what; } rows[] = {
@@ -26,12 +59,23 @@ lw_status lw_refuse_foreign(const char *text, size_t size, const char *path, lw_
         { "GIF8", 4, pixels },
         { "ISO-10303-21", 12, "a STEP model; export the sketch of the curve as DXF or SVG" },
         { "SQLite format 3", 15, "a catalogue of linkwright or another database, not a target; 'linkwright catalogue' "
-                                 "reads catalogues" }
+                                 "reads catalogues" },
+        { "solid ", 6, mesh }, { "solid\n", 6, mesh }, { "solid\r", 6, mesh }, { "ply\n", 4, mesh }, { "ply\r", 4, mesh },
+        { "\xb1\xb2\xb3SolveSpace", 13, "a sketch of SolveSpace; export it as DXF or SVG" }
+    }, elements[] = {
+        { "mujoco", 6, "a model of MuJoCo (MJCF); linkwright does not read it" },
+        { "robot", 5, "a robot in URDF; linkwright does not read it" },
+        { "sdf", 3, "a model in SDFormat; linkwright does not read it" }
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
         if (size >= rows[i].n && memcmp(text, rows[i].bytes, rows[i].n) == 0)
             return lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is %s", rows[i].what);
-    return LW_OK;
+    size_t n = 0;
+    const char *element = first_element(text, size, &n);
+    for (size_t i = 0; element && i < sizeof elements/sizeof *elements; i++)
+        if (n == elements[i].n && memcmp(element, elements[i].bytes, n) == 0)
+            return lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is %s", elements[i].what);
+    return is_binary_stl(text, size) ? lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is %s", mesh) : LW_OK;
 }
 
 static bool ends_in(const char *path, const char *end)

@@ -546,8 +546,9 @@ static lw_status read_root(const lw_json_node *root, lw_task_file *b, lw_error *
     lw_json_node version;
     double number;
     lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
+    if (s == LW_OK && !lw_json_member(root, "linkwright-task", &version))
+        s = lw_json_fault(root, e, "this is no task: \"linkwright-task\": 1 is missing. A target is a task, a table (CSV) or a drawing (SVG, DXF)");
     if (s == LW_OK && (s = lw_json_known_keys(root, known, COUNT(known), e)) == LW_OK
-        && (s = lw_read_need(root, "linkwright-task", &version, e)) == LW_OK
         && (s = lw_json_number(&version, &number, e)) == LW_OK && number != 1)
         s = lw_json_fault(&version, e, "version %g of the task notation is not known; this program knows 1", number);
     if (s == LW_OK && (s = read_text(root, "name", b->name, sizeof b->name, e)) == LW_OK
