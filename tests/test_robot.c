@@ -941,23 +941,15 @@ static int write_axis(char *text, size_t size, const char *name, int i, const ch
 }
 
 /* The tool is the centre: only its turn is moved, and measured. */
-static bool make_wrist(lw_rng *rng, wrist *g, lw_spatial *m, lw_robot *r)
+static bool make_spherical(const wrist *g, lw_spatial *m, lw_robot *r)
 {
     static char text[6000];
     size_t n = (size_t)snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"plate\"}");
     lw_error e = { 0 };
-    double arm_angle = lw_rng_range(rng, 1, 1.4);
-    g->bar = lw_rng_range(rng, 1.3, 1.6);
     for (int i = 0; i < 3; i++)
         n += (size_t)snprintf(text + n, sizeof text - n, ", {\"name\": \"a%d\"}, {\"name\": \"b%d\"}", i, i);
     n += (size_t)snprintf(text + n, sizeof text - n, "], \"joints\": [");
     for (int i = 0; i < 3; i++) {
-        g->u[i] = unit(2*LW_PI*i/3, -0.55, 1);
-        g->v[i] = unit(2*LW_PI*i/3 + 1 + lw_rng_range(rng, -0.1, 0.1), 0.55, 1);
-        double c = lw_v3_dot(g->u[i], g->v[i]), det = 1 - c*c;                 /* w = a u + b v + c u x v at these angles from both */
-        double a = (cos(arm_angle) - c*cos(g->bar))/det, b = (cos(g->bar) - c*cos(arm_angle))/det;
-        lw_vec3 in = lw_v3_add(lw_v3_scale(g->u[i], a), lw_v3_scale(g->v[i], b)), across = lw_v3_cross(g->u[i], g->v[i]);
-        g->w[i] = lw_v3_add(in, lw_v3_scale(across, sqrt((1 - lw_v3_dot(in, in))/det)));
         char arm_name[4], bar_name[4];
         snprintf(arm_name, sizeof arm_name, "a%d", i);
         snprintf(bar_name, sizeof bar_name, "b%d", i);
@@ -970,6 +962,21 @@ static bool make_wrist(lw_rng *rng, wrist *g, lw_spatial *m, lw_robot *r)
     bool good = lw_spatial_read(text, n, "wrist", m, &e) == LW_OK && lw_robot_make(m, NULL, r, &e) == LW_OK;
     CHECK_TEXT(e.text, "");
     return good;
+}
+
+static bool make_wrist(lw_rng *rng, wrist *g, lw_spatial *m, lw_robot *r)
+{
+    double arm_angle = lw_rng_range(rng, 1, 1.4);
+    g->bar = lw_rng_range(rng, 1.3, 1.6);
+    for (int i = 0; i < 3; i++) {
+        g->u[i] = unit(2*LW_PI*i/3, -0.55, 1);
+        g->v[i] = unit(2*LW_PI*i/3 + 1 + lw_rng_range(rng, -0.1, 0.1), 0.55, 1);
+        double c = lw_v3_dot(g->u[i], g->v[i]), det = 1 - c*c;                 /* w = a u + b v + c u x v at these angles from both */
+        double a = (cos(arm_angle) - c*cos(g->bar))/det, b = (cos(g->bar) - c*cos(arm_angle))/det;
+        lw_vec3 in = lw_v3_add(lw_v3_scale(g->u[i], a), lw_v3_scale(g->v[i], b)), across = lw_v3_cross(g->u[i], g->v[i]);
+        g->w[i] = lw_v3_add(in, lw_v3_scale(across, sqrt((1 - lw_v3_dot(in, in))/det)));
+    }
+    return make_spherical(g, m, r);
 }
 
 TEST(a_wrist_turns_about_its_centre)
@@ -1010,6 +1017,32 @@ TEST(a_wrist_turns_about_its_centre)
         lw_robot_free(&r);
         lw_spatial_free(&m);
     }
+}
+
+/* The Agile Eye (Gosselin & Hamel 1994), all angles right: it is alike about the diagonal, so its ways are, whether or not the way before ended in a
+ * singular posture.  Arms and plate meet (u = -v) at 101.54 degrees on every fourth way, and at half a turn on those beside. */
+TEST(ways_do_not_depend_on_the_ways_before)
+{
+    static const lw_vec3 axis[3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
+    const lw_vec3 right = lw_v3(sqrt(0.5), -sqrt(0.5), 0), ahead = lw_v3(1/sqrt(6), 1/sqrt(6), -2/sqrt(6));
+    wrist g = { .bar = LW_PI/2 };
+    lw_spatial m;
+    lw_robot r;
+    lw_error e = { 0 };
+    for (int i = 0; i < 3; i++) {
+        g.u[i] = axis[i], g.v[i] = axis[(i + 1)%3];
+        g.w[i] = lw_v3_cross(g.u[i], g.v[i]);
+    }
+    if (!make_spherical(&g, &m, &r))
+        return;
+    for (int k = 0; k < 12; k++) {
+        double far, a = LW_PI*k/6, want = k%4 == 0 ? 101.5369590328155 : 180;
+        lw_robot_reset(&r);
+        CHECK_INT(lw_robot_tilt(&r, lw_v3_add(lw_v3_scale(ahead, cos(a)), lw_v3_scale(right, -sin(a))), LW_PI*(1 - 1e-9), &far, &e), LW_OK);
+        CHECK_NEAR(far*180/LW_PI, want, 0.02, 0);
+    }
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
 }
 
 /* A SCARA arm in space (two arms, quill, hand) keeps the direction of its hand over the workspace: the wrist reaches a ring about the base. */

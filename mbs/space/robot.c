@@ -205,29 +205,42 @@ void lw_robot_reset(lw_robot *r)
 
 /* ---- the posture reached --------------------------------------------------------------------------------- */
 
-/* Columns of J, and the velocities of all bodies that belong to them, where the bodies are placed. */
-static lw_status fill_jacobian(lw_robot *r, double jacobian[6][LW_ROBOT_DRIVES], lw_error *e)
+/* Columns of J, and the velocities of all bodies that belong to them, where the rows are filled.  NULL, or why not. */
+static const char *find_columns(lw_robot *r, double jacobian[6][LW_ROBOT_DRIVES])
 {
     lw_space_follow *f = &r->follow;
     const lw_space *s = &r->space;
     int first = s->n_row + f->n_idle;
-    if (memcmp(f->z.filled, f->q, (size_t)s->n_q*sizeof *f->q) != 0)         /* else the way here has filled them */
-        lw_space_rows_fill(&f->z, f->q, f->z.near);
     if (!lw_space_rows_factor_near(&f->z))
-        return lw_error_set(e, LW_OPEN, "the drives do not hold the tool in this posture: it is singular");
+        return "the drives do not hold the tool in this posture: it is singular";
     for (int i = 0; i < r->n_drive; i++) {
         double *v = r->column + (size_t)i*(size_t)s->n_v;
         memset(f->rhs, 0, (size_t)f->z.n_row*sizeof *f->rhs);
         f->rhs[first + i] = 1/lw_space_scale(s, measure_of(r, i));
         if (!lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l))
-            return lw_error_set(e, LW_OPEN, "the posture is too near to a singular one to find how the drives move the tool");
+            return "the posture is too near to a singular one to find how the drives move the tool";
         lw_vec3 p = lw_space_point_velocity(s, f->z.frame, s->tracer[r->tool], v);
         lw_vec3 w = lw_space_omega(f->z.frame, s->tracer[r->tool].body, v);
         double of[] = { p.x, p.y, p.z, w.x, w.y, w.z };
         for (int k = 0; k < 6; k++)
             jacobian[k][i] = of[k];
     }
-    return LW_OK;
+    return NULL;
+}
+
+static lw_status fill_jacobian(lw_robot *r, double jacobian[6][LW_ROBOT_DRIVES], lw_error *e)
+{
+    lw_space_follow *f = &r->follow;
+    if (memcmp(f->z.filled, f->q, (size_t)r->space.n_q*sizeof *f->q) != 0)   /* else the way here has filled them */
+        lw_space_rows_fill(&f->z, f->q, f->z.near);
+    const char *why = find_columns(r, jacobian);
+    if (why && f->z.n_kept < f->z.n_row) {       /* the basis kept may be that of the end of another way */
+        lw_status s = lw_space_rows_arrange(&f->z, f->q, e);
+        if (s != LW_OK)
+            return s;
+        why = find_columns(r, jacobian);
+    }
+    return why ? lw_error_set(e, LW_OPEN, "%s", why) : LW_OK;
 }
 
 static void tool_pose(const lw_robot *r, lw_vec3 *place, lw_quaternion *turn)
