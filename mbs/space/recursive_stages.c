@@ -20,9 +20,6 @@ const lw_tree_kernel *lw_tree_kernel_of(const char *isa)
     return kernels[i];
 }
 
-/* Above so many bodies narrower registers are faster, whose scratch is half as large. */
-enum { LARGE = 32 };
-
 static bool suits(const lw_recursive *r, const lw_space_forces *f)
 {
     const lw_spatial *m = r->s->model;
@@ -65,8 +62,8 @@ lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, b
 {
     const lw_spatial *m = r->s->model;
     size_t bodies = (size_t)r->s->n_body, u = (size_t)r->n_u, springs = (size_t)m->n_spring;
-    const lw_kernels *best = lw_kernels_supported(0), *next = lw_kernels_supported(1);
-    const lw_tree_kernel *kernel = lw_tree_kernel_of((next && r->s->n_body > LARGE ? next : best)->isa);
+    const lw_kernels *best = lw_kernels_supported(0);
+    const lw_tree_kernel *kernel = lw_tree_kernel_of(best->isa);
     *s = (lw_tree_stages){ .n_body = r->s->n_body, .n_x = r->n_x, .n_u = r->n_u, .n_spring = m->n_spring, .has_work = has_work,
                            .unit = r->s->unit, .turns = best->turns, .kernel = kernel };
     if (!suits(r, f))
