@@ -54,7 +54,7 @@ KERNEL   = $(if $(filter -O2,$(CFLAGS)),-O3) -mprefer-vector-width=512 -Wno-psab
 KERNEL_LEAN = $(if $(filter %/kernel_higher.c %/kernel_continuation.c,$<),-fno-gcse -fno-tree-vrp -fno-ipa-cp -fno-tree-sink \
            -fno-tree-loop-distribution -fno-tree-loop-distribute-patterns -fno-split-loops -fno-unswitch-loops \
            -fno-tree-slp-vectorize -fno-schedule-insns2 -fno-code-hoisting)
-HOT_SRC := $(wildcard mbs/batch/kernel*.c mbs/space/kernel*.c)
+HOT_SRC := $(wildcard mbs/batch/kernel*.c mbs/ode/kernel*.c mbs/space/kernel*.c)
 LIB_SRC := $(filter-out $(HOT_SRC),$(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c)))
 LIB_OBJ := $(foreach isa,$(ISAS),$(HOT_SRC:%.c=$B/%-$(isa).o)) $(LIB_SRC:%.c=$B/%.o)
 CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c cli/*/*.c studio/*.c))
@@ -83,7 +83,7 @@ $B/mbs/$(2)/%-$(1).o: mbs/$(2)/%.c
 	@mkdir -p $$(@D)
 	$$(COMPILE) $$(KERNEL) $$(KERNEL_CFLAGS) -march=$(1) -DLW_ISA=$(subst -,_,$(1)) -DLW_ISA_NAME='"$(1)"' -c $$< -o $$@
 endef
-$(foreach isa,$(ISAS),$(foreach room,batch space,$(eval $(call KERNEL_RULE,$(isa),$(room)))))
+$(foreach isa,$(ISAS),$(foreach room,batch ode space,$(eval $(call KERNEL_RULE,$(isa),$(room)))))
 # the web pages' style sheets and scripts as C texts, line by line
 $B/catalogues/pages/page.o $B/catalogues/pages/atlas_html.o $B/catalogues/pages/space_page.o: $B/catalogues/pages/page_files.h
 $B/catalogues/pages/page_files.h: $(wildcard catalogues/pages/*.css catalogues/pages/*.js)

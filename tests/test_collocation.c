@@ -3,6 +3,8 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+#include "mbs/batch/kernels_internal.h"
 #include "mbs/ode/collocation_table_internal.h"
 #include "tests/check.h"
 
@@ -60,13 +62,17 @@ static lw_status project(void *context, double t, double *y)
 
 static lw_collocation w;
 static lw_error e;
+static const char *isa;
+
+static double seen[2];                       /* a mark of the solution to the last bit */
 
 /* Run to t = 3 from x(0) = 1 + off; returns the greatest error of x, also within the steps, where the fast part has decayed. */
 static double run(problem *p, bool implicit, double tolerance, double off)
 {
-    lw_stages_ode ode = { 3, 1, implicit, p, rates, project };
+    lw_stages_ode ode = { 3, 1, implicit, p, rates, project, isa };
     lw_ode_options o = lw_ode_options_default();
     double *work = malloc(lw_collocation_work(3, true)*sizeof *work), y[3] = { 1 + off, 0, 0 }, worst = 0;
+    seen[0] = seen[1] = 0;
     o.relative = o.absolute = tolerance;
     lw_collocation_start(&w, &ode, &o, work, 0, y);
     for (lw_ode_stop stop = LW_ODE_STEP; stop != LW_ODE_END;) {
@@ -77,6 +83,7 @@ static double run(problem *p, bool implicit, double tolerance, double off)
         for (int i = 0; i <= 8; i++) {
             double t = w.t_old + (w.t - w.t_old)*i/8;
             lw_collocation_dense(&w, t, y);
+            seen[0] = y[0] + 1.25*seen[1], seen[1] = y[2] - 0.75*seen[0];
             worst = t < 0.5 && off != 0 ? worst : fmax(worst, fabs(y[0] - cos(t)));
             CHECK_NEAR(y[2], 0.5*(y[0]*y[0] - (1 + off)*(1 + off)), 100*tolerance + 1e-14, 0);
         }
@@ -109,6 +116,26 @@ TEST(a_stiff_damper)
     }
 }
 
+/* Every instruction set gives the same bits as the one that all processors have. */
+TEST(instruction_sets_agree)
+{
+    for (int implicit = 0; implicit < 2; implicit++) {
+        problem p = { .stiffness = implicit ? 1e8 : 4, .damping = implicit ? 1e6 : 0 };
+        isa = NULL;
+        run(&p, implicit, 1e-8, 1e-3);
+        double same[2] = { seen[0], seen[1] };
+        long rate = w.n_rate;
+        for (int rank = 0; lw_kernels_supported(rank); rank++) {
+            isa = lw_kernels_supported(rank)->isa;
+            p.n_project = 0;
+            run(&p, implicit, 1e-8, 1e-3);
+            CHECK(memcmp(seen, same, sizeof same) == 0);
+            CHECK_INT(w.n_rate, rate);
+        }
+        isa = NULL;
+    }
+}
+
 static lw_status undefined(void *context, const double t[LW_STAGES], const double *y, double *dy)
 {
     lw_status s = rates(context, t, y, dy);
@@ -119,7 +146,7 @@ static lw_status undefined(void *context, const double t[LW_STAGES], const doubl
 TEST(ends)
 {
     problem p = { .stiffness = 4 };
-    lw_stages_ode ode = { 3, 1, false, &p, undefined, project };
+    lw_stages_ode ode = { 3, 1, false, &p, undefined, project, NULL };
     lw_ode_options o = lw_ode_options_default();
     double *work = malloc(lw_collocation_work(3, false)*sizeof *work), y[3] = { 1, 0, 0 };
     lw_ode_stop stop;

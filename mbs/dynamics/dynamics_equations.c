@@ -1239,9 +1239,10 @@ static double fastest_decay(lw_dynamics *d)
     bool together = !d->space && d->eq.exact && !d->o.force.apply;
     double most = together ? lw_mbs_fastest(d, d->o.from, d->start_q, d->start_v, true) : 0, *g = d->small_v, *change = d->v_try;
     d->frequency = together ? sqrt(lw_mbs_fastest(d, d->o.from, d->start_q, d->start_v, false)) : 0;
-    if (lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
+    bool looks = !together && d->eq.n_damper > 0;
+    if (looks && (lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK))
         return 0;
-    for (int k = 0; k < d->eq.n_damper && !together; k += 1 + d->eq.n_damper/most_looked) {
+    for (int k = 0; k < d->eq.n_damper && looks; k += 1 + d->eq.n_damper/most_looked) {
         memset(g, 0, (size_t)d->n_v*sizeof *g);
         double c = d->eq.damper(d->eq.context, k, d->start_q, d->start_v, g);
         most = fmax(most, c > 0 ? c*lw_mbs_impulse(d, g, change) : 0);

@@ -344,7 +344,7 @@ static lw_status run_one(motion *m, double *y, double *work)
     w.staged = (stiff || !takes_bdf(m)) && lw_tree_stages_make(&m->r, &d->space->f, run->has_work, &m->stages) == LW_OK;
     w.implicit = !w.staged && takes_bdf(m);
     w.ode.project = w.implicit ? NULL : project;
-    w.at_stages = (lw_stages_ode){ w.ode.n, m->r.n_u, stiff, m, rates, project };
+    w.at_stages = (lw_stages_ode){ w.ode.n, m->r.n_u, stiff, m, rates, project, m->stages.isa };
     w.y = y + ode->n;
     double share = !w.implicit ? 1 : fmax(d->o.relative, d->o.absolute) < tight ? bdf_share_tight : bdf_share;
     o.relative = share*d->o.relative;

@@ -5,6 +5,7 @@
 #include <float.h>
 #include <string.h>
 #include "mbs/ode/collocation_table_internal.h"
+#include "mbs/ode/kernel_stages_internal.h"
 
 enum { N = LW_STAGES, MOST_ITERATIONS = 14, PAIRS = N/2 };
 
@@ -17,6 +18,22 @@ static const double relax = 1.2;             /* growth of the limit that a step 
 static const double less = 0.8;
 static const double greatest_growth = 4, difference = 1e-7;
 
+#ifdef __x86_64__
+extern const lw_stage_loops lw_stage_loops_x86_64, lw_stage_loops_x86_64_v3, lw_stage_loops_x86_64_v4;
+static const lw_stage_loops *const loops[] = { &lw_stage_loops_x86_64_v4, &lw_stage_loops_x86_64_v3, &lw_stage_loops_x86_64 };
+#else
+extern const lw_stage_loops lw_stage_loops_native;
+static const lw_stage_loops *const loops[] = { &lw_stage_loops_native };
+#endif
+
+static const lw_stage_loops *loops_of(const char *isa)
+{
+    size_t i = 0;
+    while (i + 1 < sizeof loops/sizeof *loops && !(isa && strcmp(loops[i]->isa, isa) == 0))
+        i++;
+    return loops[i];
+}
+
 size_t lw_collocation_work(int n, bool implicit)
 {
     return (size_t)n*(4*N + 5) + (implicit ? (2 + 2*PAIRS)*LW_IMPLICIT_MAX*LW_IMPLICIT_MAX : 0);
@@ -25,7 +42,7 @@ size_t lw_collocation_work(int n, bool implicit)
 void lw_collocation_start(lw_collocation *w, const lw_stages_ode *ode, const lw_ode_options *o, double *work, double t, const double *y)
 {
     size_t n = (size_t)ode->n;
-    *w = (lw_collocation){ .ode = ode, .o = *o, .t = t, .t_old = t, .fastest = INFINITY, .most = INFINITY, .stale = true };
+    *w = (lw_collocation){ .ode = ode, .loops = loops_of(ode->isa), .o = *o, .t = t, .t_old = t, .fastest = INFINITY, .most = INFINITY, .stale = true };
     double **part[] = { &w->f, &w->stage, &w->c, &w->c_old };
     for (int i = 0; i < 4; i++, work += N*n)
         *part[i] = work;
@@ -70,17 +87,6 @@ void lw_collocation_dense(const lw_collocation *w, double t, double *y)
     }
 }
 
-/* out (8): sum of in[j] column[j]. */
-static inline void combine(const double (*column)[N], const double *in, double *out)
-{
-    double sum[N] = { 0 };
-#pragma GCC unroll 8
-    for (int j = 0; j < N; j++)
-        for (int k = 0; k < N; k++)
-            sum[k] += in[j]*column[j][k];
-    memcpy(out, sum, sizeof sum);
-}
-
 /* column[m][k]: polynomial m of the last step at point k of the next, of length h. */
 static void continue_polynomials(const lw_collocation *w, double h, double column[N][N])
 {
@@ -98,26 +104,16 @@ static void predict(lw_collocation *w, double h)
     continue_polynomials(w, h, column);
     for (int m = w->degree + 1; m < N; m++)
         memset(column[m], 0, sizeof column[m]);
-    for (int i = 0; i < w->ode->n; i++)
-        combine((const double (*)[N])column, w->c + N*i, w->f + N*i);
+    w->loops->sums(w->ode->n, (const double (*)[N])column, w->c, w->f);
 }
 
 /* The degree with which the last polynomial would have met the rates of this step best. */
 static int best_degree(const lw_collocation *w, double h)
 {
-    double column[N][N], off[N] = { 0 };
+    double column[N][N], off[N];
     int best = 0;
     continue_polynomials(w, h, column);
-    for (int i = 0; i < w->ode->n; i++) {
-        double left[N];
-        memcpy(left, w->f + N*i, sizeof left);
-        for (int m = 0; m < N; m++) {
-            double sum = 0;
-            for (int k = 0; k < N; k++)
-                left[k] -= w->c[N*i + m]*column[m][k], sum += left[k]*left[k];
-            off[m] += sum*w->scale[i]*w->scale[i];
-        }
-    }
+    w->loops->misses(w->ode->n, (const double (*)[N])column, w->c, w->f, w->scale, off);
     for (int m = 1; m < N; m++)
         best = off[m] < off[best] ? m : best;
     return best;
@@ -144,18 +140,7 @@ static void copy_rates(lw_collocation *w)
 /* Numbers `from` to n at all points from their rates; returns the sum of squares of how far they moved, over the errors allowed. */
 static double improve(lw_collocation *w, double h, int from, int n)
 {
-    double moved = 0, sum[N];
-    for (int i = from; i < n; i++) {
-        double *stage = w->stage + N*i, most = 0;
-        combine(stage_column, w->f + N*i, sum);
-        for (int k = 0; k < N; k++) {
-            double y = w->y_old[i] + h*sum[k], by = fabs(y - stage[k]);
-            most = by > most ? by : most;
-            stage[k] = y;
-        }
-        moved += most*w->scale[i]*(most*w->scale[i]);
-    }
-    return moved;
+    return w->loops->improve(n - from, stage_column, h, w->y_old + from, w->scale + from, w->f + N*from, w->stage + N*from);
 }
 
 /* The factors of 1 - z D - z^2 K, z = h times an eigenvalue, K and D the derivatives by x and u: lower part, then upper part with
@@ -215,10 +200,10 @@ static double newton_step(lw_collocation *w, double h)
     double x[PAIRS][2*LW_IMPLICIT_MAX], r[N], moved = 0;
     for (int i = 0; i < n; i++) {
         const double *stage = w->stage + N*(first + i);
-        combine(stage_column, w->f + N*(first + i), r);
+        w->loops->sums(1, stage_column, w->f + N*(first + i), r);
         for (int k = 0; k < N; k++)
             r[k] = w->y_old[first + i] + h*r[k] - stage[k];
-        combine(inverse_column, r, r);
+        w->loops->sums(1, inverse_column, r, r);
         for (int p = 0; p < PAIRS; p++)                  /* a pair of columns with factors w1, w2 stands for w1 - i w2 */
             x[p][2*i] = r[2*p], x[p][2*i + 1] = -r[2*p + 1];
     }
@@ -228,7 +213,7 @@ static double newton_step(lw_collocation *w, double h)
         double *stage = w->stage + N*(first + i), most = 0;
         for (int p = 0; p < PAIRS; p++)
             r[2*p] = x[p][2*i], r[2*p + 1] = -x[p][2*i + 1];
-        combine(vector_column, r, r);
+        w->loops->sums(1, vector_column, r, r);
         for (int k = 0; k < N; k++) {
             stage[k] += r[k];
             most = fabs(r[k]) > most ? fabs(r[k]) : most;
@@ -259,6 +244,14 @@ static double rounding(const lw_collocation *w)
     return sqrt(sum/w->ode->n);
 }
 
+static double to_power(double x, int n)
+{
+    double y = 1;
+    for (; n > 0; n /= 2, x *= x)
+        y = n%2 ? y*x : y;
+    return y;
+}
+
 /* Improve the states of a step until their error is allowed.  LW_OPEN: they do not converge fast enough. */
 static lw_status iterate(lw_collocation *w, double h)
 {
@@ -284,7 +277,7 @@ static lw_status iterate(lw_collocation *w, double h)
             w->fastest *= 0.5;               /* unless it is measured */
         if ((moved*by <= exact_enough*(1 - by) && moved <= most) || (i > 2 && by > 0.5 && moved <= exact_enough))
             return LW_OK;
-        if (i > 2 && (by > 0.9 || moved*pow(by, MOST_ITERATIONS - i) > exact_enough))
+        if (i > 2 && (by > 0.9 || moved*to_power(by, MOST_ITERATIONS - i) > exact_enough))
             return LW_OPEN;
         last = moved;
     }
@@ -370,19 +363,18 @@ static lw_status begin(lw_collocation *w, double span)
 static double step_error(lw_collocation *w, double h)
 {
     const lw_stages_ode *o = w->ode;
-    double size[N] = { 0 };
-    for (int i = 0; i < o->n; i++) {
-        double c[N], *f = w->f + N*i;
-        if (o->implicit && i >= o->n_rate && i < 2*o->n_rate) {
-            for (int k = 0; k < N; k++)
-                c[k] = (w->stage[N*i + k] - w->y_old[i])/h;
-            combine(slope_column, c, f);
-        }
-        combine(legendre_column, f, c);
-        memcpy(w->c_old + N*i, c, sizeof c);
-        for (int m = 0; m < N; m++)
-            size[m] += c[m]*w->scale[i]*(c[m]*w->scale[i]);
+    double size[N] = { 0 }, c[N];
+    for (int i = o->n_rate; o->implicit && i < 2*o->n_rate; i++) {
+        for (int k = 0; k < N; k++)
+            c[k] = (w->stage[N*i + k] - w->y_old[i])/h;
+        w->loops->sums(1, slope_column, c, w->f + N*i);
     }
+    w->loops->sums(o->n, legendre_column, w->f, w->c_old);
+    for (int i = 0; i < o->n; i++)
+        for (int m = 0; m < N; m++) {
+            double by = w->c_old[N*i + m]*w->scale[i];
+            size[m] += by*by;
+        }
     double last = fmax(size[N - 1], 1e-300), fall = pow(last/fmax(size[N - 4], last), 1.0/6);
     last = fmax(sqrt(last), sqrt(size[N - 2])*fall);
     return h*last*fall/(2*(2*N + 1)*sqrt((double)o->n));

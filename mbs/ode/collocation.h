@@ -23,10 +23,12 @@ typedef struct lw_stages_ode {
     /* dy but x' (n x LW_STAGES) */
     lw_status (*rates)(void *context, const double t[LW_STAGES], const double *y, double *dy);
     lw_status (*project)(void *context, double t, double *y);        /* y (n), after every step that is accepted */
+    const char *isa;                         /* instruction set of the processor, as lw_kernels names it; NULL: what all have */
 } lw_stages_ode;
 
 typedef struct lw_collocation {
     const lw_stages_ode *ode;
+    const struct lw_stage_loops *loops;
     lw_ode_options o;                        /* relative, absolute, greatest, max_step */
     double  t, t_old, h;                     /* end and beginning of the last step; length proposed for the next */
     double *y, *y_old;                       /* (n) there */

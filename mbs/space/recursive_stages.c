@@ -63,12 +63,11 @@ lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, b
     const lw_spatial *m = r->s->model;
     size_t bodies = (size_t)r->s->n_body, u = (size_t)r->n_u, springs = (size_t)m->n_spring;
     const lw_kernels *best = lw_kernels_supported(0);
-    const lw_tree_kernel *kernel = lw_tree_kernel_of(best->isa);
     *s = (lw_tree_stages){ .n_body = r->s->n_body, .n_x = r->n_x, .n_u = r->n_u, .n_spring = m->n_spring, .has_work = has_work,
-                           .unit = r->s->unit, .turns = best->turns, .kernel = kernel };
+                           .unit = r->s->unit, .turns = best->turns, .isa = best->isa, .kernel = lw_tree_kernel_of(best->isa) };
     if (!suits(r, f))
         return LW_E_KIND;
-    size_t state = lw_tree_state_size(kernel, r->s->n_body, r->n_u);
+    size_t state = lw_tree_state_size(s->kernel, r->s->n_body, r->n_u);
     char *at = s->memory = malloc(state + LW_SCRATCH_ALIGNMENT + bodies*sizeof *s->body + springs*sizeof *s->spring
                                      + 3*8*(u + 1)*sizeof(double) + (u + 1)*sizeof(int));
     if (!at)

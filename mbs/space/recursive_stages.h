@@ -34,6 +34,7 @@ typedef struct lw_tree_stages {
     double *angle, *cosine, *sine;           /* (8 n_angle) halves */
     void   *state;                           /* scratch of the kernels, */
     const struct lw_tree_kernel *kernel;     /* which are those of the processor */
+    const char *isa;
     void  (*turns)(size_t n, const double *angle, double *cosine, double *sine);
     void   *memory;
 } lw_tree_stages;

@@ -68,7 +68,8 @@ static double angle_of(const lw_space_joint *j, const ends *n, double near, doub
         put(jac, n, 0, none, lw_v3_scale(axis, -1));
         put(jac + 6, n, 1, none, axis);
     }
-    return near + remainder(angle - near, 2*LW_PI);
+    double off = angle - near;
+    return near + (fabs(off) < LW_PI ? off : remainder(off, 2*LW_PI));
 }
 
 static int point_rows(const ends *n, double scale, double *phi, double *jac)

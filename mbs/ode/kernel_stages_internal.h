@@ -1,0 +1,20 @@
+/* mbs/ode/kernel_stages_internal.h - the table of loops of mbs/ode/collocation.c, which each instruction set has with the same bits;
+ * internal to mbs/ode. */
+#ifndef LW_MBS_ODE_KERNEL_STAGES_INTERNAL_H
+#define LW_MBS_ODE_KERNEL_STAGES_INTERNAL_H
+
+#include "mbs/ode/collocation.h"
+
+/* Arrays of rows have a number of the state in each row, at the eight points or by eight polynomials. */
+typedef struct lw_stage_loops {
+    const char *isa;
+    /* out: sum of in[row][j] column[j], in each of n rows; out may be in */
+    void (*sums)(int n, const double (*column)[LW_STAGES], const double *in, double *out);
+    /* stage = y + h times these sums of f; returns the sum of squares over rows of how far the stages moved at most, times scale */
+    double (*improve)(int n, const double (*column)[LW_STAGES], double h, const double *y, const double *scale, const double *f,
+                      double *stage);
+    /* off[m] (8): sum of squares over rows of f minus c[0] column[0] .. c[m] column[m], times scale */
+    void (*misses)(int n, const double (*column)[LW_STAGES], const double *c, const double *f, const double *scale, double *off);
+} lw_stage_loops;
+
+#endif
