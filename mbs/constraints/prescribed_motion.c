@@ -1,4 +1,7 @@
-/* mbs/constraints/prescribed_motion.c - follow inputs that are functions of time. */
+/* mbs/constraints/prescribed_motion.c - follow inputs that are functions of time.
+ *
+ * With one input the posture is a function of its value, whatever the input does in time: only the value is followed, in certified
+ * steps (`place`).  The motion in time leads from value to value.  Several inputs are followed along time itself. */
 #include "mbs/constraints/prescribed_motion.h"
 
 #include <stdlib.h>
@@ -8,9 +11,10 @@
 
 #define TRACK 64                            /* stored postures, from which branch points are crossed   */
 #define ORDER LW_SYSTEM_ORDER_MAX
-#define PARTS 12                            /* places of a step by values that are gone to              */
+#define PARTS 12                            /* moments of a step at which the inputs are looked at      */
 
-static const double by_values = 0.02;       /* greatest change of the input in such a step, scaled      */
+static const double longest_change = 0.1;   /* of the value of one input in a step in time, scaled      */
+static const double same_value = 1e-10;     /* values of one input that are no more apart, scaled, are the same */
 
 struct lw_prescribed_motion {
     const lw_system *s;
@@ -23,6 +27,7 @@ struct lw_prescribed_motion {
     int              n_track;
     double           share;                 /* fraction of the path to the start of the motion          */
     double           target[LW_INPUT_MAX];
+    bool             straight;              /* the inputs move straight                                */
     bool             stuck;                 /* near a limit: no step is short enough                   */
     double           limit;                 /* time of that limit                                      */
     double           weight[2][2];          /* last two steps: time, 1/kappa^2                         */
@@ -33,9 +38,8 @@ struct lw_prescribed_motion {
     double          *over;                  /* (ORDER + 1) x n                                         */
     double           asked;                 /* reported time and posture; inside a singular step they  */
     double          *posture;               /* differ from those where the next step starts            */
-    lw_prescribed_motion *place;            /* one input: the linkage along its value; made where no   */
-    double          *drawn;                 /* series in time leads on, from the drawn posture (n)     */
-    bool             in_time, placed;       /* may `place` be asked?  Is the posture its?               */
+    lw_prescribed_motion *place;            /* one input in time: the linkage along its value          */
+    double           away_t, away;          /* last moment that was not in a branch point, and its value */
 };
 
 /* Series of the inputs at t, relative to the posture; false if a motion is not a number. */
@@ -77,9 +81,9 @@ static double change(lw_prescribed_motion *d, double t)
 /* With the factors of the present posture: may the inputs move to t in one step? */
 static bool within_reach(lw_prescribed_motion *d, double t)
 {
-    static const double part[] = { 1.0, 0.618, 0.382, 0.236, 0.854, 0.09, 0.472, 0.708, 0.944, 0.146, 0.764, 0.326 };
+    static const double part[PARTS] = { 1.0, 0.618, 0.382, 0.236, 0.854, 0.09, 0.472, 0.708, 0.944, 0.146, 0.764, 0.326 };
     double most = 0.5*LW_CONTINUATION_SHARE/d->f.kappa;
-    for (size_t i = 0; i < sizeof part/sizeof *part; i++)
+    for (int i = 0; i < (d->straight ? 1 : PARTS); i++)
         if (!(change(d, d->t + part[i]*(t - d->t)) <= most))
             return false;
     return true;
@@ -210,6 +214,129 @@ static void tell_leapt(lw_prescribed_motion *d, double t)
         tell(d, t, d->next);
 }
 
+/* ---- one input, by its value --------------------------------------------------------------------- */
+
+static double value_at(const lw_prescribed_motion *d, double t)
+{
+    double u[LW_INPUT_MAX];                               /* a model writes its tied inputs too */
+    d->motion(d->context, t, 0, u);
+    return u[0];
+}
+
+/* The moment between `before` and `after`, to rounding, at which the input comes to x. */
+static double moment_of(const lw_prescribed_motion *d, double before, double after, double x)
+{
+    double side = value_at(d, after) - x;
+    for (double middle; middle = 0.5*(before + after), middle != before && middle != after;)
+        *((value_at(d, middle) - x)*side > 0 ? &after : &before) = middle;
+    return after;
+}
+
+/* Go to the value of the input at t. */
+static lw_status go_to_value(lw_prescribed_motion *d, double t)
+{
+    lw_prescribed_motion *p = d->place;
+    double u = value_at(d, t), near = same_value*lw_system_joint_unit(d->s, d->s->input_joint[0]);
+    int before = p->crossings;
+    lw_status s = lw_prescribed_motion_to(p, u);
+    if (s != LW_OK) {
+        d->stuck = s == LW_OPEN;
+        d->limit = d->stuck ? moment_of(d, d->t, t, p->limit) : d->t;
+        return s;
+    }
+    if (p->crossings == 0 || fabs(u - p->crossing) > near) {
+        if (p->crossings > 0 && (d->away - p->crossing)*(u - p->crossing) < 0) {
+            d->crossings += p->crossings > before ? p->crossings - before : 1;
+            d->crossing = moment_of(d, d->away_t, t, p->crossing);
+        }
+        d->away_t = t;
+        d->away = u;
+    }
+    return LW_OK;
+}
+
+/* The moment between `before` and `after` of the greatest value of the input times `sign`, by the golden section. */
+static double moment_of_extreme(const lw_prescribed_motion *d, double before, double after, double sign)
+{
+    static const double share = 0.381966011250105;
+    double a = before + share*(after - before), b = after - share*(after - before);
+    double at_a = sign*value_at(d, a), at_b = sign*value_at(d, b);
+    for (int i = 0; i < 60; i++)
+        if (at_a > at_b) {
+            after = b, b = a, at_b = at_a;
+            a = before + share*(after - before), at_a = sign*value_at(d, a);
+        } else {
+            before = a, a = b, at_a = at_b;
+            b = after - share*(after - before), at_b = sign*value_at(d, b);
+        }
+    return at_a > at_b ? a : b;
+}
+
+/* One step towards `last`: to the values at which the input turns back within it, and to that at its end. */
+static lw_status advance_by_value(lw_prescribed_motion *d, double last)
+{
+    double u[PARTS + 1], rest = last - d->t, most = longest_change*lw_system_joint_unit(d->s, d->s->input_joint[0]);
+    double h = d->step*rest > 0 && fabs(d->step) < fabs(rest) ? d->step : rest, end;
+    bool near = false;
+    u[0] = value_at(d, d->t);
+    for (int halved = 0; !near; halved++) {
+        h *= halved > 0 ? 0.5 : 1;
+        if (halved > 0 && !(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
+            return LW_E_NUMERIC;                          /* the input jumps here, or is not a number */
+        near = true;
+        end = h == rest ? last : d->t + h;
+        for (int i = PARTS; i > 0 && near; i--)
+            near = fabs((u[i] = value_at(d, i == PARTS ? end : d->t + h*i/PARTS)) - u[0]) <= most;
+    }
+    for (int side = -1; side <= 1; side += 2) {
+        int extreme = 0;
+        for (int i = 1; i <= PARTS; i++)
+            extreme = side*u[i] > side*u[extreme] ? i : extreme;
+        double turn = d->t + h*extreme/PARTS;
+        lw_status s = extreme == 0 || extreme == PARTS ? LW_OK
+                    : go_to_value(d, moment_of_extreme(d, turn - h/PARTS, turn + h/PARTS, side));
+        if (s != LW_OK)
+            return s;
+    }
+    lw_status s = go_to_value(d, end);
+    if (s == LW_OK) {
+        d->t = end;
+        d->step = 2*h;
+    }
+    return s;
+}
+
+static lw_status to_by_value(lw_prescribed_motion *d, double t)
+{
+    lw_status s = LW_OK;
+    d->stuck = false;
+    while (s == LW_OK && d->t != t)
+        s = advance_by_value(d, t);
+    tell(d, d->t, d->place->posture);
+    return s;
+}
+
+/* The series of the posture in time, from that along the value of the input and that of the input in time. */
+static bool series_by_value(lw_prescribed_motion *d, int order, double *q)
+{
+    double u[LW_INPUT_MAX*(ORDER + 1)], p[ORDER + 1];
+    d->motion(d->context, d->asked, order, u);
+    if (lw_prescribed_motion_to(d->place, u[0]) != LW_OK || !lw_prescribed_motion_rates(d->place, order, d->series))
+        return false;
+    for (int i = 0; i < d->n; i++) {
+        memset(p, 0, sizeof p);
+        for (int m = order; m >= 0; m--)                  /* Horner's scheme; u[0] is left out */
+            for (int k = order; k >= 0; k--) {
+                p[k] = k == 0 ? d->series[m*d->n + i] : 0;
+                for (int j = 1; j <= k; j++)
+                    p[k] += u[j]*p[k - j];
+            }
+        for (int k = 1; k <= order; k++)
+            q[k*d->n + i] = p[k];
+    }
+    return true;
+}
+
 /* ---- steps ------------------------------------------------------------------------------------- */
 
 typedef enum outcome { MOVED, LIMIT, LOST } outcome;
@@ -221,7 +348,7 @@ static outcome advance(lw_prescribed_motion *d, double last)
     if (!hold(d, d->t))
         return LOST;
     if (!(lw_continuation_factor(&d->f, d->q) > 1e-15))
-        return !d->in_time && leap(d, d->t, last) ? MOVED : LIMIT;
+        return leap(d, d->t, last) ? MOVED : LIMIT;
     lw_continuation_bound(&d->f, d->q);
     d->weight[0][0] = d->weight[1][0];
     d->weight[0][1] = d->weight[1][1];
@@ -231,7 +358,7 @@ static outcome advance(lw_prescribed_motion *d, double last)
         h *= 0.5;
         double speed = change(d, d->t + h);
         if (speed < LW_CONTINUATION_LEAST && 1.0 < d->f.kappa*2.0*LW_CONTINUATION_LEAST)
-            return !d->in_time && leap(d, d->t + h, last) ? MOVED : LIMIT;
+            return leap(d, d->t + h, last) ? MOVED : LIMIT;
         if (!(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
             return LOST;                                  /* an input jumps here, or is not a number     */
     }
@@ -249,65 +376,6 @@ static outcome advance(lw_prescribed_motion *d, double last)
         }
     }
     return LOST;
-}
-
-/* With one input the posture is a function of its value, whatever it does in time.  It may rest or turn back in a branch point, from
- * where no series in time leads on: go on by values, one step towards `last`.  False: it jumps, or leads beyond a limit. */
-static bool go_by_values(lw_prescribed_motion *d, double last)
-{
-    double now, u[PARTS + 1], h = last - d->t, most = by_values*lw_system_joint_unit(d->s, d->s->input_joint[0]);
-    d->motion(d->context, d->t, 0, &now);
-    lw_status s = d->place ? LW_OK : lw_prescribed_motion_create(d->s, d->drawn, lw_prescribed_motion_itself, NULL, d->s->input_value[0],
-                                                                 &d->place, NULL);
-    if (s != LW_OK || lw_prescribed_motion_to(d->place, now) != LW_OK || !(lw_continuation_distance(&d->f, d->place->posture, d->q) < 1e-4))
-        return false;
-    for (bool near = false; !near; h *= near ? 1 : 0.5) {
-        near = true;
-        for (int i = 1; i <= PARTS; i++) {
-            d->motion(d->context, d->t + h*i/PARTS, 0, &u[i]);
-            near = near && fabs(u[i] - now) <= most;
-        }
-        if (!near && !(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
-            return false;
-    }
-    for (int i = 1; i <= PARTS; i++)
-        if (lw_prescribed_motion_to(d->place, u[i]) != LW_OK)
-            return false;
-    double before = d->t, side = u[PARTS] - d->place->crossing;
-    memcpy(d->q, d->place->posture, (size_t)d->n*sizeof *d->q);
-    d->t = h == last - d->t ? last : d->t + h;
-    if (d->place->crossings > 0 && (now - d->place->crossing)*side < 0) {
-        d->crossings++;
-        d->crossing = d->t;
-        for (double middle; middle = 0.5*(before + d->crossing), middle != before && middle != d->crossing;) {
-            d->motion(d->context, middle, 0, &now);
-            *((now - d->place->crossing)*side > 0 ? &d->crossing : &before) = middle;
-        }
-    }
-    d->n_track = 0;
-    d->leapt = false;
-    return d->placed = true;
-}
-
-/* The series of the posture in time, from that along the value of the input and that of the input in time. */
-static bool series_by_values(lw_prescribed_motion *d, int order, double *q)
-{
-    double u[ORDER + 1], p[ORDER + 1];
-    d->motion(d->context, d->asked, order, u);
-    if (!lw_prescribed_motion_rates(d->place, order, d->series))
-        return false;
-    for (int i = 0; i < d->n; i++) {
-        memset(p, 0, sizeof p);
-        for (int m = order; m >= 0; m--)                  /* Horner's scheme; u[0] is left out */
-            for (int k = order; k >= 0; k--) {
-                p[k] = k == 0 ? d->series[m*d->n + i] : 0;
-                for (int j = 1; j <= k; j++)
-                    p[k] += u[j]*p[k - j];
-            }
-        for (int k = 1; k <= order; k++)
-            q[k*d->n + i] = p[k];
-    }
-    return true;
 }
 
 /* Return from a limit to a stored posture before it. */
@@ -339,12 +407,13 @@ lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t)
 {
     if (!isfinite(t))
         return LW_E_ARG;
+    if (d->place)
+        return to_by_value(d, t);
     if (d->stuck && d->t != t)
         come_free(d);
     while (d->t != t && !leapt_over(d, t)) {
-        d->placed = false;
         outcome o = advance(d, t);
-        if (o != MOVED && !(d->in_time && go_by_values(d, t))) {
+        if (o != MOVED) {
             hold(d, d->t);
             tell(d, d->t, d->q);
             find_limit(d, t);
@@ -393,29 +462,39 @@ static lw_status check_inputs(lw_prescribed_motion *d, lw_error *e)
     return LW_OK;
 }
 
-static lw_status begin(lw_prescribed_motion *d, double t, lw_error *e)
+/* Go from the drawn values of the inputs to those at t, where the motion begins at `start`: the same time, but for one input by its
+ * value, which is then t. */
+static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error *e)
 {
     lw_input_function *motion = d->motion;
     void *context = d->context;
+    bool itself = motion == lw_prescribed_motion_itself;
+    double first = itself ? d->s->input_value[0] : 0, last = itself ? t : 1;
     motion(context, t, 0, d->target);
     for (int i = 0; i < d->s->n_input; i++)
         if (!isfinite(d->target[i]))
-            return lw_error_set(e, LW_E_NUMERIC, "the motion of input %d is no number at t = %g", i + 1, t);
-    d->motion = straight;
+            return lw_error_set(e, LW_E_NUMERIC, "the motion of input %d is no number at t = %g", i + 1, start);
+    d->motion = itself ? motion : straight;
     d->context = d;
-    hold(d, 0.0);
+    d->straight = true;
+    d->t = d->asked = first;
+    hold(d, first);
     if (!(lw_continuation_factor(&d->f, d->q) > 1e-12))
         return lw_error_set(e, LW_E_NUMERIC, "the posture is a dead point of the inputs; draw the linkage in another "
                             "posture");
-    lw_status s = lw_prescribed_motion_to(d, 1.0);
+    tell(d, first, d->q);
+    lw_status s = lw_prescribed_motion_to(d, last);
     if (s != LW_OK)
         return lw_error_set(e, s, "from its posture the linkage cannot get to where the motions begin at t = %g: it "
-                            "comes %.6g %% of the way, straight in its inputs", t, 100.0*d->t);
+                            "comes %.6g %% of the way, straight in its inputs", start, 100*(d->t - first)/(last - first));
+    if (itself)
+        return LW_OK;
     if (d->t != 1.0 && from_crossing(d, 1.0) < 0.1)
         return lw_error_set(e, LW_E_NUMERIC, "the motions begin at a branch point at t = %g; begin a little before", t);
     memcpy(d->q, d->posture, (size_t)d->n*sizeof *d->q);
     d->motion = motion;
     d->context = context;
+    d->straight = false;
     d->t = t;
     d->step = 0.0;
     d->n_track = d->crossings = 0;
@@ -425,8 +504,8 @@ static lw_status begin(lw_prescribed_motion *d, double t, lw_error *e)
     return LW_OK;
 }
 
-lw_status lw_prescribed_motion_create(const lw_system *s, const double *q, lw_input_function *motion, void *context,
-                                      double t, lw_prescribed_motion **out, lw_error *e)
+static lw_status make(const lw_system *s, const double *q, lw_input_function *motion, void *context, double t, double start,
+                      lw_prescribed_motion **out, lw_error *e)
 {
     int all[LW_INPUT_MAX], missing = s->n_q - s->n_row - s->n_input;
     *out = NULL;
@@ -434,6 +513,7 @@ lw_status lw_prescribed_motion_create(const lw_system *s, const double *q, lw_in
         return lw_error_set(e, LW_E_ARG, "the linkage has %d freedoms but %d input%s; drive %d more joint%s",
                             s->n_q - s->n_row, s->n_input, s->n_input == 1 ? "" : "s", missing,
                             missing == 1 ? "" : "s");
+    bool by_value = s->n_input == 1 && motion != lw_prescribed_motion_itself;
     lw_prescribed_motion *d = calloc(1, sizeof *d);
     for (int i = 0; i < s->n_input; i++)
         all[i] = i;
@@ -442,35 +522,49 @@ lw_status lw_prescribed_motion_create(const lw_system *s, const double *q, lw_in
         d->n = s->n_q;
         d->motion = motion;
         d->context = context;
-        size_t vectors = 4 + (ORDER + 2) + (ORDER + 1);
-        d->q = calloc(vectors*(size_t)d->n + (size_t)TRACK*(size_t)(1 + d->n), sizeof *d->q);
+        size_t vectors = 1 + (ORDER + 2) + (by_value ? 0 : 2 + (ORDER + 1)), stored = by_value ? 0 : TRACK*(size_t)(1 + d->n);
+        d->series = calloc(vectors*(size_t)d->n + stored, sizeof *d->series);
     }
-    if (!d || !d->q || !lw_continuation_create(s, all, s->n_input, false, &d->f)) {
+    if (!d || !d->series || (!by_value && !lw_continuation_create(s, all, s->n_input, false, &d->f))) {
         lw_prescribed_motion_free(d);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
-    d->next = d->q + d->n;
-    d->series = d->next + d->n;
-    d->over = d->series + (ORDER + 2)*d->n;
-    d->posture = d->over + (ORDER + 1)*d->n;
-    d->drawn = d->posture + d->n;
-    d->track = d->drawn + d->n;
-    if (q)
-        memcpy(d->q, q, (size_t)d->n*sizeof *q);
-    else
-        lw_system_posture(s, d->q);
-    memcpy(d->drawn, d->q, (size_t)d->n*sizeof *d->q);
-    lw_status status = check_inputs(d, e);
-    if (status == LW_OK)
-        status = begin(d, t, e);
+    lw_status status;
+    d->posture = d->series + (ORDER + 2)*d->n;
+    if (by_value) {
+        d->t = d->away_t = t;
+        d->away = value_at(d, t);
+        status = make(s, q, lw_prescribed_motion_itself, NULL, d->away, t, &d->place, e);
+        if (status == LW_OK)
+            tell(d, t, d->place->posture);
+    } else {
+        d->q = d->posture + d->n;
+        d->next = d->q + d->n;
+        d->over = d->next + d->n;
+        d->track = d->over + (ORDER + 1)*d->n;
+        if (q)
+            memcpy(d->q, q, (size_t)d->n*sizeof *q);
+        else
+            lw_system_posture(s, d->q);
+        status = check_inputs(d, e);
+        if (status == LW_OK)
+            status = begin(d, t, start, e);
+    }
     if (status != LW_OK) {
         lw_prescribed_motion_free(d);
         return status;
     }
-    d->in_time = s->n_input == 1 && motion != lw_prescribed_motion_itself;
     *out = d;
     return LW_OK;
 }
+
+lw_status lw_prescribed_motion_create(const lw_system *s, const double *q, lw_input_function *motion, void *context,
+                                      double t, lw_prescribed_motion **out, lw_error *e)
+{
+    return make(s, q, motion, context, t, t, out, e);
+}
+
+lw_prescribed_motion *lw_prescribed_motion_by_value(lw_prescribed_motion *d) { return d->place ? d->place : d; }
 
 void lw_prescribed_motion_of_model(void *context, double t, int order, double *u)
 {
@@ -494,7 +588,7 @@ void lw_prescribed_motion_free(lw_prescribed_motion *d)
     if (!d)
         return;
     lw_prescribed_motion_free(d->place);
-    free(d->q);
+    free(d->series);
     lw_continuation_free(&d->f);
     free(d);
 }
@@ -505,8 +599,8 @@ const double *lw_prescribed_motion_posture(const lw_prescribed_motion *d) { retu
 bool lw_prescribed_motion_rates(lw_prescribed_motion *d, int order, double *q)
 {
     memcpy(q, d->posture, (size_t)d->n*sizeof *q);
-    if (d->placed)
-        return series_by_values(d, order, q);
+    if (d->place)
+        return series_by_value(d, order, q);
     if (leapt_over(d, d->asked) && from_crossing(d, d->asked) < 0.25) {
         for (int k = 1; k <= order; k++) {                /* the series of the singular step, about this time */
             double choose = 1.0;

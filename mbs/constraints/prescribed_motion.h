@@ -1,8 +1,9 @@
 /* mbs/constraints/prescribed_motion.h - a linkage whose inputs, one or several, are given as functions of time.
  *
  * Every step is so short that the posture provably stays on its branch, for any path of the inputs within their change
- * over the step (mbs/constraints/continuation_internal.h).  Whether the inputs stay within that change is checked at a
- * dozen times inside the step.  One input may also rest or turn back in a branch point: there the posture follows its value. */
+ * over the step (mbs/constraints/continuation_internal.h).  Whether several inputs stay within that change is checked at a
+ * dozen times inside the step.  The posture of a linkage with one input follows the value of the input, which may rest or turn back
+ * anywhere, in a branch point too; where it turns back is looked for at a dozen times in each tenth of a radian. */
 #ifndef LW_MBS_CONSTRAINTS_PRESCRIBED_MOTION_H
 #define LW_MBS_CONSTRAINTS_PRESCRIBED_MOTION_H
 
@@ -15,7 +16,7 @@ typedef void lw_input_function(void *context, double t, int order, double *u);
 /* The motions of a model (grammar/model/model.h), which is the context.  Inputs without a motion rest. */
 lw_input_function lw_prescribed_motion_of_model;
 
-/* One input as a function of itself: postures along its value. */
+/* One input as a function of itself: postures along its value, which takes the place of the time. */
 lw_input_function lw_prescribed_motion_itself;
 
 typedef struct lw_prescribed_motion lw_prescribed_motion;
@@ -32,6 +33,10 @@ void      lw_prescribed_motion_free(lw_prescribed_motion *d);
  * lw_prescribed_motion_time is the time of the limit, to 1e-10 of the duration of the motion.  LW_E_NUMERIC: the
  * branch was lost, or a motion jumps or is not a number.  After a failure the posture is the last good one. */
 lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t);
+
+/* One input: its postures along its value, from which those in time follow; they may be asked for any value, and d keeps its own
+ * posture and time.  d owns them.  Several inputs: d itself. */
+lw_prescribed_motion *lw_prescribed_motion_by_value(lw_prescribed_motion *d);
 
 double        lw_prescribed_motion_time(const lw_prescribed_motion *d);
 const double *lw_prescribed_motion_posture(const lw_prescribed_motion *d);   /* coordinates (n_q) */

@@ -45,7 +45,7 @@ typedef struct driven {
     lw_dynamics *d;
     lw_system   system;                      /* with the driven inputs only */
     lw_prescribed_motion *motion;
-    lw_prescribed_motion *by_place;          /* of the place; with several inputs the same as `motion` */
+    lw_prescribed_motion *by_place;          /* its postures by the place; with several inputs `motion` itself */
     int         width;
     window      found, tried;
     double     *gap;                         /* gaps and rates of the places that may touch, at the moment looked at last */
@@ -276,7 +276,7 @@ static lw_status follow(driven *z, double t)
 }
 
 /* The posture y at t is near a singular one: is it near a branch point, and the moment at t filled from places around it?
- * LW_E_NUMERIC: the two ways to t do not agree. */
+ * LW_E_NUMERIC: several inputs do not get back to t. */
 static lw_status near_crossing(driven *z, double t, double *y, bool *filled)
 {
     lw_dynamics *d = z->d;
@@ -289,13 +289,8 @@ static lw_status near_crossing(driven *z, double t, double *y, bool *filled)
     if (x > z->clear_from && x < z->clear_to)
         return LW_OK;
     lw_status s = same ? LW_OK : lw_prescribed_motion_to(z->by_place, x);
-    if (s == LW_OPEN)                                     /* at a limit of the input, to rounding */
+    if (s != LW_OK)                                       /* at a limit of the input, to rounding */
         return LW_OK;
-    for (int i = 0; s == LW_OK && i < n; i++)
-        if (!(fabs(lw_prescribed_motion_posture(z->by_place)[i] - y[i]) < 1e-4))
-            s = LW_E_NUMERIC;
-    if (s != LW_OK)
-        return lost(z, LW_E_NUMERIC, t);
     if (!lw_prescribed_motion_rates(z->by_place, 1, series) || !(lw_greatest(n, series + n) > 0))
         return LW_OK;
     double half = longest_half/lw_greatest(n, series + n);
@@ -518,18 +513,12 @@ static lw_status run_driven(lw_run *run)
             d->touch->events = false;        /* compliant places press by their depth alone */
         z->clear_from = z->clear_to = -INFINITY;
         s = lw_mbs_follow(d, &z->system, &z->motion, run->e);
-        z->by_place = z->motion;
     }
-    if (s == LW_OK && z->system.n_input == 1) {
-        double x;
-        lw_mbs_driven_inputs(d, d->o.from, 0, &x);
-        s = lw_prescribed_motion_create(&z->system, d->drawn_q, lw_prescribed_motion_itself, NULL, x, &z->by_place, run->e);
-    }
-    if (s == LW_OK)
+    if (s == LW_OK) {
+        z->by_place = lw_prescribed_motion_by_value(z->motion);
         s = run_all(z, y);
+    }
     if (z) {
-        if (z->by_place != z->motion)
-            lw_prescribed_motion_free(z->by_place);
         lw_prescribed_motion_free(z->motion);
         lw_system_free(&z->system);
     }
