@@ -15,8 +15,9 @@ HOT      = base enumerate grammar/functions grammar/topology mbs/plan mbs/batch 
 PLAIN    = cli/program cli/topologies cli/motion cli/family cli/fit cli/draw cli/catalogue cli/studio studio surface grammar/text \
            grammar/linkage grammar/model grammar/family optimise/task optimise/report catalogues/draw catalogues/exchange \
            catalogues/pages catalogues/build catalogues/store
-LEVEL    = $(if $(filter $(HOT:%=%/%) catalogues/draw/chain_%,$<),-O3,$(if $(filter-out %/test_curves.c %/test_cli_promises.c,$(filter tests/%,$<)),-O0,$(if $(filter $(PLAIN:%=%/%) tests/%,$<),-O1)))
+LEVEL    = $(if $(filter $(HOT:%=%/%) catalogues/draw/chain_%,$<),-O3,$(or $(QUICK),$(if $(filter $(PLAIN:%=%/%) tests/%,$<),-O1)))
 endif
+QUICK    = $(if $(filter-out %/test_curves.c %/test_cli_promises.c,$(filter tests/%,$<)),-O0)
 PREFIX  ?= /usr/local
 LIBDIR  ?= $(PREFIX)/lib
 STAGES   = base grammar enumerate mbs optimise catalogues surface     # each includes only those before it
@@ -222,13 +223,14 @@ check: $B/$(SONAME) $B/linkwright
 	@tests/test_install.sh B=$B CC="$(CC)" CFLAGS="$(CFLAGS)"
 # the kernels would take most of the compile time: KERNEL_CFLAGS compiles them without sanitizers
 # programs of fixed addresses (-no-pie) start in half the time: the tables of the sanitizers hold a hundred thousand addresses
+# -g1: lines in messages; -g takes half as long again to compile
 sanitize:
-	$(MAKE) B=$B/san PIE=-no-pie KERNEL_CFLAGS="-O1 -g -fno-sanitize=all" \
-	    CFLAGS="-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all" test
+	$(MAKE) B=$B/san PIE=-no-pie KERNEL_CFLAGS="-O1 -g1 -fno-sanitize=all" \
+	    CFLAGS='-O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all $$(QUICK)' test
 # data races: the tests that use threads
 THREADED = parallel pool chains mechanisms fit topology_search staged_search curves library successive_halving
 sanitize-threads:
-	$(MAKE) $(JOBS) B=$B/tsan CFLAGS="-O1 -g -fsanitize=thread" KERNEL_CFLAGS="-O1 -g -fno-sanitize=all" run-threads
+	$(MAKE) $(JOBS) B=$B/tsan CFLAGS='-O1 -g1 -fsanitize=thread $$(QUICK)' KERNEL_CFLAGS="-O1 -g1 -fno-sanitize=all" run-threads
 run-threads: $(THREADED:%=$B/tests/test_%)
 	@tests/run.sh $^
 # lines and branches of the library that `make test` reaches, in $B/coverage.txt

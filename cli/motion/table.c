@@ -30,7 +30,7 @@ lw_status cli_columns_differ(cli_column *column, int n, const cli_column **first
     for (int i = 0; room && i < n; i++) {
         cli_column *c = &column[i];
         char name[sizeof c->name - 12];
-        snprintf(name, sizeof name, "%s", c->name);
+        snprintf(name, sizeof name, "%.*s", (int)sizeof name - 1, c->name);
         for (int k = 2; lw_key_table_find(&names, column, sizeof *column, c->name, strlen(c->name) + 1) >= 0; k++) {
             snprintf(c->name, sizeof c->name, "%s %d", name, k);
             *first = *first ? *first : c;
