@@ -224,9 +224,11 @@ check: $B/$(SONAME) $B/linkwright
 # the kernels would take most of the compile time: KERNEL_CFLAGS compiles them without sanitizers
 # programs of fixed addresses (-no-pie) start in half the time: the tables of the sanitizers hold a hundred thousand addresses
 # -g1: lines in messages; -g takes half as long again to compile
+# asan-globals=0: arrays of known size are checked as undefined behaviour, here, and by clang's address sanitizer in `make fuzz`; with
+# gcc's a program starts in 126 instead of 37 ms, and the tests start some ten thousand
 sanitize:
 	$(MAKE) B=$B/san PIE=-no-pie KERNEL_CFLAGS="-O1 -g1 -fno-sanitize=all" \
-	    CFLAGS='-O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all $$(QUICK)' test
+	    CFLAGS='-O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all --param asan-globals=0 $$(QUICK)' test
 # data races: the tests that use threads
 THREADED = parallel pool chains mechanisms fit topology_search staged_search curves library successive_halving
 sanitize-threads:
