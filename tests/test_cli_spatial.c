@@ -58,6 +58,7 @@ TEST(rounded)
     expect("sed -E 's/([0-9]\\.[0-9]{4})[0-9]+/\\1/g' examples/space/bennett.json > $D/rounded.json && $P simulate $D/rounded.json -n 1", 0, NULL,
            "joints were moved by up to");
     expect("$P mobility $D/rounded.json", 0, "verdict         moves", NULL);
+    expect("$P robot jacobian $D/rounded.json", 0, "tool 'P'", "joints were moved by up to");
     expect("$P mobility $D/rounded.json --tolerance 1e-12", 0, "rigid", "with joints open by up to");
     expect("sed -E 's/([0-9]\\.[0-9]{7})[0-9]+/\\1/g' examples/space/bennett.json > $D/finer.json && $P trace $D/finer.json -n 3", 0, NULL,
            "their axes turned by up to");

@@ -7,6 +7,8 @@
 #include "base/rng.h"
 #include "base/vec3.h"
 #include "mbs/dynamics/modes.h"
+#include "mbs/space/space_adjust.h"
+#include "mbs/space/space_mobility.h"
 #include "tests/check.h"
 
 static bool read_model(const char *file, lw_spatial *m)
@@ -1043,6 +1045,40 @@ TEST(ways_do_not_depend_on_the_ways_before)
     }
     lw_robot_free(&r);
     lw_spatial_free(&m);
+}
+
+static lw_vec3 rounded(lw_vec3 v) { return lw_v3(round(1e4*v.x)/1e4, round(1e4*v.y)/1e4, round(1e4*v.z)/1e4); }
+
+/* Axes with four digits do not meet in one point any more: the linkage would be rigid.  It is adjusted to its three freedoms. */
+TEST(rounded_wrists_are_adjusted)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 1);
+    for (int n = 0; n < 10; n++) {
+        wrist g;
+        lw_spatial m;
+        lw_robot r;
+        lw_space_adjusted a;
+        lw_space_mobility got;
+        lw_error e = { 0 };
+        if (!make_wrist(&rng, &g, &m, &r))
+            return;
+        lw_robot_free(&r);
+        CHECK_INT(lw_space_adjust(&m, &a, &e), LW_NOTHING);
+        for (int i = 0; i < m.n_joint; i++) {
+            lw_vec3 z = rounded(m.joint[i].axis);
+            m.joint[i].at = rounded(m.joint[i].at);
+            m.joint[i].axis = lw_v3_scale(z, 1/lw_v3_norm(z));
+        }
+        CHECK_INT(lw_space_adjust(&m, &a, &e), LW_OK);
+        CHECK(a.moved > 1e-6 && a.moved < 1e-3 && a.turned > 1e-6 && a.turned < 1e-3);
+        CHECK_INT(lw_space_mobility_find(&a.model, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
+        CHECK_INT(got.freedom, 3);
+        CHECK(got.residual < 1e-12);
+        lw_space_mobility_free(&got);
+        lw_space_adjusted_free(&a);
+        lw_spatial_free(&m);
+    }
 }
 
 /* A SCARA arm in space (two arms, quill, hand) keeps the direction of its hand over the workspace: the wrist reaches a ring about the base. */

@@ -7,12 +7,14 @@
 #include "base/vec3.h"
 #include "catalogues/pages/draw.h"
 #include "cli/motion/spatial.h"
+#include "cli/motion/trace.h"
 #include "cli/program/json.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "cli/program/progress.h"
 #include "mbs/analysis/budget.h"
 #include "mbs/analysis/held.h"
+#include "mbs/space/space_adjust.h"
 
 typedef struct settings {
     const char *tool, *at, *turn, *drives, *plot, *force;
@@ -61,7 +63,8 @@ static const cli_option options[] = {
 typedef struct job {
     const cli_call   *call;
     const settings   *s;
-    lw_spatial       *m;
+    lw_spatial       *given, *m;             /* read; its joints adjusted                            */
+    lw_space_adjusted adjusted;
     bool              flat;                  /* read from a planar model                             */
     lw_robot          r;
     const char       *unit;
@@ -150,18 +153,23 @@ static int begin(const cli_call *call, job *j)
 {
     struct lw_model *planar = NULL;
     *j = (job){ .call = call, .s = call->settings };
-    lw_status st = cli_read_any_model(call->parsed.word[1], 0, &planar, &j->m, &j->e);
+    lw_status st = cli_read_any_model(call->parsed.word[1], 0, &planar, &j->given, &j->e);
     if (st == LW_OK && planar) {
         lw_error e;
         j->flat = true;
-        j->m = calloc(1, sizeof *j->m);
-        st = j->m ? lw_spatial_of_planar(planar, j->m, &e) : lw_error_set(&e, LW_E_MEMORY, "out of memory");
+        j->given = calloc(1, sizeof *j->given);
+        st = j->given ? lw_spatial_of_planar(planar, j->given, &e) : lw_error_set(&e, LW_E_MEMORY, "out of memory");
         cli_free_model(planar);
         if (st != LW_OK)
             lw_error_at(&j->e, st, call->parsed.word[1], 0, 0, "%s", e.text);
     }
+    if (st == LW_OK && (st = lw_space_adjust(j->given, &j->adjusted, &j->e)) == LW_NOTHING)
+        st = LW_OK;
     if (st != LW_OK)
         return cli_fail(call, &j->e);
+    j->m = &j->adjusted.model;
+    if (j->adjusted.moved > 0)
+        cli_note_adjusted(call, j->adjusted.moved, j->adjusted.turned);
     j->unit = j->m->units.length[0] ? j->m->units.length : "m";
     j->metre = j->m->units.metre;
     st = lw_robot_make(j->m, j->s->tool, &j->r, &j->e);
@@ -187,7 +195,8 @@ static int begin(const cli_call *call, job *j)
 static void end(job *j)
 {
     lw_robot_free(&j->r);
-    cli_free_spatial(j->m);
+    lw_space_adjusted_free(&j->adjusted);
+    cli_free_spatial(j->given);
     free(j->q);
 }
 

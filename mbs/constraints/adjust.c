@@ -14,11 +14,12 @@ static const double closed = 4e-15;          /* rows that are satisfied by the d
 static const double ease = 10;               /* a change of a posture costs less than one of a dimension by this factor */
 static const double first_pivot[2] = { 1e-2, 1e-8 };   /* of the rows, relative; where dimensions can be a double root it shows in weak directions */
 static const double least_pivot = 1e-10;               /* as far as rounding allows */
-enum { LEAST_SQUARES = 60, ROWS_MOST = 2000, SHARPEN_MOST = 700 };
+enum { LEAST_SQUARES = 60, ROWS_MOST = 2000, SHARPEN_MOST = 700, LEAST_POSTURES = 4 };
 
 typedef struct adjuster {
     const lw_adjustable *of;
     int     n_place, n_q, n_row, n_dim, n_posture, rank;
+    int     each;                            /* postures of each motion: fewer where there are many motions */
     double *total;                           /* (n_dim) changes so far */
     double *place;                           /* (n_posture * n_place) */
     double *phi, *jac, *other;               /* of one posture */
@@ -83,7 +84,7 @@ static double walk(adjuster *w, int k)
     double worst = 0, *way = w->other, *old = way + w->n_q, *b = old + w->n_q;
     for (int sense = -1; sense <= 1; sense += 2) {
         const double *from = w->place;
-        for (int i = 0; i < w->of->postures/2; i++) {
+        for (int i = 0; i < w->each/2; i++) {
             double *to = w->place + (size_t)w->n_posture++*(size_t)w->n_place, along = 0, size = 0;
             factor(w, from, w->rank, strict, &r);
             lw_rank_left_null(&r, i == 0 ? k : 0, way);
@@ -361,7 +362,7 @@ static lw_status sharpen(adjuster *w)
 
 static lw_status allocate(adjuster *w, int freedom, lw_error *e)
 {
-    size_t p = 1 + (size_t)(freedom*w->of->postures), m = p*(size_t)w->n_row;
+    size_t p = 1 + (size_t)(freedom*w->each), m = p*(size_t)w->n_row;
     size_t n = (size_t)w->n_dim + (w->of->doubles ? p*(size_t)w->n_q : 0);
     w->place = calloc(p*(size_t)w->n_place, sizeof *w->place);
     w->a = calloc(lw_rank_doubles((int)n, (int)m) + m + n, sizeof *w->a);
@@ -393,7 +394,10 @@ lw_status lw_adjust(const lw_adjustable *a, double *place, double *by, lw_error 
     factor(&w, place, 0, loose, &r);
     int freedom = a->n_q - r.rank;
     w.rank = r.rank;
-    bool candidate = w.rank < a->n_row && freedom > 0 && (1 + freedom*a->postures)*a->n_row <= ROWS_MOST, near = false;
+    w.each = a->postures;
+    while (w.each > LEAST_POSTURES && (1 + freedom*w.each)*a->n_row > ROWS_MOST)
+        w.each -= 2;
+    bool candidate = w.rank < a->n_row && freedom > 0 && (1 + freedom*w.each)*a->n_row <= ROWS_MOST, near = false;
     lw_status status = candidate ? allocate(&w, freedom, e) : LW_NOTHING;
     if (status == LW_OK) {
         double worst = 0;

@@ -16,7 +16,7 @@ typedef struct lw_adjustable {
     void *context;
     int   n_place, n_q;          /* numbers of a posture; of a displacement of it                              */
     int   n_row, n_dim;
-    int   postures;              /* in which the rows are satisfied at once, of each motion; even              */
+    int   postures;              /* in which the rows are satisfied at once, of each motion; even. Fewer where there are many motions */
     bool  doubles;               /* can the dimensions wanted be a double root, as of three parallel bars?     */
     void (*change)(void *context, const double *by);                             /* take the dimensions drawn, changed by these (n_dim) */
     void (*rows)(void *context, const double *place, double *phi, double *jac);  /* (n_row), (n_row x n_q), which may be NULL           */
