@@ -160,7 +160,12 @@ static lw_status project(void *context, double t, double *y)
     lw_status s = close_loops(m, t, y, u, q, v);
     if (s != LW_OK)
         return s;
-    d->eq.accept(d->eq.context, q);
+    if (m->before) {                         /* the joints' coordinates count their turns */
+        lw_space_normalise(&d->space->s, q);
+        lw_recursive_count_turns(&m->r, y, d->space->f.turn);
+    }
+    else
+        d->eq.accept(d->eq.context, q);
     if (d->eq.keep_momenta) {
         lw_run_hold(m->run, t, q, v);
         lw_recursive_of_bodies(&m->r, q, v, m->turned, u);

@@ -157,7 +157,8 @@ void lw_recursive_free(lw_recursive *r)
 
 static lw_quaternion about(lw_vec3 axis, double angle)
 {
-    double c = cos(0.5*angle), s = sin(0.5*angle);
+    double c, s;
+    sincos(0.5*angle, &s, &c);
     return (lw_quaternion){ c, s*axis.x, s*axis.y, s*axis.z };
 }
 
@@ -329,6 +330,17 @@ bool lw_recursive_wrap(const lw_recursive *r, double *x)
             any = wrap(at + p->n_u - 1) || any;
     }
     return any;
+}
+
+void lw_recursive_count_turns(const lw_recursive *r, const double *x, double *turn)
+{
+    for (int i = 0; i < r->s->n_body; i++) {
+        const lw_recursive_body *p = &r->body[i];
+        if (p->joint < 0 || !lw_spatial_kind_of(p->kind)->turns)
+            continue;
+        double off = x[p->x + (p->kind == LW_SPATIAL_PLANAR ? 2 : 0)] - turn[p->joint];
+        turn[p->joint] += fabs(off) < LW_PI ? off : remainder(off, 2*LW_PI);
+    }
 }
 
 void lw_recursive_normalise(const lw_recursive *r, double *x)

@@ -82,6 +82,9 @@ void lw_recursive_move(const lw_recursive *r, double *x, const double *by);
 void lw_recursive_normalise(const lw_recursive *r, double *x);
 bool lw_recursive_wrap(const lw_recursive *r, double *x);
 
+/* turn (n_joint) of the joints of the tree: those nearest to the last ones at coordinates x. */
+void lw_recursive_count_turns(const lw_recursive *r, const double *x, double *turn);
+
 /* Rows at the posture and velocities placed last, with the angle near which extra i counts and its wanted value (over its unit)
  * and second rate, and turns (n_joint) near which couplings count: phi, jac, bias.  Rows of joints that are cut, couplings, extras. */
 void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wanted)[3], const double *turn, const double *v);
