@@ -125,7 +125,7 @@ LW_INLINE void turn_about(motion *m, vec axis, double pitch)
 {
     pack u = pick(m->u);
     vec by_u = times(axis, u);
-    *m->rate = (rate){ .axis = { axis, cross(m->arm, axis) } };
+    m->rate->axis = (screw){ axis, cross(m->arm, axis) };
     m->turn = add(m->turn, by_u);
     if (pitch != 0) {
         m->rate->axis.move = add(m->rate->axis.move, times(axis, all_lanes(pitch)));
@@ -136,7 +136,7 @@ LW_INLINE void turn_about(motion *m, vec axis, double pitch)
 LW_INLINE void slide_along(motion *m, vec axis)
 {
     m->slide = add(m->slide, times(axis, pick(m->u)));
-    *m->rate = (rate){ .axis = { none, axis } };
+    m->rate->axis = (screw){ none, axis };
     m->rate++, m->u += 8;
 }
 
@@ -275,8 +275,12 @@ static bool rates_of_some(const lw_tree_stages *t, int lane, const double *y, do
     body *all = (body *)t->state + 1;        /* [-1]: the ground */
     rate *rates = (rate *)(void *)(all + t->n_body);
     pack most = { 0 };
-    all[-1] = (body){ .turn = { .w = all_lanes(1) } };
-    set_rows(&all[-1]);
+    mask massless = { 0 };
+    body *ground = &all[-1];                 /* its inertia and its place from a parent are not used */
+    ground->turn = (quat){ .w = all_lanes(1) };
+    set_rows(ground);
+    ground->at = none;
+    ground->velocity = ground->trial = ground->load = (screw){ none, none };
     for (int i = 0; i < t->n_body; i++) {
         place(t, &t->body[i], y, lane, &all[t->body[i].parent], &all[i], rates);
         weigh(&t->body[i], &all[i]);
@@ -291,8 +295,7 @@ static bool rates_of_some(const lw_tree_stages *t, int lane, const double *y, do
             r->push = inertia_times(b, r->axis);
             pack d = dot_screw(r->axis, r->push);
             most = choose((mask)(d > most), d, most);
-            if (any_lane(~(mask)(d > no_mass*most)))
-                return false;
+            massless |= ~(mask)(d > no_mass*most);
             r->by_inertia = 1/d;
             r->free = -dot_screw(r->axis, b->load)*r->by_inertia;
             b->load = add_screw(b->load, times_screw(r->push, r->free));
@@ -304,7 +307,9 @@ static bool rates_of_some(const lw_tree_stages *t, int lane, const double *y, do
         to->load.move = add(to->load.move, b->load.move);
         add_shifted(to, b, b->from_parent);
     }
-    all[-1].load = (screw){ none, none };
+    if (any_lane(massless))
+        return false;
+    ground->load = (screw){ none, none };
     for (int i = 0; i < t->n_body; i++) {
         const lw_stage_body *p = &t->body[i];
         screw a = all[p->parent].load;
