@@ -47,6 +47,11 @@ static inline lw_vec3 lw_m3_column(const lw_mat3 *m, int i)
                   : lw_v3(m->row[0].z, m->row[1].z, m->row[2].z);
 }
 
+static inline lw_mat3 lw_m3_times(const lw_mat3 *a, const lw_mat3 *b)
+{
+    return lw_m3_columns(lw_m3_apply(a, lw_m3_column(b, 0)), lw_m3_apply(a, lw_m3_column(b, 1)), lw_m3_apply(a, lw_m3_column(b, 2)));
+}
+
 /* the turn b, then the turn a */
 static inline lw_quaternion lw_quaternion_times(lw_quaternion a, lw_quaternion b)
 {

@@ -440,6 +440,19 @@ TEST(elastica)
             lw_rest r;
             CHECK_INT(bend(&s, 8 << i, 0, known[k].p, 0, &r), LW_OK);
             at[i] = tracer(&s, 0, s.q);
+            int n = 8 << i;
+            const lw_system *sys = lw_dynamics_system(s.d);
+            double turn = s.q[3*sys->tracer_body[0] + 2], rounding = 1e10*n*2.2e-16;      /* of places, times EA/h */
+            lw_inner_force inner[33];                        /* across and along the sections, which turn */
+            double *still = calloc((size_t)sys->n_q, sizeof *still);
+            lw_reactions_inner(s.d, &(lw_moment){ .q = s.q, .v = still }, 0, inner);
+            CHECK_NEAR(inner[0].normal, 0, rounding, 0);
+            CHECK_NEAR(inner[0].shear, known[k].p, rounding, 0);
+            CHECK_NEAR(inner[0].moment, known[k].p*at[i].x, 1e-9, 0);
+            CHECK_NEAR(inner[n].normal, known[k].p*sin(turn), rounding, 0);
+            CHECK_NEAR(inner[n].shear, known[k].p*cos(turn), rounding, 0);
+            CHECK_NEAR(inner[n].moment, 0, 1e-9, 0);
+            free(still);
             close_scene(&s);
         }
         CHECK_NEAR(at[0].y, known[k].w, known[k].within, 0);
@@ -991,6 +1004,19 @@ TEST(refused)
                              "]}", shape[i].at), LW_OK);
         CHECK_INT(lw_dynamics_make(&s.m, &s.o, &s.d, &s.e), LW_E_ARG);
         CHECK_HAS(s.e.text, shape[i].why);
+        close_scene(&s);
+    }
+    /* a ring, and a T drawn in one line: their bars would not be joined where they meet */
+    static const struct { const char *axis, *why; } back[] = {
+        { "[[0, 0], [1, 0], [1, 1], [0, 0]]", "its point 1 lies on the bar from point 3 to point 4" },
+        { "[[0, 0], [1, 0], [0.5, 0], [0.5, 1]]", "its point 3 lies on the bar from point 1 to point 2" } };
+    for (int i = 0; i < 2; i++) {
+        scene s;
+        CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'elastic': {'section': {'shape': 'round', 'diameter': "
+                             "0.1}, 'material': 'steel', 'axis': %s}}], 'joints': [{'name': 'A', 'links': ['ground', 'b'], 'at': [0, 0]}]}",
+                             back[i].axis), LW_OK);
+        CHECK_INT(lw_dynamics_make(&s.m, &s.o, &s.d, &s.e), LW_E_ARG);
+        CHECK_HAS(s.e.text, back[i].why);
         close_scene(&s);
     }
     scene s;

@@ -187,12 +187,6 @@ TEST(every_joint_closes_a_loop_in_mujoco)
 typedef struct marker { int part; lw_vec3 at; lw_mat3 turn; } marker;
 static marker found[20000];
 
-static lw_mat3 times(const lw_mat3 *a, const lw_mat3 *b)
-{
-    return lw_m3_columns(lw_m3_apply(a, lw_m3_column(b, 0)), lw_m3_apply(a, lw_m3_column(b, 1)),
-                         lw_m3_apply(a, lw_m3_column(b, 2)));
-}
-
 static lw_mat3 about(char axis, double angle)
 {
     lw_quaternion q = lw_quaternion_of_vector(axis == 'z' ? lw_v3(0, 0, angle) : lw_v3(angle, 0, 0));
@@ -208,8 +202,8 @@ static void read_markers(const char *text)
         CHECK_INT(sscanf(c, "\nMARKER/%d, PART = %d, QP = %lf, %lf, %lf\n, REULER = %lf, %lf, %lf", &id, &part, &x, &y,
                          &z, &a, &b, &g) >= 5, 1);
         CHECK(id > 0 && id < 20000 && found[id].part == 0);
-        lw_mat3 one = about('z', a), two = about('x', b), three = about('z', g), both = times(&two, &three);
-        found[id % 20000] = (marker){ part, lw_v3(x, y, z), times(&one, &both) };
+        lw_mat3 one = about('z', a), two = about('x', b), three = about('z', g), both = lw_m3_times(&two, &three);
+        found[id % 20000] = (marker){ part, lw_v3(x, y, z), lw_m3_times(&one, &both) };
     }
 }
 

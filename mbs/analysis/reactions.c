@@ -89,33 +89,29 @@ static lw_vec2 line_loads(const lw_dynamics *d, const lw_moment *m, int element,
     return sum;
 }
 
-/* The axis of an element, half-way between the turns of its nodes. */
-static lw_vec2 element_axis(const lw_dynamics *d, const lw_moment *m, int element)
-{
-    const lw_forces *f = lw_dynamics_forces(d);
-    const lw_beam *b = &f->model->beam[element];
-    const int *body = f->system->body;
-    double turn = 0;
-    for (int end = 0; end < 2; end++)
-        turn += body[b->link[end]] < 0 ? 0 : 0.5*m->q[3*body[b->link[end]] + 2];
-    return lw_v2_polar(1, b->direction + turn);
-}
-
+/* What an element and its line loads do to the node at either end, along and across the section there, which turns with the node: in
+ * the element's own axes the ends of a bent element would have parts of each other, a clamp not its reaction. */
 void lw_reactions_inner(const lw_dynamics *d, const lw_moment *m, int chain, lw_inner_force *out)
 {
     const lw_elastic_chain *c = &lw_dynamics_elastic(d)->chain[chain];
+    const lw_forces *f = lw_dynamics_forces(d);
     memset(out, 0, (size_t)c->n_node*sizeof *out);
     for (int i = 0; i + 1 < c->n_node; i++) {
+        int element = c->first_beam + i;
         lw_beam_state z;
-        lw_forces_beam(lw_dynamics_forces(d), c->first_beam + i, m->q, m->v, false, &z);
+        lw_forces_beam(f, element, m->q, m->v, false, &z);
         for (int end = 0; end < 2; end++) {
             lw_inner_force *to = &out[i + end];
+            const double *on = z.force + 3*end;
             double share = i + end == 0 || i + end == c->n_node - 1 ? 1 : 0.5, sign = end ? -1 : 1, about;
-            lw_vec2 load = line_loads(d, m, c->first_beam + i, c->node[i + end], &about), along = element_axis(d, m, c->first_beam + i);
-            double normal = z.normal + sign*lw_v2_dot(load, along), moment = z.moment[end] + sign*about;
+            int body = f->system->body[c->node[i + end]];
+            lw_vec2 load = line_loads(d, m, element, c->node[i + end], &about);
+            lw_vec2 along = lw_v2_polar(1, f->model->beam[element].direction + (body < 0 ? 0 : m->q[3*body + 2]));
+            lw_vec2 force = lw_v2_add(lw_v2(on[0], on[1]), load);
+            double normal = sign*lw_v2_dot(force, along), moment = sign*(on[2] + about);
             double stress = lw_section_stress(&c->elastic->section, normal, moment);
             to->normal += share*normal;
-            to->shear += share*(z.shear + sign*lw_v2_cross(along, load));
+            to->shear += share*sign*lw_v2_cross(along, force);
             to->moment += share*moment;
             to->stress = fabs(stress) <= fabs(to->stress) ? to->stress : stress;
         }

@@ -16,8 +16,8 @@ void lw_reactions_driving(const lw_dynamics *d, const lw_moment *m, double *out)
  * angular momentum, without weight. */
 lw_reaction lw_reactions_shaking(const lw_dynamics *d, const lw_moment *m);
 
-/* Inside an elastic link at a node: tension and shear force [N], bending moment [N m], of the elements on both sides the
- * mean; and the stress of greatest absolute value, N/A + M/W on the side of the sign of N [N/m^2]. */
+/* Inside an elastic link at a node, in the axes of the section there: tension and shear force [N], bending moment [N m], of the
+ * elements on both sides the mean; and the stress of greatest absolute value, N/A + M/W on the side of the sign of N [N/m^2]. */
 typedef struct lw_inner_force { double normal, shear, moment, stress; } lw_inner_force;
 
 /* out (n_node of the chain, see lw_dynamics_elastic). */

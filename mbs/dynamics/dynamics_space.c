@@ -464,8 +464,8 @@ static void add_line_loads(const lw_dynamics *d, const lw_space_moment *m, int p
     }
 }
 
-/* Add what acts at one end of a part of a bar to the node there: force and moment of the part on its first node, or of the node
- * on the part at its second. */
+/* Add what acts at one end of a part of a bar to the node there, in the axes of its section: force and moment of the part on its first
+ * node, or of the node on the part at its second. */
 static void add_inner(const lw_elastic_chain *c, int node, int nodes, const lw_mat3 *axes, lw_vec3 force, lw_vec3 moment, lw_space_inner *to)
 {
     double share = node == 0 || node == nodes - 1 ? 1 : 0.5;
@@ -489,11 +489,9 @@ static void add_inner_of_piece(const lw_dynamics *d, const lw_space_moment *m, c
     for (int end = 0; end < 2; end++) {
         int b = s->body_of[p->link[end]];
         const double *f = load + 6*end, *g = takes + 6*end, sign = end ? -1 : 1;
-        lw_mat3 start = lw_quaternion_matrix(s->axes[b]), axes;
-        lw_vec3 column[3], force = lw_v3(f[0] - g[0], f[1] - g[1], f[2] - g[2]), moment = lw_v3(f[3] - g[3], f[4] - g[4], f[5] - g[5]);
-        for (int k = 0; k < 3; k++)
-            column[k] = lw_m3_apply(&m->frame[b + 1].turn, lw_m3_unapply(&start, lw_m3_column(&p->section[end], k)));
-        axes = lw_m3_columns(column[0], column[1], column[2]);
+        lw_mat3 back = lw_quaternion_matrix(lw_quaternion_inverse(s->axes[b])), at_start = lw_m3_times(&back, &p->section[end]);
+        lw_mat3 axes = lw_m3_times(&m->frame[b + 1].turn, &at_start);
+        lw_vec3 force = lw_v3(f[0] - g[0], f[1] - g[1], f[2] - g[2]), moment = lw_v3(f[3] - g[3], f[4] - g[4], f[5] - g[5]);
         add_line_loads(d, m, c->first_beam + i, p->link[end], &force, &moment);
         add_inner(c, i + end, c->n_bound, &axes, lw_v3_scale(force, sign), lw_v3_scale(moment, sign), &out[i + end]);
     }
@@ -509,12 +507,15 @@ void lw_dynamics_space_inner(const lw_dynamics *d, const lw_space_moment *m, int
             add_inner_of_piece(d, m, c, i, out);
             continue;
         }
-        lw_space_beam(&d->space->f, m->frame, m->v, c->first_beam + i, false, &z);
+        const lw_space_forces *f = &d->space->f;
+        lw_space_beam(f, m->frame, m->v, c->first_beam + i, false, &z);
         for (int end = 0; end < 2; end++) {
             const double *on = z.force + 6*end, sign = end ? -1 : 1;
+            int b = d->space->s.body_of[c->node[i + end]];
+            lw_mat3 axes = lw_m3_times(&m->frame[b + 1].turn, &f->beam[c->first_beam + i].axes[end]);
             lw_vec3 force = lw_v3(on[0], on[1], on[2]), moment = lw_v3(on[3], on[4], on[5]);
             add_line_loads(d, m, c->first_beam + i, c->node[i + end], &force, &moment);
-            add_inner(c, i + end, c->n_bound, &z.frame, lw_v3_scale(force, sign), lw_v3_scale(moment, sign), &out[i + end]);
+            add_inner(c, i + end, c->n_bound, &axes, lw_v3_scale(force, sign), lw_v3_scale(moment, sign), &out[i + end]);
         }
     }
 }

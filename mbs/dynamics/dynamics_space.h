@@ -37,7 +37,7 @@ const lw_spatial_expansion *lw_dynamics_spatial_elastic(const lw_dynamics *d);
  * inputs are held there, whatever their motion.  For modes. */
 lw_status lw_dynamics_place_on_rigid(lw_dynamics *d, const lw_space *rigid, const double *rigid_q, double *q, lw_error *e);
 
-/* Inside an elastic link at a node, in the axes of its elements, of those on both sides the mean: tension and shear forces
+/* Inside an elastic link at a node, in the axes of the section there, of the elements on both sides the mean: tension and shear forces
  * along y and z [N], torque and bending moments about y and z [N m]; the greatest stress, N/A + M/W [N/m^2]. */
 typedef struct lw_space_inner { double normal, shear[2], torque, bending[2], stress; } lw_space_inner;
 

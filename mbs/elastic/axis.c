@@ -52,21 +52,42 @@ static lw_status default_axis(const char *name, const lw_elastic_places *p, lw_v
     return LW_OK;
 }
 
+/* Distance of `at` from part i of the axis; *s: that of the nearest point from the start of the part. */
+static double distance(const lw_elastic_axis *a, int i, lw_vec3 at, double *s)
+{
+    lw_vec3 d = lw_v3_sub(a->point[i + 1], a->point[i]), to = lw_v3_sub(at, a->point[i]);
+    double length = lw_v3_norm(d);
+    *s = fmin(fmax(lw_v3_dot(to, d)/length, 0), length);
+    return lw_v3_norm(lw_v3_sub(to, lw_v3_scale(d, *s/length)));
+}
+
 /* Distance along the axis of its point nearest to `at`. */
 static double along(const lw_elastic_axis *a, lw_vec3 at)
 {
     double best = INFINITY, found = 0, before = 0;
     for (int i = 0; i + 1 < a->n_point; i++) {
-        lw_vec3 d = lw_v3_sub(a->point[i + 1], a->point[i]), to = lw_v3_sub(at, a->point[i]);
-        double length = lw_v3_norm(d), s = fmin(fmax(lw_v3_dot(to, d)/length, 0), length);
-        double off = lw_v3_norm(lw_v3_sub(to, lw_v3_scale(d, s/length)));
+        double s, off = distance(a, i, at, &s);
         if (off < best) {
             best = off;
             found = before + s;
         }
-        before += length;
+        before += lw_v3_norm(lw_v3_sub(a->point[i + 1], a->point[i]));
     }
     return found;
+}
+
+/* An axis is a chain: where it comes back to itself its bars would lie one on the other without being joined. */
+static lw_status check_open(const lw_elastic_axis *a, const char *name, lw_error *e)
+{
+    for (int k = 0; k < a->n_point; k++)
+        for (int i = 0; i + 1 < a->n_point; i++) {
+            double s;
+            if ((k < i || k > i + 1) && distance(a, i, a->point[k], &s) <= same_place*a->length)
+                return lw_error_set(e, LW_E_ARG, "the \"axis\" of the elastic link \"%s\" comes back to itself: its point %d lies on the bar from "
+                                    "point %d to point %d, and would not be joined to it; divide the link there into links with joints of "
+                                    "kind \"fixed\" between them", name, k + 1, i + 1, i + 2);
+        }
+    return LW_OK;
 }
 
 lw_vec3 lw_elastic_axis_point(const lw_elastic_axis *a, double s)
@@ -192,6 +213,9 @@ lw_status lw_elastic_axis_make(const lw_elastic *p, const char *name, const lw_e
         return s;
     for (int i = 0; i + 1 < a->n_point; i++)
         a->length += lw_v3_norm(lw_v3_sub(a->point[i + 1], a->point[i]));
+    s = check_open(a, name, e);
+    if (s != LW_OK)
+        return s;
     a->first = LW_PI/(2*a->length*a->length)*sqrt(p->material.e*second_moment(p)/(p->material.density*p->section.area));
     a->frequency = p->segments ? 0 : p->frequency > 0 ? p->frequency : a->first;
     return cut(a, places, p->segments ? p->segments : elements_for(p, a->length, a->frequency), e);

@@ -70,10 +70,6 @@ void lw_beam_at(const lw_beam *b, const double x[6], const double v[6], bool der
     }
     for (int i = 0; i < 6; i++)
         out->force[i] = -(inner[0]*g[0][i] + inner[1]*g[1][i] + inner[2]*g[2][i]);
-    out->normal = inner[0];
-    out->shear = inner[1];
-    out->moment[0] = inner[2] + 0.5*(inner[1]*f.along - inner[0]*f.across);
-    out->moment[1] = inner[2] - 0.5*(inner[1]*f.along - inner[0]*f.across);
     if (!derivatives)
         return;
     memset(out->by_x, 0, sizeof out->by_x);

@@ -20,7 +20,6 @@ void lw_beam_stiffness(const lw_section *s, const lw_material *m, double h, doub
 typedef struct lw_beam_state {
     double e[3], rate[3];            /* stretch [m], shear [m], bending [rad], and their rates */
     double force[6];                 /* on the nodes */
-    double normal, shear, moment[2]; /* inside: tension, shear force, bending moment at either end [N] [N] [N m] */
     double by_x[6][6], by_v[6][6];   /* derivatives of force; filled if asked for */
 } lw_beam_state;
 

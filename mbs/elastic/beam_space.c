@@ -49,11 +49,6 @@ static lw_vec3 apply(const factors *z, lw_vec3 g, lw_vec3 m)
     return lw_v3_add(lw_v3_scale(m, z->k), lw_v3_scale(g, z->n*lw_v3_dot(g, m)));
 }
 
-static lw_mat3 times(const lw_mat3 *a, const lw_mat3 *b)
-{
-    return lw_m3_columns(lw_m3_apply(a, lw_m3_column(b, 0)), lw_m3_apply(a, lw_m3_column(b, 1)), lw_m3_apply(a, lw_m3_column(b, 2)));
-}
-
 /* The strains at one moment, in the mid frame. */
 typedef struct strain { lw_mat3 t; lw_vec3 p, g; factors z; } strain;
 
@@ -68,7 +63,7 @@ lw_mid_frame lw_mid_frame_of(const lw_mat3 *a, const lw_mat3 *b)
 
 static strain strain_of(const lw_beam_space *b, const lw_beam_node node[2])
 {
-    lw_mat3 a = times(&node[0].turn, &b->axes[0]), c = times(&node[1].turn, &b->axes[1]);
+    lw_mat3 a = lw_m3_times(&node[0].turn, &b->axes[0]), c = lw_m3_times(&node[1].turn, &b->axes[1]);
     lw_mid_frame mid = lw_mid_frame_of(&a, &c);
     strain s = { .t = mid.turn, .g = mid.g, .z = factors_of(0.25*lw_v3_dot(mid.g, mid.g)) };
     s.p = lw_m3_unapply(&s.t, lw_v3_sub(node[1].at, node[0].at));

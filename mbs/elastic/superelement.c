@@ -18,11 +18,6 @@
 #include "base/eigen.h"
 #include "base/linalg.h"
 
-static lw_mat3 times(const lw_mat3 *a, const lw_mat3 *b)
-{
-    return lw_m3_columns(lw_m3_apply(a, lw_m3_column(b, 0)), lw_m3_apply(a, lw_m3_column(b, 1)), lw_m3_apply(a, lw_m3_column(b, 2)));
-}
-
 static lw_vec3 vec(const double *x) { return lw_v3(x[0], x[1], x[2]); }
 static void put(double *to, lw_vec3 a) { to[0] = a.x, to[1] = a.y, to[2] = a.z; }
 
@@ -50,7 +45,7 @@ void lw_super_free(lw_super *s)
 
 static lw_mid_frame frame_of(const lw_super *s, const lw_beam_node *node)
 {
-    lw_mat3 a = times(&node[s->a].turn, &s->axes[s->a]), b = times(&node[s->b].turn, &s->axes[s->b]);
+    lw_mat3 a = lw_m3_times(&node[s->a].turn, &s->axes[s->a]), b = lw_m3_times(&node[s->b].turn, &s->axes[s->b]);
     return lw_mid_frame_of(&a, &b);
 }
 
@@ -59,8 +54,8 @@ lw_mat3 lw_super_frame(const lw_super *s, const lw_beam_node *node) { return fra
 /* p_i and g_i. */
 static void place(const lw_super *s, const lw_mid_frame *z, const lw_beam_node *node, int i, lw_vec3 *p, lw_vec3 *g)
 {
-    lw_mat3 own = times(&node[i].turn, &s->axes[i]), back = lw_m3_columns(z->turn.row[0], z->turn.row[1], z->turn.row[2]);
-    own = times(&back, &own);
+    lw_mat3 own = lw_m3_times(&node[i].turn, &s->axes[i]), back = lw_m3_columns(z->turn.row[0], z->turn.row[1], z->turn.row[2]);
+    own = lw_m3_times(&back, &own);
     *p = lw_m3_unapply(&z->turn, lw_v3_sub(node[i].at, node[s->a].at));
     *g = lw_quaternion_vector(lw_quaternion_unit(lw_quaternion_of_matrix(&own)));
 }
@@ -220,7 +215,7 @@ double lw_super_at(const lw_super *s, lw_beam_node *node, double *force, double 
             if (column%6 < 3)
                 at->at = lw_v3_add(old.at, by);
             else
-                at->turn = times(&turn, &old.turn);
+                at->turn = lw_m3_times(&turn, &old.turn);
             gradient(s, node, stress, side[way]);
         }
         *at = old;
