@@ -139,7 +139,8 @@ void      lw_dynamics_free(lw_dynamics *d);
 lw_status lw_dynamics_restart(lw_dynamics *d, double from, double to, const double *q, const double *v, const double *z,
                               lw_error *e);
 
-/* Run.  Samples taken before a failure stay valid, and r->t says how far the run came. */
+/* Run.  Samples taken before a failure stay valid, and r->t says how far the run came.  LW_E_NUMERIC: the motion does not go on, or
+ * its energy is off by far more than the tolerance explains. */
 lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_error *e);
 
 /* The formulation chosen: formulation, why, unknowns; the rest of the report is empty. */

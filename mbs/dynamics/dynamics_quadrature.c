@@ -388,8 +388,7 @@ static lw_status watch(quadrature *z, double *force)
     }
     double change = lw_reduced_potential(z->r, z->s) - z->potential0, off = z->kinetic - z->kinetic0 + change - z->work;
     lw_dynamics_report *r = z->run->r;
-    r->energy_error = fmax(r->energy_error, fabs(off));
-    r->energy_scale = fmax(r->energy_scale, fmax(z->kinetic, fabs(change)));
+    lw_run_note_energy(z->run, z->kinetic, change, z->work, z->kinetic0);
     /* rounding would add up over many panels; where K is small, this K is better than the one from the potential */
     bool known = z->kinetic < z->most && z->kinetic > 0.1*z->most;
     z->most = fmax(z->most, z->kinetic);

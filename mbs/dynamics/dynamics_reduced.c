@@ -117,9 +117,7 @@ static lw_status watch(motion *m, const lw_integrator *w, double *y)
     lw_status s = lw_reduced_registers(m->r, w->y[0]*m->r->scale);
     double potential = lw_reduced_potential(m->r, w->y[0]*m->r->scale), kinetic = 0.5*w->y[1]*w->y[1];
     double change = potential - m->potential, mass;
-    double work = run->has_work ? w->y[2] : 0;
-    run->r->energy_error = fmax(run->r->energy_error, fabs(kinetic - m->kinetic + change - work));
-    run->r->energy_scale = fmax(run->r->energy_scale, fmax(kinetic, fabs(change)));
+    lw_run_note_energy(run, kinetic, change, run->has_work ? w->y[2] : 0, m->kinetic);
     if (s != LW_OK)
         return s;
     lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);

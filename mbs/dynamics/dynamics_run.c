@@ -16,14 +16,26 @@ double lw_run_time(const lw_dynamics *d, int k)
     return k == n ? d->o.to : d->o.from + (d->o.to - d->o.from)*k/(n > 0 ? n : 1);
 }
 
+void lw_run_note_energy(lw_run *run, double kinetic, double change, double work, double kinetic0)
+{
+    lw_dynamics_report *r = run->r;
+    r->energy_error = fmax(r->energy_error, fabs(kinetic - kinetic0 + change - work));
+    r->energy_scale = fmax(r->energy_scale, fmax(kinetic, fabs(change)));
+    run->work_done += fabs(work - run->work_last);
+    run->work_last = work;
+    run->n_noted++;
+}
+
 void lw_run_watch(lw_run *run, const double *y)
 {
     const lw_dynamics *d = run->d;
     lw_dynamics_report *r = run->r;
     double potential = d->eq.potential(d->eq.context, y), kinetic = d->eq.kinetic(d->eq.context, y + d->n_q);
     double work = run->has_work ? y[d->n_q + d->n_v] : 0;
-    r->energy_error = fmax(r->energy_error, fabs(kinetic + potential - run->energy0 - work));
-    r->energy_scale = fmax(r->energy_scale, fmax(kinetic, fabs(potential - run->potential0)));
+    if (run->pushed)
+        run->energy0 = kinetic + potential - work;
+    run->pushed = false;
+    lw_run_note_energy(run, kinetic, potential - run->potential0, work, run->energy0 - run->potential0);
     if (d->eq.watch)
         d->eq.watch(d->eq.context, r->t, y, y + d->n_q, run->next == 0);
     if (r->momentum_scale > 0) {
@@ -128,17 +140,30 @@ double lw_run_energy(const lw_run *run, const double *y)
 /* A linkage at rest moves by the errors allowed alone: its energy changes by theirs, and by the rounding of its coordinates. */
 static const double rounded = 1e-13;         /* of coordinates after a step, over the greatest one */
 
+/* farthest: the least distance that counts as the greatest coordinate. */
+static double rounded_energy(const lw_dynamics *d, const double *q, double farthest)
+{
+    double force = 0;
+    for (int i = 0; i < d->n_q; i++)
+        farthest = fmax(farthest, fabs(q[i]));
+    for (int i = 0; i < d->n_v; i++)
+        force += fabs(d->force[i]);
+    return rounded*farthest*force;
+}
+
+/* The kinetic energy of the velocities allowed as errors; v: scratch (n_v). */
+static double least_kinetic(const lw_dynamics *d, double *v)
+{
+    for (int i = 0; i < d->n_v; i++)
+        v[i] = d->o.absolute;
+    return d->eq.kinetic(d->eq.context, v);
+}
+
 double lw_run_energy_error(const lw_run *run, double times, const double *y, double *scratch)
 {
     const lw_dynamics *d = run->d;
-    double scale = fmax(run->r->energy_scale, d->eq.kinetic(d->eq.context, y + d->n_q)), farthest = 0, force = 0;
-    for (int i = 0; i < d->n_q; i++)
-        farthest = fmax(farthest, fabs(y[i]));
-    for (int i = 0; i < d->n_v; i++) {
-        force += fabs(d->force[i]);
-        scratch[i] = d->o.absolute;
-    }
-    double least = d->eq.kinetic(d->eq.context, scratch) + rounded*farthest*force;
+    double scale = fmax(run->r->energy_scale, d->eq.kinetic(d->eq.context, y + d->n_q));
+    double least = least_kinetic(d, scratch) + rounded_energy(d, y, 0);
     return times*(d->o.relative + d->o.absolute)*scale + 2*sqrt(scale*least) + least;
 }
 
@@ -174,7 +199,37 @@ static const double same = 1e-7, far_apart = 1e4;
 /* A posture whose constraints are off by more is none. */
 static const double most_off = 1e-6, far_off = 1e3;
 
-/* Every sample of a run is handed out here.  LW_E_NUMERIC: its posture is none, or it does not go on from those of an earlier formulation. */
+/* Work is integrated with the motion, and impacts count as work.  So kinetic and potential energy less the work are constant up to
+ * the errors of the steps.  A far greater error shows a wrong motion, for instance on another assembly mode.  Not checked: alpha,
+ * which sums the work by trapeziums; capture, whose impacts are of first order; elastic links and clearance joints, whose fast
+ * vibrations implicit methods damp; prescribed motion, which integrates nothing; statics of contacts,
+ * which damps the motion. */
+static const double least_energy_off = 0.01; /* part of the energy exchanged below which there is no error yet */
+static const double most_energy_off = 100;   /* greatest error, over that of all steps at the tolerance; examples reach 4 */
+
+static bool knows_energy(const lw_run *run)
+{
+    lw_formulation f = run->r->formulation;
+    return run->n_noted > 0 && run->d->o.analysis != LW_ANALYSIS_STATIC && f != LW_FORMULATION_ALPHA && f != LW_FORMULATION_CAPTURE && !run->d->elastic && !run->d->eq.next_piece;
+}
+
+static lw_status check_energy(lw_run *run, const lw_moment *m)
+{
+    lw_dynamics *d = run->d;
+    const lw_dynamics_report *r = run->r;
+    double scale = fmax(r->energy_scale, fmax(m->kinetic, run->work_done));
+    double off = fmax(r->energy_error, fabs(m->kinetic + m->potential - m->work - run->energy0));
+    if (!knows_energy(run) || off <= least_energy_off*scale)
+        return LW_OK;
+    double least = least_kinetic(d, d->hold);
+    double step = (d->o.relative + d->o.absolute)*scale + 2*sqrt(scale*least) + least + rounded_energy(d, m->q, 1);
+    return off <= most_energy_off*(double)run->n_noted*step ? LW_OK
+         : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the energy is off by %.3g J of %.3g J, far more than steps at this tolerance explain: "
+                        "the motion is not that of the model; another tolerance or formulation may find it", m->t, off, scale);
+}
+
+/* Every sample of a run is handed out here.  LW_E_NUMERIC: its posture is none, its energy is wrong, or it does not go on from those
+ * of an earlier formulation. */
 static lw_status hand_out(lw_run *run, const lw_moment *m)
 {
     lw_status s = check_phase(run, m);
@@ -188,6 +243,8 @@ static lw_status hand_out(lw_run *run, const lw_moment *m)
         r->without_forces_t = m->t;
     if (!(m->off <= most_off + far_off*run->d->o.relative))
         return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the constraints are off by %.3g of the size of the linkage", m->t, m->off);
+    if ((s = check_energy(run, m)) != LW_OK)
+        return s;
     r->samples++;
     r->worst_off = fmax(r->worst_off, m->off);
     r->worst_off_rate = fmax(r->worst_off_rate, m->off_rate);
@@ -256,9 +313,20 @@ lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void 
     return s;
 }
 
+/* Does the speed of a drive jump between these times?  Then the work of its impulse is not known. */
+static void find_push(lw_run *run, double before, double after)
+{
+    static const double least = 1e-9;
+    double from[3], to[3];
+    for (int i = 0; i < run->d->n_driven; i++)
+        if (lw_mbs_motion(run->d, i, before, from) == LW_OK && lw_mbs_motion(run->d, i, after, to) == LW_OK)
+            run->pushed = run->pushed || fabs(to[1] - from[1]) > least*fmax(1, fabs(from[1]));
+}
+
 lw_status lw_run_pass_kink(lw_run *run, double *t, lw_run_state_at *state_at, void *context)
 {
     double after = lw_timed_behind(&run->timed);
+    find_push(run, *t, after);
     lw_status s = state_at ? lw_run_samples(run, after, state_at, context) : LW_OK;
     *t = after;
     return s;

@@ -26,6 +26,9 @@ typedef struct lw_run {
     lw_timed timed;                  /* where steps must end because of functions of time */
     double  flight;                  /* duration of a bounce that has just begun [s]; 0: none */
     double  energy0, potential0, momentum0;
+    double  work_done, work_last;    /* sum of |changes of the work| over steps, and the work after the last one [J] */
+    bool    pushed;                  /* a drive has changed its speed at once: the next comparison begins anew */
+    long    n_noted;                 /* how often the energy was compared; 0: it is not */
     bool    keeps_momenta;               /* steps keep those of parts that fly (lw_run_hold) */
     double  pivot, pivot_t;          /* root of the least pivot after the last step, and its time */
     double  pivot_tried;             /* root of the least pivot where a crossing was tried last; 1: nowhere */
@@ -96,6 +99,9 @@ lw_status lw_run_pass_kink(lw_run *run, double *t, lw_run_state_at *state_at, vo
 
 /* Compare energy and momentum at y with those of the start. */
 void lw_run_watch(lw_run *run, const double *y);
+
+/* The energy alone, by the change of the potential since the start, and the kinetic energy of the start [J]. */
+void lw_run_note_energy(lw_run *run, double kinetic, double change, double work, double kinetic0);
 
 /* After a step to (t, y).  LW_E_NUMERIC: forces with sign() or mod() jump to and fro all the time, as where the motion would have to
  * slide along the jump. */
