@@ -235,14 +235,14 @@ static void from_window(driven *z, double place, double *y)
     memcpy(y, z->rough, 2*(size_t)n*sizeof *y);
     memcpy(d->a, z->rough + 2*n, (size_t)n*sizeof *d->a);
     for (int c = 0; c < d->n_c && !near; c++) {
-        double strength = fabs(pole[3*n + c]) < no_pole*most ? pole[3*n + c] : 0;
+        double strength = fabs(pole[3*n + c]) <= no_pole*most ? pole[3*n + c] : 0;
         d->l[c] = (z->rough[3*n + c] - strength)/x;
     }
     if (!near)
         return;
     interpolate(w, z->width, N_SIDE, 0, true, z->rough);
     for (int c = 0; c < d->n_c; c++)
-        d->l[c] = fabs(pole[3*n + c]) < no_pole*most ? z->rough[3*n + c] : NAN;
+        d->l[c] = fabs(pole[3*n + c]) <= no_pole*most ? z->rough[3*n + c] : NAN;
 }
 
 static bool within(const window *w, double x) { return w->half > 0 && fabs(x - w->at) < node[0]*w->half; }
