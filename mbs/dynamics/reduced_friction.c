@@ -9,14 +9,17 @@
  * and what is left of either link acts on the link that its outer joint holds it to.  Second derivatives of the links
  * by s follow from the transposed equations, from the first dyad to the last.
  *
- * N = |R(N)| is solved by iteration, which contracts by about mu times radius over length; where it does not, by
- * Newton's method (mbs/equations/friction.h). */
+ * N = |R(N)| is solved by Newton's method: with n the direction of the last reaction, N = n.R, and everything is linear.  Friction
+ * F N of an outer joint then adds F n to the translation of t, and friction g N of the inner joint adds (n.e) g to either e: the
+ * dyads with friction are solved as those without.  The last equation, of the input's link, gives s''.  Where friction changes a
+ * determinant much, the reactions may not be determined: see mbs/equations/friction.h. */
 #include "base/real.h"
 #include "mbs/dynamics/reduced_internal.h"
 
 #include <string.h>
 
-enum { PASSES = 25 };
+enum { PASSES = 8 };
+static const double weak = 0.5;            /* friction leaves at least this part of each determinant */
 
 /* Rotation, and velocity of the point of the body that is at the origin of the ground frame. */
 typedef struct twist { double w; lw_vec2 v; } twist;
@@ -32,12 +35,13 @@ static lw_wrench at_point(lw_vec2 p, lw_vec2 f) { return (lw_wrench){ f, lw_v2_c
 /* A joint at the registers: its place, direction of the slide, and derivatives by s. */
 typedef struct joint_now { lw_reg1 at; lw_vec2 u; double turn; } joint_now;
 
-/* A dyad at the registers.  before: the bodies that its outer joints hold it to; inverse: of its 2 x 2 matrix. */
-typedef struct group_now { int before[2]; twist t[2]; lw_wrench e[2]; double inverse[2][2]; } group_now;
+/* A dyad at the registers.  before: the bodies that its outer joints hold it to; inverse, det: of its 2 x 2 matrix. */
+typedef struct group_now { int before[2]; twist t[2]; lw_wrench e[2]; double inverse[2][2], det; } group_now;
 
 typedef struct balance {
     joint_now joint[LW_JOINT_MAX];
-    group_now group[LW_DYAD_MAX];
+    group_now group[LW_DYAD_MAX], rubbed[LW_DYAD_MAX];    /* without friction; with it, linear in the reactions */
+    lw_vec2  along[LW_JOINT_MAX];                 /* of the linkage's joints: n times the friction of 1 N on body[1] */
     twist    first[LW_LINK_MAX + 1];              /* of the ground, then of the bodies */
     twist    second[LW_LINK_MAX];                 /* second derivatives of the bodies by s */
     lw_wrench rest[LW_LINK_MAX], by_push[LW_LINK_MAX];   /* loads less inertia at s'' = 0; inertia for s'' = 1 */
@@ -114,6 +118,7 @@ static bool place_pins(const lw_reduced *r, balance *z, int k)
     now->e[1] = at_point(p[1]->p, lw_v2(0, 1));
     now->inverse[0][0] = b.x*by, now->inverse[0][1] = -a.x*by;
     now->inverse[1][0] = b.y*by, now->inverse[1][1] = -a.y*by;
+    now->det = det;
     /* up0 - w0^2 a + x i a = up1 - w1^2 b + y i b */
     lw_vec2 apart = lw_v2_sub(lw_v2_sub(up[1], lw_v2_scale(b, w[1]*w[1])), lw_v2_sub(up[0], lw_v2_scale(a, w[0]*w[0])));
     double turn[2] = { lw_v2_dot(apart, b)*by, lw_v2_dot(apart, a)*by };
@@ -123,6 +128,18 @@ static bool place_pins(const lw_reduced *r, balance *z, int k)
         z->second[g->body[i]] = (twist){ turn[i], lw_v2_sub(v, lw_v2_scale(lw_v2_perp(outer->d), w[i])) };
     }
     return true;
+}
+
+/* Invert the matrix of a dyad.  false: it is singular. */
+static bool invert(group_now *now)
+{
+    double a = power_of(now->t[0], now->e[0]), b = power_of(now->t[0], now->e[1]);
+    double d = power_of(now->t[1], now->e[0]), e = power_of(now->t[1], now->e[1]), by;
+    now->det = a*e - b*d;
+    by = 1/now->det;
+    now->inverse[0][0] = e*by, now->inverse[0][1] = -b*by;
+    now->inverse[1][0] = -d*by, now->inverse[1][1] = a*by;
+    return fabs(now->det) > 1e-12*(fabs(a) + fabs(b))*(fabs(d) + fabs(e));
 }
 
 /* Matrix of a dyad and second derivatives of its links.  false: a dead point. */
@@ -152,12 +169,8 @@ static bool place_group(const lw_reduced *r, balance *z, int k)
         now->e[0] = at_point(c->at.p, lw_v2(1, 0));
         now->e[1] = at_point(c->at.p, lw_v2(0, 1));
     }
-    double a = power_of(now->t[0], now->e[0]), b = power_of(now->t[0], now->e[1]);
-    double d = power_of(now->t[1], now->e[0]), e = power_of(now->t[1], now->e[1]), det = a*e - b*d;
-    if (!(fabs(det) > 1e-12*(fabs(a) + fabs(b))*(fabs(d) + fabs(e))))
+    if (!invert(now))
         return false;
-    now->inverse[0][0] = e/det, now->inverse[0][1] = -b/det;
-    now->inverse[1][0] = -d/det, now->inverse[1][1] = a/det;
     /* e.(up1 + x2 t1 + ... - up0 - x1 t0) = e.(rate of the inner joint's twist) */
     twist inner_rate = allowed_rate(r, z, inner), apart = plus(up[1], -1, up[0]);
     apart = plus(apart, -rate_between(r, z, inner, g->body[0], g->body[1]), inner_rate);
@@ -196,13 +209,13 @@ static lw_vec2 reaction(const lw_reduced *r, const balance *z, int joint, lw_wre
 }
 
 /* Carry z->carried to the ground; reactions (n) of the joints with friction. */
-static void carry(const lw_reduced *r, balance *z, lw_vec2 *out)
+static void carry(const lw_reduced *r, balance *z, const group_now *group, lw_vec2 *out)
 {
     const lw_reduced_friction *f = r->friction;
     lw_vec2 each[LW_JOINT_MAX];
     for (int k = f->n_group - 1; k >= 0; k--) {
         const lw_reduced_group *g = &f->group[k];
-        const group_now *now = &z->group[k];
+        const group_now *now = &group[k];
         lw_wrench w1 = z->carried[g->body[0]], w2 = z->carried[g->body[1]];
         double a = -power_of(now->t[0], w1), b = power_of(now->t[1], w2);
         double x = now->inverse[0][0]*a + now->inverse[0][1]*b, y = now->inverse[1][0]*a + now->inverse[1][1]*b;
@@ -247,7 +260,7 @@ static double reactions(const lw_reduced *r, balance *z, const double *size, lw_
         z->carried[b] = wrench_plus(z->rest[b], -dds, z->by_push[b]);
     for (int i = 0; i < f->n; i++)
         push(r, z, i, -z->part[i]*size[i]);
-    carry(r, z, out);
+    carry(r, z, z->group, out);
     return q;
 }
 
@@ -268,34 +281,89 @@ static lw_status by_newton(const lw_reduced *r, balance *z, double *size)
     return lw_friction_sizes(n, 0, 2, &rest[0].x, &response[0].x, size, r->friction->work, NULL);
 }
 
-/* Sizes from those of the last evaluation on; *q: force of the friction. */
+/* The friction on a body at a joint, for 1 N and along the measure of the joint, times n. */
+static lw_vec2 along(const lw_reduced *r, const balance *z, int joint, int body)
+{
+    return r->joint[joint].body[1] == body ? z->along[joint] : lw_v2_scale(z->along[joint], -1);
+}
+
+/* The dyads with friction that is linear in the reactions.  false: it changes a determinant much. */
+static bool rub(const lw_reduced *r, balance *z)
+{
+    const lw_reduced_friction *f = r->friction;
+    for (int i = 0; i < f->n; i++) {
+        int joint = f->joint[i];
+        lw_vec2 n = f->reaction[i];
+        double size = f->press[i] != 0 ? f->press[i] : sqrt(lw_v2_dot(n, n));
+        if (r->joint[joint].slides)
+            n = lw_v2_scale(lw_v2_perp(z->joint[joint].u), f->press[i] != 0 ? 1 : n.x);
+        z->along[joint] = size != 0 ? lw_v2_scale(n, -r->joint[joint].sign*z->part[i]/size) : (lw_vec2){ 0, 0 };
+    }
+    for (int k = 0; k < f->n_group; k++) {
+        const lw_reduced_group *g = &f->group[k];
+        const group_now *plain = &z->group[k];
+        group_now *now = &z->rubbed[k];
+        lw_vec2 inner = along(r, z, g->joint[1], g->body[0]);
+        *now = *plain;
+        for (int i = 0; i < 2; i++)
+            now->t[i].v = lw_v2_add(plain->t[i].v, along(r, z, g->joint[2*i], g->body[i]));
+        for (int i = 0; i < 2; i++) {
+            double force = lw_v2_dot(inner, plain->e[i].f);
+            const joint_now *c = &z->joint[g->joint[1]];
+            now->e[i] = wrench_plus(plain->e[i], force, r->joint[g->joint[1]].slides ? at_point(c->at.p, c->u)
+                                                                                  : (lw_wrench){ { 0, 0 }, 1 });
+        }
+        if (!invert(now) || !(now->det/plain->det > weak))
+            return false;
+    }
+    return true;
+}
+
+/* Reactions for friction that is linear in them.  false: the friction changes a determinant much. */
+static bool linear_reactions(const lw_reduced *r, balance *z, lw_vec2 *out)
+{
+    const lw_reduced_friction *f = r->friction;
+    int input = f->input_joint, body = f->input_body, n_body = r->dynamics->s.n_body;
+    lw_vec2 by_push[LW_JOINT_MAX];
+    twist t = allowed(r, z, input);
+    double size = rate_between(r, z, input, -1, body);
+    if (!rub(r, z))
+        return false;
+    t.v = lw_v2_add(t.v, along(r, z, input, body));
+    memcpy(z->carried, z->by_push, (size_t)n_body*sizeof *z->carried);
+    carry(r, z, z->rubbed, by_push);
+    double mass = power_of(t, z->carried[body]);
+    memcpy(z->carried, z->rest, (size_t)n_body*sizeof *z->carried);
+    carry(r, z, z->rubbed, out);
+    double dds = power_of(t, z->carried[body])/mass;
+    for (int i = 0; i < f->n; i++)
+        out[i] = lw_v2_sub(out[i], lw_v2_scale(by_push[i], dds));
+    return mass*size > weak*z->mass;
+}
+
+/* Sizes from the reactions of the last evaluation on, by Newton's method; *q: force of the friction. */
 static lw_status find_sizes(lw_reduced *r, balance *z, double *q)
 {
     lw_reduced_friction *f = r->friction;
     lw_vec2 now[LW_JOINT_MAX];
-    double before = INFINITY, greatest = 0;
-    bool slow = false;
-    for (int pass = 0; pass < PASSES && !slow; pass++) {
-        double off = 0;
-        *q = reactions(r, z, f->size, now);
+    bool found = false;
+    for (int pass = 0; pass < PASSES && !found && linear_reactions(r, z, now); pass++) {
+        double off = 0, greatest = 0;
+        *q = 0;
         for (int i = 0; i < f->n; i++) {
             double size = f->press[i] != 0 ? f->press[i]*now[i].x : sqrt(lw_v2_dot(now[i], now[i]));
-            double change = fabs(size - f->size[i]);
-            f->reaction[i] = now[i];
-            off = change > off ? change : off;
+            lw_vec2 last = f->reaction[i];
+            double length = sqrt(lw_v2_dot(last, last)), used = length > 0 ? lw_v2_dot(last, now[i])/length : 0;
+            off = fmax(off, f->press[i] != 0 ? 0 : fabs(size - used));
             greatest = size > greatest ? size : greatest;
             f->size[i] = size;
+            *q -= z->part[i]*size*z->rate[i];
         }
-        double by = pass ? off/before : 1;
-        if (!(off*by*by > f->tolerance*greatest)) {        /* friction of the sizes just found is off by this part */
-            *q = 0;
-            for (int i = 0; i < f->n; i++)
-                *q -= z->part[i]*f->size[i]*z->rate[i];
-            return LW_OK;
-        }
-        slow = pass > 2 && by > 0.3;
-        before = off;
+        memcpy(f->reaction, now, (size_t)f->n*sizeof *now);
+        found = !(off > f->tolerance*greatest);
     }
+    if (found)
+        return LW_OK;
     if (by_newton(r, z, f->size) == LW_OK) {
         *q = reactions(r, z, f->size, now);
         memcpy(f->reaction, now, (size_t)f->n*sizeof *now);
@@ -320,6 +388,7 @@ lw_status lw_reduced_friction_add(lw_reduced *r, double ds, double mass, double 
     for (int k = 0; k < f->n_group; k++)
         if (!place_group(r, &z, k))
             return LW_OPEN;
+    memset(z.along, 0, (size_t)r->linkage.n_joint*sizeof *z.along);
     z.push = *q - place_inertia(r, &z, ds);
     for (int i = 0; i < f->n; i++) {
         z.rate[i] = lw_reduced_joint_rate(r, f->joint[i]);
