@@ -45,7 +45,7 @@ typedef struct balance {
     twist    first[LW_LINK_MAX + 1];              /* of the ground, then of the bodies */
     twist    second[LW_LINK_MAX];                 /* second derivatives of the bodies by s */
     lw_wrench rest[LW_LINK_MAX], by_push[LW_LINK_MAX];   /* loads less inertia at s'' = 0; inertia for s'' = 1 */
-    lw_wrench carried[LW_LINK_MAX];
+    lw_wrench carried[2][LW_LINK_MAX];
     double rate[LW_JOINT_MAX], part[LW_JOINT_MAX];     /* of joints with friction: by s; part times arm */
     double push, mass;                            /* force at s'' = 0 and without friction; M */
 } balance;
@@ -208,31 +208,32 @@ static lw_vec2 reaction(const lw_reduced *r, const balance *z, int joint, lw_wre
     return r->joint[joint].slides ? lw_v2(lw_v2_cross(z->joint[joint].u, wrench.f), 0) : wrench.f;
 }
 
-/* Carry z->carried to the ground; reactions (n) of the joints with friction. */
-static void carry(const lw_reduced *r, balance *z, const group_now *group, lw_vec2 *out)
+/* Carry n columns of z->carried to the ground; each[c]: reactions of the linkage's joints.  Columns side by side fill the waits for
+ * one another of the dyads. */
+static inline void carry(const lw_reduced *r, balance *z, const group_now *group, int n, lw_vec2 (*each)[LW_JOINT_MAX])
 {
     const lw_reduced_friction *f = r->friction;
-    lw_vec2 each[LW_JOINT_MAX];
     for (int k = f->n_group - 1; k >= 0; k--) {
         const lw_reduced_group *g = &f->group[k];
         const group_now *now = &group[k];
-        lw_wrench w1 = z->carried[g->body[0]], w2 = z->carried[g->body[1]];
-        double a = -power_of(now->t[0], w1), b = power_of(now->t[1], w2);
-        double x = now->inverse[0][0]*a + now->inverse[0][1]*b, y = now->inverse[1][0]*a + now->inverse[1][1]*b;
-        lw_wrench inner = wrench_plus((lw_wrench){ lw_v2_scale(now->e[0].f, x), x*now->e[0].m }, y, now->e[1]);
-        w1 = wrench_plus(w1, 1, inner);
-        w2 = wrench_plus(w2, -1, inner);
-        each[g->joint[0]] = reaction(r, z, g->joint[0], w1);
-        each[g->joint[1]] = reaction(r, z, g->joint[1], inner);
-        each[g->joint[2]] = reaction(r, z, g->joint[2], w2);
-        if (now->before[0] >= 0)
-            z->carried[now->before[0]] = wrench_plus(z->carried[now->before[0]], 1, w1);
-        if (now->before[1] >= 0)
-            z->carried[now->before[1]] = wrench_plus(z->carried[now->before[1]], 1, w2);
+        for (int c = 0; c < n; c++) {
+            lw_wrench *carried = z->carried[c], w1 = carried[g->body[0]], w2 = carried[g->body[1]];
+            double a = -power_of(now->t[0], w1), b = power_of(now->t[1], w2);
+            double x = now->inverse[0][0]*a + now->inverse[0][1]*b, y = now->inverse[1][0]*a + now->inverse[1][1]*b;
+            lw_wrench inner = wrench_plus((lw_wrench){ lw_v2_scale(now->e[0].f, x), x*now->e[0].m }, y, now->e[1]);
+            w1 = wrench_plus(w1, 1, inner);
+            w2 = wrench_plus(w2, -1, inner);
+            each[c][g->joint[0]] = reaction(r, z, g->joint[0], w1);
+            each[c][g->joint[1]] = reaction(r, z, g->joint[1], inner);
+            each[c][g->joint[2]] = reaction(r, z, g->joint[2], w2);
+            if (now->before[0] >= 0)
+                carried[now->before[0]] = wrench_plus(carried[now->before[0]], 1, w1);
+            if (now->before[1] >= 0)
+                carried[now->before[1]] = wrench_plus(carried[now->before[1]], 1, w2);
+        }
     }
-    each[f->input_joint] = reaction(r, z, f->input_joint, z->carried[f->input_body]);
-    for (int i = 0; i < f->n; i++)
-        out[i] = each[f->joint[i]];
+    for (int c = 0; c < n; c++)
+        each[c][f->input_joint] = reaction(r, z, f->input_joint, z->carried[c][f->input_body]);
 }
 
 /* Add the wrenches of friction `force` along the measure of joint i with friction. */
@@ -245,22 +246,25 @@ static void push(const lw_reduced *r, balance *z, int i, double force)
         w = at_point(z->joint[joint].at.p, lw_v2_scale(z->joint[joint].u, j->sign*force));
     for (int side = 0; side < 2; side++)
         if (j->body[side] >= 0)
-            z->carried[j->body[side]] = wrench_plus(z->carried[j->body[side]], side ? 1 : -1, w);
+            z->carried[0][j->body[side]] = wrench_plus(z->carried[0][j->body[side]], side ? 1 : -1, w);
 }
 
 /* Reactions for given sizes, which are those of friction; returns the force of the friction. */
 static double reactions(const lw_reduced *r, balance *z, const double *size, lw_vec2 *out)
 {
     const lw_reduced_friction *f = r->friction;
+    lw_vec2 each[1][LW_JOINT_MAX];
     double q = 0;
     for (int i = 0; i < f->n; i++)
         q -= z->part[i]*size[i]*z->rate[i];
     double dds = (z->push + q)/z->mass;
     for (int b = 0; b < r->dynamics->s.n_body; b++)
-        z->carried[b] = wrench_plus(z->rest[b], -dds, z->by_push[b]);
+        z->carried[0][b] = wrench_plus(z->rest[b], -dds, z->by_push[b]);
     for (int i = 0; i < f->n; i++)
         push(r, z, i, -z->part[i]*size[i]);
-    carry(r, z, z->group, out);
+    carry(r, z, z->group, 1, each);
+    for (int i = 0; i < f->n; i++)
+        out[i] = each[0][f->joint[i]];
     return q;
 }
 
@@ -294,10 +298,8 @@ static bool rub(const lw_reduced *r, balance *z)
     for (int i = 0; i < f->n; i++) {
         int joint = f->joint[i];
         lw_vec2 n = f->reaction[i];
-        double size = f->press[i] != 0 ? f->press[i] : sqrt(lw_v2_dot(n, n));
-        if (r->joint[joint].slides)
-            n = lw_v2_scale(lw_v2_perp(z->joint[joint].u), f->press[i] != 0 ? 1 : n.x);
-        z->along[joint] = size != 0 ? lw_v2_scale(n, -r->joint[joint].sign*z->part[i]/size) : (lw_vec2){ 0, 0 };
+        double by = f->size[i] != 0 ? -r->joint[joint].sign*z->part[i]/f->size[i] : 0;
+        z->along[joint] = lw_v2_scale(r->joint[joint].slides ? lw_v2_scale(lw_v2_perp(z->joint[joint].u), n.x) : n, by);
     }
     for (int k = 0; k < f->n_group; k++) {
         const lw_reduced_group *g = &f->group[k];
@@ -319,25 +321,24 @@ static bool rub(const lw_reduced *r, balance *z)
     return true;
 }
 
-/* Reactions for friction that is linear in them.  false: the friction changes a determinant much. */
-static bool linear_reactions(const lw_reduced *r, balance *z, lw_vec2 *out)
+/* each[0]: reactions of the linkage's joints, where friction is linear in them.  false: the friction changes a determinant much. */
+static bool linear_reactions(const lw_reduced *r, balance *z, lw_vec2 (*each)[LW_JOINT_MAX])
 {
     const lw_reduced_friction *f = r->friction;
     int input = f->input_joint, body = f->input_body, n_body = r->dynamics->s.n_body;
-    lw_vec2 by_push[LW_JOINT_MAX];
     twist t = allowed(r, z, input);
     double size = rate_between(r, z, input, -1, body);
     if (!rub(r, z))
         return false;
     t.v = lw_v2_add(t.v, along(r, z, input, body));
-    memcpy(z->carried, z->by_push, (size_t)n_body*sizeof *z->carried);
-    carry(r, z, z->rubbed, by_push);
-    double mass = power_of(t, z->carried[body]);
-    memcpy(z->carried, z->rest, (size_t)n_body*sizeof *z->carried);
-    carry(r, z, z->rubbed, out);
-    double dds = power_of(t, z->carried[body])/mass;
-    for (int i = 0; i < f->n; i++)
-        out[i] = lw_v2_sub(out[i], lw_v2_scale(by_push[i], dds));
+    memcpy(z->carried[0], z->rest, (size_t)n_body*sizeof *z->rest);
+    memcpy(z->carried[1], z->by_push, (size_t)n_body*sizeof *z->by_push);
+    carry(r, z, z->rubbed, 2, each);
+    double mass = power_of(t, z->carried[1][body]), dds = power_of(t, z->carried[0][body])/mass;
+    for (int i = 0; i < f->n; i++) {
+        int j = f->joint[i];
+        each[0][j] = lw_v2_sub(each[0][j], lw_v2_scale(each[1][j], dds));
+    }
     return mass*size > weak*z->mass;
 }
 
@@ -345,28 +346,27 @@ static bool linear_reactions(const lw_reduced *r, balance *z, lw_vec2 *out)
 static lw_status find_sizes(lw_reduced *r, balance *z, double *q)
 {
     lw_reduced_friction *f = r->friction;
-    lw_vec2 now[LW_JOINT_MAX];
+    lw_vec2 each[2][LW_JOINT_MAX];
     bool found = false;
-    for (int pass = 0; pass < PASSES && !found && linear_reactions(r, z, now); pass++) {
+    for (int pass = 0; pass < PASSES && !found && linear_reactions(r, z, each); pass++) {
         double off = 0, greatest = 0;
         *q = 0;
         for (int i = 0; i < f->n; i++) {
-            double size = f->press[i] != 0 ? f->press[i]*now[i].x : sqrt(lw_v2_dot(now[i], now[i]));
-            lw_vec2 last = f->reaction[i];
-            double length = sqrt(lw_v2_dot(last, last)), used = length > 0 ? lw_v2_dot(last, now[i])/length : 0;
-            off = fmax(off, f->press[i] != 0 ? 0 : fabs(size - used));
+            lw_vec2 now = each[0][f->joint[i]];
+            double size = f->press[i] != 0 ? f->press[i]*now.x : sqrt(lw_v2_dot(now, now));
+            double more = fabs(size - (f->size[i] != 0 ? lw_v2_dot(f->reaction[i], now)/f->size[i] : 0));
+            off = more > off ? more : off;
             greatest = size > greatest ? size : greatest;
+            f->reaction[i] = now;
             f->size[i] = size;
             *q -= z->part[i]*size*z->rate[i];
         }
-        memcpy(f->reaction, now, (size_t)f->n*sizeof *now);
         found = !(off > f->tolerance*greatest);
     }
     if (found)
         return LW_OK;
     if (by_newton(r, z, f->size) == LW_OK) {
-        *q = reactions(r, z, f->size, now);
-        memcpy(f->reaction, now, (size_t)f->n*sizeof *now);
+        *q = reactions(r, z, f->size, f->reaction);
         return LW_OK;
     }
     memset(f->size, 0, (size_t)f->n*sizeof *f->size);
