@@ -8,10 +8,11 @@ typedef struct lw_rest {
     int    iterations;
     double residual;            /* greatest force left along the constraints [J] */
     bool   stable;              /* the stiffness is positive definite; else a saddle or a neutral equilibrium */
+    bool   neutral;             /* nothing resists one motion (a buckled round column turns about its axis); stable is false */
     bool   unknown;             /* stability is not known: large models and elastic links under forces without a potential; stable is false */
 } lw_rest;
 
-/* "stable", "not stable", or that and why it is not known. */
+/* "stable", "neutral", "not stable", or that and why it is not known. */
 const char *lw_rest_text(const lw_rest *r);
 
 /* Equilibrium nearest downhill from the start of d, inputs with a motion held at their values at t: q (n_q).

@@ -16,7 +16,7 @@ typedef struct search {
     lw_dynamics *d;
     lw_tangent   tangent;
     int     n_q, n, c;                       /* coordinates, velocities, kept rows */
-    double  t;
+    double  t, soft;                         /* soft: masses in the matrix of balance */
     lw_status factored;                      /* of the matrix of the last step */
     double *q, *l, *load, *residual, *step, *still, *old_q, *old_l, *aside;
 } search;
@@ -25,6 +25,8 @@ static const int most_newton = 30, most_parts = 400, most_downhill = 2000;
 static const double longest = 0.5;           /* step of Newton's method, in radians or sizes of the model */
 static const double settled = 1e-13;         /* the same when it has converged, over the greatest coordinate */
 static const double rounded = 1e-10;         /* the same when steps no longer become shorter */
+static const double drifts = 1e-5;           /* the same along a motion that nothing resists, by the rounding of forces */
+static const double slow = 1e-2;             /* rate of such a motion, by rounding, over that of buckling */
 
 static double greatest(const double *x, int n)
 {
@@ -74,10 +76,10 @@ static void move(search *s)
 }
 
 /* Is a step of this size the last one that Newton's method needs?  before: size of the step before it. */
-static bool is_last(const search *s, double size, double before)
+static bool is_last(const search *s, double size, double still, double before)
 {
     double all = fmax(1, greatest(s->q, s->n_q));
-    return size <= settled*all || (size < rounded*all && size > 0.3*before);
+    return size <= settled*all || (size < still*all && size > 0.3*before);
 }
 
 static lw_status look_at_limits(const search *s) { return lw_limits_check(s->d->o.stop, s->d->o.until, true, s->t, NULL); }
@@ -92,14 +94,14 @@ static lw_status balance(search *s, loads w, int *iterations)
         lw_status st = find_residual(s, w);
         if (st != LW_OK)
             return LW_OPEN;
-        double size = newton_step(s, 0);
+        double size = newton_step(s, s->soft);
         ++*iterations;
         if (s->factored == LW_E_MEMORY)
             return s->factored;
         if (!(size < longest) || (pass > 3 && size > 2*before))
             return LW_OPEN;
         move(s);
-        if (is_last(s, size, pass > 2 ? before : INFINITY))
+        if (is_last(s, size, s->soft > 0 ? drifts : rounded, pass > 2 ? before : INFINITY))
             return find_residual(s, w) == LW_OK ? LW_OK : LW_OPEN;
         before = size;
     }
@@ -180,7 +182,7 @@ static lw_status downhill(search *s, lw_rest *r)
             return s->factored;
         if (size < longest) {
             move(s);
-            if (mass < 1e-6*unit && is_last(s, size, before))
+            if (mass < 1e-6*unit && is_last(s, size, rounded, before))
                 return LW_OK;
             before = mass > 0 ? INFINITY : size;
             if (lw_mbs_project_q(d, s->t, s->q, longest) == LW_OK && work_of_step(s, size) >= 0) {
@@ -240,8 +242,11 @@ static lw_status leave_saddle(search *s, const lw_mode *mode, lw_rest *r)
         if (!(scale > 0) || lw_tangent_at_rest(d, s->t, s->q, s->still, d->a, s->l) != LW_OK)
             break;
         st = load_steps(s, (loads){ 1, 0 }, (loads){ 0, 1 }, r);
-        if (st == LW_OK)
-            st = load_steps(s, (loads){ 0, 1 }, (loads){ 0, 0 }, r);
+        if (st == LW_OK && (st = load_steps(s, (loads){ 0, 1 }, (loads){ 0, 0 }, r)) == LW_OPEN) {
+            s->soft = 1e-2*mode->re*mode->re;    /* the push may be all that kept it from turning, as a round column about its axis */
+            st = balance(s, (loads){ 0, 0 }, &r->iterations);
+            s->soft = 0;
+        }
         for (int i = 0; st == LW_OK && i < s->n_q; i++)
             moved = fmax(moved, fabs(s->q[i] - saddle[i]));
         st = st == LW_OK && moved < 1e-6 ? LW_OPEN : st;
@@ -264,6 +269,7 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
     search s;
     lw_modes modes = { 0 };
     lw_error ignored = { 0 };
+    double still = 0;                                         /* slower modes are still */
     memcpy(q, d->start_q, (size_t)d->n_q*sizeof *q);
     lw_status st = prepare(&s, d, t, q);
     if (st == LW_OK && (st = load_steps(&s, (loads){ 1, 0 }, (loads){ 0, 0 }, r)) != LW_OK && st != LW_E_MEMORY) {
@@ -281,11 +287,13 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
         }
         int worst = -1;
         for (int i = 0; i < modes.n_mode; i++)
-            if (modes.mode[i].re > 1e-6*(modes.mode[i].natural + 1e-300) && modes.conservative)
+            if (modes.mode[i].re > fmax(1e-6*(modes.mode[i].natural + 1e-300), still) && modes.conservative)
                 worst = worst < 0 || modes.mode[i].re > modes.mode[worst].re ? i : worst;
-        r->stable = worst < 0 && modes.mode[0].natural > 0;
+        r->neutral = worst < 0 && still > 0 && modes.n_mode > 0 && 2*LW_PI*modes.mode[0].natural < still;
+        r->stable = worst < 0 && !r->neutral && modes.mode[0].natural > 0;
         if (worst < 0 || k == 3)
             break;
+        still = slow*modes.mode[worst].re;
         st = leave_saddle(&s, &modes.mode[worst], r);
         lw_modes_free(&modes);
     }
