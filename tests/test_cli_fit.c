@@ -279,7 +279,50 @@ TEST(rows_end_where_nobody_would_build_them)
     json_decref(root);
 }
 
-/* The same of a function, with 5 % of the swing of its output: a parabola over 90 degrees, which cranks that turn follow badly. */
+/* A row with more than five times the least error, of linkages that turn if it turns, leaves the target by less than 1 % or strays less;
+ * between the stations, too: here one met them within 0.75 %, and left them by 1.8 % between. */
+TEST(rows_that_stray_far_between_stations_end_too)
+{
+    json_t *root = json_of("printf 'x [mm],y [mm]\n0,0\n20,.8\n40,3.2\n60,7.2\n80,12.8\n100,20\n'"
+                           " | $P fit --open --links 4 --rounds 1 --starts 96 - --json -q");
+    json_t *rows = json_object_get(root, "results"), *r, *other;
+    size_t i, k;
+    int worse = 0;
+    json_array_foreach(rows, i, r) {
+        json_t *best = r;
+        bool turns = strcmp(json_string_value(json_object_get(r, "input_motion")), "turns") == 0;
+        json_array_foreach(rows, k, other)
+            if (member(other, "objective") < member(best, "objective")
+                && (!turns || strcmp(json_string_value(json_object_get(other, "input_motion")), "turns") == 0))
+                best = other;
+        worse += best != r;
+        CHECK(member(r, "objective") <= 25*member(best, "objective") || member(r, "stray") < member(best, "stray")
+              || fmax(member(r, "error_max"), member(r, "stray")) <= 0.01*102);
+    }
+    CHECK(worse > 2);
+    json_decref(root);
+}
+
+/* Five poses of a door: a linkage of more than three diagonals has less error of some kind than each row before it, or is gentler below
+ * 30 degrees.  Here two of 3.2 and 6 diagonals had nothing but 47 and 44 degrees. */
+TEST(a_greater_angle_is_worth_no_huge_linkage)
+{
+    static const char *const more_is_worse[] = { "error_mean", "error_max", "angle_error_max", "objective", "stray", "chamfer" };
+    json_t *root = json_of("printf 'x [mm],y [mm],theta [deg]\n0,0,0\n100,20,-10\n190,80,-30\n240,170,-60\n250,260,-85\n'"
+                           " | $P fit --open --links 4 --rounds 1 --starts 96 - --json -q"), *rows = json_object_get(root, "results");
+    CHECK(json_array_size(rows) > 2);
+    for (size_t i = 1; i < json_array_size(rows); i++)
+        for (size_t k = 0; k < i; k++) {
+            json_t *a = json_array_get(rows, k), *b = json_array_get(rows, i);
+            bool better = member(b, "size_over_path") <= 3 || member(a, "transmission_min") < 30*0.0174532925199433 - 1e-6;
+            for (size_t n = 0; n < sizeof more_is_worse/sizeof *more_is_worse; n++)
+                better |= member(b, more_is_worse[n]) < member(a, more_is_worse[n]);
+            CHECK(better);
+        }
+    json_decref(root);
+}
+
+/* Rows of a function end in the same way, at 5 % of the swing of its output: a parabola over 90 degrees, which cranks that turn follow badly. */
 TEST(rows_of_a_function_end_too)
 {
     json_t *root = json_of("awk 'BEGIN {print \"angle [deg],theta [deg]\"; for (i = 0; i <= 18; i++) print 5*i \",\" 0.02*(5*i - 45)^2}' |"

@@ -40,6 +40,9 @@ static double bulk_of(const lw_target *t, const lw_fit_report *r)
 /* ... its least transmission angle is greater by this, as long as the other has less than enough [rad]. */
 #define GENTLER (5*LW_PI/180)
 #define ENOUGH  (45*LW_PI/180)
+/* Of a linkage beyond so many sizes of the target nobody wants a greater angle than this. */
+#define BULKY   3
+#define FAIR    (30*LW_PI/180)
 /* The list ends where errors exceed WORSE times the least, and these parts of the target or angles [rad]; for linkages that leave the
  * target by FAR of its diagonal, or a function by FAR of the swing of its output, FAR_WORSE times. */
 #define WORSE       5
@@ -103,7 +106,7 @@ static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report 
     bool far = t->extent > 0 ? lw_fit_report_misses(t, r) > FAR*t->extent : r->angle_max > FAR*swing_of(t);
     double worse = far ? FAR_WORSE : WORSE, less = far ? MUCH_SMALLER : 1;
     return c->objective > worse*worse*first->objective && !(lw_fit_report_stray(r) < less*lw_fit_report_stray(best))
-        && (r->error_max > ROUGH*t->size || r->angle_max > ROUGH_ANGLE);
+        && (lw_fit_report_distance(t, r) > ROUGH*t->size || r->angle_max > ROUGH_ANGLE);
 }
 
 /* Numbers of a report in which a search over more should not be worse; less is better.  The first matter most. */
@@ -112,8 +115,9 @@ enum { ERROR, STRAY, CHAMFER, ANGLE, BULK, TRANSMISSION, SPREAD, MEASURES };
 
 static void measures(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, double m[MEASURES])
 {
+    const double bulk = bulk_of(t, r), gentle = fmin(r->transmission_min, bulk > BULKY ? FAIR : ENOUGH);
     const double all[MEASURES] = { error_of(t, c, r), lw_fit_report_stray(r), r->likeness.chamfer, r->angle_max > NOISE ? r->angle_max : 0,
-                                   bulk_of(t, r), -fmin(r->transmission_min, ENOUGH), r->spread };
+                                   bulk, -gentle, r->spread };
     for (int i = 0; i < MEASURES; i++)
         m[i] = isnan(all[i]) ? INFINITY : all[i];
 }
@@ -226,9 +230,8 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 
 /* Properties that a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
 #define COMPACT      1.5           /* the longest link, in sizes of the target: ...                                 */
-#define PER_SIZE     0.85          /* ... beyond this twice the length counts as 1.8 times the error, ...           */
+#define PER_SIZE     0.85          /* ... beyond this twice the length counts as 1.8 times the error, beyond BULKY as 3.2 times, ... */
 #define PER_LESS     0.1           /* ... below it half the length counts as 0.93 times the error                   */
-#define BULKY        3             /* ... and beyond this as 3.2 times                                              */
 #define PER_RATIO    0.85          /* beyond LW_EVEN, twice the ratio of longest to shortest link counts as 1.8 times the error */
 #define PER_MISS     0.8           /* beyond LW_NEAR twice the error counts as 3.5 times                            */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
