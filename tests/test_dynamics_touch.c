@@ -1032,3 +1032,36 @@ int main(void)
     lw_system_free(&d.system);
     return check_end();
 }
+
+/* Boxes of one width that stand exactly on each other stay so: a corner that meets a corner is held by the face below, not by the sides. */
+TEST(boxes_of_one_width_stand)
+{
+    /* of these the top box tipped over by itself: mass, centre, inertia, top */
+    static const double drawn[3][4] = { { 1.0180520610967643, 0.08673771437725905, 0.01612710899235095, 0.1734754287545181 },
+        { 0.19495502937940853, 0.2932870122166345, 0.003532248219631615, 0.4130985956787509 },
+        { 0.6466060771591745, 0.5306359191802095, 0.011599040178856481, 0.6481732426816682 } };
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 7);
+    for (int k = 0; k < 12; k++) {
+        char text[3000];
+        double y = 0, friction = k ? lw_rng_range(&rng, 0.1, 1) : 0.3;
+        int n = snprintf(text, sizeof text, "{'linkwright': 1, 'links': [{'name': 'ground', 'shapes': [{'line': [[0, 0], [1, 0]]}]}");
+        for (int b = 0; b < 3; b++) {
+            double top = k ? y + lw_rng_range(&rng, 0.1, 0.3) : drawn[b][3], mass = k ? lw_rng_range(&rng, 0.1, 2) : drawn[b][0];
+            double centre = k ? (y + top)/2 : drawn[b][1], inertia = k ? mass*(0.16 + (top - y)*(top - y))/12 : drawn[b][2];
+            n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'b%d', 'mass': %.17g, 'centre': [0, %.17g], 'inertia': %.17g, 'shapes': ["
+                "{'polygon': [[-0.2, %.17g], [0.2, %.17g], [0.2, %.17g], [-0.2, %.17g]]}]}", b, mass, centre, inertia, y, y, top, top);
+            y = top;
+        }
+        snprintf(text + n, sizeof text - (size_t)n, "], 'joints': [{'name': 'F0', 'kind': 'n', 'links': ['ground', 'b0']}, {'name': 'F1', 'kind': 'n',"
+            "'links': ['ground', 'b1']}, {'name': 'F2', 'kind': 'n', 'links': ['ground', 'b2']}], 'contacts': [{'links': ['ground', 'b0'], 'friction':"
+            "%.17g}, {'links': ['b0', 'b1'], 'friction': %.17g}, {'links': ['b1', 'b2'], 'friction': %.17g}], 'gravity': [0, -9.81]}", friction,
+            friction, friction);
+        drun_read_format(&d, text, 0, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, k%2 ? 1e-9 : 1e-6, 1, 4), LW_OK);
+        for (int i = 0; i < 9; i++)
+            CHECK_NEAR(d.v[i], 0, 1e-9, 0);
+        CHECK_INT(d.n_moment, 5);
+        lw_model_free(&d.model);
+    }
+}

@@ -209,8 +209,9 @@ static lw_status look_at(lw_run *run, double t, lw_touch *p, const lw_touch_moti
         return lw_error_set(run->e, LW_E_ARG, "\"%s\": %s at t = %.9g s", lw_touch_name(run->d->model, p),
                             p->kind == LW_TOUCH_STOP ? "the stop of this joint is passed" :
                             p->kind == LW_TOUCH_ROPE ? "this rope is longer than its length" : "these shapes overlap", t);
-    *is = m->gap <= LW_TOUCH_CLOSED && !lw_touch_past_end(p, m);
-    p->state = *is ? LW_TOUCH_PASSIVE : LW_TOUCH_APART;
+    bool on = m->gap <= LW_TOUCH_CLOSED && !lw_touch_past_end(p, m);
+    *is = on && !lw_touch_beside_end(p, run->d->frames, m);
+    p->state = on ? LW_TOUCH_PASSIVE : LW_TOUCH_APART;
     return LW_OK;
 }
 

@@ -11,7 +11,7 @@
 
 /* ---- discs and faces of a shape ------------------------------------------------------------------ */
 
-typedef struct disc { lw_vec2 at; double radius, size; } disc;
+typedef struct disc { lw_vec2 at, edge[2]; double radius, size; } disc;
 typedef struct face { lw_vec2 from, to; double radius, deepest, slope[2]; bool infinite, two_sided; } face;
 
 static int disc_count(const lw_contour *p)
@@ -32,7 +32,15 @@ static double extent(const lw_contour *p)
     return most;
 }
 
-static disc disc_of(const lw_contour *p, int i) { return (disc){ p->at[i], p->radius, extent(p) }; }
+static disc disc_of(const lw_contour *p, int i)
+{
+    disc d = { .at = p->at[i], .radius = p->radius, .size = extent(p) };
+    for (int k = 0; p->kind == LW_CONTOUR_POLYGON && k < 2; k++) {
+        lw_vec2 u = lw_v2_sub(p->at[(i + (k ? 1 : p->n - 1))%p->n], p->at[i]);
+        d.edge[k] = lw_v2_scale(u, 1/lw_v2_norm(u));
+    }
+    return d;
+}
 
 /* A corner that no disc can reach and that touches nothing: a notch. */
 static bool is_notch(const lw_contour *p, int i)
@@ -134,6 +142,7 @@ static void add_discs(maker *w, const lw_contour *p, const lw_contour *o, bool d
             double length = lw_v2_norm(u);
             set_ends(w, t, p->link, a.at, o->link, f.from);
             t->kind = LW_TOUCH_FACE;
+            memcpy(t->edge, a.edge, sizeof t->edge);
             t->radius[0] = a.radius/unit;
             t->radius[1] = f.radius/unit;
             t->along = lw_v2_scale(u, 1/length);
@@ -250,8 +259,11 @@ static void drop_twins(const lw_model *m, lw_touch_list *list)
     int n = 0;
     for (int i = 0; i < list->n; i++) {
         bool twin = false;
-        for (int j = 0; j < n && !twin; j++)
+        for (int j = 0; j < n && !twin; j++) {
             twin = is_twin(m, &list->touch[i], &list->touch[j]);
+            if (twin)                        /* it stands for the corners of two links */
+                memset(list->touch[j].edge, 0, sizeof list->touch[j].edge);
+        }
         if (!twin)
             list->touch[n++] = list->touch[i];
     }
@@ -442,6 +454,16 @@ bool lw_touch_past_end(const lw_touch *p, const lw_touch_motion *m)
     bool begin = m->place < 0.5*p->length;
     double past = begin ? -m->place : m->place - p->length, rate = begin ? -m->place_rate : m->place_rate;
     return past > (rate > 0 ? 0.5 : 1)*LW_TOUCH_END;
+}
+
+/* Bodies that touch corner to corner have a line between them along one of the four sides, so that one of the faces stays. */
+bool lw_touch_beside_end(const lw_touch *p, const lw_body_frame *frames, const lw_touch_motion *m)
+{
+    static const double least = 1e-6;                    /* sine of the angle behind the face */
+    if (p->kind != LW_TOUCH_FACE || p->side != 0 || fmin(m->place, p->length - m->place) > LW_TOUCH_END)
+        return false;
+    lw_vec2 dir = frames[p->body[0] + 1].dir;
+    return fmin(lw_v2_dot(m->normal, lw_v2_turn(p->edge[0], dir)), lw_v2_dot(m->normal, lw_v2_turn(p->edge[1], dir))) < -least;
 }
 
 double lw_touch_force(const lw_surface *s, double unit, double depth, double rate)

@@ -33,6 +33,7 @@ typedef struct lw_touch {
     int     body[2];                     /* -1: ground                                                 */
     lw_vec2 drawn;                       /* centre of the disc in the posture [m]                      */
     lw_vec2 arm[2];                      /* centre of the disc, on body 0; begin of the face or centre, on body 1 */
+    lw_vec2 edge[2];                     /* directions of the sides at a corner, in the frame of body 0; 0: none */
     double  radius[2];                   /* of a face: half the thickness of a bar                       */
     lw_vec2 along;                       /* face: its direction in the frame of body 1; outside is on its left */
     double  length;                      /* of the face; infinite for a line                            */
@@ -76,6 +77,10 @@ void lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool start);
 
 /* Has the disc left the face over one of its ends? */
 bool lw_touch_past_end(const lw_touch *p, const lw_touch_motion *m);
+
+/* Is the disc a corner at the end of a face, and does one of its sides run behind the face?  Then the face does not hold it: another
+ * face that ends there, or one of the corner's own sides does. */
+bool lw_touch_beside_end(const lw_touch *p, const lw_body_frame *frames, const lw_touch_motion *m);
 
 /* Force of a compliant contact [N] at a scaled depth and its rate; unit of lengths [m].  Not less than 0. */
 double lw_touch_force(const lw_surface *s, double unit, double depth, double rate);
