@@ -290,6 +290,40 @@ TEST(ideal_against_regularised)
     }
 }
 
+/* A crank that drives nine rockers one after another, friction in all 28 pins.  Velocities are integrals of accelerations: those of the
+ * coordinate, whose friction is solved dyad by dyad, of those that rows take from the equations of all bodies. */
+TEST(friction_in_all_pins_of_nine_dyads)
+{
+    static const double h = 1e-3;
+    double v[3][LW_SYSTEM_Q_MAX], a[3][LW_SYSTEM_Q_MAX], most = 0;
+    lw_rng_seed(&rng, check_seed(), 200);
+    used = 0;
+    put("{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground'");
+    for (int i = 0; i < 19; i++)
+        put_link((char[]){ i < 10 ? 'c' : 'r', (char)('0' + i%10), 0 }, i%10 + (i < 10 ? 0 : 0.5), i < 10 ? 0.4 : 0.8);
+    put("], 'joints': [{'name': 'A0', 'links': ['ground', 'c0'], 'at': [0, 0]}");
+    for (int i = 1; i < 10; i++)
+        put(",{'name': 'A%d', 'links': ['ground', 'c%d'], 'at': [%d, 0]},{'name': 'B%d', 'links': ['c%d', 'r%d'], 'at': [%d, %g]},"
+            "{'name': 'C%d', 'links': ['r%d', 'c%d'], 'at': [%d, %g]}", i, i, i, i, i - 1, i - 1, i - 1, i > 1 ? 0.79 + 0.01*i : 0.3,
+            i, i - 1, i, i, 0.8 + 0.01*i);
+    put("], 'input': {'joint': 'A0', 'speed': -8}}");
+    drun_read_text(&d, text);
+    for (int j = 0; j < d.model.linkage.n_joint; j++)
+        d.model.friction[j] = (lw_friction){ 0.1, between(0.05, 0.1), 0 };
+    for (int k = 0; k < 3; k++) {
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-12, 0.3 + h*k, 1), LW_OK);
+        CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
+        memcpy(v[k], d.v, sizeof v[k]);
+        memcpy(a[k], d.a, sizeof a[k]);
+    }
+    for (int i = 0; i < d.system.n_q; i++) {
+        most = fmax(most, fabs(a[1][i]));
+        CHECK_NEAR(v[2][i] - v[0][i], h/3*(a[0][i] + 4*a[1][i] + a[2][i]), 1e-9, 0);      /* Simpson's rule */
+    }
+    CHECK(most > 1 && d.report.energy_error < 1e-9*d.report.energy_scale);
+    lw_model_free(&d.model);
+}
+
 /* Three links of Jansen's leg meet at a pin, in two places and on the ground: each pin there rubs by the load of its own links. */
 TEST(several_pins_at_a_place)
 {
