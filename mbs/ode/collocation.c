@@ -18,14 +18,15 @@ static const double relax = 1.2;             /* growth of the limit that a step 
 static const double less = 0.8;
 static const double greatest_growth = 4, difference = 1e-7;
 
+static const lw_stage_loops *const loops[] = {
 #ifdef __x86_64__
-extern const lw_stage_loops lw_stage_loops_x86_64, lw_stage_loops_x86_64_v3, lw_stage_loops_x86_64_v4;
-static const lw_stage_loops *const loops[] = { &lw_stage_loops_x86_64_v4, &lw_stage_loops_x86_64_v3, &lw_stage_loops_x86_64 };
+    &lw_stage_loops_x86_64_v4, &lw_stage_loops_x86_64_v3, &lw_stage_loops_x86_64
 #else
-extern const lw_stage_loops lw_stage_loops_native;
-static const lw_stage_loops *const loops[] = { &lw_stage_loops_native };
+    &lw_stage_loops_native
 #endif
+};
 
+/* Of an instruction set; of one that has none, the last. */
 static const lw_stage_loops *loops_of(const char *isa)
 {
     size_t i = 0;

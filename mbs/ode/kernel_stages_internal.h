@@ -17,4 +17,6 @@ typedef struct lw_stage_loops {
     void (*misses)(int n, const double (*column)[LW_STAGES], const double *c, const double *f, const double *scale, double *off);
 } lw_stage_loops;
 
+extern const lw_stage_loops lw_stage_loops_x86_64, lw_stage_loops_x86_64_v3, lw_stage_loops_x86_64_v4, lw_stage_loops_native;
+
 #endif
