@@ -294,6 +294,27 @@ static lw_status along(linear *l, lw_error *e)
     return s;
 }
 
+/* Does a value that depends on time alone change at t?  x NULL: no. */
+static bool changes(const lw_expression *x, double t)
+{
+    const double at[2] = { t, 1 };
+    double rate[2] = { 0, 0 };
+    if (x)
+        lw_expression_series(x, 1, at, rate);
+    return rate[1] != 0;
+}
+
+static bool inputs_move(const linear *l)
+{
+    for (int i = 0; l->space && i < l->space->n_input; i++)
+        if (changes(l->space->input[i].motion, l->o->t) || (l->space->input[i].has_speed && l->space->input[i].speed != 0))
+            return true;
+    for (int i = 0; !l->space && i < l->given->linkage.n_input; i++)
+        if (changes(l->given->motion[i], l->o->t) || (l->given->has_speed[i] && l->given->speed[i] != 0))
+            return true;
+    return false;
+}
+
 static void free_linear(linear *l)
 {
     lw_forces_free(&l->own_f);
@@ -330,6 +351,9 @@ int cli_simulate_linear(const cli_call *call, lw_model *m, lw_spatial *space, co
     if (s == LW_OK && !o->rest && !o->along && l->modes.unbalanced > 1e-9)
         cli_note(call, "the posture is no equilibrium: %.3g of the greatest force is left over; --rest goes to one",
                  l->modes.unbalanced);
+    if (s == LW_OK && !o->along && inputs_move(l))
+        cli_note(call, "inputs move at t = %g s, but the modes are those at rest: without centrifugal and gyroscopic forces, which a run in "
+                 "time has", o->t);
     bool still = s == LW_OK && !o->along && (o->rest || l->modes.unbalanced <= 1e-9);
     const lw_mode *grows = still ? growing(&l->modes) : NULL;
     if (grows)
