@@ -484,6 +484,35 @@ TEST(buckling)
     close_scene(&s);
 }
 
+/* Lee, Manuel & Rossow (1968): a hinged frame of two bars of 1.2 m, 30 by 20 mm, E 72 GPa, loaded at a fifth of the upper one, snaps through
+ * at 18.55 kN (Simo & Vu-Quoc 1986: 18.552). */
+TEST(lee)
+{
+    double load[2];
+    for (int fine = 0; fine < 2; fine++) {
+        double low = 18400, high = 19400;
+        while (high - low > 10) {
+            scene s;
+            lw_rest r;
+            double p = 0.5*(low + high);
+            CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'f', 'elastic': {'section': {'shape': 'rectangle', 'width': 0.03, "
+                                 "'height': 0.02}, 'material': {'E': 7.2e10, 'nu': 0.3, 'density': 2700}, 'segments': %d, 'axis': [[0, 0], [0, 1.2], "
+                                 "[1.2, 1.2]]}}], 'joints': [{'name': 'A', 'links': ['ground', 'f'], 'at': [0, 0]}, {'name': 'B', 'links': "
+                                 "['ground', 'f'], 'at': [1.2, 1.2]}], 'tracers': [{'name': 'P', 'link': 'f', 'at': [0.24, 1.2]}], 'forces': "
+                                 "[{'link': 'f', 'at': [0.24, 1.2], 'fy': %.17g}]}", fine ? 40 : 20, -p), LW_OK);
+            CHECK_INT(open_scene(&s, LW_ANALYSIS_STATIC), LW_OK);
+            CHECK_INT(lw_statics_rest(s.d, 0, s.q, &r, &s.e), LW_OK);
+            CHECK(r.stable);
+            double sag = 1.2 - tracer(&s, 0, s.q).y;
+            CHECK(sag < 0.6 || sag > 0.9);                   /* before or after, not between */
+            *(sag < 0.6 ? &low : &high) = p;
+            close_scene(&s);
+        }
+        load[fine] = 0.5*(low + high);
+    }
+    CHECK_NEAR((4*load[1] - load[0])/3, 18552, 0, 2e-3);
+}
+
 /* Inner forces of a bar under its weight and a load, and its stress; the frame with a corner. */
 TEST(inner_forces_and_frame)
 {

@@ -428,6 +428,45 @@ TEST(rigid)
     lw_spatial_free(&m);
 }
 
+/* A disc in the middle of a light shaft whose ends are clamped in bearings and turn at W, from rest in all else.  Out of centre by e it
+ * moves as Jeffcott (1919) has it, below and above the critical speed w: z'' + w^2 z = e W^2 exp(i W t).  Tilted by a on the shaft, it
+ * tilts by I p'' - i W J p' + k p = (I - J) a W^2 exp(i W t), J its inertia about the shaft: backward and forward whirl (Genta 2005). */
+TEST(a_disc_whirls)
+{
+    static const struct { double speed, beside, tilt; } known[] = { { 0.5, 1e-4, 0 }, { 1.5, 1e-4, 0 }, { 0.6, 0, 1e-3 }, { 2, 0, 1e-3 } };
+    const double d = 0.02, e = 210e9, i4 = LW_PI*pow(d, 4)/64, ga = e/2.6*LW_PI*d*d/4*0.9, mass = 20, across = 0.3, along = 0.5;
+    const double h = 0.5, shear = 12*e*i4/(ga*h*h), lift = 24*e*i4/(h*h*h*(1 + shear)), turn = 2*(4 + shear)/(1 + shear)*e*i4/h;
+    static record r;
+    for (int k = 0; k < 4; k++) {
+        lw_spatial m;
+        lw_error error;
+        lw_dynamics_options o = lw_dynamics_options_default();
+        bool tilts = known[k].tilt > 0;
+        double own = tilts ? sqrt(turn/across) : sqrt(lift/mass), w = known[k].speed*own, c = cos(known[k].tilt), s = sin(known[k].tilt);
+        double gyro = tilts ? w*along/across : 0, root = sqrt(0.25*gyro*gyro + own*own), f = 0.5*gyro + root, b = 0.5*gyro - root;
+        double steady = (tilts ? (1 - along/across)*known[k].tilt : known[k].beside)*w*w/(own*own - w*w + gyro*w);
+        double back = steady*(f - w)/(b - f), forth = -steady - back;
+        o.to = 4*2*LW_PI/own;
+        o.intervals = 40;
+        o.relative = o.absolute = 1e-8;
+        CHECK_INT(read_text(&m, &error, "{'linkwright': 1, 'links': ['ground', {'name': 's', 'elastic': {'section': {'shape': 'round', 'diameter': %g}, "
+                            "'material': {'E': 210e9, 'nu': 0.3, 'density': 1}, 'segments': 4, 'axis': [[0, 0, 0], [1, 0, 0]]}}, {'name': 'disc', "
+                            "'mass': 20, 'centre': [0.5, %g, 0], 'inertia': [0.5, 0.3, 0.3], 'frame': {'x': [%.17g, %.17g, 0], 'y': [%.17g, %.17g, "
+                            "0]}}], 'joints': [{'name': 'A', 'kind': 'revolute', 'links': ['ground', 's'], 'at': [0, 0, 0], 'axis': [1, 0, 0]}, "
+                            "{'name': 'B', 'kind': 'cylindrical', 'links': ['ground', 's'], 'at': [1, 0, 0], 'axis': [1, 0, 0]}, {'name': 'W', "
+                            "'kind': 'fixed', 'links': ['s', 'disc'], 'at': [0.5, 0, 0]}], 'input': {'joint': 'A', 'motion': '%.17g*t'}, "
+                            "'tracers': [{'name': 'P', 'link': 'disc', 'at': [%g, 0, 0]}]}", d, known[k].beside, c, s, -s, c, w, tilts ? 0.6 : 0.5),
+                  LW_OK);
+        run(&m, o, &r);
+        CHECK_INT(r.n, 41);
+        for (int i = 0; i < r.n; i++) {
+            double t = o.to*i/40, arm = tilts ? 0.1 : 1;
+            CHECK_NEAR(r.at[i].y, arm*(steady*cos(w*t) + forth*cos(f*t) + back*cos(b*t)), 5e-4*arm*fabs(steady), 0);
+            CHECK_NEAR(r.at[i].z, arm*(steady*sin(w*t) + forth*sin(f*t) + back*sin(b*t)), 5e-4*arm*fabs(steady), 0);
+        }
+    }
+}
+
 /* ---- line loads ----------------------------------------------------------------------------------------------- */
 
 /* What a load of density q[0] at `from` to q[1] at `to` does to a cantilever of 2 m: shear force and bending moment at its clamp,
