@@ -215,6 +215,21 @@ static double change(const lw_space *s, const double *a, const double *b, double
     return top > 0 ? lw_space_length(s, scratch)/top : 0;
 }
 
+/* Do the rows left out as dependent hold, too, after a step of this length?  Where the rows kept are singular they have other curves, which are none
+ * of the linkage.  One drawn with rounded numbers opens as it moves: how fast shows in the first step. */
+static bool stays_closed(lw_space_follow *f, double length)
+{
+    static const double exact = 1e-7, faster = 1e4, clear_step = 1e-3;
+    if (f->z.n_kept == f->z.n_row)
+        return true;
+    double open = lw_space_rows_open(&f->z);
+    if (f->open > 0)
+        return open <= f->open;
+    if (length > clear_step)
+        f->open = fmax(exact, faster*open/length);
+    return true;
+}
+
 /* One step of length h; false: too long. */
 static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context, double h, bool *taken)
 {
@@ -236,7 +251,7 @@ static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context
         !tangent(f, f->v_try))
         return LW_OK;
     double size = fmax(lw_space_length(s, f->v), lw_space_length(s, f->v_try))*fabs(h);
-    if (size > 1e-6 && change(s, f->v, f->v_try, f->z.full) > greatest_change)
+    if ((size > 1e-6 && change(s, f->v, f->v_try, f->z.full) > greatest_change) || !stays_closed(f, length))
         return LW_OK;
     memcpy(f->q, f->q_try, (size_t)s->n_q*sizeof *f->q);
     memcpy(f->v, f->v_try, (size_t)s->n_v*sizeof *f->v);
@@ -390,6 +405,7 @@ static lw_status go_between(lw_space_follow *f, lw_space_path *path, void *conte
 
 static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e)
 {
+    static const double at_end = 1e-5;       /* lengths over the size, radians: the singular posture is that at u */
     lw_status st = aim(f, path, context, f->u);
     bool same = f->made_at == f->u && f->made_by == path;
     for (int i = 0; i < f->n_input && st == LW_OK; i++)
@@ -425,7 +441,7 @@ static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, doub
             arranged = true;
         } else if (fabs(by) < f->least*fabs(whole) || ++steps > 100000) {
             bool between = false;
-            if (fabs(u - f->u) < 1e-5*fabs(whole) && (st = go_between(f, path, context, u, &between)) != LW_OK)
+            if (lw_space_length(f->z.s, f->v)*fabs(u - f->u) < at_end && (st = go_between(f, path, context, u, &between)) != LW_OK)
                 break;
             if (!between)
                 return cannot(f, path, context, u, e);

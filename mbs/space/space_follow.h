@@ -23,6 +23,7 @@ typedef struct lw_space_follow {
     bool    has_second;                  /* a, too                                                         */
     bool    between;                     /* v and a come from postures beside a singular one               */
     double  clear;                       /* greatest z.weak of the postures gone through: far from singular ones */
+    double  open;                        /* rows that depend on others stay closed to this; 0: not known yet */
     double  least;                       /* share of the way of a call to which a limit is found           */
     lw_space_path *made_by;
     void   (*passed)(void *context, const double *q);    /* sees every posture on the way, less than half a turn apart; NULL */

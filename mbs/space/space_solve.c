@@ -4,6 +4,7 @@
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/vector.h"
 
 static const double small_change = 1e-10;    /* a refinement that changes the multipliers by less, relative, leaves rounding only */
 static const int most_refined = 8;           /* corrections */
@@ -139,6 +140,8 @@ void lw_space_rows_fill(lw_space_rows_set *z, const double *q, const double *tar
     }
 }
 
+double lw_space_rows_open(const lw_space_rows_set *z) { return lw_greatest(z->s->n_row, z->phi); }
+
 /* J W, with 0 where a row has no body. */
 static void weigh(lw_space_rows_set *z)
 {
@@ -263,15 +266,32 @@ static lw_status analyse(lw_space_rows_set *z, lw_error *e)
     return good ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
-/* Among all rows, a basis of n rows that are as independent as possible. */
-static lw_status choose_basis(lw_space_rows_set *z, int n, lw_error *e)
+/* J times the root of W, transposed. */
+static void fill_dense(const lw_space_rows_set *z, lw_space_dense *d)
+{
+    memset(d->rank.a, 0, (size_t)d->n_v*(size_t)d->n_row*sizeof *d->rank.a);
+    for (int r = 0; r < d->n_row; r++)
+        for (int k = 0; k < sides_of(z, r); k++)
+            for (int i = 0; z->body[r][k] >= 0 && i < 6; i++)
+                d->rank.a[6*z->body[r][k] + i + r*d->n_v] = z->jac[z->at[r] + 6*k + i]*
+                                                         sqrt(z->weight[6*z->body[r][k] + i]);
+}
+
+/* Among all rows, a basis of at most n rows that are as independent as possible; rows of which less than `least` remains are left out. */
+static lw_status choose_basis(lw_space_rows_set *z, int n, double least, lw_error *e)
 {
     lw_space_dense d;
     lw_status st = lw_space_dense_make(z, &d, e);
     if (st != LW_OK)
         return st;
     d.rank.most = n;
-    lw_space_dense_factor(z, &d, 1e-12);
+    fill_dense(z, &d);
+    for (int r = 0; r < z->n_row; r++) {         /* a row of a heavy link counts as much as one of a light link */
+        double *row = d.rank.a + (size_t)r*(size_t)d.n_v, size = 1/sqrt(lw_dot(d.n_v, row, row));
+        for (int i = 0; isfinite(size) && i < d.n_v; i++)
+            row[i] *= size;
+    }
+    lw_rank_factor(&d.rank, least);
     bool *in = calloc((size_t)z->n_row, sizeof *in);
     for (int i = 0; in && i < d.rank.rank; i++)
         in[d.rank.column[i]] = true;
@@ -309,18 +329,23 @@ lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error 
         int count = 0;
         for (int i = 0; i < z->n_row; i++)
             count += !dependent[i];
-        if (count == z->n_row && !known)
+        bool clear = least > LW_SPACE_CLEAR_SHARE;
+        if (count == z->n_row && !known && (clear || z->n_row > LW_SPACE_MANY_ROWS))
             return free(dependent), LW_OK;
         z->n_kept = 0;
         for (int i = 0; i < z->n_row; i++)
             if (!dependent[z->place[i]])
                 z->kept[z->n_kept++] = i;
         free(dependent);
-        if (z->n_row > LW_SPACE_MANY_ROWS && least > LW_SPACE_CLEAR_SHARE && (!known || z->n_kept == n))
+        if (z->n_row > LW_SPACE_MANY_ROWS && clear && (!known || z->n_kept == n))
             return analyse(z, e);
+        if (z->n_row <= LW_SPACE_MANY_ROWS && !clear && !known) {     /* pivots of squares are as small by rounding */
+            st = choose_basis(z, z->n_row, sqrt(least_share), e);
+            return st == LW_OK ? analyse(z, e) : st;
+        }
         n = known ? n : z->n_kept;
     }
-    lw_status st = choose_basis(z, n, e);
+    lw_status st = choose_basis(z, n, 1e-12, e);
     return st == LW_OK ? analyse(z, e) : st;
 }
 
@@ -451,11 +476,6 @@ void lw_space_dense_free(lw_space_dense *d)
 
 void lw_space_dense_factor(const lw_space_rows_set *z, lw_space_dense *d, double least)
 {
-    memset(d->rank.a, 0, (size_t)d->n_v*(size_t)d->n_row*sizeof *d->rank.a);
-    for (int r = 0; r < d->n_row; r++)
-        for (int k = 0; k < sides_of(z, r); k++)
-            for (int i = 0; z->body[r][k] >= 0 && i < 6; i++)
-                d->rank.a[6*z->body[r][k] + i + r*d->n_v] = z->jac[z->at[r] + 6*k + i]*
-                                                         sqrt(z->weight[6*z->body[r][k] + i]);
+    fill_dense(z, d);
     lw_rank_factor(&d->rank, least);
 }

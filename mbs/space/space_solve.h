@@ -52,6 +52,10 @@ lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error 
 
 /* Rows at q, with wanted values `target` of the extras (over their scale; 0 for spins), and their factors. */
 void lw_space_rows_fill(lw_space_rows_set *z, const double *q, const double *target);
+
+/* How far the joints are open where the rows were filled, those left out as dependent, too: the greatest row, over the size or in radians. */
+double lw_space_rows_open(const lw_space_rows_set *z);
+
 bool lw_space_rows_factor(lw_space_rows_set *z);       /* false: singular */
 
 /* The same for solves that refine: factors of a posture so near that these leave rounding only are kept. */

@@ -148,8 +148,7 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
                 break;
             lw_space_follow_rates(&f, path, with);
             lw_space_rows_fill(&f.z, f.q, f.target);
-            for (int i = 0; i < s.n_row; i++)            /* those left out as dependent, too */
-                o->open = fmax(o->open, fabs(f.z.phi[i]));
+            o->open = fmax(o->open, lw_space_rows_open(&f.z));
             lw_space_tracers(&s, f.z.frame, f.q, f.v, f.a, tracer);
             double (*at)[3] = (double (*)[3])(void *)(value + m->n_input);
             if ((st = path(with, u, at)) != LW_OK)
