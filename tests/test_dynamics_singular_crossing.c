@@ -294,6 +294,49 @@ TEST(rests_in_a_flat_posture)
         }
 }
 
+/* Of two parallelograms on the ground one turns steadily, the other turns back at once or slowly, or rests, in its flat posture at 0.5 s:
+ * their cranks turn as given, and so do the links opposite, there too.  Without friction and weight nothing moves by itself. */
+TEST(one_of_two_inputs_turns_back_in_a_flat_posture)
+{
+    static const char *const motion[] = { "pi - 9*(t - 0.5)^2", "pi - 4*abs(t - 0.5)", "pi - 1 + step(t, 0, 0, 0.5, 1)" };
+    const double begin[] = { LW_PI - 2.25, LW_PI - 2, LW_PI - 1 }, there[] = { -18, 0, 0 };
+    for (int k = 0; k < 3; k++)
+        for (int n = 10; n <= 25; n += 15) {
+            char links[1200] = "'ground'", joints[2000] = "";
+            for (int p = 0; p < 2; p++) {
+                double u = p ? begin[k] : 1, x = cos(u), y = sin(u) + 5*p;
+                snprintf(links + strlen(links), sizeof links - strlen(links), ", {'name': 'a%d', 'mass': 1, 'centre': [0, %d], 'inertia': 1}, {'name':"
+                         "'b%d', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 1}, {'name': 'c%d', 'mass': 1, 'centre': [2, %d], 'inertia': 1}",
+                         p, 5*p, p, 1 + x, y, p, 5*p);
+                snprintf(joints + strlen(joints), sizeof joints - strlen(joints), "%s{'name': 'A%d', 'links': ['ground', 'a%d'], 'at': [0, %d]},"
+                         "{'name': 'B%d', 'links': ['a%d', 'b%d'], 'at': [%.17g, %.17g]}, {'name': 'C%d', 'links': ['b%d', 'c%d'], 'at': [%.17g, "
+                         "%.17g]}, {'name': 'D%d', 'links': ['ground', 'c%d'], 'at': [2, %d]}", p ? "," : "", p, p, 5*p, p, p, p, x, y, p, p,
+                         p, 2 + x, y, p, p, 5*p);
+            }
+            char text[4000];
+            snprintf(text, sizeof text, "{'linkwright': 1, 'gravity': [0, 0], 'links': [%s], 'joints': [%s], 'inputs': [{'joint': 'A0', 'value': 1, "
+                     "'motion': '1 + 3*t'}, {'joint': 'A1', 'value': %.17g, 'motion': '%s'}]}", links, joints, begin[k], motion[k]);
+            drun_read_format(&d, text, 0, 0);
+            CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.5, n), LW_OK);       /* its last row is the flat posture */
+            CHECK_INT(d.n_moment, n + 1);
+            for (int b = 0; b < 6; b++) {
+                bool turns = b%3 != 1, second = b > 2;
+                CHECK_NEAR(remainder(d.q[3*b + 2], 2*LW_PI), !turns ? 0 : remainder(second ? LW_PI - begin[k] : 1.5, 2*LW_PI), 1e-9, 0);
+                if (k == 1)                              /* speeds and accelerations jump at this moment */
+                    continue;
+                CHECK_NEAR(d.v[3*b + 2], turns && !second ? 3 : 0, 1e-7, 0);
+                if (k == 0)
+                    CHECK_NEAR(d.a[3*b + 2], turns && second ? there[k] : 0, 1e-6, 0);
+            }
+            CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.7, n), LW_OK);
+            CHECK_INT(d.n_moment, n + 1);
+            double end = k == 0 ? LW_PI - 9*0.04 : k == 1 ? LW_PI - 0.8 : LW_PI;
+            CHECK_NEAR(remainder(d.q[17] - (end - begin[k]), 2*LW_PI), 0, 1e-9, 0);
+            CHECK_NEAR(remainder(d.q[14], 2*LW_PI), 0, 1e-9, 0);
+            lw_model_free(&d.model);
+        }
+}
+
 /* Ten parallelograms in a row, whose change points all have to be found as one; the motion is that of one crank, s''
  * = -g 15.5/(11/3 + 10) cos s. */
 static lw_status rate_of_ten(void *context, double t, const double *y, double *dy)

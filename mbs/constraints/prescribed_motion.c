@@ -14,7 +14,10 @@
 #define PARTS 12                            /* moments of a step at which the inputs are looked at      */
 
 static const double longest_change = 0.1;   /* of the value of one input in a step in time, scaled      */
+static const double by_lines = 0.02;        /* of the values of several inputs in a step by lines, scaled */
 static const double same_value = 1e-10;     /* values of one input that are no more apart, scaled, are the same */
+
+typedef struct line { double at[LW_INPUT_MAX], direction[LW_INPUT_MAX]; } line;
 
 struct lw_prescribed_motion {
     const lw_system *s;
@@ -26,7 +29,8 @@ struct lw_prescribed_motion {
     double          *q, *next, *series, *track;      /* track: TRACK x (1 + n), time and posture       */
     int              n_track;
     double           share;                 /* fraction of the path to the start of the motion          */
-    double           target[LW_INPUT_MAX];
+    double           first[LW_INPUT_MAX], target[LW_INPUT_MAX];
+    line             line;                  /* motion of the inputs along one, by its parameter         */
     bool             straight;              /* the inputs move straight                                */
     bool             stuck;                 /* near a limit: no step is short enough                   */
     double           limit;                 /* time of that limit                                      */
@@ -306,6 +310,92 @@ static lw_status advance_by_value(lw_prescribed_motion *d, double last)
     return s;
 }
 
+/* ---- several inputs, by straight lines ------------------------------------------------------------ */
+
+static lw_input_function straight;
+
+static void on_line(void *context, double x, int order, double *u)
+{
+    const lw_prescribed_motion *d = context;
+    for (int i = 0; i < d->s->n_input; i++)
+        for (int k = 0; k <= order; k++)
+            u[i*(order + 1) + k] = k == 0 ? d->line.at[i] + x*d->line.direction[i] : k == 1 ? d->line.direction[i] : 0;
+}
+
+static lw_status make(const lw_system *s, const double *q, lw_input_function *motion, void *context, double t, double start,
+                      const line *l, lw_prescribed_motion **out, lw_error *e);
+
+/* Values of the inputs in posture q. */
+static void values_of(const lw_prescribed_motion *d, const double *q, double *u)
+{
+    for (int i = 0; i < d->s->n_input; i++) {
+        int joint = d->s->input_joint[i];
+        u[i] = d->s->input_value[i] + lw_system_joint_unit(d->s, joint)*lw_system_measure(d->s, joint, q, NULL);
+    }
+}
+
+/* Move posture q straight until its inputs are `to` (n_input), into `out`. */
+static bool go_straight(const lw_prescribed_motion *d, const double *q, const double *to, double *out)
+{
+    line l;
+    lw_prescribed_motion *p;
+    values_of(d, q, l.at);
+    for (int i = 0; i < d->s->n_input; i++)
+        l.direction[i] = to[i] - l.at[i];
+    bool good = make(d->s, q, on_line, NULL, 0, 0, &l, &p, NULL) == LW_OK && lw_prescribed_motion_to(p, 1) == LW_OK;
+    if (good)
+        memcpy(out, p->posture, (size_t)d->n*sizeof *out);
+    lw_prescribed_motion_free(p);
+    return good;
+}
+
+/* No series in time leads on where an input rests or turns back in a branch point.  The posture is a function of the values there,
+ * too: go to it straight from a posture beside, which keeps its distance.  One step towards `last`; false: none is left. */
+static bool go_by_lines(lw_prescribed_motion *d, double last)
+{
+    double u[LW_INPUT_MAX], now[LW_INPUT_MAX], to[LW_INPUT_MAX], aside[LW_INPUT_MAX], h = last - d->t, t = last;
+    const double *from = look_back(d, LW_CONTINUATION_BACK);
+    if (!from)
+        return false;
+    d->motion(d->context, d->t, 0, now);
+    for (bool near = false; !near; h *= near ? 1 : 0.5) {
+        near = true;
+        t = h == last - d->t ? last : d->t + h;
+        for (int k = 1; k <= PARTS; k++) {
+            d->motion(d->context, k == PARTS ? t : d->t + h*k/PARTS, 0, to);
+            for (int i = 0; i < d->s->n_input; i++)
+                near = near && fabs(to[i] - now[i]) <= by_lines*lw_system_joint_unit(d->s, d->s->input_joint[i]);
+        }
+        if (!near && !(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
+            return false;
+    }
+    values_of(d, from + 1, u);
+    for (int i = 0; i < d->s->n_input; i++)
+        aside[i] = to[i] + u[i] - now[i];
+    double *beside = d->series;
+    if (!go_straight(d, from + 1, aside, beside) || !go_straight(d, beside, to, d->q)) {
+        memcpy(beside, from + 1, (size_t)d->n*sizeof *beside);
+        if (!go_straight(d, beside, to, d->q))
+            return false;
+    }
+    d->track[0] = d->t = t;
+    memcpy(d->track + 1, beside, (size_t)d->n*sizeof *beside);
+    d->n_track = 1;
+    d->leapt = false;
+    d->step = 0;
+    return true;
+}
+
+lw_status lw_prescribed_motion_line(const lw_prescribed_motion *d, const double *at, const double *direction, double x,
+                                    lw_prescribed_motion **out)
+{
+    line l = { { 0 }, { 0 } };
+    const double *from = look_back(d, LW_CONTINUATION_BACK);
+    memcpy(l.at, at, (size_t)d->s->n_input*sizeof *at);
+    memcpy(l.direction, direction, (size_t)d->s->n_input*sizeof *direction);
+    return make(d->s, from ? from + 1 : d->q, on_line, NULL, x, x, &l, out, NULL);
+}
+
 static lw_status to_by_value(lw_prescribed_motion *d, double t)
 {
     lw_status s = LW_OK;
@@ -413,7 +503,7 @@ lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t)
         come_free(d);
     while (d->t != t && !leapt_over(d, t)) {
         outcome o = advance(d, t);
-        if (o != MOVED) {
+        if (o != MOVED && !(d->s->n_input > 1 && d->motion != straight && d->motion != on_line && go_by_lines(d, t))) {
             hold(d, d->t);
             tell(d, d->t, d->q);
             find_limit(d, t);
@@ -435,7 +525,7 @@ static void straight(void *context, double t, int order, double *u)
 {
     const lw_prescribed_motion *d = context;
     for (int i = 0; i < d->s->n_input; i++) {
-        double first = d->s->input_value[i], way = d->target[i] - first;
+        double first = d->first[i], way = d->target[i] - first;
         for (int k = 0; k <= order; k++)
             u[i*(order + 1) + k] = k == 0 ? first + t*way : k == 1 ? way : 0.0;
     }
@@ -471,6 +561,10 @@ static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error
     bool itself = motion == lw_prescribed_motion_itself;
     double first = itself ? d->s->input_value[0] : 0, last = itself ? t : 1;
     motion(context, t, 0, d->target);
+    if (motion == on_line)
+        values_of(d, d->q, d->first);
+    else
+        memcpy(d->first, d->s->input_value, (size_t)d->s->n_input*sizeof *d->first);
     for (int i = 0; i < d->s->n_input; i++)
         if (!isfinite(d->target[i]))
             return lw_error_set(e, LW_E_NUMERIC, "the motion of input %d is no number at t = %g", i + 1, start);
@@ -494,7 +588,7 @@ static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error
     memcpy(d->q, d->posture, (size_t)d->n*sizeof *d->q);
     d->motion = motion;
     d->context = context;
-    d->straight = false;
+    d->straight = motion == on_line;
     d->t = t;
     d->step = 0.0;
     d->n_track = d->crossings = 0;
@@ -505,7 +599,7 @@ static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error
 }
 
 static lw_status make(const lw_system *s, const double *q, lw_input_function *motion, void *context, double t, double start,
-                      lw_prescribed_motion **out, lw_error *e)
+                      const line *l, lw_prescribed_motion **out, lw_error *e)
 {
     int all[LW_INPUT_MAX], missing = s->n_q - s->n_row - s->n_input;
     *out = NULL;
@@ -521,7 +615,9 @@ static lw_status make(const lw_system *s, const double *q, lw_input_function *mo
         d->s = s;
         d->n = s->n_q;
         d->motion = motion;
-        d->context = context;
+        d->context = l ? d : context;
+        if (l)
+            d->line = *l;
         size_t vectors = 1 + (ORDER + 2) + (by_value ? 0 : 2 + (ORDER + 1)), stored = by_value ? 0 : TRACK*(size_t)(1 + d->n);
         d->series = calloc(vectors*(size_t)d->n + stored, sizeof *d->series);
     }
@@ -534,7 +630,7 @@ static lw_status make(const lw_system *s, const double *q, lw_input_function *mo
     if (by_value) {
         d->t = d->away_t = t;
         d->away = value_at(d, t);
-        status = make(s, q, lw_prescribed_motion_itself, NULL, d->away, t, &d->place, e);
+        status = make(s, q, lw_prescribed_motion_itself, NULL, d->away, t, NULL, &d->place, e);
         if (status == LW_OK)
             tell(d, t, d->place->posture);
     } else {
@@ -561,7 +657,7 @@ static lw_status make(const lw_system *s, const double *q, lw_input_function *mo
 lw_status lw_prescribed_motion_create(const lw_system *s, const double *q, lw_input_function *motion, void *context,
                                       double t, lw_prescribed_motion **out, lw_error *e)
 {
-    return make(s, q, motion, context, t, t, out, e);
+    return make(s, q, motion, context, t, t, NULL, out, e);
 }
 
 lw_prescribed_motion *lw_prescribed_motion_by_value(lw_prescribed_motion *d) { return d->place ? d->place : d; }

@@ -3,7 +3,8 @@
  * Every step is so short that the posture provably stays on its branch, for any path of the inputs within their change
  * over the step (mbs/constraints/continuation_internal.h).  Whether several inputs stay within that change is checked at a
  * dozen times inside the step.  The posture of a linkage with one input follows the value of the input, which may rest or turn back
- * anywhere, in a branch point too; where it turns back is looked for at a dozen times in each tenth of a radian. */
+ * anywhere, in a branch point too; where it turns back is looked for at a dozen times in each tenth of a radian.  If one of several
+ * inputs does so, the posture is reached along straight lines of their values. */
 #ifndef LW_MBS_CONSTRAINTS_PRESCRIBED_MOTION_H
 #define LW_MBS_CONSTRAINTS_PRESCRIBED_MOTION_H
 
@@ -37,6 +38,11 @@ lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t);
 /* One input: its postures along its value, from which those in time follow; they may be asked for any value, and d keeps its own
  * posture and time.  d owns them.  Several inputs: d itself. */
 lw_prescribed_motion *lw_prescribed_motion_by_value(lw_prescribed_motion *d);
+
+/* Several inputs: *out (free it) gives the postures near d on the straight line on which the inputs are at[i] + x direction[i], where x
+ * takes the place of the time; it begins at x.  Failures as lw_prescribed_motion_create. */
+lw_status lw_prescribed_motion_line(const lw_prescribed_motion *d, const double *at, const double *direction, double x,
+                                    lw_prescribed_motion **out);
 
 double        lw_prescribed_motion_time(const lw_prescribed_motion *d);
 const double *lw_prescribed_motion_posture(const lw_prescribed_motion *d);   /* coordinates (n_q) */

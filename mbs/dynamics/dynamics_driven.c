@@ -5,7 +5,7 @@
  * Near a branch point these lose digits: at the distance x [rad] from it rounding is magnified by 1/x^4.  There all
  * quantities are interpolated from places on both sides: with one input along its value, with the speed and acceleration
  * that it has at the moment asked for, since in time the input may turn back close to the branch point; with several
- * inputs in time.  Postures are analytic, and multipliers have at most a simple pole, so the product of multiplier and
+ * inputs on a straight line of their values, likewise.  Postures are analytic, and multipliers have at most a simple pole, so the product of multiplier and
  * distance from the branch point is analytic too.  Its value there is the strength of the pole; where that is 0, its
  * derivative is the limit of the multiplier.  The power of a moving input is finite, so its drive has a limit; reactions
  * often have none. */
@@ -27,13 +27,16 @@ enum { N_SIDE = 6, N_NODE = 2*N_SIDE };
 static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };
 static const double longest_half = 0.3;        /* half of a window, scaled: about radians */
 static const double beside = 0.1;            /* weakest pivot at which a branch point is looked for */
+static const double line_half = 0.1;         /* the same on a line of several inputs, scaled */
+static const double few_digits = 0.03;       /* pivot below which such a line is looked at */
+static const double no_digits = 1e-6;        /* pivot below which forces are rounding */
 static const double agreed = 1e-6;           /* greatest difference of two interpolations of a window, relative */
 static const double enough = 1e-9;           /* such a difference that a shorter window need not improve */
 static const double no_pole = 1e-8;          /* strength of a pole that counts as 0, relative */
 static const double at_pole = 1e-7;          /* distance from a pole, over half the window, without a value */
 
 /* Samples around one branch point: q, v, a, then the distance from it times the multipliers.  A place is the value of the
- * input, or with several inputs the time. */
+ * input, or with several inputs the parameter of a line of their values. */
 typedef struct window {
     double at, half;                         /* place of the branch point; half the length; 0: no window */
     double off;                              /* difference of two interpolations */
@@ -45,7 +48,7 @@ typedef struct driven {
     lw_dynamics *d;
     lw_system   system;                      /* with the driven inputs only */
     lw_prescribed_motion *motion;
-    lw_prescribed_motion *by_place;          /* its postures by the place; with several inputs `motion` itself */
+    lw_prescribed_motion *by_place;          /* postures by the place */
     int         width;
     window      found, tried;
     double     *gap;                         /* gaps and rates of the places that may touch, at the moment looked at last */
@@ -147,8 +150,8 @@ static double scale(const driven *z, const window *w, int k)
     return most;
 }
 
-/* Go to the places of the window w, whose `at` and `half` are set, and compare two interpolations at its middle.  With
- * one input the speed and the acceleration of the input and the forces are those of time t. */
+/* Go to the places of the window w, whose `at` and `half` are set, and compare two interpolations at its middle.  The
+ * speeds and accelerations of the inputs and the forces are those of time t. */
 static lw_status fill(driven *z, window *w, double t)
 {
     lw_dynamics *d = z->d;
@@ -156,14 +159,13 @@ static lw_status fill(driven *z, window *w, double t)
     for (int i = 0; i < N_NODE; i++) {
         double *to = w->values + i*z->width;
         w->x[i] = i < N_SIDE ? -w->half*node[N_SIDE - 1 - i] : w->half*node[i - N_SIDE];
-        double when = z->by_place == z->motion ? w->at + w->x[i] : t;
         lw_status s = lw_prescribed_motion_to(z->by_place, w->at + w->x[i]);
         if (s == LW_OK) {
             memcpy(to, lw_prescribed_motion_posture(z->by_place), (size_t)n*sizeof *to);
-            s = velocities_at(d, when, to, to + n);
+            s = velocities_at(d, t, to, to + n);
         }
         if (s == LW_OK)
-            s = forces_at(d, when, to, to + n);
+            s = forces_at(d, t, to, to + n);
         if (s != LW_OK)
             return s;
         memcpy(to + 2*n, d->a, (size_t)n*sizeof *to);
@@ -275,21 +277,17 @@ static lw_status follow(driven *z, double t)
     return s;
 }
 
-/* The posture y at t is near a singular one: is it near a branch point, and the moment at t filled from places around it?
- * LW_E_NUMERIC: several inputs do not get back to t. */
+/* One input: is the posture y at t near a branch point, and the moment at t filled from places around it? */
 static lw_status near_crossing(driven *z, double t, double *y, bool *filled)
 {
     lw_dynamics *d = z->d;
     int n = d->n_q;
-    double x = t, at, series[2*LW_SYSTEM_Q_MAX];
-    bool same = z->by_place == z->motion;
-    if (!same)
-        lw_mbs_driven_inputs(d, t, 0, &x);
+    double x, at, series[2*LW_SYSTEM_Q_MAX];
+    lw_mbs_driven_inputs(d, t, 0, &x);
     *filled = false;
     if (x > z->clear_from && x < z->clear_to)
         return LW_OK;
-    lw_status s = same ? LW_OK : lw_prescribed_motion_to(z->by_place, x);
-    if (s != LW_OK)                                       /* at a limit of the input, to rounding */
+    if (lw_prescribed_motion_to(z->by_place, x) != LW_OK)     /* at a limit of the input, to rounding */
         return LW_OK;
     if (!lw_prescribed_motion_rates(z->by_place, 1, series) || !(lw_greatest(n, series + n) > 0))
         return LW_OK;
@@ -297,13 +295,38 @@ static lw_status near_crossing(driven *z, double t, double *y, bool *filled)
     if (look_around(z, x, half, &at)) {
         if (!z->made || fabs(z->found.at - at) > 0.1*half)
             make_window(z, at, half, t);
-        else if (!same && within(&z->found, x) && fill(z, &z->found, t) != LW_OK)
+        else if (within(&z->found, x) && fill(z, &z->found, t) != LW_OK)
             z->found.half = 0;
         z->made = true;
         if ((*filled = within(&z->found, x)))
             from_window(z, x, y);
     }
-    return *filled || !same || (s = lw_prescribed_motion_to(z->motion, t)) == LW_OK ? LW_OK : lost(z, s, t);
+    return LW_OK;
+}
+
+/* With several inputs, of which one may rest or turn back in the branch point: the moment at t from a window on a straight line of
+ * their values, with the speeds and accelerations that they have at t.  Input `alone` moves along it; -1: all move. */
+static bool from_line(driven *z, double t, int alone, double *y)
+{
+    lw_dynamics *d = z->d;
+    double u[LW_INPUT_MAX], direction[LW_INPUT_MAX], at;
+    lw_prescribed_motion *line;
+    bool good = false;
+    lw_mbs_driven_inputs(d, t, 0, u);
+    for (int i = 0; i < d->n_driven; i++)
+        direction[i] = alone < 0 || i == alone ? lw_system_joint_unit(&z->system, z->system.input_joint[i]) : 0;
+    if (lw_prescribed_motion_line(z->motion, u, direction, 0.5*line_half, &line) != LW_OK)
+        return false;
+    z->by_place = line;
+    if (look_around(z, 0, line_half, &at)) {
+        make_window(z, at, line_half, t);
+        if ((good = within(&z->found, 0)))
+            from_window(z, 0, y);
+    }
+    for (int i = 0; i < d->n_q && good; i++)
+        good = fabs(lw_prescribed_motion_posture(z->motion)[i] - y[i]) < 1e-4;
+    lw_prescribed_motion_free(line);
+    return good;
 }
 
 /* Posture and velocities y, accelerations and multipliers at t.  LW_OPEN: the forces are not known. */
@@ -316,8 +339,15 @@ static lw_status moment_at(driven *z, double t, double *y)
     if (s != LW_OK)
         return s;
     memcpy(y, lw_prescribed_motion_posture(z->motion), (size_t)n*sizeof *y);
-    if (apart(d, t, y) < beside && ((s = near_crossing(z, t, y, &filled)) != LW_OK || filled))
+    double off = apart(d, t, y);
+    if (d->n_driven == 1 && off < beside && ((s = near_crossing(z, t, y, &filled)) != LW_OK || filled))
         return s;
+    for (int i = -1; i < d->n_driven && d->n_driven > 1 && off < few_digits; i++)
+        if (from_line(z, t, i, y))
+            return LW_OK;
+    if (d->n_driven > 1 && off < no_digits)
+        return lw_error_set(z->run->e, LW_E_NUMERIC, "velocities and forces are not determined at t = %.9g s: the posture is singular "
+                            "whichever input moves", t);
     double series[2*LW_SYSTEM_Q_MAX];
     s = velocities_at(d, t, y, y + n);
     if (s == LW_OPEN && lw_prescribed_motion_rates(z->motion, 1, series))
