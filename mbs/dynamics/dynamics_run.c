@@ -141,13 +141,13 @@ double lw_run_energy(const lw_run *run, const double *y)
 static const double rounded = 1e-13;         /* of coordinates after a step, over the greatest one */
 
 /* farthest: the least distance that counts as the greatest coordinate. */
-static double rounded_energy(const lw_dynamics *d, const double *q, double farthest)
+static double rounded_energy(const lw_dynamics *d, const double *q, const double *forces, double farthest)
 {
     double force = 0;
     for (int i = 0; i < d->n_q; i++)
         farthest = fmax(farthest, fabs(q[i]));
     for (int i = 0; i < d->n_v; i++)
-        force += fabs(d->force[i]);
+        force += fabs(forces[i]);
     return rounded*farthest*force;
 }
 
@@ -163,7 +163,7 @@ double lw_run_energy_error(const lw_run *run, double times, const double *y, dou
 {
     const lw_dynamics *d = run->d;
     double scale = fmax(run->r->energy_scale, d->eq.kinetic(d->eq.context, y + d->n_q));
-    double least = least_kinetic(d, scratch) + rounded_energy(d, y, 0);
+    double least = least_kinetic(d, scratch) + rounded_energy(d, y, d->force, 0);
     return times*(d->o.relative + d->o.absolute)*scale + 2*sqrt(scale*least) + least;
 }
 
@@ -221,8 +221,9 @@ static lw_status check_energy(lw_run *run, const lw_moment *m)
     double off = fmax(r->energy_error, fabs(m->kinetic + m->potential - m->work - run->energy0));
     if (!knows_energy(run) || off <= least_energy_off*scale)
         return LW_OK;
-    double least = least_kinetic(d, d->hold);
-    double step = (d->o.relative + d->o.absolute)*scale + 2*sqrt(scale*least) + least + rounded_energy(d, m->q, 1);
+    d->eq.forces(d->eq.context, m->t, m->q, m->v, d->hold, NULL);
+    double noise = rounded_energy(d, m->q, d->hold, 1), least = least_kinetic(d, d->hold);
+    double step = (d->o.relative + d->o.absolute)*scale + 2*sqrt(scale*least) + least + noise;
     return off <= most_energy_off*(double)run->n_noted*step ? LW_OK
          : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the energy is off by %.3g J of %.3g J, far more than steps at this tolerance explain: "
                         "the motion is not that of the model; another tolerance or formulation may find it", m->t, off, scale);
