@@ -559,12 +559,12 @@ static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error
     lw_input_function *motion = d->motion;
     void *context = d->context;
     bool itself = motion == lw_prescribed_motion_itself;
-    double first = itself ? d->s->input_value[0] : 0, last = itself ? t : 1;
     motion(context, t, 0, d->target);
-    if (motion == on_line)
+    if (motion == on_line || itself)                      /* a posture that was adjusted has other values than drawn */
         values_of(d, d->q, d->first);
     else
         memcpy(d->first, d->s->input_value, (size_t)d->s->n_input*sizeof *d->first);
+    double first = itself ? d->first[0] : 0, last = itself ? t : 1;
     for (int i = 0; i < d->s->n_input; i++)
         if (!isfinite(d->target[i]))
             return lw_error_set(e, LW_E_NUMERIC, "the motion of input %d is no number at t = %g", i + 1, start);
