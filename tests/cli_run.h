@@ -3,7 +3,8 @@
  * The commands know three words:
  *     $P   the program (LW_PROGRAM)
  *     $C   its test build, whose clock and end the environment sets: tests/fake_clock.c, tests/kill_at_write.c
- *     $D   a folder of this test's own, removed at the end */
+ *     $D   a folder of this test's own, removed at the end
+ * and $T, the test program itself, if the test sets it. */
 #ifndef LW_TESTS_CLI_RUN_H
 #define LW_TESTS_CLI_RUN_H
 
@@ -54,7 +55,7 @@ static inline int run_directly(const char *command, const char *out, const char 
     pid_t child;
     int n_name = 0, n_set = 0, status = -1;
     const char *program = strpbrk(command, "$`'\"");
-    if (!program || (strncmp(program, "$C ", 3) != 0 && strncmp(program, "$P ", 3) != 0) || (program > command && program[-1] != ' '))
+    if (!program || !strchr("CPT", program[1]) || program[1] == 0 || program[2] != ' ' || program[0] != '$' || (program > command && program[-1] != ' '))
         return -1;
     if (wordexp(command, &words, WRDE_NOCMD) != 0)
         return -1;
