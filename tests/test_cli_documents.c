@@ -11,6 +11,7 @@
 #include <string.h>
 
 #define LIMIT " --time 0.5"
+#define SHORT " --rounds 1"              /* all that a next command needs */
 
 /* Commands that search or draw samples until they are told to stop. */
 static bool is_long(const char *command)
@@ -41,10 +42,10 @@ static size_t command_length(const char *line)
 static void run_one(const char *page, int number, const char *command, bool whole)
 {
     char line[1400];
-    bool limited = !whole && is_long(command);
+    bool limited = !whole && is_long(command), shortened = whole && is_long(command);
     const char *pipe = strpbrk(command, "|>");
-    size_t first = pipe && limited ? (size_t)(pipe - command) : strlen(command);
-    snprintf(line, sizeof line, "cd $D/w && PATH=$D/bin:$PATH && %.*s%s %s", (int)first, command, limited ? LIMIT : "",
+    size_t first = pipe && (limited || shortened) ? (size_t)(pipe - command) : strlen(command);
+    snprintf(line, sizeof line, "cd $D/w && PATH=$D/bin:$PATH && %.*s%s %s", (int)first, command, limited ? LIMIT : shortened ? SHORT : "",
              command + first);
     ran r = run(line);
     bool asks = strstr(command, "catalogue query") || strstr(command, "catalogue nearest");
@@ -55,7 +56,7 @@ static void run_one(const char *page, int number, const char *command, bool whol
     ran_free(&r);
 }
 
-/* whole: without a limit of time, since later commands need the results of earlier ones. */
+/* whole: searches of one round without a limit of time, since later commands need the results of earlier ones. */
 static int run_page(const char *page, bool whole)
 {
     char *text = slurp(page), *rest = text;
