@@ -75,8 +75,8 @@ TEST(more_links_are_never_worse)
 /* A target that no linkage of these stages meets, so that no search ends early. */
 static void make_unmet(const lw_linkage *k, lw_target *t)
 {
-    six_bar_target(k, 18, true, t);
-    for (int i = 0; i < 18; i += 3)
+    six_bar_target(k, 9, true, t);
+    for (int i = 0; i < 9; i += 3)
         t->x[i] += i % 2 ? 0.4 : -0.4;
 }
 
@@ -161,6 +161,7 @@ TEST(more_time_is_never_worse)
         stopper stop = { .most = most };
         lw_staged_search s;
         o.max_rounds = 8;
+        o.budget = 20000;
         o.max_seconds = 1e4;
         o.progress = count_round;
         o.context = &stop;
@@ -189,7 +190,7 @@ TEST(small_linkages_are_kept)
     lw_staged_search s;
     int small = 0;
     o.spec.by_default = LW_LIMIT_ALL;
-    o.max_rounds = 8;
+    o.max_rounds = 4;
     o.max_seconds = 1e4;                                /* so that it searches in parts */
     CHECK_INT(lw_target_make(N, px, py, NULL, NULL, NULL, 0, &t, NULL), LW_OK);
     CHECK_INT(lw_staged_search_run(&t, &o, &stage, 1, &s, NULL), LW_OK);
@@ -314,8 +315,8 @@ TEST(families_beyond_a_sweep)
     lw_linkage k = six_bar();
     lw_target t;
     lw_fit fit[2];
-    six_bar_target(&k, 24, false, &t);
-    for (int i = 0; i < 24; i += 3)                      /* not to be met: no search ends early       */
+    six_bar_target(&k, 9, false, &t);
+    for (int i = 0; i < 9; i += 3)                       /* not to be met: no search ends early       */
         t.x[i] += i % 2 ? 0.4 : -0.4;
     for (int i = 0; i < N; i++)
         list[i] = (lw_family){ .name = "six-bar", .linkage = &k, .links = 6 };
