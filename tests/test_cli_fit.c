@@ -4,6 +4,12 @@
 
 static double member(const json_t *o, const char *key) { return json_number_value(json_object_get(o, key)); }
 
+/* The answer that several tests look at, searched once; what was said is in $D/foot-said. */
+static json_t *walking_foot(void)
+{
+    return json_of("test -e $D/foot.json || $P fit examples/walking-foot.csv --rounds 1 --json > $D/foot.json 2> $D/foot-said; cat $D/foot.json");
+}
+
 /* The input of a slider is a length: in millimetres where the target is. */
 TEST(inputs_of_sliders_have_the_unit_of_the_target)
 {
@@ -69,7 +75,7 @@ TEST(first_answers_keep_the_default_limits)
         for (int unlimited = 0; unlimited < 2; unlimited++) {
             snprintf(line, sizeof line, "$P fit examples/%s.csv --rounds 1 --json -q%s", target[k],
                      unlimited ? " --unlimited" : "");
-            json_t *root = json_of(line), *r = json_array_get(json_object_get(root, "results"), 0);
+            json_t *root = k == 0 && !unlimited ? walking_foot() : json_of(line), *r = json_array_get(json_object_get(root, "results"), 0);
             json_t *dim = json_object_get(r, "dimensions");
             double length[4] = { member(dim, "r1"), member(dim, "r2"), member(dim, "r3"), member(dim, "r4") };
             objective[unlimited] = member(r, "objective");
@@ -124,7 +130,7 @@ TEST(few_points_are_met_by_the_first_row)
 /* Within a tolerance the simplest linkage comes first, then the smallest; where nothing is within, this is told. */
 TEST(tolerances_choose_the_smallest)
 {
-    json_t *best = json_of("$P fit examples/walking-foot.csv --rounds 1 --json -q");
+    json_t *best = walking_foot();
     json_t *root = json_of("$P fit examples/walking-foot.csv --rounds 1 --tolerance 2mm --json -q"), *r;
     double size = 0, least = member(json_array_get(json_object_get(best, "results"), 0), "size");
     size_t i;
@@ -197,7 +203,7 @@ TEST(poses_of_simpler_machines_are_named)
 {
     json_t *root = json_of("awk 'BEGIN { print \"x [mm],y [mm],theta [deg]\"; for (i = 0; i < 6; i++) "
                            "printf \"%.9f,%.9f,0\\n\", 200*cos(0.35*i), 200*sin(0.35*i) }' > $D/shelf.csv; "
-                           "$P fit $D/shelf.csv --rounds 2 --class-margin 0 --json 2> $D/said");
+                           "$P fit $D/shelf.csv --rounds 1 --class-margin 0 --json 2> $D/said");
     json_t *of = json_object_get(json_array_get(json_object_get(root, "results"), 0), "dimensions");
     CHECK_NEAR(member(of, "r2"), 200, 0, 1e-6);
     CHECK_NEAR(member(of, "r4"), 200, 0, 1e-6);
@@ -213,8 +219,7 @@ TEST(a_small_budget_is_kept)
 {
     double evals[2];
     for (int i = 0; i < 2; i++) {
-        json_t *root = json_of(i == 0 ? "$P fit examples/walking-foot.csv --rounds 1 --links 4 --json -q"
-                                      : "$P fit examples/walking-foot.csv --rounds 1 --links 6 --budget 1000 --json -q");
+        json_t *root = i == 0 ? walking_foot() : json_of("$P fit examples/walking-foot.csv --rounds 1 --links 6 --budget 1000 --json -q");
         evals[i] = member(root, "evaluations");
         json_decref(root);
     }
@@ -226,7 +231,7 @@ TEST(a_small_budget_is_kept)
 TEST(six_links_are_left_out_where_four_are_near)
 {
     json_t *root = json_of("printf 'x [mm],y [mm],theta [deg]\n300,0,0\n290,80,0\n260,150,0\n210,215,0\n140,265,0\n' | "
-                           "$P fit - --rounds 6 --budget 2e4 --json -q"), *r;
+                           "$P fit - --rounds 2 --budget 2e4 --json -q"), *r;
     size_t i;
     CHECK(json_array_size(json_object_get(root, "results")) > 0);
     json_array_foreach(json_object_get(root, "results"), i, r)
@@ -238,7 +243,8 @@ TEST(six_links_are_left_out_where_four_are_near)
 TEST(six_links_are_announced)
 {
     expect("$P fit examples/figure-eight.csv --rounds 1 --budget 1e3 2>&1 >/dev/null", 0, "no four-bar found is near enough, so six links", NULL);
-    expect("$P fit examples/walking-foot.csv --rounds 1 2>&1 >/dev/null | wc -c", 0, "0\n", "");
+    json_decref(walking_foot());
+    expect("wc -c < $D/foot-said", 0, "0\n", "");
 }
 
 /* Three poses are met by many four-bars, which may leave a smooth line between them as they like: no six links are searched, and no
