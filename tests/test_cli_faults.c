@@ -426,6 +426,12 @@ static void fail_each(const char *command, bool few)
     free(file);
 }
 
+/* Nobody would know where a studio is whose address is lost. */
+TEST(a_lost_address_ends_the_studio)
+{
+    expect("XDG_STATE_HOME=$D XDG_CACHE_HOME=$D timeout 60 $P studio --no-browser > /dev/full", WRITE_ERROR, "", "cannot be written");
+}
+
 TEST(faults)
 {
     const char *only = getenv("LW_FAULTS_ROW");

@@ -135,7 +135,11 @@ static int serve(const cli_call *call, const settings *s, studio_options *o)
         remember(kept, server);
     snprintf(address, sizeof address, "http://127.0.0.1:%d/%s/", studio_port(server), studio_token(server));
     printf(call->common.json ? "{\"address\": \"%s\"}\n" : "%s\n", address);
-    fflush(stdout);
+    if (fflush(stdout) != 0) {                   /* nobody would know where it is */
+        studio_stop(server);
+        lw_error_at(&e, LW_E_IO, "standard output", 0, 0, "cannot be written: %s", strerror(errno));
+        return cli_fail(call, &e);
+    }
     cli_note(call, "the studio is at the address above; Ctrl-C ends it");
     if (!s->no_browser)
         open_browser(address);

@@ -346,7 +346,10 @@ static lw_status run_one(motion *m, double *y, double *work)
     double *out = m->shown, *each = NULL, t = d->o.from;
     lw_mbs_is_stiff(d);                      /* for its decay */
     bool stiff = decays(d) > damped && m->r.n_u <= LW_IMPLICIT_MAX;
-    w.staged = (stiff || !takes_bdf(m)) && lw_tree_stages_make(&m->r, &d->space->f, run->has_work, &m->stages) == LW_OK;
+    lw_status s = stiff || !takes_bdf(m) ? lw_tree_stages_make(&m->r, &d->space->f, run->has_work, &m->stages) : LW_E_KIND;
+    if (s == LW_E_MEMORY)
+        return lw_error_set(run->e, s, "out of memory");
+    w.staged = s == LW_OK;
     w.implicit = !w.staged && takes_bdf(m);
     w.ode.project = w.implicit ? NULL : project;
     w.at_stages = (lw_stages_ode){ w.ode.n, m->r.n_u, stiff, m, rates, project, m->stages.isa };
@@ -356,7 +359,7 @@ static lw_status run_one(motion *m, double *y, double *work)
     o.absolute = share*d->o.absolute;
     o.max_step = d->o.max_step;
     o.smooth = d->eq.smooth;
-    lw_status s = start(m, y, out);
+    s = start(m, y, out);
     if (s == LW_OK && d->eq.n_z) {           /* states have sizes of their own */
         int first = ode->n - d->eq.n_z;
         each = malloc((size_t)ode->n*sizeof *each);
