@@ -99,6 +99,7 @@ static lw_status states(sum *s)     { return simulate(s, "examples/dynamics/boom
 static lw_status add_in_space(void *context, const lw_spatial_sample *p)
 {
     add(context, &p->kinetic, sizeof p->kinetic);
+    add(context, &p->link[1], sizeof p->link[1]);
     return LW_OK;
 }
 
@@ -497,7 +498,7 @@ static lw_status cycle(sum *s)
 static const struct { const char *name; int first, density; lw_status (*run)(sum *s); } calls[] = {
     { "vibrations", 40, 4, vibrations }, { "simulation", 40, 4, simulation }, { "fit", 40, 4, fit }, { "exact", 40, 4, exact },
     { "chain", 40, 4, chain }, { "postures of a higher group", 40, 4, group }, { "fit by lm-gsl", 3, 1, fit_gsl },
-    { "space", 12, 2, space }, { "open tree", 1000, 1, open_tree }, { "family", 12, 2, family }, { "drives", 12, 2, drives }, { "contact", 12, 1, contact },
+    { "space", 12, 2, space }, { "open tree", 2000, 1, open_tree }, { "family", 12, 2, family }, { "drives", 12, 2, drives }, { "contact", 12, 1, contact },
     { "elastic", 12, 1, elastic }, { "states", 12, 1, states },
     { "lists", 12, 2, lists }, { "catalogue", 12, 1, catalogue }, { "motion curves", 12, 2, curves }, { "pictures", 12, 2, pictures },
     { "run in pieces", 12, 2, pieces }, { "clearance", 12, 2, clearance }, { "work cycle", 12, 2, cycle },
