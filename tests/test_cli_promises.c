@@ -258,16 +258,19 @@ TEST(stopped_in_order)
 }
 
 /* Runs in phases that the rows above do not reach, and commands that write folders, databases or tables. The check that
- * follows tells that what they leave is whole, or a database that was not begun, which has no bytes; bench has no --time of the
+ * follows tells that what they leave is whole, or a database that was not begun; bench has no --time of the
  * whole run. */
+/* A catalogue that was ended by force before its first commit is empty; a journal beside it takes back what it held. */
+#define CATALOGUE "! test -e $D/x || $P catalogue check $D/x 2> $D/said || grep -q 'is empty' $D/said"
+
 static const struct { const char *slow, *then; } long_runs[] = {
     { "plasma $D/four.lam --target examples/walking-foot.csv --budget 1e12 -o $D/x", "test ! -e $D/x" },
     { "fit examples/walking-foot.csv --links 7 --dof 2 -q", NULL },
     { "fit examples/walking-foot.csv --links 8 --joints r,t -q --save $D/x", NULL },
     { "fit $D/nine.csv --exact -q", NULL },
-    { "catalogue curves $D/x --links 6 --samples 1e6 -q", "test ! -s $D/x || $P catalogue check $D/x" },
-    { "catalogue build $D/x --links 16 -q", "test ! -s $D/x || $P catalogue check $D/x" },
-    { "catalogue add $D/x $D/many.json -q", "test ! -s $D/x || $P catalogue check $D/x" },
+    { "catalogue curves $D/x --links 6 --samples 1e6 -q", CATALOGUE },
+    { "catalogue build $D/x --links 16 -q", CATALOGUE },
+    { "catalogue add $D/x $D/many.json -q", CATALOGUE },
     { "catalogue html $D/endless.db -o $D/x -q", NULL },
     { "catalogue release -o $D/x --links 14 -q", NULL },
     { "classify $D/lengths -o $D/x", "test ! -e $D/x" },
