@@ -257,12 +257,12 @@ TEST(stopped_in_order)
     }
 }
 
-/* Runs in phases that the rows above do not reach, and commands that write folders, databases or tables. The check that
- * follows tells that what they leave is whole, or a database that was not begun; bench has no --time of the
- * whole run. */
 /* A catalogue that was ended by force before its first commit is empty; a journal beside it takes back what it held. */
 #define CATALOGUE "! test -e $D/x || $P catalogue check $D/x 2> $D/said || grep -q 'is empty' $D/said"
 
+/* Runs in phases that the rows above do not reach, and commands that write folders, databases or tables. The check that
+ * follows tells that what they leave is whole, or a database that was not begun; bench has no --time of the
+ * whole run. */
 static const struct { const char *slow, *then; } long_runs[] = {
     { "plasma $D/four.lam --target examples/walking-foot.csv --budget 1e12 -o $D/x", "test ! -e $D/x" },
     { "fit examples/walking-foot.csv --links 7 --dof 2 -q", NULL },
