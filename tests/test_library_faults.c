@@ -498,7 +498,7 @@ static lw_status cycle(sum *s)
 static const struct { const char *name; int first, density; lw_status (*run)(sum *s); } calls[] = {
     { "vibrations", 40, 4, vibrations }, { "simulation", 40, 4, simulation }, { "fit", 40, 4, fit }, { "exact", 40, 4, exact },
     { "chain", 40, 4, chain }, { "postures of a higher group", 40, 4, group }, { "fit by lm-gsl", 3, 1, fit_gsl },
-    { "space", 12, 2, space }, { "open tree", 2000, 1, open_tree }, { "family", 12, 2, family }, { "drives", 12, 2, drives }, { "contact", 12, 1, contact },
+    { "space", 12, 2, space }, { "open tree", 12, 2, open_tree }, { "family", 12, 2, family }, { "drives", 12, 2, drives }, { "contact", 12, 1, contact },
     { "elastic", 12, 1, elastic }, { "states", 12, 1, states },
     { "lists", 12, 2, lists }, { "catalogue", 12, 1, catalogue }, { "motion curves", 12, 2, curves }, { "pictures", 12, 2, pictures },
     { "run in pieces", 12, 2, pieces }, { "clearance", 12, 2, clearance }, { "work cycle", 12, 2, cycle },
@@ -526,6 +526,14 @@ static int run_child(int i, long n, outcome *out)
     return state;
 }
 
+/* The first allocations, some in between, and the last ones, but of those rows where they are GMP's or cairo's (docs/promises.md). */
+static long next_allocation(size_t i, long n, long all)
+{
+    long last = calls[i].run == lists || calls[i].run == pictures ? 0 : 8;
+    long next = n < calls[i].first || n > all - last ? n + 1 : n + n/calls[i].density;
+    return n <= all - last && next > all - last ? all - last + 1 : next;
+}
+
 TEST(each_allocation_fails)
 {
     temporary_folder();                              /* of the children, too */
@@ -535,7 +543,7 @@ TEST(each_allocation_fails)
     for (size_t i = 0; i < sizeof calls/sizeof *calls; i++) {
         CHECK_INT(run_child((int)i, 0, &out[0]), 0);
         CHECK_INT(out[0].status, LW_OK);
-        for (long n = 1; n <= out[0].n_call && OWN_MALLOC; n = n < calls[i].first ? n + 1 : n + n/calls[i].density) {
+        for (long n = 1; n <= out[0].n_call && OWN_MALLOC; n = next_allocation(i, n, out[0].n_call)) {
             int state = run_child((int)i, n, &out[1]);
             bool good = state == 0 && (out[1].status < 0 || (out[1].status == LW_OK
                                                              && out[1].s.hash == out[0].s.hash));

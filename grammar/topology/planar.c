@@ -3,6 +3,7 @@
 
 #include <planarity/graph.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 
 static lw_status check_masks(int n, const uint32_t *adjacent)
@@ -38,8 +39,13 @@ static lw_status embed(int n, const uint32_t *adjacent, graphP *g, bool *planar)
         return s;
     int n_edge = edge_count(n, adjacent);
     *g = gp_New();
-    if (!*g || gp_EnsureArcCapacity(*g, 2*(n_edge + 3*n)) != OK || gp_InitGraph(*g, n) != OK)
+    if (!*g || gp_EnsureArcCapacity(*g, 2*(n_edge + 3*n)) != OK)
         return LW_E_MEMORY;
+    if (gp_InitGraph(*g, n) != OK) {
+        free(*g);                /* it has freed what is in the graph; gp_Free() would free it again and abort */
+        *g = NULL;
+        return LW_E_MEMORY;
+    }
     for (int i = 0; i < n; i++)
         for (uint32_t m = adjacent[i] >> i; m; m &= m - 1)
             if (gp_AddEdge(*g, i + 1, 0, i + 1 + __builtin_ctz(m), 0) != OK)
