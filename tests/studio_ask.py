@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Start `PROGRAM studio`, ask it questions, end it by SIGINT, and print what it answered (tests/test_cli_faults.c).
 
-Exit code 4, with a message, if the studio says that it failed: at its start, or in an answer."""
+Exit code 4, with a message, if the studio says that it failed in an answer; its own if it ends by itself."""
 import hashlib, http.client, json, re, signal, subprocess, sys
 from urllib.parse import urlparse
 
@@ -39,6 +39,7 @@ studio.send_signal(signal.SIGINT)
 code = studio.wait()
 if code != 130:
     print("ended with", code)
+    sys.exit(code or 1)
 elif failed:
     print("linkwright studio:", failed, file=sys.stderr)
     sys.exit(4)
