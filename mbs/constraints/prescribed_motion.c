@@ -660,7 +660,7 @@ lw_status lw_prescribed_motion_create(const lw_system *s, const double *q, lw_in
     return make(s, q, motion, context, t, t, NULL, out, e);
 }
 
-lw_prescribed_motion *lw_prescribed_motion_by_value(lw_prescribed_motion *d) { return d->place ? d->place : d; }
+lw_prescribed_motion *lw_prescribed_motion_by_value(lw_prescribed_motion *d) { return d->place; }
 
 void lw_prescribed_motion_of_model(void *context, double t, int order, double *u)
 {

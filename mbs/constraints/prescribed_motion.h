@@ -36,7 +36,7 @@ void      lw_prescribed_motion_free(lw_prescribed_motion *d);
 lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t);
 
 /* One input: its postures along its value, from which those in time follow; they may be asked for any value, and d keeps its own
- * posture and time.  d owns them.  Several inputs: d itself. */
+ * posture and time.  d owns them.  NULL unless there is one input. */
 lw_prescribed_motion *lw_prescribed_motion_by_value(lw_prescribed_motion *d);
 
 /* Several inputs: *out (free it) gives the postures near d on the straight line on which the inputs are at[i] + x direction[i], where x

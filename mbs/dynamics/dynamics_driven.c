@@ -48,7 +48,7 @@ typedef struct driven {
     lw_dynamics *d;
     lw_system   system;                      /* with the driven inputs only */
     lw_prescribed_motion *motion;
-    lw_prescribed_motion *by_place;          /* postures by the place */
+    lw_prescribed_motion *by_place;          /* postures by the place; NULL unless one input moves, or a line is looked at */
     int         width;
     window      found, tried;
     double     *gap;                         /* gaps and rates of the places that may touch, at the moment looked at last */
@@ -277,31 +277,31 @@ static lw_status follow(driven *z, double t)
     return s;
 }
 
-/* One input: is the posture y at t near a branch point, and the moment at t filled from places around it? */
-static lw_status near_crossing(driven *z, double t, double *y, bool *filled)
+/* One input: if the posture at t is near a branch point, fill the moment at t from places around it.  false: it is not. */
+static bool from_crossing(driven *z, double t, double *y)
 {
     lw_dynamics *d = z->d;
     int n = d->n_q;
     double x, at, series[2*LW_SYSTEM_Q_MAX];
     lw_mbs_driven_inputs(d, t, 0, &x);
-    *filled = false;
     if (x > z->clear_from && x < z->clear_to)
-        return LW_OK;
+        return false;
     if (lw_prescribed_motion_to(z->by_place, x) != LW_OK)     /* at a limit of the input, to rounding */
-        return LW_OK;
+        return false;
     if (!lw_prescribed_motion_rates(z->by_place, 1, series) || !(lw_greatest(n, series + n) > 0))
-        return LW_OK;
+        return false;
     double half = longest_half/lw_greatest(n, series + n);
-    if (look_around(z, x, half, &at)) {
-        if (!z->made || fabs(z->found.at - at) > 0.1*half)
-            make_window(z, at, half, t);
-        else if (within(&z->found, x) && fill(z, &z->found, t) != LW_OK)
-            z->found.half = 0;
-        z->made = true;
-        if ((*filled = within(&z->found, x)))
-            from_window(z, x, y);
-    }
-    return LW_OK;
+    if (!look_around(z, x, half, &at))
+        return false;
+    if (!z->made || fabs(z->found.at - at) > 0.1*half)
+        make_window(z, at, half, t);
+    else if (within(&z->found, x) && fill(z, &z->found, t) != LW_OK)
+        z->found.half = 0;
+    z->made = true;
+    if (!within(&z->found, x))
+        return false;
+    from_window(z, x, y);
+    return true;
 }
 
 /* With several inputs, of which one may rest or turn back in the branch point: the moment at t from a window on a straight line of
@@ -325,6 +325,7 @@ static bool from_line(driven *z, double t, int alone, double *y)
     }
     for (int i = 0; i < d->n_q && good; i++)
         good = fabs(lw_prescribed_motion_posture(z->motion)[i] - y[i]) < 1e-4;
+    z->by_place = NULL;
     lw_prescribed_motion_free(line);
     return good;
 }
@@ -334,18 +335,17 @@ static lw_status moment_at(driven *z, double t, double *y)
 {
     lw_dynamics *d = z->d;
     int n = d->n_q;
-    bool filled = false;
     lw_status s = follow(z, t);
     if (s != LW_OK)
         return s;
     memcpy(y, lw_prescribed_motion_posture(z->motion), (size_t)n*sizeof *y);
     double off = apart(d, t, y);
-    if (d->n_driven == 1 && off < beside && ((s = near_crossing(z, t, y, &filled)) != LW_OK || filled))
-        return s;
-    for (int i = -1; i < d->n_driven && d->n_driven > 1 && off < few_digits; i++)
-        if (from_line(z, t, i, y))
-            return LW_OK;
-    if (d->n_driven > 1 && off < no_digits)
+    bool several = d->n_driven > 1, filled = d->n_driven == 1 && off < beside && from_crossing(z, t, y);
+    for (int i = -1; several && off < few_digits && i < d->n_driven && !filled; i++)
+        filled = from_line(z, t, i, y);
+    if (filled)
+        return LW_OK;
+    if (several && off < no_digits)
         return lw_error_set(z->run->e, LW_E_NUMERIC, "velocities and forces are not determined at t = %.9g s: the posture is singular "
                             "whichever input moves", t);
     double series[2*LW_SYSTEM_Q_MAX];
