@@ -72,7 +72,7 @@ static lw_status settle(lw_dynamics *d, double t, double *q, lw_rest *r, lw_erro
 const char *lw_rest_text(const lw_rest *r)
 {
     return r->unknown ? "stability not known, since a force that turns with its link or depends on other quantities has no potential"
-         : r->stable ? "stable" : r->neutral ? "neutral: nothing resists one of its motions, so its place along that is one of many" : "not stable";
+         : r->stable ? "stable" : r->neutral ? "neutral: it can move without any force, so this is one of many postures of equilibrium" : "not stable";
 }
 
 lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e)

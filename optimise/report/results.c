@@ -40,7 +40,7 @@ static double bulk_of(const lw_target *t, const lw_fit_report *r)
 /* ... its least transmission angle is greater by this, as long as the other has less than enough [rad]. */
 #define GENTLER (5*LW_PI/180)
 #define ENOUGH  (45*LW_PI/180)
-/* Of a linkage beyond so many sizes of the target nobody wants a greater angle than this. */
+/* For a linkage larger than BULKY sizes of the target, a transmission angle above FAIR counts as FAIR. */
 #define BULKY   3
 #define FAIR    (30*LW_PI/180)
 /* The list ends where errors exceed WORSE times the least, and these parts of the target or angles [rad]; for linkages that leave the
