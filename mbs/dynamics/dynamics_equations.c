@@ -528,7 +528,7 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
     if (d->touch)
         lw_mbs_touch_forces(d, v, d->force, power);
     for (int i = 0; i < d->n_v; i++)
-        if (!isfinite(d->force[i]) && t > d->o.from && (d->touch || d->eq.next_piece || d->eq.more_inertia))
+        if (!isfinite(d->force[i]) && t > d->o.from && (d->touch || d->eq.next_piece || d->elastic))
             return LW_OPEN;              /* a trial step far into a stiff contact, or one that is long beside the fastest modes */
         else if (!isfinite(d->force[i]))
             return lw_error_set(d->e, LW_E_NUMERIC, "a force on link \"%s\" is not a number at t = %.9g s",
