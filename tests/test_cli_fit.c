@@ -508,10 +508,10 @@ TEST(files_of_another_kind_are_named)
     expect("$P simulate examples/ellipse.csv", 3, "", "this is a target, not a linkage");
     expect("$P draw examples/ellipse.csv -o $D/x.svg", 3, "", "this is a target, not a linkage");
     expect("$P trace examples/tasks/dwell.json", 3, "", "this is a task, not a linkage");
-    expect("$P fit examples/hoeken.json", 3, "", "this is a linkage, not a target or a drawing or a task: did you mean "
+    expect("$P fit examples/hoeken.json", 3, "", "this is a linkage, not a target, a drawing or a task: did you mean "
            "'linkwright trace");
     expect("$P fit $D/marked.json", 3, "", "this is a list of results, not a target");
-    expect("$P fit examples/cycles/gantry.json", 3, "", "this is a work cycle, not a target or a drawing or a task: did you mean 'linkwright profile examples/cycles/gantry.json'?\n");
+    expect("$P fit examples/cycles/gantry.json", 3, "", "this is a work cycle, not a target, a drawing or a task: did you mean 'linkwright profile examples/cycles/gantry.json'?\n");
     expect("$P trace examples/drives/servo-axis.json", 3, "", "this is a servo axis, not a linkage: did you mean 'linkwright drive simulate");
 }
 

@@ -57,7 +57,9 @@ TEST(foreign_targets)
         { "ply\\nformat ascii 1.0\\n", "mesh of triangles" }, { "\\261\\262\\263SolveSpaceREVa\\n", "sketch of SolveSpace" },
         { "<?xml version=\"1.0\"?>\\n<!-- <svg> -->\\n<mujoco model=\"a\"><worldbody/></mujoco>", "MJCF" },
         { "<robot name=\"a\"><link name=\"b\"/></robot>", "URDF" }, { "\\357\\273\\277 <sdf/>", "SDFormat" }, { "<svg/>", "no visible path" },
-        { "<robots/>", "no visible path" }, { "<!-- <robot", "no visible path" }
+        { "<robots/>", "no visible path" }, { "# Blender\\nmtllib a.mtl\\no Cube\\nv 1 -1 .5\\n", "mesh of triangles, not a target" },
+        { "%%\\nO1000 (FOOT)\\nN10 G21 G90\\nN20 G0 X0\\n", "G-code" }, { ";FLAVOR:Marlin\\r\\nM82\\r\\n", "G-code" }, { "G,x\\n1,2\\n", "unknown column" },
+        { "o,x\\nv 1 2\\n", "unknown column" }, { "%-72sS      1\\n", "IGES" }, { "\\0\\0\\0\\030ftypheic", "picture of pixels" }, { "<!-- <robot", "no visible path" }
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         char line[256];
@@ -65,8 +67,9 @@ TEST(foreign_targets)
         expect(line, 3, "", rows[i].says);
     }
     expect("(head -c 80 /dev/zero; printf '\\001\\000\\000\\000'; head -c 50 /dev/zero) > $D/foreign; $P fit $D/foreign", 3, "", "mesh of triangles");
-    expect("$P trace $D/foreign", 3, "", "mesh of triangles");
-    expect("$P fit examples/space/boom.json", 3, "", "this is a model in space, not a target or a drawing or a task: did you mean 'linkwright trace "
+    expect("$P trace $D/foreign", 3, "", "this is a mesh of triangles, not a linkage\n");
+    expect("printf 'PK\\003\\004' > $D/foreign; $P classify $D/foreign", 3, "", "archive, not a table of lengths; save the sheet as CSV\n");
+    expect("$P fit examples/space/boom.json", 3, "", "this is a model in space, not a target, a drawing or a task: did you mean 'linkwright trace "
            "examples/space/boom.json'?\n");
     expect("printf '{\"type\":\"FeatureCollection\"}' > $D/other.json; $P fit $D/other.json", 3, "", "this is no task");
     expect("$P classify $D/c.db", 3, "", "this is a catalogue");

@@ -68,7 +68,7 @@ static cli_kind_of_file kind_of_text(const char *text, size_t size, const char *
     static lw_mechanism m;
     if (size >= 15 && memcmp(text, "SQLite format 3", 15) == 0)
         return CLI_CATALOGUE;
-    if (lw_refuse_foreign(text, size, path, NULL) != LW_OK)
+    if (lw_foreign_kind(text, size).what)
         return CLI_BINARY;
     if (is_binary(text, size) && !cli_is_target(text, size))
         return CLI_BINARY;
@@ -105,15 +105,21 @@ cli_kind_of_file cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
     if (!wanted || !cli_can_read_again(path) || lw_file_read(path, &text, &size, NULL) != LW_OK)
         return CLI_UNKNOWN;
     cli_kind_of_file kind = kind_of_text(text, size, path);
-    bool foreign = kind == CLI_BINARY && lw_refuse_foreign(text, size, path, e) != LW_OK;
+    lw_foreign foreign = kind == CLI_BINARY ? lw_foreign_kind(text, size) : (lw_foreign){ .what = NULL };
     free(text);
     if (kind == CLI_UNKNOWN || kind & wanted)
         return CLI_UNKNOWN;
-    if (foreign)
-        return kind;
+    unsigned left = wanted & ~(unsigned)(CLI_RESULTS | (CLI_SPATIAL ^ CLI_LINKAGE));
     for (size_t i = 0; i < n; i++)
-        if (wanted & rows[i].kind && rows[i].kind != CLI_RESULTS && rows[i].kind != CLI_SPATIAL)
-            snprintf(what + strlen(what), sizeof what - strlen(what), "%s%s", what[0] ? " or " : "", rows[i].is);
+        if (left & rows[i].kind) {
+            left &= ~(unsigned)rows[i].kind;
+            snprintf(what + strlen(what), sizeof what - strlen(what), "%s%s", !what[0] ? "" : left ? ", " : " or ", rows[i].is);
+        }
+    if (foreign.what) {
+        bool helps = foreign.use == LW_FOREIGN_ANY || (wanted & CLI_TARGET) || (foreign.use == LW_FOREIGN_TABLE && wanted & CLI_LENGTHS);
+        lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is %s, not %s%s%s", foreign.what, what, helps ? "; " : "", helps ? foreign.advice : "");
+        return kind;
+    }
     for (size_t i = 0; i < n; i++) {
         if (rows[i].kind != kind)
             continue;

@@ -41,41 +41,123 @@ static bool is_binary_stl(const char *text, size_t size)
     return size >= 84 && size == 84 + 50*((size_t)n[0] | (size_t)n[1] << 8 | (size_t)n[2] << 16 | (size_t)n[3] << 24);
 }
 
-lw_status lw_refuse_foreign(const char *text, size_t size, const char *path, lw_error *e)
+/* A part of a text, which need not end with a 0. */
+typedef struct span { const char *at; size_t n; } span;
+
+/* Cut the first line, or what is left of it behind spaces, off a text; false: there is none. */
+static bool next_line(span *text, span *line)
 {
-    static const char mesh[] = "a mesh of triangles; export the sketch of the curve as DXF or SVG";
-    static const char pixels[] = "a picture of pixels; trace its curve (Inkscape: Path > Trace Bitmap) and save that "
-        "as SVG";
-    static const struct { const char *bytes; size_t n; const char *what; } rows[] = {
-        { "PK\3\4", 4, "a workbook (Excel, LibreOffice) or an archive; save the sheet as CSV" },
-        { "\xd0\xcf\x11\xe0", 4, "a workbook of Excel; save the sheet as CSV" },
-        { "AC10", 4, "a DWG drawing; save it as DXF" },
-        { "AutoCAD Binary DXF", 18, "a binary DXF; save it as DXF text (ASCII)" },
-        { "\x1f\x8b", 2, "compressed; unpack it first (an SVGZ is an SVG compressed by gzip)" },
-        { "%PDF", 4, "a PDF; save the drawing as SVG or DXF" },
-        { "%!PS", 4, "PostScript; save the drawing as SVG or DXF" },
-        { "\x89PNG", 4, pixels },
-        { "\xff\xd8\xff", 3, pixels },
-        { "GIF8", 4, pixels },
-        { "ISO-10303-21", 12, "a STEP model; export the sketch of the curve as DXF or SVG" },
-        { "SQLite format 3", 15, "a catalogue of linkwright or another database, not a target; 'linkwright catalogue' "
-                                 "reads catalogues" },
-        { "solid ", 6, mesh }, { "solid\n", 6, mesh }, { "solid\r", 6, mesh }, { "ply\n", 4, mesh }, { "ply\r", 4, mesh },
-        { "\xb1\xb2\xb3SolveSpace", 13, "a sketch of SolveSpace; export it as DXF or SVG" }
+    if (text->n == 0)
+        return false;
+    size_t n = 0, first = 0;
+    while (n < text->n && !strchr("\n\r", text->at[n] ? text->at[n] : ' '))
+        n++;
+    while (first < n && (text->at[first] == ' ' || text->at[first] == '\t'))
+        first++;
+    *line = (span){ text->at + first, n - first };
+    text->at += n + (n < text->n);
+    text->n -= n + (n < text->n);
+    return true;
+}
+
+/* Number of the first bytes that are among those of `set`. */
+static size_t count_of(span s, const char *set)
+{
+    size_t n = 0;
+    while (n < s.n && s.at[n] && strchr(set, s.at[n]))
+        n++;
+    return n;
+}
+
+static span past(span s, size_t n)
+{
+    return (span){ s.at + n, s.n - n };
+}
+
+static bool begins(span s, const char *with)
+{
+    size_t n = strlen(with);
+    return s.n >= n && memcmp(s.at, with, n) == 0;
+}
+
+/* A Wavefront OBJ: comments (#) and lines that name objects and materials, then a vertex: v X Y Z. */
+static bool is_obj(span text)
+{
+    static const char *const before[] = { "mtllib ", "usemtl ", "o ", "g ", "s " };
+    span line;
+    while (next_line(&text, &line)) {
+        size_t i = 0;
+        if (begins(line, "v "))
+            return count_of(past(line, 1 + count_of(past(line, 1), " ")), "+-.0123456789") > 0;
+        while (i < sizeof before/sizeof *before && !begins(line, before[i]))
+            i++;
+        if (line.n > 0 && line.at[0] != '#' && i == sizeof before/sizeof *before)
+            return false;
+    }
+    return false;
+}
+
+/* An IGES file: lines of 80 columns, of which column 73 has the letter of the section, S at first, and the last seven its number. */
+static bool is_iges(span text)
+{
+    return text.n >= 80 && !memchr(text.at, '\n', 80) && text.at[72] == 'S' && count_of(past(text, 73), " 0") == 6 && text.at[79] == '1';
+}
+
+/* G-code (ISO 6983): % and a number of the program, comments in brackets or behind ';', then a word such as G21, N10 G0 or M82. */
+static bool is_g_code(span text)
+{
+    static const char digits[] = "0123456789.";
+    span line;
+    while (next_line(&text, &line)) {
+        if (line.n > 0 && strchr("NO", line.at[0] ? line.at[0] : ' ') && count_of(past(line, 1), digits) > 0) {
+            line = past(line, 1 + count_of(past(line, 1), digits));
+            line = past(line, count_of(line, " "));
+        }
+        if (line.n == 0 || strchr(";(%", line.at[0] ? line.at[0] : ' '))
+            continue;
+        size_t n = count_of(past(line, 1), digits);
+        return strchr("GMT", line.at[0] ? line.at[0] : ' ') && n > 0 && (line.n == 1 + n || count_of(past(line, 1 + n), " \t;(FGMNSTXYZ") > 0);
+    }
+    return false;
+}
+
+lw_foreign lw_foreign_kind(const char *text, size_t size)
+{
+    static const lw_foreign mesh = { "a mesh of triangles", "export the sketch of the curve as DXF or SVG", LW_FOREIGN_CURVE },
+        g_code = { "a G-code program", "save the drawing that it was made from as DXF or SVG", LW_FOREIGN_CURVE },
+        solid = { "a STEP model", "export the sketch of the curve as DXF or SVG", LW_FOREIGN_CURVE },
+        iges = { "an IGES model", "export the sketch of the curve as DXF or SVG", LW_FOREIGN_CURVE },
+        pixels = { "a picture of pixels", "trace its curve (Inkscape: Path > Trace Bitmap) and save that as SVG", LW_FOREIGN_CURVE },
+        printed = { "a PDF", "save the drawing as SVG or DXF", LW_FOREIGN_CURVE };
+    static const struct { size_t at; const char *bytes; size_t n; lw_foreign is; } rows[] = {
+        { 0, "PK\3\4", 4, { "a workbook (Excel, LibreOffice) or an archive", "save the sheet as CSV", LW_FOREIGN_TABLE } },
+        { 0, "\xd0\xcf\x11\xe0", 4, { "a workbook of Excel", "save the sheet as CSV", LW_FOREIGN_TABLE } },
+        { 0, "AC10", 4, { "a DWG drawing", "save it as DXF", LW_FOREIGN_CURVE } },
+        { 0, "AutoCAD Binary DXF", 18, { "a binary DXF", "save it as DXF text (ASCII)", LW_FOREIGN_CURVE } },
+        { 0, "\x1f\x8b", 2, { "a compressed file", "unpack it first (an SVGZ is an SVG compressed by gzip)", LW_FOREIGN_ANY } },
+        { 0, "%PDF", 4, printed },
+        { 0, "%!PS", 4, { "a PostScript file", "save the drawing as SVG or DXF", LW_FOREIGN_CURVE } },
+        { 0, "\x89PNG", 4, pixels }, { 0, "\xff\xd8\xff", 3, pixels }, { 0, "GIF8", 4, pixels }, { 0, "II*\0", 4, pixels }, { 0, "MM\0*", 4, pixels },
+        { 8, "WEBP", 4, pixels }, { 4, "ftypheic", 8, pixels }, { 4, "ftypavif", 8, pixels }, { 6, "\0\0\0\0\x36\0\0\0", 8, pixels },
+        { 0, "ISO-10303-21", 12, solid },
+        { 0, "SQLite format 3", 15, { "a catalogue of linkwright or another database", "'linkwright catalogue' reads catalogues", LW_FOREIGN_ANY } },
+        { 0, "solid ", 6, mesh }, { 0, "solid\n", 6, mesh }, { 0, "solid\r", 6, mesh }, { 0, "ply\n", 4, mesh }, { 0, "ply\r", 4, mesh },
+        { 0, "\xb1\xb2\xb3SolveSpace", 13, { "a sketch of SolveSpace", "export it as DXF or SVG", LW_FOREIGN_CURVE } }
     }, elements[] = {
-        { "mujoco", 6, "a model of MuJoCo (MJCF); linkwright does not read it" },
-        { "robot", 5, "a robot in URDF; linkwright does not read it" },
-        { "sdf", 3, "a model in SDFormat; linkwright does not read it" }
+        { 0, "mujoco", 6, { "a model of MuJoCo (MJCF)", "linkwright does not read it", LW_FOREIGN_ANY } },
+        { 0, "robot", 5, { "a robot in URDF", "linkwright does not read it", LW_FOREIGN_ANY } },
+        { 0, "sdf", 3, { "a model in SDFormat", "linkwright does not read it", LW_FOREIGN_ANY } }
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
-        if (size >= rows[i].n && memcmp(text, rows[i].bytes, rows[i].n) == 0)
-            return lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is %s", rows[i].what);
+        if (size >= rows[i].at + rows[i].n && memcmp(text + rows[i].at, rows[i].bytes, rows[i].n) == 0)
+            return rows[i].is;
     size_t n = 0;
     const char *element = first_element(text, size, &n);
     for (size_t i = 0; element && i < sizeof elements/sizeof *elements; i++)
         if (n == elements[i].n && memcmp(element, elements[i].bytes, n) == 0)
-            return lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is %s", elements[i].what);
-    return is_binary_stl(text, size) ? lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is %s", mesh) : LW_OK;
+            return elements[i].is;
+    span all = { text, size };
+    return is_binary_stl(text, size) || is_obj(all) ? mesh : is_iges(all) ? iges : is_g_code(all) ? g_code : (lw_foreign){ .what = NULL };
 }
 
 static bool ends_in(const char *path, const char *end)
@@ -112,10 +194,10 @@ static const char *find_curve(const char *path)
 
 static lw_status read_text(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t, lw_error *e)
 {
-    lw_status s = lw_refuse_foreign(text, size, file, e);
+    lw_foreign foreign = lw_foreign_kind(text, size);
     *t = (lw_target){ .n = 0 };
-    if (s != LW_OK)
-        return s;
+    if (foreign.what)
+        return lw_error_at(e, LW_E_NOTATION, file, 0, 0, "this is %s, not a target; %s", foreign.what, foreign.advice);
     switch (lw_target_kind_of(text, size, file)) {
     case LW_TARGET_KIND_SVG:
         return lw_target_read_svg(text, size, file, o, t, e);

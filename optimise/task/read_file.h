@@ -10,9 +10,13 @@ typedef enum lw_target_kind { LW_TARGET_KIND_TABLE, LW_TARGET_KIND_SVG, LW_TARGE
 /* The kind of a text: a drawing if the end of its name or its beginning says so, else a table. */
 lw_target_kind lw_target_kind_of(const char *text, size_t size, const char *path);
 
-/* LW_E_NOTATION: a workbook, a picture of pixels, an archive or another file that is often handed in by mistake, by the
- * bytes with which it begins; the message says how to go on. */
-lw_status lw_refuse_foreign(const char *text, size_t size, const char *path, lw_error *e);
+/* A file that is often handed in by mistake: "a STEP model", and how to go on, which helps where a curve (drawing) is
+ * wanted, where a table is, or anywhere. */
+typedef enum lw_foreign_use { LW_FOREIGN_ANY, LW_FOREIGN_CURVE, LW_FOREIGN_TABLE } lw_foreign_use;
+typedef struct lw_foreign { const char *what, *advice; lw_foreign_use use; } lw_foreign;
+
+/* The kind of such a file by its beginning: a workbook, a picture of pixels, a mesh, an archive, ...; what NULL: none of them. */
+lw_foreign lw_foreign_kind(const char *text, size_t size);
 
 /* A table (CSV) or a drawing, from text; `file` decides by its end which of them, and is for messages; may be "".  A last station
  * that repeats the first one of a closed path without input angles is left out, here and below. */
