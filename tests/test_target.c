@@ -398,6 +398,7 @@ TEST(tables_of_programs)
         ROW("x mm,y mm\n12.5,-3\n7,4.25\n0,1\n"),
         ROW("\"x [mm]\",\"y [mm]\"\n\"12,5\",\"-3\"\n\"7\",\"4,25\"\n\"0\",\"1\"\n"),      /* LibreOffice, all quoted */
         ROW("x[mm];y[mm]\n+1,25E+01;-3,0E+00\n7;4,25\n0;1\n"),
+        ROW("x [um];y [um]\n12 500,0;-3\xe2\x80\xaf""000\n7'000;4\xc2\xa0""250\n0;1\xe2\x80\x99""000\n"),     /* separators of thousands */
         ROW("x_mm;y_mm\n12.5;\xe2\x88\x92""3\n7;4.25\n0;1\n"),                           /* U+2212 */
         ROW("# units: mm\n12.5,-3\n7,4.25\n0,1\n"),                                       /* no header */
         ROW("# units: mm\n12,5;-3\n7;4,25\n0;1\n"),
@@ -510,7 +511,7 @@ TEST(every_fault_has_its_place)
         { "x;y\n1,5;2.5\n", 2, 5, "mixes decimal commas and decimal points (line 2 has a comma)" },
         { "x;y\n1.234,5;2\n", 2, 1, "separators of thousands" },
         { "x\ty\n\"1,234\"\t2\n", 2, 2, "without quotes" },
-        { "x;y\n12 mm;2\n", 2, 1, "as x [mm]" },
+        { "x;y\n12 mm;2\n", 2, 1, "as x [mm]" }, { "x;y\n12 34;2\n", 2, 1, "no number" }, { "x;y\n1,234 567;2\n", 2, 1, "no number" },
         { "x,y;angle\n1,2;3\n", 1, 1, "commas and semicolons" },
         { "x,y,theta_mm\n1,2,3\n", 1, 5, "is no length, so mm cannot" },
         { "x_deg,y\n1,2\n", 1, 1, "is no angle, so deg cannot" },

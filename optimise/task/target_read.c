@@ -31,7 +31,7 @@ static lw_status bad_number(const lw_header *h, lw_target_field role, const lw_l
         return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "%s is too large: \"%.*s\"", name, n,
                            field.s);
     return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "%s is \"%.*s\", which is no number; units belong "
-                       "into the header, as %s [mm]", name, n, field.s, name);
+                       "into the header, as x [mm]", name, n, field.s);
 }
 
 static lw_status bad_decimal(const lw_header *h, const lw_lines *l, lw_text_span field, const char *why, lw_error *e)
@@ -40,8 +40,26 @@ static lw_status bad_decimal(const lw_header *h, const lw_lines *l, lw_text_span
                        field.n > 40 ? 40 : (int)field.n, field.s, why);
 }
 
+static bool is_digit(lw_text_span s, size_t i)
+{
+    return i < s.n && s.s[i] >= '0' && s.s[i] <= '9';
+}
+
+/* Bytes of a separator of thousands at i: a space or an apostrophe, plain or as Unicode has them, with a digit before and three
+ * after it; 0: there is none. A point or a comma is none, since it may be that of the decimals. */
+static size_t thousands_mark(lw_text_span s, size_t i)
+{
+    static const char *const marks[] = { " ", "'", "\xc2\xa0", "\xe2\x80\xaf", "\xe2\x80\x89", "\xe2\x80\x99" };
+    for (size_t k = 0; k < sizeof marks/sizeof *marks; k++) {
+        size_t n = strlen(marks[k]), j = i + n;
+        if (j < s.n && memcmp(s.s + i, marks[k], n) == 0)
+            return i > 0 && is_digit(s, i - 1) && is_digit(s, j) && is_digit(s, j + 1) && is_digit(s, j + 2) && !is_digit(s, j + 3) ? n : 0;
+    }
+    return 0;
+}
+
 /* Write a number as spreadsheets do in the way that lw_number_parse reads: without a plus, with a plain minus and with
- * a decimal point. A comma is a decimal comma; commas and points do not mix. */
+ * a decimal point, without separators of thousands. A comma is a decimal comma; commas and points do not mix. */
 static lw_status plain_number(lw_header *h, const lw_lines *l, lw_text_span field, lw_text_span *plain, char *buf,
                               size_t size, lw_error *e)
 {
@@ -68,8 +86,13 @@ static lw_status plain_number(lw_header *h, const lw_lines *l, lw_text_span fiel
         h->decimal = mark;
         h->decimal_line = l->number;
     }
+    bool whole = true;
     for (size_t i = 0; i < field.n; i++) {
-        if (field.n - i >= 3 && memcmp(field.s + i, minus, 3) == 0) {
+        size_t skip = whole ? thousands_mark(field, i) : 0;
+        whole = whole && field.s[i] != mark;
+        if (skip > 0) {
+            i += skip - 1;
+        } else if (field.n - i >= 3 && memcmp(field.s + i, minus, 3) == 0) {
             buf[n++] = '-';
             i += 2;
         } else if (i > 0 || field.s[i] != '+') {
