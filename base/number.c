@@ -210,3 +210,8 @@ void lw_number_print(double v, char text[LW_NUMBER_SIZE])
 {
     lw_number_print_in(v, 1, text);
 }
+
+const char *lw_plural(long long n)
+{
+    return n == 1 ? "" : "s";
+}

@@ -1,4 +1,4 @@
-/* base/number.h - decimal text to double and back, the same under every locale.
+/* base/number.h - decimal text to double and back, the same under every locale; plurals of nouns behind numbers.
  *
  * Accepted: an optional sign, digits with an optional point, an optional exponent ("-1", ".5", "3.", "1e-3").
  * Nothing else: no blanks, no "0x", no "inf", no "nan", no decimal comma. */
@@ -27,5 +27,8 @@ void lw_number_print(double v, char text[LW_NUMBER_SIZE]);
 /* The shortest decimal w for which w*unit == v when read back, otherwise the 17 digits of v/unit: 0.03 m in mm is
  * "30". */
 void lw_number_print_in(double v, double unit, char text[LW_NUMBER_SIZE]);
+
+/* "s" behind a noun after the number n, as in "2 links"; "" if n is 1. */
+const char *lw_plural(long long n);
 
 #endif

@@ -336,7 +336,7 @@ TEST(refuses_with_reasons)
         add_pin(&l, i, (i + 1) % 5, lw_v2_polar(1.0, 1.2*i));
     add_input(&l, 0, 0.0);
     CHECK_INT(lw_newton_create(&l, &s, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "2 freedoms but 1 inputs");
+    CHECK_HAS(e.text, "2 freedoms but 1 input; drive 1 more joint");
     add_input(&l, 4, 0.0);
     s = make(&l);                                              /* driven twice it moves */
     CHECK_INT(lw_newton_move(s, 0.1, &reached), LW_OK);

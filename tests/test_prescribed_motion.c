@@ -271,6 +271,6 @@ TEST(says_what_is_wrong)
     l.n_input = 0;
     r = start(&l, nowhere, NULL, 0);
     CHECK_INT(r->status, LW_E_ARG);
-    CHECK_HAS(r->e.text, "1 freedoms but 0 inputs; drive 1 more joint");
+    CHECK_HAS(r->e.text, "1 freedom but 0 inputs; drive 1 more joint");
     stop(r);
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/bytes.h"
+#include "base/number.h"
 #include "base/real.h"
 #include "catalogues/draw/body_shapes.h"
 #include "catalogues/draw/labels.h"
@@ -938,8 +939,8 @@ static void describe(sketch *k)
     lw_text_clean(k->d->title, sizeof k->d->title, s->title);
     snprintf(k->d->about, sizeof k->d->about,
              "Planar linkage of %d links and %d joints, %d curve%s, %zu target point%s",
-             s->linkage.n_link, s->linkage.n_joint, s->n_curve, s->n_curve == 1 ? "" : "s",
-             s->n_station, s->n_station == 1 ? "" : "s");
+             s->linkage.n_link, s->linkage.n_joint, s->n_curve, lw_plural(s->n_curve),
+             s->n_station, lw_plural(s->n_station));
 }
 
 static void draw_all(sketch *k, lw_box path)

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/bytes.h"
+#include "base/number.h"
 #include "catalogues/draw/chain_drawing.h"
 
 #define EDGE    24.0        /* around a page [px]                           */
@@ -86,6 +87,6 @@ lw_status lw_sheet_draw(const lw_sheet_item *item, int n, const lw_sheet_style *
     if (page)
         put_text(d, LW_ROLE_NOTE, number, LETTER, 60, lw_v2(d->width/2, d->height - EDGE));
     lw_text_clean(d->title, sizeof d->title, s->title ? s->title : "Kinematic chains");
-    snprintf(d->about, sizeof d->about, "%d kinematic chains in %d columns", n, columns);
+    snprintf(d->about, sizeof d->about, "%d kinematic chain%s in %d column%s", n, lw_plural(n), columns, lw_plural(columns));
     return lw_drawing_end(d, e);
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/growable_array.h"
+#include "base/number.h"
 #include "base/real.h"
 #include "catalogues/draw/plot.h"
 #include "catalogues/pages/page.h"
@@ -260,8 +261,8 @@ static lw_status fill_sheet(const lw_fitted *f, sheet *h, lw_page_target *t, lw_
     }
     if (st == LW_OK)
         st = lw_fitted_curves(f, &h->curves, e);
-    snprintf(h->about, sizeof h->about, "%zu points, %s; %ld local fits in %.1f s.", f->target->n,
-             f->target->closed ? "closed" : "open", f->fit->improved, f->fit->seconds);
+    snprintf(h->about, sizeof h->about, "%zu point%s, %s; %ld local fit%s in %.1f s.", f->target->n, lw_plural((long long)f->target->n),
+             f->target->closed ? "closed" : "open", f->fit->improved, lw_plural(f->fit->improved), f->fit->seconds);
     *t = (lw_page_target){ .name = f->name, .about = h->about, .n_result = h->n,
                            .result = h->result, .curves = st == LW_OK && !lw_task_has_place(f->task) ? &h->curves : NULL };
     return st;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/number.h"
 #include "catalogues/build/build.h"
 #include "catalogues/store/drive_store.h"
 #include "cli/catalogue/catalogue.h"
@@ -93,7 +94,8 @@ static lw_status add_parts(const cli_call *call, const char *text, size_t size, 
     if (status == LW_OK)
         status = lw_store_add_drive_parts(store, &p, file, call->line, e);
     if (status == LW_OK)
-        cli_note(call, "%d motors, %d gears, %d amplifiers added", p.n_motor, p.n_gear, p.n_amplifier);
+        cli_note(call, "%d motor%s, %d gear%s, %d amplifier%s added", p.n_motor, lw_plural(p.n_motor), p.n_gear, lw_plural(p.n_gear), p.n_amplifier,
+                 lw_plural(p.n_amplifier));
     lw_store_close(store);
     lw_drive_parts_free(&p);
     return status;

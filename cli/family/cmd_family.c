@@ -1,4 +1,5 @@
 /* linkwright family - product families: master files with parameters that expand to models. */
+#include "base/number.h"
 #include "cli/family/family.h"
 
 #include <stdlib.h>
@@ -383,8 +384,8 @@ int cli_family_check(const cli_call *call)
         cli_json_end(w);
     } else
         fprintf(out.f, "%ld configuration%s in %ld view%s: %ld model%s, %ld failed\n", n_configuration,
-            n_configuration == 1 ? "" : "s",
-            n_view + 1, n_view ? "s" : "", n, n == 1 ? "" : "s", n_failed);
+            lw_plural(n_configuration),
+            n_view + 1, n_view ? "s" : "", n, lw_plural(n), n_failed);
     int code = cli_close(call, &out, s != LW_OK ? cli_exit_code(s) : n_failed ? CLI_NOTHING : CLI_DONE);
     return end(call, m, v, code, s, &e);
 }

@@ -666,7 +666,7 @@ static void write_optimum(const optimum *p, FILE *f, const double *x, const lw_s
         cli_json_text(&j, "stop", cli_stop_text(r->stop));
         cli_json_end(&j);
     } else
-        fprintf(f, "# %ld models, %ld of them failed; %s\n", p->runs, p->failed, cli_stop_text(r->stop));
+        fprintf(f, "# %ld model%s, %ld of them failed; %s\n", p->runs, lw_plural(p->runs), p->failed, cli_stop_text(r->stop));
 }
 
 static lw_status optimise(optimum *p, const cli_family_settings *o, lw_error *e, lw_output *out, int *code)

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "cli/fit/fit.h"
 
 static const struct { unsigned bit; const char *name; } defects[] = {
@@ -82,10 +83,10 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
     if (x->n_general > 0) {
         bool nine = x->n_theory > LW_EXACT_FIVE_MAX;
         long missing = x->n_theory - x->n_triple;
-        fprintf(f, nine ? "%ld Roberts triples through these points over the complex numbers, of %d at most (Wampler, "
+        fprintf(f, nine ? "%ld Roberts triple%s through these points over the complex numbers, of %d at most (Wampler, "
                           "Morgan & Sommese 1992); %ld of them real (three four-bars each)\n"
-                        : "%ld solutions with these fixed pins over the complex numbers, of %d at most (Morgan & Wampler "
-                          "1990); %ld of them real\n", x->n_triple, x->n_theory, x->n_real_triple);
+                        : "%ld solution%s with these fixed pins over the complex numbers, of %d at most (Morgan & Wampler "
+                          "1990); %ld of them real\n", x->n_triple, lw_plural(x->n_triple), x->n_theory, x->n_real_triple);
         if (x->complete)
             fprintf(f, "complete: as many different ones were found as there can be\n");
         else
@@ -96,7 +97,7 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
     if (x->choice[0])
         fprintf(f, "%s\n", x->choice);
     fprintf(f, "%ld real linkage%s%s: %ld without defect, %ld in another order, %ld with a dead point between, %ld on "
-            "two circuits; %.3g s; stopped: %s\n\n", x->n_real, x->n_real == 1 ? "" : "s",
+            "two circuits; %.3g s; stopped: %s\n\n", x->n_real, lw_plural(x->n_real),
             x->complete ? ", all there are" : "", x->n_clean, x->n_order, x->n_branch, x->n_circuit,
             s->search.found.fit.seconds,
             s->search.found.fit.stop == LW_STOP_F_TARGET ? "done" : cli_stop_text(s->search.found.fit.stop));

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "base/real.h"
 #include "cli/fit/fit.h"
 static double length(const cli_fit_set *s, double metres)
@@ -105,7 +106,7 @@ static void print_stages(const cli_fit_set *s, FILE *f)
             fprintf(f, "%.4g %% of the path", s->search.results.report[l->best].error_percent);
         if (l->best >= 0)
             fprintf(f, " (%s)", lw_family_title(cli_fit_candidate(s, l->best)->family));
-        fprintf(f, "; %ld starts, %ld local fits, %.1f s\n", l->starts, l->improved, l->seconds);
+        fprintf(f, "; %ld start%s, %ld local fit%s, %.1f s\n", l->starts, lw_plural(l->starts), l->improved, lw_plural(l->improved), l->seconds);
     }
 }
 
@@ -123,7 +124,7 @@ static void print_unfit(const cli_fit_set *s, FILE *f)
     const char *between = ": ";
     if (r->n_unfit == 0)
         return;
-    fprintf(f, "%d linkage%s found and left out beyond the limits", r->n_unfit, r->n_unfit == 1 ? "" : "s");
+    fprintf(f, "%d linkage%s found and left out beyond the limits", r->n_unfit, lw_plural(r->n_unfit));
     for (int i = 0; i < LW_LIMITS; i++)
         if (r->unfit_by[i] > 0) {
             fprintf(f, "%s%d by %s (%s)", between, r->unfit_by[i], limits[i].word, limits[i].option);
@@ -151,9 +152,9 @@ static void print_topologies(const cli_fit_set *s, FILE *f)
         const lw_mechanism_tally *t = &m->tally;
         const char *between = "";
         fprintf(f, "%d links%s: %ld chain%s, %ld ground choice%s, %ld with tracer link, %ld with any input", m->links,
-                m->two_freedoms ? " and joints of two freedoms" : "", t->n_chain, t->n_chain == 1 ? "" : "s",
+                m->two_freedoms ? " and joints of two freedoms" : "", t->n_chain, lw_plural(t->n_chain),
                 t->n_ground,
-                t->n_ground == 1 ? "" : "s", t->n_pair, t->n_driven);
+                lw_plural(t->n_ground), t->n_pair, t->n_driven);
         fprintf(f, s->search.freedoms > 1 ? "s (F = %d): " : ": ", s->search.freedoms);
         for (int i = 0; i < LW_PAIR_OUTCOMES; i++)
             if (t->outcome[i] > 0) {
@@ -173,8 +174,8 @@ static void print_topologies(const cli_fit_set *s, FILE *f)
 void cli_fit_table(const cli_fit_set *s, FILE *f)
 {
     const int width = title_width(s);
-    fprintf(f, "%s: %s, timing %s, %zu points, %s\n", s->path, lw_task_table[s->spec.task].name,
-            lw_timing_names[s->spec.timing], s->target.n, s->target.closed ? "closed" : "open");
+    fprintf(f, "%s: %s, timing %s, %zu point%s, %s\n", s->path, lw_task_table[s->spec.task].name,
+            lw_timing_names[s->spec.timing], s->target.n, lw_plural((long long)s->target.n), s->target.closed ? "closed" : "open");
     if (!lw_task_has_place(s->spec.task))
         fprintf(f, "  #  %-*s class  mean[deg]  max[deg] @point   objective  transm.    input  dimensions, angles in deg\n", width, "type");
     else
@@ -201,10 +202,10 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
     if (s->is_exact)
         cli_fit_exact_summary(s, f);
     else
-        fprintf(f, "%d result%s, each simulated twice; %ld starts, %ld local fits, %ld evaluations, "
-                "%.2f s; stopped: %s\n\n", s->search.results.n, s->search.results.n == 1 ? "" : "s",
-                s->search.found.fit.starts,
-                s->search.found.fit.improved, s->search.found.fit.evals, s->search.found.fit.seconds,
+        fprintf(f, "%d result%s, each simulated twice; %ld start%s, %ld local fit%s, %ld evaluation%s, "
+                "%.2f s; stopped: %s\n\n", s->search.results.n, lw_plural(s->search.results.n),
+                s->search.found.fit.starts, lw_plural(s->search.found.fit.starts), s->search.found.fit.improved, lw_plural(s->search.found.fit.improved),
+                s->search.found.fit.evals, lw_plural(s->search.found.fit.evals), s->search.found.fit.seconds,
                 cli_stop_text(s->search.found.fit.stop));
 }
 

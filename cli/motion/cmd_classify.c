@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "base/units.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
@@ -185,7 +186,7 @@ static lw_status write_table(const cli_call *call, FILE *f, const char *file, co
         if (numbers != 4 || columns != 4)
             return lw_error_at(e, LW_E_NOTATION, file, line, 0, "a line has four lengths, as 4,2,5,3; here %s %d %s of "
                                "them %d number%s", columns == 1 ? "is" : "are", columns, columns == 1 ? "column,"
-                               : "columns,", numbers, numbers == 1 ? "" : "s");
+                               : "columns,", numbers, lw_plural(numbers));
         first = false;
         if (!headed)
             fprintf(f, "l1,l2,l3,l4,class,symbol,name,grashof,input_turns,output_turns,circuits,change_point_margin,"

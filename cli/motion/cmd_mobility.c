@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "base/real.h"
 #include "cli/motion/spatial.h"
 #include "cli/program/json.h"
@@ -68,12 +69,12 @@ static void write_freedoms(FILE *f, const lw_linkage *linkage, const lw_mobility
     int own = lw_linkage_free_inputs(linkage);
     if (own > 0)
         fprintf(f, "%-16s%d of %d freedom%s by %d input%s\n", "driven", m->driven, m->freedom,
-                m->freedom == 1 ? "" : "s", own, own == 1 ? "" : "s");
+                lw_plural(m->freedom), own, lw_plural(own));
     if (own < linkage->n_input)
         fprintf(f, "%-16s%d input%s to the first, which takes as many freedoms\n", "tied", linkage->n_input - own,
-                linkage->n_input - own == 1 ? "" : "s");
+                lw_plural(linkage->n_input - own));
     if (m->idle > 0) {
-        fprintf(f, "%-16s%d freedom%s that reach%s no %s: ", "idle", m->idle, m->idle == 1 ? "" : "s",
+        fprintf(f, "%-16s%d freedom%s that reach%s no %s: ", "idle", m->idle, lw_plural(m->idle),
                 m->idle == 1 ? "es" : "", linkage->n_tracer > 0 ? "tracer" : "other link");
         links_text(f, linkage, m->idle_links);
         fputc('\n', f);
@@ -159,8 +160,8 @@ static void write_large_text(FILE *f, const lw_assembly *a, const lw_freedoms *m
     fprintf(f, "%-16s%d = 3*%d - %d  (freedoms of the links less rows of the joints)\n", "count", m->count, m->n_body, m->n_row);
     fprintf(f, "%-16s%d\n", "freedom", m->freedom);
     if (moving && own > 0)
-        fprintf(f, "%-16s%d of %d freedom%s by %d input%s\n", "driven", m->driven, m->freedom, m->freedom == 1 ? "" : "s", own,
-                own == 1 ? "" : "s");
+        fprintf(f, "%-16s%d of %d freedom%s by %d input%s\n", "driven", m->driven, m->freedom, lw_plural(m->freedom), own,
+                lw_plural(own));
     write_links(f, "loose", a, m->loose, "  (move while every input stands still)");
     write_links(f, "still links", a, m->still, "");
     fprintf(f, "%-16s%d in the posture%s\n", "first order", m->instant,

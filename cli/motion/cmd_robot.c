@@ -116,7 +116,7 @@ static lw_status move_drives(job *j, lw_error *e)
 {
     double v[LW_ROBOT_DRIVES];
     if (!read_list(j->s->drives, j->r.n_drive, v))
-        return lw_error_set(e, LW_E_ARG, "--drives-at takes %d number%s, one for each drive, not '%.60s'", j->r.n_drive, j->r.n_drive == 1 ? "" : "s", j->s->drives);
+        return lw_error_set(e, LW_E_ARG, "--drives-at takes %d number%s, one for each drive, not '%.60s'", j->r.n_drive, lw_plural(j->r.n_drive), j->s->drives);
     for (int i = 0; i < j->r.n_drive; i++)
         v[i] *= turns(j, i) ? LW_PI/180 : j->metre;
     return lw_robot_drive(&j->r, v, e);
@@ -836,7 +836,7 @@ static int run_map(const cli_call *call)
         cli_json_end(&w);
     }
     if (n > 0)
-        cli_note(call, "%d places; %d of the grid are not reached on a straight way from the tool", m.n, lost);
+        cli_note(call, "%d place%s; %d of the grid %s not reached on a straight way from the tool", m.n, lw_plural(m.n), lost, lost == 1 ? "is" : "are");
     if (worst > 0)
         cli_note(call, "error of the tool at most %.4g %s, at (%.6g, %.6g, %.6g) %s, where the greatest contributor is the %s", worst/j.metre,
                  j.unit, worst_at.x/j.metre, worst_at.y/j.metre, worst_at.z/j.metre, j.unit, worst_by);

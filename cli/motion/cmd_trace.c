@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/number.h"
 #include "base/real.h"
 #include "base/suggest.h"
 #include "catalogues/pages/draw.h"
@@ -97,7 +98,7 @@ static void trace_pins(const cli_call *call, lw_assembly *linkage, int room)
     if (linkage->n_tracer > 0)
         cli_note(call, "the file has no tracers: its moving pins are traced");
     if (left_out > 0)
-        cli_note(call, "%d more moving pins are left out; name the points you want in \"tracers\"", left_out);
+        cli_note(call, "%d more moving pin%s left out; name the points you want in \"tracers\"", left_out, left_out == 1 ? " is" : "s are");
 }
 
 static lw_status choose_tracers(const settings *s, const char *file, const lw_assembly *linkage, int *only, lw_error *e)
@@ -264,7 +265,7 @@ static lw_status find_curves(const cli_call *call, cli_curve_trace *t, bool all,
     lw_status st = lw_circuits_find(&t->s, t->drawn, &o, all ? 300 : 0, call->common.seed, &t->curves, e);
     if (st == LW_OK && all)
         cli_note(call, "%d circuit%s found so far; the last %d of %d postures that closed were on them%s",
-                 t->curves.n, t->curves.n == 1 ? "" : "s", t->curves.since, t->curves.closed,
+                 t->curves.n, lw_plural(t->curves.n), t->curves.since, t->curves.closed,
                  t->curves.late ? "; half of --time ended the search" : "");
     for (int i = 0; st == LW_OK && i < t->curves.n; i++) {
         lw_motion_curve_end end = lw_motion_curve_ended(t->curves.curve[i]);

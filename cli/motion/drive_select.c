@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "base/real.h"
 #include "base/suggest.h"
 #include "catalogues/pages/draw.h"
@@ -290,7 +291,7 @@ static int print_selection(const cli_call *call, const lw_loads *all, const lw_d
         if (s[i].choice[0].torque_steps)
             cli_note(call, "drive %s: its torque steps at %d place%s of the cycle; L dI/dt is left out of the voltage there. A "
                      "motion without steps of acceleration has none", l[i].name, s[i].choice[0].torque_steps,
-                     s[i].choice[0].torque_steps == 1 ? "" : "s");
+                     lw_plural(s[i].choice[0].torque_steps));
     }
     if (call->common.json) {
         cli_json_end(&j);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/number.h"
 #include "cli/motion/trace.h"
 #include "cli/program/output.h"
 #include "mbs/dynamics/dynamics_space.h"
@@ -9,15 +10,15 @@
 void cli_dynamics_explain(const cli_call *call, const lw_dynamics_report *r)
 {
     cli_note(call, "%s: %s; %d unknown%s, %d freedom%s, %d redundant constraint%s", lw_formulation_name(r->formulation),
-             r->why, r->unknowns, r->unknowns == 1 ? "" : "s", r->freedom, r->freedom == 1 ? "" : "s", r->redundant,
-             r->redundant == 1 ? "" : "s");
+             r->why, r->unknowns, lw_plural(r->unknowns), r->freedom, lw_plural(r->freedom), r->redundant,
+             lw_plural(r->redundant));
 }
 
 void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status, const lw_error *e)
 {
     if (r->without_forces)
         fprintf(f, "# singular posture in %ld row%s, first at t = %.12g s: forces without a limit there are left empty\n",
-                r->without_forces, r->without_forces == 1 ? "" : "s", r->without_forces_t);
+                r->without_forces, lw_plural(r->without_forces), r->without_forces_t);
     if (r->adjusted > 0) {
         fprintf(f, "# assumed: dimensions of the overconstrained linkage changed by up to %.3g m", r->adjusted);
         if (r->adjusted_turn > 0)
@@ -148,7 +149,7 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
         cli_note(c, "no freedom is left, so nothing moves; if the linkage should move, its numbers are rounded: \"mobility --tolerance 1e-4\" "
                  "tells, and more digits help");
     if (idle)
-        cli_note(c, "%d spin%s of links between ball joints %s held", idle, idle == 1 ? "" : "s", idle == 1 ? "is" : "are");
+        cli_note(c, "%d spin%s of links between ball joints %s held", idle, lw_plural(idle), idle == 1 ? "is" : "are");
     const lw_spatial_expansion *x = lw_dynamics_spatial_elastic(d);
     note_lumps(c, d);
     note_inner(c, d, r);
@@ -210,6 +211,6 @@ void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynami
                  : "energy error %.3g J of %.3g J", r->energy_error, r->energy_scale, r->energy_held);
     if (r->momentum_scale > 1e-290)          /* something moved                                         */
         cli_note(c, "momentum error %.3g of %.3g kg m^2/s or kg m/s", r->momentum_error, r->momentum_scale);
-    cli_note(c, "constraint residual %.3g, of rates %.3g 1/s; %ld steps, %ld refused, %ld evaluations", r->worst_off,
-             r->worst_off_rate, r->steps, r->refused, r->rates);
+    cli_note(c, "constraint residual %.3g, of rates %.3g 1/s; %ld step%s, %ld refused, %ld evaluation%s", r->worst_off,
+             r->worst_off_rate, r->steps, lw_plural(r->steps), r->refused, r->rates, lw_plural(r->rates));
 }

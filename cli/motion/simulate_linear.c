@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "base/number.h"
 #include "base/real.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
@@ -362,7 +363,7 @@ int cli_simulate_linear(const cli_call *call, lw_model *m, lw_spatial *space, co
         cli_note(call, "no mode vibrates long enough to be heard");
     else if (s == LW_OK && o->fft)
         cli_note(call, "%d peak%s of the free vibration: within %.2g %% of the eigenfrequencies", l->n_heard,
-                 l->n_heard == 1 ? "" : "s", 100*l->worst);
+                 lw_plural(l->n_heard), 100*l->worst);
     int code = s == LW_OK ? CLI_DONE : cli_fail(call, &e);
     free_linear(l);
     return cli_close(call, &out, code);

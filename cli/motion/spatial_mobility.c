@@ -1,4 +1,5 @@
 /* cli/motion/spatial_mobility.c - degrees of freedom of a spatial model, as text or JSON. */
+#include "base/number.h"
 #include "cli/motion/spatial.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
@@ -33,8 +34,7 @@ static void write_text(FILE *f, const lw_space_adjusted *a, const lw_space_mobil
         fprintf(f, "  (%d without idle spins)", m->freedom - m->idle);
     fputc('\n', f);
     if (m->idle > 0) {
-        fprintf(f, "%-16s%d spin%s between ball joints, held in every analysis: ", "idle", m->idle, m->idle == 1 ? ""
-                : "s");
+        fprintf(f, "%-16s%d spin%s between ball joints, held in every analysis: ", "idle", m->idle, lw_plural(m->idle));
         for (int i = 0; i < m->idle; i++)
             fprintf(f, "%s%s", i ? ", " : "", model->body[m->idle_link[i]].name);
         fputc('\n', f);
@@ -97,7 +97,7 @@ static lw_status note_rounded(const cli_call *call, const lw_spatial *model, dou
     lw_status s = tolerance < rounded ? lw_space_mobility_find(model, rounded, call->common.seed, cli_stop_flag(), &m, e) : LW_NOTHING;
     if (s == LW_OK && m.freedom > 0 && m.residual < open*lw_spatial_size(model))
         cli_note(call, "with joints open by up to %.2g m it has %d freedom%s (\"--tolerance %g\"): an overconstrained linkage whose numbers are rounded? "
-                 "More digits let it move", m.residual, m.freedom, m.freedom == 1 ? "" : "s", rounded);
+                 "More digits let it move", m.residual, m.freedom, lw_plural(m.freedom), rounded);
     if (s == LW_OK)
         lw_space_mobility_free(&m);
     return s == LW_NOTHING ? LW_OK : s;

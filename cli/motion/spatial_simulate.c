@@ -402,7 +402,7 @@ static void note_contacts(const cli_call *call, const run *r, double from, doubl
         const lw_space_contact *p = lw_dynamics_space_contact(r->d, i);
         cli_note(call, "clearance of joint \"%s\": apart for %.3g %% of the time, contact lost %ld time%s, greatest force %.4g N, "
                  "greatest distance of the centres %.4g m", r->m->joint[p->joint].name, t > from ? 100*p->apart/(t - from) : 0,
-                 p->losses, p->losses == 1 ? "" : "s", p->force_most, p->distance_most);
+                 p->losses, lw_plural(p->losses), p->force_most, p->distance_most);
     }
 }
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/growable_array.h"
+#include "base/number.h"
 #include "base/real.h"
 #include "cli/program/output.h"
 
@@ -275,7 +276,7 @@ static const char *end_text(const cli_curve_trace *t, const lw_motion_curve *mot
     switch (lw_motion_curve_ended(motion)) {
     case LW_MOTION_CURVE_CLOSED:
         if (turns != 0)
-            snprintf(text, 128, "closes after %d turn%s of the input", abs(turns), abs(turns) == 1 ? "" : "s");
+            snprintf(text, 128, "closes after %d turn%s of the input", abs(turns), lw_plural(abs(turns)));
         else if (lw_motion_curve_rests(motion))
             snprintf(text, 128, "closes, the input stands still");
         else

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
+#include "base/number.h"
 #include "base/parallel.h"
 #include "base/suggest.h"
 #include "cli/program/json.h"
@@ -197,7 +198,7 @@ static lw_status say_how_long(task *t, lw_error *error)
     t->expected = e.chains/t->how.n_part;
     if (seconds > 5)
         cli_note(t->call, "about %.2g structures and %.2g chains, %.2g s on %d core%s, %.2g MB", e.structures,
-                 t->expected, seconds, cores, cores == 1 ? "" : "s", e.bytes/1e6);
+                 t->expected, seconds, cores, lw_plural(cores), e.bytes/1e6);
     if (e.bytes > cli_memory(t->call))
         return lw_error_set(error, LW_E_MEMORY, "the structures with %d loops need about %.2g GB", n.n_loop,
                             e.bytes/1e9);

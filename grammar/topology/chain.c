@@ -1,6 +1,7 @@
 /* grammar/topology/chain.c - see chain.h. */
 #include <stdio.h>
 #include <string.h>
+#include "base/number.h"
 #include "grammar/topology/chain.h"
 
 #define PEBBLES 3    /* freedoms of a planar link */
@@ -225,7 +226,7 @@ lw_status lw_chain_check(const lw_chain *c, lw_error *e)
     for (int i = 0; i < c->n_link; i++)
         if (lw_chain_degree(c, i) < 2)
             return lw_error_set(e, LW_E_ARG, "link %d has %d joint%s; every link of a closed chain has two or more",
-                                i + 1, lw_chain_degree(c, i), lw_chain_degree(c, i) == 1 ? "" : "s");
+                                i + 1, lw_chain_degree(c, i), lw_plural(lw_chain_degree(c, i)));
     bool truss = lw_chain_mobility(c) == 0;
     if (lw_chain_rigid(c, truss, &links)) {
         name_links(links, text, sizeof text);

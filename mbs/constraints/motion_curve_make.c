@@ -1,4 +1,5 @@
 /* mbs/constraints/motion_curve_make.c - making a curve of postures. */
+#include "base/number.h"
 #include "mbs/constraints/motion_curve_internal.h"
 
 #include <stdlib.h>
@@ -11,8 +12,8 @@ static lw_status check(const lw_system *s, const lw_motion_curve_options *o, lw_
     int missing = s->n_q - s->n_row - s->n_input;
     if (missing > 0)
         return lw_error_set(e, LW_E_ARG, "the linkage has %d freedoms but %d input%s; drive %d more joint%s",
-                            s->n_q - s->n_row, s->n_input, s->n_input == 1 ? "" : "s", missing,
-                            missing == 1 ? "" : "s");
+                            s->n_q - s->n_row, s->n_input, lw_plural(s->n_input), missing,
+                            lw_plural(missing));
     return LW_OK;
 }
 

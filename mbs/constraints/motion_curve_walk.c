@@ -1,4 +1,5 @@
 /* mbs/constraints/motion_curve_walk.c - following the curve of postures. */
+#include "base/number.h"
 #include "mbs/constraints/motion_curve_internal.h"
 #include "base/vector.h"
 
@@ -66,8 +67,8 @@ static lw_status begin(lw_motion_curve *b, lw_error *e)
     if (freedoms < 0)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (freedoms == 0 && counted > 0 && inputs > counted)
-        return lw_error_set(e, LW_E_ARG, "the linkage has %d freedom%s but %d inputs; leave out %d", counted,
-                            counted == 1 ? "" : "s", inputs, inputs - counted);
+        return lw_error_set(e, LW_E_ARG, "the linkage has %d freedom%s but %d input%s; leave out %d", counted,
+                            lw_plural(counted), inputs, lw_plural(inputs), inputs - counted);
     if (freedoms == 0)
         return lw_error_set(e, LW_E_NUMERIC, "the linkage cannot move: in its posture every freedom is taken");
     if (freedoms > 1)

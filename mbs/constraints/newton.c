@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/linalg.h"
+#include "base/number.h"
 #include "base/vector.h"
 #include "mbs/constraints/system_internal.h"
 
@@ -514,8 +515,9 @@ static lw_status count_equations(const lw_linkage *linkage, lw_newton *s, lw_err
     if (linkage->n_input < 1)
         return lw_error_set(e, LW_E_ARG, "the linkage has no input to move it by");
     if (s->m < s->n)
-        return lw_error_set(e, LW_E_ARG, "the linkage has %d freedoms but %d inputs; drive %d more joints",
-                            s->n - s->system.n_row, s->system.n_input, s->n - s->m);
+        return lw_error_set(e, LW_E_ARG, "the linkage has %d freedom%s but %d input%s; drive %d more joint%s",
+                            s->n - s->system.n_row, lw_plural(s->n - s->system.n_row), s->system.n_input, lw_plural(s->system.n_input), s->n - s->m,
+                            lw_plural(s->n - s->m));
     return LW_OK;
 }
 

@@ -6,6 +6,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "base/number.h"
 #include "grammar/model/model.h"
 #include "mbs/constraints/continuation_internal.h"
 
@@ -548,7 +549,7 @@ static lw_status check_inputs(lw_prescribed_motion *d, lw_error *e)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (inputs > freedoms)
         return lw_error_set(e, LW_E_ARG, "the linkage has %d freedom%s but %d input%s; leave out %d", freedoms,
-                            freedoms == 1 ? "" : "s", inputs, inputs == 1 ? "" : "s", inputs - freedoms);
+                            lw_plural(freedoms), inputs, lw_plural(inputs), inputs - freedoms);
     return LW_OK;
 }
 
@@ -604,9 +605,9 @@ static lw_status make(const lw_system *s, const double *q, lw_input_function *mo
     int all[LW_INPUT_MAX], missing = s->n_q - s->n_row - s->n_input;
     *out = NULL;
     if (missing > 0)
-        return lw_error_set(e, LW_E_ARG, "the linkage has %d freedoms but %d input%s; drive %d more joint%s",
-                            s->n_q - s->n_row, s->n_input, s->n_input == 1 ? "" : "s", missing,
-                            missing == 1 ? "" : "s");
+        return lw_error_set(e, LW_E_ARG, "the linkage has %d freedom%s but %d input%s; drive %d more joint%s",
+                            s->n_q - s->n_row, lw_plural(s->n_q - s->n_row), s->n_input, lw_plural(s->n_input), missing,
+                            lw_plural(missing));
     bool by_value = s->n_input == 1 && motion != lw_prescribed_motion_itself;
     lw_prescribed_motion *d = calloc(1, sizeof *d);
     for (int i = 0; i < s->n_input; i++)

@@ -9,6 +9,7 @@
  * distance from the branch point is analytic too.  Its value there is the strength of the pole; where that is 0, its
  * derivative is the limit of the multiplier.  The power of a moving input is finite, so its drive has a limit; reactions
  * often have none. */
+#include "base/number.h"
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 #include "mbs/dynamics/follow_internal.h"
@@ -574,7 +575,7 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return snprintf(why, sizeof why, "every freedom is driven: kinematics, then forces%s", d->space ? lw_mbs_is_planar(d) : ""),
                lw_formulation_say(r, LW_OK, d->n_v, why);
     snprintf(why, sizeof why, "%d more freedom%s would have to be driven for this analysis: give every input a "
-             "\"motion\", or ask for dynamic", d->freedom, d->freedom == 1 ? "" : "s");
+             "\"motion\", or ask for dynamic", d->freedom, lw_plural(d->freedom));
     return lw_formulation_say(r, asked ? LW_E_ARG : LW_E_KIND, 0, why);
 }
 

@@ -2,6 +2,7 @@
  * by an explicit method of order 8, or BDF methods (CVODE) where dampers would keep its steps short; simple open chains by
  * collocation with eight states at once.  Open chains have no constraints left; loops are closed after every step.  Near singular postures of the loops the run goes on in the
  * coordinates of the bodies. */
+#include "base/number.h"
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
@@ -469,8 +470,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         }
         free(x);
     }
-    snprintf(why, sizeof why, rows ? "%scoordinates of %d joints; %d joint%s cut, %d rows of loops" : "%scoordinates of %d joints, "
-             "an open chain", asked ? "asked for; " : "", d->space->s.n_body, m.r.n_cut, m.r.n_cut == 1 ? "" : "s", rows);
+    snprintf(why, sizeof why, rows ? "%scoordinates of %d joint%s; %d joint%s cut, %d rows of loops" : "%scoordinates of %d joint%s, "
+             "an open chain", asked ? "asked for; " : "", d->space->s.n_body, lw_plural(d->space->s.n_body), m.r.n_cut, lw_plural(m.r.n_cut), rows);
     bool none = m.r.n_u == 0;
     unmake(&m);
     if (s == LW_E_MEMORY)

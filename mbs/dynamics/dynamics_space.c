@@ -4,6 +4,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/number.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 #include "mbs/equations/limits_internal.h"
 #include "mbs/ode/integrate.h"
@@ -247,8 +248,8 @@ static lw_status make_drives(lw_dynamics *d, lw_error *e)
     if (m->n_drive == 0)
         return LW_OK;
     if (d->freedom > 0 && d->n_driven > 0)
-        return lw_error_set(e, LW_E_KIND, "\"drives\" carry the forces of a model whose inputs leave no freedom; here %d freedoms "
-                            "are left", d->freedom);
+        return lw_error_set(e, LW_E_KIND, "\"drives\" carry the forces of a model whose inputs leave no freedom; here %d freedom%s "
+                            "left", d->freedom, d->freedom == 1 ? " is" : "s are");
     lw_space_extra *x = calloc(extras, sizeof *x);
     double *metric = malloc(((size_t)d->n_v + 1)*sizeof *metric);
     lw_status st = x && metric ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -266,8 +267,9 @@ static lw_status make_drives(lw_dynamics *d, lw_error *e)
         if (c->has_drives)                   /* the motion does not depend on it; drives carry it */
             c->n_rub = d->n_friction, d->n_friction = 0;
         if (c->has_drives && c->drives.n_kept < d->n_v)
-            st = lw_error_set(e, LW_E_ARG, "%d drives move only %d of %d freedoms in the posture of the file: the posture is "
-                              "singular for them, or more drives are needed", m->n_drive, c->drives.n_kept - joints, d->n_v - joints);
+            st = lw_error_set(e, LW_E_ARG, "%d drive%s only %d of %d freedom%s in the posture of the file: the posture is "
+                              "singular for them, or more drives are needed", m->n_drive, m->n_drive == 1 ? " moves" : "s move", c->drives.n_kept - joints,
+                              d->n_v - joints, lw_plural(d->n_v - joints));
         if (st == LW_OK && c->many_drives)
             st = lw_space_dense_make(&c->drives, &c->drives_least, e);
     }

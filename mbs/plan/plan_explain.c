@@ -1,4 +1,5 @@
 /* Describe a plan as text. */
+#include "base/number.h"
 #include "mbs/plan/plan_internal.h"
 
 #include "grammar/text/text_internal.h"
@@ -78,10 +79,10 @@ static void add_dyad(lw_text *out, const lw_step *s)
 static void add_higher(lw_text *out, const lw_higher *g)
 {
     lw_text_add(out, "; Newton's method with %d unknown%s (%d turn%s, %d displacement%s) on %d loop%s", g->n_unknown,
-                g->n_unknown == 1 ? "" : "s", g->n_turn, g->n_turn == 1 ? "" : "s", g->n_disp,
-                g->n_disp == 1 ? "" : "s", g->n_loop, g->n_loop == 1 ? "" : "s");
+                lw_plural(g->n_unknown), g->n_turn, lw_plural(g->n_turn), g->n_disp,
+                lw_plural(g->n_disp), g->n_loop, lw_plural(g->n_loop));
     if (g->n_gear)
-        lw_text_add(out, " and %d gear%s", g->n_gear, g->n_gear == 1 ? "" : "s");
+        lw_text_add(out, " and %d gear%s", g->n_gear, lw_plural(g->n_gear));
     lw_text_add(out, "\n");
 }
 

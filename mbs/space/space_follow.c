@@ -4,6 +4,7 @@
  * beside the step and the tangents at its ends agree: then the step is short beside the radius of the curve of
  * postures, and with it beside the distance to another branch. */
 #include "mbs/space/space_follow.h"
+#include "base/number.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -94,12 +95,12 @@ static lw_status count_freedoms(lw_space_follow *f, int rank, bool any, lw_error
     f->freedom = s->n_v - f->z.n_kept;
     f->redundant = s->n_row + f->n_idle - rank;
     if (f->z.n_kept < rank + f->n_input)
-        return lw_error_set(e, LW_E_ARG, "%d inputs move only %d of %d freedoms in the posture of the file: they "
-                                         "contradict each other, or the posture is singular for "
-                                         "them", f->n_input, f->z.n_kept - rank, freedom);
+        return lw_error_set(e, LW_E_ARG, "%d input%s only %d of %d freedom%s in the posture of the file: %sthe posture is singular for %s",
+                            f->n_input, f->n_input == 1 ? " moves" : "s move", f->z.n_kept - rank, freedom, lw_plural(freedom),
+                            f->n_input == 1 ? "" : "they contradict each other, or ", f->n_input == 1 ? "it" : "them");
     if (f->freedom > 0 && !any)
         return lw_error_set(e, LW_E_ARG, "the model has %d freedom%s and %d input%s: %d more input%s needed", freedom,
-                            freedom == 1 ? "" : "s", f->n_input, f->n_input == 1 ? "" : "s", f->freedom,
+                            lw_plural(freedom), f->n_input, lw_plural(f->n_input), f->freedom,
                             f->freedom == 1 ? " is" : "s are");
     return LW_OK;
 }

@@ -1,4 +1,5 @@
 /* optimise/task/target_outline.c - the curves of a drawing, and the target made of those that are wanted. */
+#include "base/number.h"
 #include "base/real.h"
 #include "optimise/task/target_outline_internal.h"
 
@@ -274,7 +275,7 @@ static void write_note(const lw_outlines *d, const lw_outline *c, int n, const l
         used = snprintf(note, size, "%d curves, %zu stations each; stations at the same share of the length belong "
                         "together", n, t->n);
     else if (d->only_points)
-        used = snprintf(note, size, "%zu points as stations, in the order of the file", t->n);
+        used = snprintf(note, size, "%zu point%s as stations, in the order of the file", t->n, lw_plural((long long)t->n));
     else
         used = snprintf(note, size, "%s curve%s%s%s, %.5g %s long, %zu stations", t->closed ? "closed" : "open",
                         name[0] ? " '" : "", name, name[0] ? "'" : "", length, unit, t->n);

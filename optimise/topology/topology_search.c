@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/number.h"
 #include "base/real.h"
 #include "optimise/topology/point_links.h"
 
@@ -41,8 +42,8 @@ lw_status lw_start_check(const lw_linkage *linkage, lw_error *e)
     const char *tied = own > 1 ? ", beside those tied to it by a ratio," : "";
     if (own == 1 && linkage->n_tracer > 0)
         return LW_OK;
-    return lw_error_set(e, LW_E_ARG, "a linkage to start from has one input%s and a tracer; \"%.40s\" has %d inputs "
-                        "and %d tracers", tied, linkage->name, own, linkage->n_tracer);
+    return lw_error_set(e, LW_E_ARG, "a linkage to start from has one input%s and a tracer; \"%.40s\" has %d input%s "
+                        "and %d tracer%s", tied, linkage->name, own, lw_plural(own), linkage->n_tracer, lw_plural(linkage->n_tracer));
 }
 
 static int by_links(const void *a, const void *b)
