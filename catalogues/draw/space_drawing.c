@@ -95,9 +95,9 @@ static void put_paths(page *g)
 {
     const lw_space_scene *s = g->s;
     for (int t = 0; t < s->n_tracer; t++)
-        for (size_t f = 0; f + 1 < s->n_frame + s->loops; f++) {
-            lw_vec3 a = s->path[f*(size_t)s->n_tracer + (size_t)t];
-            lw_vec3 b = s->path[(f + 1) % s->n_frame*(size_t)s->n_tracer + (size_t)t];
+        for (size_t i = 0; i + 1 < s->n_path + s->loops; i++) {
+            lw_vec3 a = s->path[i*(size_t)s->n_tracer + (size_t)t];
+            lw_vec3 b = s->path[(i + 1) % s->n_path*(size_t)s->n_tracer + (size_t)t];
             piece *q = new_piece(g, NULL, 2);
             double depth[2];
             if (!q)
@@ -196,7 +196,7 @@ static void triad(const page *g, lw_drawing *d)
 
 static size_t count_pieces(const lw_space_scene *s)
 {
-    return (size_t)s->n_shape*PIECES + (size_t)s->n_tracer*s->n_frame + 1;
+    return (size_t)s->n_shape*PIECES + (size_t)s->n_tracer*s->n_path + 1;
 }
 
 /* The greatest scale at which every posture is on the page. */

@@ -21,18 +21,49 @@ lw_vec3 lw_space_scene_point(const lw_space_scene *s, size_t frame, const lw_spa
 
 /* ---- motion ---------------------------------------------------------------------------------------------- */
 
-typedef struct film { lw_space_scene *s; const lw_spatial *m; size_t most; } film;
+#define PATH_STEPS 4                     /* of the path of a tracer from frame to frame */
+
+typedef struct film { lw_space_scene *s; size_t most; double u; lw_vec3 *place, *rate; } film;     /* of the tracers (n_tracer) at the frame before */
+
+/* A slope of a cubic over a step; at most three chords, since rates have no limit near a limit of the input. */
+static lw_vec3 slope(lw_vec3 rate, double du, lw_vec3 chord)
+{
+    double most = 3*lw_v3_norm(chord), length = lw_v3_norm(rate)*fabs(du);
+    return !isfinite(length) ? chord : lw_v3_scale(rate, length > most ? du*most/length : du);
+}
+
+/* Points of the paths after the frame before, by cubics with the rates at both ends, up to that at u. */
+static void lead_paths(film *f, double u, const lw_space_tracer *tracer)
+{
+    lw_space_scene *s = f->s;
+    size_t n = (size_t)s->n_tracer;
+    for (size_t i = 0; i < n; i++) {
+        lw_vec3 a = f->place[i], chord = lw_v3_sub(tracer[i].place, a);
+        lw_vec3 from = slope(f->rate[i], u - f->u, chord), to = slope(tracer[i].velocity, u - f->u, chord);
+        for (int k = 1; s->n_frame > 0 && k < PATH_STEPS; k++) {
+            double x = (double)k/PATH_STEPS, y = 1 - x;
+            lw_vec3 p = lw_v3_add(a, lw_v3_scale(chord, x*x*(3 - 2*x)));
+            p = lw_v3_add(p, lw_v3_sub(lw_v3_scale(from, x*y*y), lw_v3_scale(to, x*x*y)));
+            s->path[(s->n_path + (size_t)k - 1)*n + i] = p;
+        }
+        f->place[i] = tracer[i].place;
+        f->rate[i] = tracer[i].velocity;
+    }
+    f->u = u;
+    s->n_path += s->n_frame > 0 ? PATH_STEPS : 1;
+    for (size_t i = 0; i < n; i++)
+        s->path[(s->n_path - 1)*n + i] = tracer[i].place;
+}
 
 /* The tracers that follow those of the model are one for each link. */
 static lw_status take_frame(void *context, double u, const double *input, const lw_space_tracer *tracer)
 {
     film *f = context;
     lw_space_scene *s = f->s;
-    (void)u, (void)input;
+    (void)input;
     if (s->n_frame == f->most)
         return LW_OK;
-    for (int i = 0; i < s->n_tracer; i++)
-        s->path[s->n_frame*(size_t)s->n_tracer + (size_t)i] = tracer[i].place;
+    lead_paths(f, u, tracer);
     for (int i = 0; i < s->n_link; i++)
         s->pose[s->n_frame*(size_t)s->n_link + (size_t)i] = (lw_space_pose){ tracer[s->n_tracer + i].place,
                                                                              tracer[s->n_tracer + i].turn };
@@ -43,7 +74,7 @@ static lw_status take_frame(void *context, double u, const double *input, const 
 /* The posture of the file. */
 static void stand_still(lw_space_scene *s, const lw_spatial *m)
 {
-    s->n_frame = 1;
+    s->n_frame = s->n_path = 1;
     for (int i = 0; i < s->n_link; i++)
         s->pose[i] = (lw_space_pose){ s->origin[i], { 1, 0, 0, 0 } };
     for (int i = 0; i < s->n_tracer; i++)
@@ -72,7 +103,8 @@ static bool closes(const lw_space_scene *s)
 
 static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *o, lw_space_scene *s, lw_error *e)
 {
-    film f = { .s = s, .m = m, .most = o->n_frame + 1 };
+    size_t n_tracer = (size_t)m->n_tracer;
+    film f = { .s = s, .most = o->n_frame + 1 };
     lw_space_trace t = { .in_time = moves_in_time(m), .to = o->until > 0 ? o->until : 1, .intervals = (int)o->n_frame,
                          .stop = o->stop };
     lw_spatial with = *m;                 /* the same model, with a tracer for each link */
@@ -80,7 +112,7 @@ static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *
     t.whole = !t.in_time;
     s->seconds = t.in_time ? t.to : 0;
     if (o->pose) {
-        s->n_frame = o->n_frame;
+        s->n_frame = s->n_path = o->n_frame;
         s->seconds = o->until;
         s->ends = true;
         memcpy(s->pose, o->pose, s->n_frame*(size_t)s->n_link*sizeof *s->pose);
@@ -95,14 +127,18 @@ static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *
     }
     with.n_tracer = m->n_tracer + m->n_link;
     with.tracer = calloc((size_t)with.n_tracer, sizeof *with.tracer);
-    if (!with.tracer)
+    f.place = calloc(2*n_tracer + 1, sizeof *f.place);
+    f.rate = f.place + n_tracer;
+    if (!with.tracer || !f.place) {
+        free(with.tracer), free(f.place);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    if (m->n_tracer)
-        memcpy(with.tracer, m->tracer, (size_t)m->n_tracer*sizeof *m->tracer);
+    }
+    if (n_tracer)
+        memcpy(with.tracer, m->tracer, n_tracer*sizeof *m->tracer);
     for (int i = 0; i < m->n_link; i++)
         with.tracer[m->n_tracer + i] = (lw_spatial_tracer){ .link = i, .at = s->origin[i], .frame = { 1, 0, 0, 0 } };
     lw_status status = lw_space_trace_run(&with, &t, take_frame, &f, &why);
-    free(with.tracer);
+    free(with.tracer), free(f.place);
     if (status == LW_E_MEMORY)
         return lw_error_set(e, status, "%s", why.text[0] ? why.text : lw_status_text(status));
     if (status != LW_OK)
@@ -112,6 +148,7 @@ static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *
         stand_still(s, m);
     s->loops = closes(s);
     s->n_frame -= s->loops;
+    s->n_path -= s->loops;
     return LW_OK;
 }
 
@@ -369,7 +406,7 @@ lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options 
     s->shape = calloc(n_shape + 1, sizeof *s->shape);
     s->origin = calloc(n_link, sizeof *s->origin);
     s->pose = calloc(n_frame*n_link, sizeof *s->pose);
-    s->path = calloc(n_frame*n_tracer + 1, sizeof *s->path);
+    s->path = calloc(PATH_STEPS*n_frame*n_tracer + 1, sizeof *s->path);
     if (!s->shape || !s->origin || !s->pose || !s->path)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     double g = lw_v3_norm(m->gravity);

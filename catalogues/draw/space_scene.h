@@ -44,7 +44,8 @@ typedef struct lw_space_scene {
     bool     ends;               /* or ends and begins anew                                            */
     double   seconds;            /* that the motion lasts; 0: it is not in time                        */
     lw_space_pose *pose;         /* [frame*n_link + link]                                              */
-    lw_vec3 *path;               /* [frame*n_tracer + tracer]                                          */
+    size_t   n_path;             /* points of each path: those of the frames, in time or by the input also some between */
+    lw_vec3 *path;               /* [point*n_tracer + tracer]                                          */
     lw_vec3  up, middle;         /* upwards: against gravity, or z; middle and radius of all places    */
     double   radius;
     const volatile sig_atomic_t *stop;       /* ends an animation after the frame that is drawn; may be NULL */

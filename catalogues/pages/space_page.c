@@ -89,9 +89,9 @@ static void put_data(lw_bytes *b, const lw_space_scene *s, lw_space_view view)
     lw_bytes_text(b, "],\"paths\":[");
     for (int t = 0; t < s->n_tracer; t++) {
         lw_bytes_text(b, t ? ",[" : "[");
-        for (size_t f = 0; f < s->n_frame; f++) {
-            lw_bytes_text(b, f ? "," : "");
-            put_place(b, s, s->path[f*(size_t)s->n_tracer + (size_t)t]);
+        for (size_t i = 0; i < s->n_path; i++) {
+            lw_bytes_text(b, i ? "," : "");
+            put_place(b, s, s->path[i*(size_t)s->n_tracer + (size_t)t]);
         }
         lw_bytes_text(b, "]");
     }
