@@ -5,6 +5,7 @@
 #include "catalogues/draw/diagram.h"
 #include "catalogues/draw/picture.h"
 #include "catalogues/draw/svg.h"
+#include "grammar/model/model.h"
 #include "tests/check.h"
 #include "tests/scene_models.h"
 #include "tests/xml_scan.h"
@@ -474,6 +475,49 @@ TEST(guides_cover_the_travel)
     CHECK_INT(read_back(&d).sliders, 2);
     lw_drawing_free(&d);
     lw_scene_free(&s);
+}
+
+/* Guides, links and hatching of the picture of a model of examples/, and the greatest y of a guide [px]. */
+typedef struct parts { int guides, links, hatching; double lowest; } parts;
+
+static parts parts_of(const char *path)
+{
+    char *text = NULL;
+    size_t size;
+    lw_model m;
+    lw_scene s;
+    lw_scene_options o = lw_scene_options_default();
+    lw_error e;
+    parts n = { .lowest = -1 };
+    o.model = &m;
+    if (lw_file_read(path, &text, &size, &e) != LW_OK || lw_model_read(text, size, path, &m, &e) != LW_OK) {
+        CHECK(!"the model is read");
+        return n;
+    }
+    CHECK_INT(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &e), LW_OK);
+    lw_drawing d = draw(&s, 1000, 750);
+    for (size_t i = 0; i < d.n_shape; i++) {
+        n.guides += d.shape[i].role == LW_ROLE_GUIDE;
+        n.links += d.shape[i].role == LW_ROLE_LINK;
+        n.hatching += d.shape[i].role == LW_ROLE_HATCH;
+        if (d.shape[i].role == LW_ROLE_GUIDE)
+            n.lowest = fmax(n.lowest, d.point[d.shape[i].first].y);
+    }
+    lw_drawing_free(&d);
+    lw_scene_free(&s);
+    lw_model_free(&m);
+    free(text);
+    return n;
+}
+
+TEST(the_ground_is_seen)
+{
+    parts frame = parts_of("examples/elastic-frame.json"), boxes = parts_of("examples/dynamics/boxes.json");
+    CHECK_INT(frame.guides, 2);                                 /* a wall at each of the two ends that are held */
+    CHECK(frame.hatching >= 8);
+    CHECK_INT(boxes.guides, 1);                                 /* the floor, above scale bar and note */
+    CHECK(boxes.lowest > 400 && boxes.lowest < 690);
+    CHECK_INT(parts_of("examples/dynamics/hook.json").links, 3);        /* the hook, the wheel and the bar from it to its mass */
 }
 
 TEST(unfit_sizes_are_refused)

@@ -260,5 +260,8 @@ int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node *node, int r
             n = add_node(node, room, n, k->tracer[i].at, -1, i);
     if (n == 1 && link != k->ground && s->model && s->model->body[link].mass > 0)     /* a pendulum reaches to its mass */
         n = add_node(node, room, n, s->model->body[link].centre, -1, -1);
+    for (int i = 0; n == 1 && link != k->ground && s->model && i < s->model->n_shape; i++)     /* or to the wheel that touches others */
+        if (s->model->shape[i].link == link && s->model->shape[i].kind == LW_CONTOUR_CIRCLE)
+            n = add_node(node, room, n, s->model->shape[i].at[0], -1, -1);
     return n;
 }

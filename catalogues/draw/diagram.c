@@ -194,10 +194,42 @@ static lw_vec2 inwards(const sketch *k, int link, lw_vec2 from)
     return length > 0 ? lw_v2(sum.x/length, -sum.y/length) : lw_v2(0, 0);
 }
 
+static bool on_ground(const lw_assembly *linkage, const lw_joint *j)
+{
+    return j->link[0] == linkage->ground || j->link[1] == linkage->ground;
+}
+
+static const lw_elastic *elastic_of(const sketch *k, int link)
+{
+    const lw_elastic *e = k->s->model && k->s->model->elastic ? &k->s->model->elastic[link] : NULL;
+    return e && e->given && e->n_axis > 1 ? e : NULL;
+}
+
+/* Direction on the page in which a link leaves a point where it is held: along its axis if it is elastic. */
+static lw_vec2 leaves(const sketch *k, int link, lw_vec2 from)
+{
+    const lw_elastic *e = elastic_of(k, link);
+    int best = 0;
+    if (!e)
+        return inwards(k, link, from);
+    for (int i = 1; i < e->n_axis; i++)
+        if (hypot(e->axis[i].x - from.x, e->axis[i].y - from.y) < hypot(e->axis[best].x - from.x, e->axis[best].y - from.y))
+            best = i;
+    int next = best + 1 < e->n_axis ? best + 1 : best - 1;
+    lw_vec2 way = lw_v2(e->axis[next].x - e->axis[best].x, e->axis[best].y - e->axis[next].y);
+    return lw_v2_scale(way, 1/fmax(lw_v2_norm(way), 1e-300));
+}
+
 static void draw_weld(sketch *k, int joint)
 {
     const lw_joint *j = &linkage(k)->joint[joint];
     lw_vec2 at = pixel_of(k, 0, j->at);
+    if (on_ground(linkage(k), j)) {
+        int held = j->link[j->link[0] == linkage(k)->ground];
+        lw_symbol_clamp(k->d, bearer(linkage(k), joint, linkage(k)->ground), at, leaves(k, held, j->at), k->u);
+        lw_label_map_disc(&k->map, at, 16*k->u, 3);
+        return;
+    }
     lw_symbol_weld(k->d, bearer(linkage(k), joint, j->link[1]), at, inwards(k, j->link[0], j->at),
                    inwards(k, j->link[1], j->at), link_ink(linkage(k), j->link[1]), k->u);
     lw_label_map_disc(&k->map, at, 8*k->u, 3);
@@ -232,8 +264,8 @@ static void draw_elastic(sketch *k, int link, const lw_elastic *e)
 
 static void draw_link(sketch *k, int link)
 {
-    const lw_elastic *e = k->s->model && k->s->model->elastic ? &k->s->model->elastic[link] : NULL;
-    if (e && e->given && e->n_axis > 1) {
+    const lw_elastic *e = elastic_of(k, link);
+    if (e) {
         draw_elastic(k, link, e);
         return;
     }
@@ -246,11 +278,6 @@ static void draw_link(sketch *k, int link)
             lw_label_map_line(&k->map, p[j], p[i], 1);
     }
     lw_symbol_link(k->d, bearer(linkage(k), link, link), p, n, link_ink(linkage(k), link), k->u);
-}
-
-static bool on_ground(const lw_assembly *linkage, const lw_joint *j)
-{
-    return j->link[0] == linkage->ground || j->link[1] == linkage->ground;
 }
 
 /* Draw the line between the ground pins; the label of the frame's length stands beside it. */

@@ -206,6 +206,12 @@ void lw_symbol_weld(lw_drawing *d, lw_bearer b, lw_vec2 at, lw_vec2 one, lw_vec2
     stroke(lw_drawing_path(d, LW_ROLE_JOINT, corner, 3, true), b, ink, 2*u)->fill = ink;
 }
 
+void lw_symbol_clamp(lw_drawing *d, lw_bearer b, lw_vec2 at, lw_vec2 leaves, double u)
+{
+    lw_vec2 half = lw_v2_norm(leaves) > 0 ? lw_v2(-17*u*leaves.y, 17*u*leaves.x) : lw_v2(17*u, 0);
+    lw_symbol_hatched_line(d, b, lw_v2_sub(at, half), lw_v2_add(at, half), u);
+}
+
 static int left_to_right(const void *a, const void *b)
 {
     const lw_vec2 *p = a, *q = b;

@@ -34,6 +34,8 @@ void lw_symbol_rack(lw_drawing *d, lw_bearer b, lw_vec2 p, lw_vec2 along, double
                     bool gap, double body, lw_ink ink, double u);
 /* Filled corner between two unit vectors; a dot where there is no corner. */
 void lw_symbol_weld(lw_drawing *d, lw_bearer b, lw_vec2 at, lw_vec2 one, lw_vec2 other, lw_ink ink, double u);
+/* A wall across the end of a link that is held there and leaves along the unit vector; (0, 0): upwards. */
+void lw_symbol_clamp(lw_drawing *d, lw_bearer b, lw_vec2 at, lw_vec2 leaves, double u);
 /* Bars one after the other between n points, n > 1. */
 void lw_symbol_frame(lw_drawing *d, lw_bearer b, const lw_vec2 *p, int n, lw_ink ink, double u);
 /* Bar for two points, shaded polygon for more (their convex hull); nothing for fewer. */

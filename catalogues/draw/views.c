@@ -109,6 +109,22 @@ static void add_parts(lw_box *b, const lw_scene *s, size_t frame)
     }
 }
 
+/* Add the places of infinite lines, as of a floor, that are beside the middle, unless they are further away than the rest is large. */
+static void add_lines(lw_box *b, const lw_scene *s, size_t frame)
+{
+    double size = lw_box_size(b);
+    lw_vec2 middle = { b->x0 + (b->x1 - b->x0)/2, b->y0 + (b->y1 - b->y0)/2 };
+    for (int i = 0; s->model && i < s->model->n_shape; i++) {
+        const lw_contour *c = &s->model->shape[i];
+        if (c->kind != LW_CONTOUR_LINE)
+            continue;
+        lw_vec2 at = lw_scene_at(s, frame, c->link, c->at[0]), along = lw_v2_sub(lw_scene_at(s, frame, c->link, c->at[1]), at);
+        lw_vec2 foot = lw_v2_add(at, lw_v2_scale(along, lw_v2_dot(along, lw_v2_sub(middle, at))/lw_v2_dot(along, along)));
+        if (lw_v2_norm(lw_v2_sub(foot, middle)) < size)
+            box_add(b, foot);
+    }
+}
+
 /* Add pins, blocks and tracers; if `guides`, also the travel of guides, and gears. */
 static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
 {
@@ -154,6 +170,7 @@ lw_box lw_scene_box(const lw_scene *s, bool whole_motion)
     box_empty(&core);
     add_points(&core, s->station, s->n_station);
     add_links(&core, s, s->first_frame, false);
+    add_lines(&core, s, s->first_frame);
     lw_box all = core;
     add_links(&all, s, s->first_frame, true);
     for (size_t f = 0; whole_motion && f < s->n_frame; f++)
