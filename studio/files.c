@@ -9,7 +9,7 @@
 #include "catalogues/exchange/format.h"
 #include "grammar/text/json_internal.h"
 #include "linkwright.h"
-#include "optimise/task/target.h"
+#include "optimise/task/read_file.h"
 
 /* {}: what the page begins with. */
 lw_status studio_begin(studio *s, const json_t *ask, studio_reply *r, lw_error *e)
@@ -131,7 +131,10 @@ lw_status studio_open(studio *s, const json_t *ask, studio_reply *r, lw_error *e
     lw_status st = studio_source(ask, "text", &text, &size, e);
     if (st != LW_OK)
         return st;
-    if (is_target(text, name)) {
+    lw_foreign foreign = lw_foreign_kind(text, size);
+    if (foreign.what) {
+        st = lw_error_at(e, LW_E_NOTATION, name, 0, 0, "this is %s, not a linkage or a target; %s", foreign.what, foreign.advice);
+    } else if (is_target(text, name)) {
         lw_target *t = NULL;
         lw_target_options o = { .closed = -1 };
         st = lw_target_parse(text, size, name, &o, &t, e);

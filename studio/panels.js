@@ -224,7 +224,7 @@ function searchPanel(panel) {
       make("h2", {}, "Conditions"),
       choice("Links", t.links, [[4, "4"], [6, "up to 6"], [8, "up to 8"]], (v) => set("links")(Number(v))), cost("links"),
       choice("Kinds with four links", t.types, TYPES, set("types")),
-      choice("Input", t.turn, [["auto", "turns fully if the path is closed"], ["full", "turns fully"], ["crank", "turns fully, shortest link"], ["rock", "may rock and pass limits"]], set("turn")), cost("turn"),
+      choice("Input", t.turn, [["auto", "turns fully if closed"], ["full", "turns fully"], ["crank", "turns fully, shortest"], ["rock", "may rock, pass limits"]], set("turn")), cost("turn"),
       number("Least transmission angle", t.transmission, "°", set("transmission"), { placeholder: "20", min: 0, max: 89 }), cost("transmission"),
       number("Most size, in diagonals of the path", t.maxSize, "×", set("maxSize"), { placeholder: "6", min: 0.1 }), cost("maxSize"),
       number("Shortest length", t.least, u, set("least"), { min: 0 }),

@@ -162,6 +162,7 @@ TEST(answers)
     CHECK(question("motion", "{\"linkage\":[]}") == 422 && strstr(reply, "an object or a text"));
     CHECK(question("open", "{\"name\":\"a.csv\",\"text\":\"x,y\\n0,0\\n1,0\\n1,1\\n\"}") == 200 && strstr(reply, "\"kind\":\"target\""));
     CHECK(question("open", "{\"name\":\"a.csv\",\"text\":\"x,y\\n0,zero\\n\"}") == 422 && strstr(reply, "\"line\":2"));
+    CHECK(question("open", "{\"name\":\"a.obj\",\"text\":\"o cube\\nv 0 1 2\\n\"}") == 422 && strstr(reply, "this is a mesh of triangles, not a linkage or a target"));
     char *many = malloc(101*(sizeof FOURBAR + 20) + 100);
     for (int bad = 0; bad < 2 && many; bad++) {                            /* all results of a file, or an error */
         char *end = many + sprintf(many, "{\"name\":\"r.json\",\"text\":{\"results\":[");
