@@ -22,6 +22,7 @@
 #include <string.h>
 #include "base/sparse_lu.h"
 #include "mbs/dynamics/touch_internal.h"
+#include "mbs/equations/complementarity.h"
 
 static const double finest = 1e-4, coarsest = 0.1;       /* way of a body in a step over its size */
 static const double closed = 1e-2;           /* a gap below this part of that way is closed */
@@ -31,7 +32,7 @@ static const double exact = 1e-8, allowed = 1e-5;
 static const double give = 1e-9;             /* share by which rows of contacts give way */
 static const double resolved = 0.1;          /* step over the time constant of a compliant place */
 static const double moment = 1e-8;           /* a step for the forces at the start, over the length of the run */
-enum { PASSES = 120, HARD = 40, TOGETHER = 12, LEAST_CONTACTS = 24, HALVINGS = 8 };
+enum { PASSES = 120, HARD = 40, TOGETHER = 12, DENSE_MOST = 60, LEAST_CONTACTS = 24, HALVINGS = 8 };
 
 /* A place in the pattern: index, first of its rows (gap, then slip where it has friction), what holds there. */
 typedef struct place {
@@ -279,6 +280,24 @@ static void add_rows(const lw_dynamics *d, const double *rows, const double *l, 
                 x[LW_BLOCK*d->row_block[r][k] + i] += l[r]*rows[r*LW_ROW_SIZE + 3*k + i];
 }
 
+/* Take from v (n_v) what the rows in the factors hold back, so that they have the rates `wanted` (n_c; NULL: 0); d->l are the
+ * multipliers. */
+static void hold_back(capture *g, const double *wanted, double *v)
+{
+    lw_dynamics *d = g->d;
+    double *b = d->small, *x = g->momentum;
+    for (int i = 0; i < d->n_kept; i++)
+        b[i] = lw_mbs_row_rate(d, d->kept[i], v) - (wanted ? wanted[d->kept[i]] : 0);
+    lw_sparse_lu_solve(g->lu, b);
+    memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
+    for (int i = 0; i < d->n_kept; i++)
+        d->l[d->kept[i]] = b[i];
+    memset(x, 0, (size_t)d->n_v*sizeof *x);
+    add_rows(d, g->push, d->l, x);
+    for (int i = 0; i < d->n_v; i++)
+        v[i] -= x[i]*d->by_mass[i];
+}
+
 /* Velocities next_v and multipliers d->l with the places in force as guessed. */
 static lw_status solve_guess(capture *g, double h)
 {
@@ -294,17 +313,7 @@ static lw_status solve_guess(capture *g, double h)
         if (p->rubs)
             g->wanted[p->row + 1] = 0;
     }
-    double *b = d->small, *x = g->momentum;
-    for (int i = 0; i < d->n_kept; i++)
-        b[i] = lw_mbs_row_rate(d, d->kept[i], g->next_v) - g->wanted[d->kept[i]];
-    lw_sparse_lu_solve(g->lu, b);
-    memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
-    for (int i = 0; i < d->n_kept; i++)
-        d->l[d->kept[i]] = b[i];
-    memset(x, 0, (size_t)d->n_v*sizeof *x);
-    add_rows(d, g->push, d->l, x);
-    for (int i = 0; i < d->n_v; i++)
-        g->next_v[i] -= x[i]*d->by_mass[i];
+    hold_back(g, g->wanted, g->next_v);
     return LW_OK;
 }
 
@@ -356,11 +365,93 @@ static int revise(capture *g, const double *l, int pass, double tiny)
     return changes;
 }
 
+/* Set v (n_v) to the velocities that a unit of impulse along a row gives. */
+static void respond(capture *g, int row, double *v)
+{
+    const lw_dynamics *d = g->d;
+    memset(v, 0, (size_t)d->n_v*sizeof *v);
+    for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[row][k] >= 0; k++)
+        for (int i = 0; i < 3; i++) {
+            int to = LW_BLOCK*d->row_block[row][k] + i;
+            v[to] += d->jac[row*LW_ROW_SIZE + 3*k + i]*d->by_mass[to];
+        }
+    hold_back(g, NULL, v);
+}
+
+/* Velocities next_v and multipliers d->l for impulses (2 each: normal, across) at the m places that are shut. */
+static void adopt(capture *g, double h, int m, const int *row, const double *impulse)
+{
+    lw_dynamics *d = g->d;
+    memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
+    memset(g->momentum, 0, (size_t)d->n_v*sizeof *g->momentum);
+    for (int i = 0; i < 2*m; i++)
+        if (row[i] >= 0)
+            d->l[row[i]] = impulse[i];
+    add_rows(d, d->jac, d->l, g->momentum);
+    for (int i = 0; i < d->n_v; i++)
+        g->next_v[i] = g->v[i] + (h*g->force[i] + g->momentum[i])*d->by_mass[i];
+    hold_back(g, g->wanted, g->next_v);
+    for (int k = 0, i = 0; k < g->n; k++) {
+        place *p = &g->at[k];
+        if (!p->shut)
+            continue;
+        p->normal = impulse[2*i];
+        p->across = impulse[2*i++ + 1];
+        p->presses = p->normal > 0;
+        p->slips = !p->rubs || fabs(p->across) < (1 - 1e-9)*p->mu*p->normal ? 0 : p->across > 0 ? -1 : 1;
+        d->l[p->row] = -p->normal;
+        if (p->rubs)
+            d->l[p->row + 1] = p->slips ? 0 : -p->across;
+    }
+}
+
+/* A step in which the guesses go round in circles: Lemke's method over the m places that are shut, a dense problem.  Bodies that are
+ * wedged by friction have many solutions, and Newton's method may meet none of them.  LW_NOTHING: no solution was found. */
+static lw_status solve_densely(capture *g, double h, int m)
+{
+    const lw_dynamics *d = g->d;
+    size_t r = 2*(size_t)m;
+    double *w = calloc(r*r + 3*r + (size_t)d->n_v + 1, sizeof *w), *b = w + r*r, *impulse = b + r, *rate = impulse + r, *v = rate + r;
+    lw_touch_law *law = calloc((size_t)m + 1, sizeof *law);
+    int *row = malloc((r + 1)*sizeof *row), n = 0;
+    lw_status s = w && law && row ? LW_OK : LW_E_MEMORY;
+    for (int k = 0; s == LW_OK && k < g->n; k++) {
+        place *p = &g->at[k];
+        p->presses = false;
+        if (!p->shut)
+            continue;
+        law[n].friction = p->rubs ? p->mu : 0;
+        row[2*n] = p->row;
+        row[2*n + 1] = p->rubs ? p->row + 1 : -1;
+        b[2*n++] = -p->target;
+    }
+    if (s == LW_OK)
+        s = solve_guess(g, h);               /* without contacts */
+    restore_rows(g);
+    for (size_t j = 0; s == LW_OK && j < r; j++) {
+        if (row[j] < 0)
+            continue;
+        b[j] += lw_mbs_row_rate(d, row[j], g->next_v);
+        respond(g, row[j], v);
+        for (size_t i = 0; i < r; i++)
+            w[i*r + j] = row[i] < 0 ? 0 : lw_mbs_row_rate(d, row[i], v);
+    }
+    if (s == LW_OK)
+        s = lw_complementarity(m, w, b, law, impulse, rate);
+    if (s == LW_OK)
+        adopt(g, h, m, row, impulse);
+    free(w);
+    free(law);
+    free(row);
+    return s;
+}
+
 /* New velocities for a step of length h with the middle at next_q.  LW_OPEN: the passes do not end. */
 static lw_status solve_step(capture *g, double t, double h)
 {
     lw_dynamics *d = g->d;
     double fastest = 0, pull = 0;
+    int shut = 0;
     g->power = 0;
     lw_status s = lw_mbs_rows(d, t, g->next_q);
     if (s == LW_OK)
@@ -384,11 +475,14 @@ static lw_status solve_step(capture *g, double t, double h)
         lw_touch_motion m;
         lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
         p->shut = m.gap < closed*g->part*g->size && !lw_touch_past_end(touch, &m);
+        shut += p->shut;
         p->presses = p->presses && p->shut;
         p->target = m.rate < -3*pull ? -touch->surface->restitution*m.rate : 0;
         p->normal = p->across = 0;
     }
     for (int pass = 0; pass < PASSES; pass++) {
+        if (pass == TOGETHER && shut <= DENSE_MOST && (s = solve_densely(g, h, shut)) != LW_NOTHING)
+            return s;
         s = solve_guess(g, h);
         restore_rows(g);
         if (s != LW_OK || revise(g, d->l, pass, (pass < HARD ? exact : allowed)*(fastest + pull)) == 0)
@@ -520,6 +614,12 @@ static lw_status show(capture *g, double *y)
     return s == LW_OK ? lw_run_show_solved(g->run, lw_run_time(d, g->run->next), y) : s;      /* a kink there is passed already */
 }
 
+static lw_status say_unsolved(const capture *g)
+{
+    return lw_error_set(g->run->e, LW_E_NUMERIC, "at t = %.9g s no forces of contact were found that satisfy all conditions; give the "
+                        "contacts a \"stiffness\"", g->t);
+}
+
 static lw_status run_steps(capture *g, double *y)
 {
     lw_run *run = g->run;
@@ -551,11 +651,8 @@ static lw_status run_steps(capture *g, double *y)
             note_impacts(g, g->t);
             g->t = last ? end : g->t + whole;
         }
-        if (s == LW_OPEN)
-            s = lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s no forces of contact were found that satisfy all conditions; give the "
-                             "contacts a \"stiffness\"", g->t);
         if (s != LW_OK)
-            break;
+            return s == LW_OPEN ? say_unsolved(g) : s;
         double *q = g->q, *v = g->v, *z = g->z;
         g->q = g->next_q, g->next_q = q;
         g->z = g->next_z, g->next_z = z;
@@ -581,15 +678,20 @@ static lw_status run_steps(capture *g, double *y)
     return s;
 }
 
-/* Extent of the smallest body that touches, about its centre, scaled. */
-static double smallest(const lw_touch_list *list)
+/* Extent of the smallest moving body that touches, from its centre to its farthest disc, scaled. */
+static double smallest(const lw_dynamics *d)
 {
-    double least = INFINITY;
+    const lw_touch_list *list = &d->touch->list;
+    double least = INFINITY, *extent = d->hold;          /* of body i at 3i, as coordinates are */
+    memset(extent, 0, (size_t)d->n_q*sizeof *extent);
     for (int i = 0; i < list->n; i++) {
         const lw_touch *p = &list->touch[i];
-        if (p->kind <= LW_TOUCH_DISCS)
-            least = fmin(least, lw_v2_norm(p->arm[0]) + p->radius[0]);
+        for (int end = 0; p->kind <= LW_TOUCH_DISCS && end <= (p->kind == LW_TOUCH_DISCS); end++)
+            if (p->body[end] >= 0)
+                extent[3*p->body[end]] = fmax(extent[3*p->body[end]], lw_v2_norm(p->arm[end]) + p->radius[end]);
     }
+    for (int i = 0; i < d->n_q; i += 3)
+        least = extent[i] > 0 ? fmin(least, extent[i]) : least;
     return least < INFINITY ? least : 1;
 }
 
@@ -597,7 +699,7 @@ static lw_status run_capture(lw_run *run)
 {
     lw_dynamics *d = run->d;
     size_t n_q = (size_t)d->n_q, n_v = (size_t)d->n_v, rows = (size_t)d->n_c + (size_t)d->touch->row_max;
-    capture g = { .run = run, .d = d, .t = d->o.from, .n_kept = d->n_kept, .size = smallest(&d->touch->list),
+    capture g = { .run = run, .d = d, .t = d->o.from, .n_kept = d->n_kept, .size = smallest(d),
                   .part = fmin(fmax(pow(d->o.relative, 0.2), finest), coarsest) };
     size_t n_z = (size_t)d->eq.n_z;
     double *memory = calloc(5*n_z + 2*n_q + 4*n_v + rows + 2*rows*LW_ROW_SIZE + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
@@ -624,6 +726,7 @@ static lw_status run_capture(lw_run *run)
             s = choose_places(&g, 0.1*g.size);
         if (s == LW_OK)                      /* a moment, for accelerations and forces at the start */
             s = step(&g, moment*(d->o.to - d->o.from), &(double){ 0 });
+        s = s == LW_OPEN ? say_unsolved(&g) : s;
         g.work = 0;
         note_impacts(&g, g.t);
         if (s == LW_OK)
