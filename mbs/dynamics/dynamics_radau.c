@@ -737,12 +737,14 @@ static lw_status state_at(void *context, double t, double *y)
     return lw_run_project(g->run, t, y);
 }
 
-/* A step towards the next sample (dense: the end) or kink: as long as h, or evenly divided where few steps remain. */
+/* A step towards the next sample (dense: the end) or kink: as long as h, or evenly divided where few steps remain.  A sample just behind an end that
+ * is no kink is taken instead of it. */
 static double next_step(const stages *g, double h, double *end)
 {
     *end = g->alpha ? lw_run_near(g->run, g->t) : lw_run_end(g->run, g->t);
-    if (!g->dense)
-        *end = fmin(*end, lw_run_time(g->run->d, g->run->next));
+    double sample = g->dense ? INFINITY : lw_run_time(g->run->d, g->run->next);
+    if (sample < *end || (sample - *end <= 1e-9*(*end - g->t) && !lw_run_at_kink(g->run, *end)))
+        *end = sample;
     double left = *end - g->t;
     if (left <= h*(1 + 1e-9))
         return left;

@@ -5,6 +5,9 @@
 #include "base/real.h"
 #include "grammar/model/model.h"
 
+/* Ends of calm intervals are free to move by this part of the interval: no step is as short as rounding. */
+static const double part = 1e-9;
+
 /* Loads are not evaluated so near to a kink, because its time is rounded. */
 static double beside(double kink) { return 8*DBL_EPSILON*fmax(fabs(kink), 1e-3); }
 
@@ -50,11 +53,11 @@ double lw_timed_end(lw_timed *w, double t)
     while (w->kink - beside(w->kink) <= t)
         w->kink = lw_timed_next_kink(w, fmax(t, w->kink) + 2*beside(fmax(fabs(t), fabs(w->kink))), w->to);
     double end = fmin(w->to, w->kink - beside(w->kink));
-    if (w->calm <= t) {
+    if (w->calm - t <= part*LW_CALM_SAMPLES*w->spacing) {
         search s = { w->from, t, end, end };
         w->expressions(w->context, find_calm, &s);
-        w->calm = s.found;
-        w->spacing = (s.found - t)/LW_CALM_SAMPLES;
+        w->calm = end - s.found <= part*(end - t) ? end : s.found;
+        w->spacing = (w->calm - t)/LW_CALM_SAMPLES;
     }
     return fmin(end, w->calm);
 }
