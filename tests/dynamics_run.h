@@ -5,7 +5,7 @@
 #include "base/file.h"
 #include "mbs/dynamics/dynamics.h"
 #include "mbs/ode/integrate.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 
 typedef struct drun {
     lw_model    model;
@@ -39,7 +39,8 @@ static inline lw_status drun_keep(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-static inline void drun_read_text(drun *d, const char *text)
+/* Read JSON. */
+static inline void drun_read_json(drun *d, const char *text)
 {
     d->e = (lw_error){ 0 };
     d->status = lw_model_read(text, strlen(text), "text", &d->model, &d->e);
@@ -49,14 +50,20 @@ static inline void drun_read_text(drun *d, const char *text)
     d->o = lw_dynamics_options_default();
 }
 
-/* A format with single quotes instead of double ones. */
+/* Read a text with ' for ". */
+static inline void drun_read_text(drun *d, const char *text)
+{
+    char *json = json_quotes(strdup(text));
+    drun_read_json(d, json);
+    free(json);
+}
+
+/* Read a format with ' for ". */
 static inline void drun_read_format(drun *d, const char *format, double a, double b)
 {
     char text[6000];
-    snprintf(text, sizeof text, format, a, b);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
-    drun_read_text(d, text);
+    json_format(text, sizeof text, format, a, b);
+    drun_read_json(d, text);
 }
 
 static inline void drun_read(drun *d, const char *file)
@@ -66,7 +73,7 @@ static inline void drun_read(drun *d, const char *file)
     lw_error e = { 0 };
     CHECK_INT(lw_file_read(file, &text, &size, &e), LW_OK);
     if (text)
-        drun_read_text(d, text);
+        drun_read_json(d, text);
     free(text);
 }
 

@@ -2,9 +2,8 @@
 #ifndef LW_TESTS_LARGE_MODELS_H
 #define LW_TESTS_LARGE_MODELS_H
 
-#include <stdarg.h>
 #include "grammar/model/model.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 
 typedef struct text { char *at; size_t n, capacity; } text;
 
@@ -23,9 +22,7 @@ static inline void put(text *t, const char *format, ...)
 static inline void read_text(text *t, lw_model *m)
 {
     lw_error e = { 0 };
-    for (size_t i = 0; i < t->n; i++)
-        t->at[i] = t->at[i] == '\'' ? '"' : t->at[i];
-    CHECK_INT(lw_model_read(t->at, t->n, "text", m, &e), LW_OK);
+    CHECK_INT(lw_model_read(json_quotes(t->at), t->n, "text", m, &e), LW_OK);
     if (e.text[0])
         fprintf(stderr, "%s\n", e.text);
     free(t->at);

@@ -2,9 +2,8 @@
 #ifndef LW_TESTS_MODEL_TEXT_H
 #define LW_TESTS_MODEL_TEXT_H
 
-#include <stdarg.h>
 #include "base/rng.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 
 static lw_rng rng;
 static char text[8000];
@@ -20,8 +19,7 @@ static inline void put(const char *format, ...)
     va_start(arg, format);
     used += vsnprintf(text + used, sizeof text - (size_t)used, format, arg);
     va_end(arg);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_quotes(text);
 }
 
 /* A link with a random mass about (x, y). */

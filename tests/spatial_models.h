@@ -4,9 +4,10 @@
 
 #include "base/file.h"
 #include "grammar/model/spatial.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 
-static inline void read_spatial(const char *text, size_t size, const char *file, lw_spatial *m)
+/* Read JSON. */
+static inline void read_spatial_json(const char *text, size_t size, const char *file, lw_spatial *m)
 {
     lw_error e = { 0 };
     CHECK(lw_spatial_text(text, size));
@@ -16,18 +17,32 @@ static inline void read_spatial(const char *text, size_t size, const char *file,
     }
 }
 
-static inline void load_spatial(const char *file, lw_spatial *m)
+/* Read a text with ' for ". */
+static inline void read_spatial(const char *text, const char *name, lw_spatial *m)
 {
-    char path[128], *text;
+    char *json = json_quotes(strdup(text));
+    read_spatial_json(json, strlen(json), name, m);
+    free(json);
+}
+
+static inline void load_spatial_file(const char *path, lw_spatial *m)
+{
+    char *text;
     size_t size;
     lw_error e = { 0 };
-    snprintf(path, sizeof path, "examples/space/%s.json", file);
     if (lw_file_read(path, &text, &size, &e) != LW_OK) {
         fprintf(stderr, "%s\n", e.text);
         exit(1);
     }
-    read_spatial(text, size, path, m);
+    read_spatial_json(text, size, path, m);
     free(text);
+}
+
+static inline void load_spatial(const char *name, lw_spatial *m)
+{
+    char path[128];
+    snprintf(path, sizeof path, "examples/space/%s.json", name);
+    load_spatial_file(path, m);
 }
 
 #endif

@@ -2,7 +2,7 @@
  * input. */
 #include "mbs/clearance/clearance.h"
 #include "mbs/elastic/contact.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 #include "tests/clearance_models.h"
 
 static const double rpm = 2.0*LW_PI/60.0;
@@ -78,12 +78,10 @@ TEST(limits_of_the_models)
  * Without damping contact lasts 2 (pi - atan(v w/g))/w, w^2 = K/m, v^2 = 2 g R. */
 static void bounces(lw_model *m, double stiffness)
 {
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"disc\", \"mass\": 2, "
-        "\"centre\": [1, 2], \"inertia\": 0.3}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"disc\"], "
-        "\"at\": [1, 2], \"clearance\": {\"model\": \"impact\", \"gap\": 0.01, \"stiffness\": 1e5}}], "
-        "\"gravity\": [0, -9.81]}";
+    static char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'disc', 'mass': 2, 'centre': [1, 2], 'inertia': 0.3}], 'joints': [{'name': 'A', "
+        "'links': ['ground', 'disc'], 'at': [1, 2], 'clearance': {'model': 'impact', 'gap': 0.01, 'stiffness': 1e5}}], 'gravity': [0, -9.81]}";
     lw_error e = { 0 };
-    CHECK_INT(lw_model_read(text, sizeof text - 1, "disc", m, &e), LW_OK);
+    CHECK_INT(lw_model_read(json_quotes(text), sizeof text - 1, "disc", m, &e), LW_OK);
     m->clearance[0].stiffness = stiffness;
 }
 
@@ -273,11 +271,11 @@ TEST(driven_crank)
     CHECK(speed != NULL);
     if (!speed)
         return;
-    static const char motion[] = "\"motion\": \"pi/2 + 2*pi + 9*t + 0.2*sin(10*t)\"";
+    static const char motion[] = "'motion': 'pi/2 + 2*pi + 9*t + 0.2*sin(10*t)'";
     const char *rest = strchr(speed, '}');
     memmove(speed + sizeof motion - 1, rest, strlen(rest) + 1);
     memcpy(speed, motion, sizeof motion - 1);
-    CHECK_INT(lw_model_read(text, strlen(text), "driven", &m, &e), LW_OK);
+    CHECK_INT(lw_model_read(json_quotes(text), strlen(text), "driven", &m, &e), LW_OK);
     lw_clearance_options o = lw_clearance_options_default();
     o.time = 0.4, o.settle = 0.1, o.every = 0.01;
     track t;

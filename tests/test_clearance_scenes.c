@@ -90,24 +90,19 @@ TEST(friction_without_gap)
     lw_model_free(&m);
 }
 
-static const char slider_crank[] = "{\"linkwright\": 1, \"links\": [\"ground\","
-    "{\"name\": \"crank\", \"mass\": 2, \"centre\": [0, 0.05], \"inertia\": 0.01},"
-    "{\"name\": \"rod\", \"mass\": 1, \"centre\": [0.15, 0.05], \"inertia\": 0.008},"
-    "{\"name\": \"piston\", \"mass\": 1.5, \"centre\": [0.3, 0], \"inertia\": 0.002}], \"joints\": ["
-    "{\"name\": \"O\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0]},"
-    "{\"name\": \"A\", \"links\": [\"crank\", \"rod\"], \"at\": [0, 0.1]},"
-    "{\"name\": \"B\", \"links\": [\"rod\", \"piston\"], \"at\": [0.3, 0], \"clearance\": "
-    "{\"model\": \"zero\", \"gap\": 1e-4, \"stiffness\": 1e7, \"damping\": 1000, \"depth\": 1e-6}},"
-    "{\"name\": \"P\", \"kind\": \"t\", \"links\": [\"ground\", \"piston\"], \"at\": [0.3, 0], \"along\": [1, 0]}],"
-    "\"input\": {\"joint\": \"O\", \"speed\": 8}, \"gravity\": [0, -9.81]}";
+static const char slider_crank[] = "{'linkwright': 1, 'links': ['ground',{'name': 'crank', 'mass': 2, 'centre': [0, 0.05], 'inertia': 0.01},{'name': "
+    "'rod', 'mass': 1, 'centre': [0.15, 0.05], 'inertia': 0.008},{'name': 'piston', 'mass': 1.5, 'centre': [0.3, 0], 'inertia': 0.002}], 'joints': ["
+    "{'name': 'O', 'links': ['ground', 'crank'], 'at': [0, 0]},{'name': 'A', 'links': ['crank', 'rod'], 'at': [0, 0.1]},{'name': 'B', 'links': ['rod', "
+    "'piston'], 'at': [0.3, 0], 'clearance': {'model': 'zero', 'gap': 1e-4, 'stiffness': 1e7, 'damping': 1000, 'depth': 1e-6}},{'name': 'P', 'kind': 't', "
+    "'links': ['ground', 'piston'], 'at': [0.3, 0], 'along': [1, 0]}],'input': {'joint': 'O', 'speed': 8}, 'gravity': [0, -9.81]}";
 
 static void read_text(const char *text, lw_model *m)
 {
+    char *json = json_quotes(strdup(text));
     lw_error e = { 0 };
-    lw_status s = lw_model_read(text, strlen(text), "text", m, &e);
-    if (s != LW_OK)
-        fprintf(stderr, "%s\n", e.text);
-    CHECK_INT(s, LW_OK);
+    CHECK_INT(lw_model_read(json, strlen(json), "text", m, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    free(json);
 }
 
 TEST(friction_of_a_slider)
@@ -141,22 +136,14 @@ TEST(stops_without_gap)
 /* A Stephenson six-bar 1/10 m in size, journals at C and F */
 static void six_bar(lw_model *m)
 {
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\","
-        "{\"name\": \"crank\", \"mass\": 2, \"centre\": [0.02, 0.03], \"inertia\": 0.02},"
-        "{\"name\": \"coupler\", \"mass\": 1, \"centre\": [0.14, 0.17], \"inertia\": 0.006},"
-        "{\"name\": \"rocker\", \"mass\": 1.2, \"centre\": [0.28, 0.1], \"inertia\": 0.006},"
-        "{\"name\": \"arm\", \"mass\": 0.8, \"centre\": [0.03, 0.38], \"inertia\": 0.01},"
-        "{\"name\": \"stay\", \"mass\": 0.9, \"centre\": [-0.17, 0.38], \"inertia\": 0.01}], \"joints\": ["
-        "{\"name\": \"A\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0]},"
-        "{\"name\": \"B\", \"links\": [\"crank\", \"coupler\"], \"at\": [0.05, 0.08]},"
-        "{\"name\": \"C\", \"links\": [\"coupler\", \"rocker\"], \"at\": [0.26, 0.21], \"clearance\": "
-        "{\"model\": \"impact\", \"gap\": 1e-4, \"stiffness\": 1e7, \"damping\": 2000, \"depth\": 1e-6}},"
-        "{\"name\": \"D\", \"links\": [\"ground\", \"rocker\"], \"at\": [0.3, 0]},"
-        "{\"name\": \"E\", \"links\": [\"coupler\", \"arm\"], \"at\": [0.11, 0.24]},"
-        "{\"name\": \"F\", \"links\": [\"arm\", \"stay\"], \"at\": [-0.04, 0.52], \"clearance\": "
-        "{\"model\": \"impact\", \"gap\": 1e-4, \"stiffness\": 1e7, \"damping\": 2000, \"depth\": 1e-6}},"
-        "{\"name\": \"G\", \"links\": [\"ground\", \"stay\"], \"at\": [-0.3, 0.25]}],"
-        "\"input\": {\"joint\": \"A\", \"speed\": 6}, \"gravity\": [0, -9.81]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground',{'name': 'crank', 'mass': 2, 'centre': [0.02, 0.03], 'inertia': 0.02},{'name': "
+        "'coupler', 'mass': 1, 'centre': [0.14, 0.17], 'inertia': 0.006},{'name': 'rocker', 'mass': 1.2, 'centre': [0.28, 0.1], 'inertia': 0.006},"
+        "{'name': 'arm', 'mass': 0.8, 'centre': [0.03, 0.38], 'inertia': 0.01},{'name': 'stay', 'mass': 0.9, 'centre': [-0.17, 0.38], 'inertia': 0.01}], "
+        "'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]},{'name': 'B', 'links': ['crank', 'coupler'], 'at': [0.05, 0.08]},{'name': "
+        "'C', 'links': ['coupler', 'rocker'], 'at': [0.26, 0.21], 'clearance': {'model': 'impact', 'gap': 1e-4, 'stiffness': 1e7, 'damping': 2000, "
+        "'depth': 1e-6}},{'name': 'D', 'links': ['ground', 'rocker'], 'at': [0.3, 0]},{'name': 'E', 'links': ['coupler', 'arm'], 'at': [0.11, 0.24]},"
+        "{'name': 'F', 'links': ['arm', 'stay'], 'at': [-0.04, 0.52], 'clearance': {'model': 'impact', 'gap': 1e-4, 'stiffness': 1e7, 'damping': 2000, "
+        "'depth': 1e-6}},{'name': 'G', 'links': ['ground', 'stay'], 'at': [-0.3, 0.25]}],'input': {'joint': 'A', 'speed': 6}, 'gravity': [0, -9.81]}";
     read_text(text, m);
 }
 
@@ -234,11 +221,9 @@ TEST(energy_of_loops)
  * spin loses is radius times friction times the normal impulse. */
 TEST(impulse_with_friction)
 {
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"disc\", \"mass\": 2, "
-        "\"centre\": [0, 0], \"inertia\": 0.02}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"disc\"], "
-        "\"at\": [0, 0], \"friction\": {\"coefficient\": 0.05, \"radius\": 0.1, \"speed\": 1e-4}, \"clearance\": "
-        "{\"model\": \"impact\", \"gap\": 0.01, \"stiffness\": 1e8}}],"
-        "\"input\": {\"joint\": \"A\", \"speed\": 20}, \"gravity\": [0, -9.81]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'disc', 'mass': 2, 'centre': [0, 0], 'inertia': 0.02}], 'joints': "
+        "[{'name': 'A', 'links': ['ground', 'disc'], 'at': [0, 0], 'friction': {'coefficient': 0.05, 'radius': 0.1, 'speed': 1e-4}, 'clearance': "
+        "{'model': 'impact', 'gap': 0.01, 'stiffness': 1e8}}],'input': {'joint': 'A', 'speed': 20}, 'gravity': [0, -9.81]}";
     lw_model m;
     track k;
     read_text(text, &m);
@@ -261,15 +246,14 @@ TEST(torques_of_the_time)
     const struct { const char *torque, *stop; double rate; } row[] = {
         { "100*exp(-((t - 0.4973)/1e-3)^2)", "", 0.2*root_pi }, { "2e4*max(0, sign(t - 0.5)*sign(0.5001 - t))", "", 4 },
         { "max(0, min(1e6*(t - 0.5), 1e6*(0.501 - t)))", "", 0.5 }, { "sign(sin(5*t))", "", 2*(2*LW_PI/5 - 1) },
-        { "-1 + 3*max(0, sign(t - 0.5))", ", \"stop\": {\"least\": 0}", 2 } };
+        { "-1 + 3*max(0, sign(t - 0.5))", ", 'stop': {'least': 0}", 2 } };
     for (int i = 0; i < 10; i++) {
         char text[1000];
         lw_model m;
         track k;
-        snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"disc\", \"mass\": 2, \"centre\": [0, 0], \"inertia\": "
-                 "0.5}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"disc\"], \"at\": [0, 0], \"clearance\": {\"model\": \"zero\", "
-                 "\"gap\": 0.01}%s}], \"input\": {\"joint\": \"A\", \"speed\": 0}, \"forces\": [{\"link\": \"disc\", \"at\": [0, 0], \"torque\": "
-                 "\"%s\"}]}", row[i/2].stop, row[i/2].torque);
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'disc', 'mass': 2, 'centre': [0, 0], 'inertia': 0.5}], 'joints': "
+                 "[{'name': 'A', 'links': ['ground', 'disc'], 'at': [0, 0], 'clearance': {'model': 'zero', 'gap': 0.01}%s}], 'input': {'joint': 'A', "
+                 "'speed': 0}, 'forces': [{'link': 'disc', 'at': [0, 0], 'torque': '%s'}]}", row[i/2].stop, row[i/2].torque);
         read_text(text, &m);
         lw_clearance_options o = lw_clearance_options_default();
         o.time = 1, o.settle = 0.3, o.every = i%2 ? 1 : 0.05, o.tolerance = 1e-9;

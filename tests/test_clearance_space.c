@@ -54,11 +54,10 @@ static lw_dynamics_report run(const lw_spatial *m, lw_formulation f, double to, 
 static void read_ball_with(const char *clearance, const char *rest, const char *more, lw_spatial *m)
 {
     char text[2048];
-    int n = snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"ball\", \"mass\": 2, \"centre\": "
-                     "[0, 0, 0], \"inertia\": [0.01, 0.01, 0.01]%s}], \"joints\": [{\"name\": \"S\", \"kind\": \"spherical\", "
-                     "\"links\": [\"ground\", \"ball\"], \"at\": [0, 0, 0], \"clearance\": {%s}}], \"tracers\": [{\"name\": \"P\", "
-                     "\"link\": \"ball\", \"at\": [0, 0, 0]}]%s}", rest, clearance, more);
-    read_spatial(text, (size_t)n, "ball", m);
+    snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'ball', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [0.01, 0.01, "
+                     "0.01]%s}], 'joints': [{'name': 'S', 'kind': 'spherical', 'links': ['ground', 'ball'], 'at': [0, 0, 0], 'clearance': {%s}}], "
+                     "'tracers': [{'name': 'P', 'link': 'ball', 'at': [0, 0, 0]}]%s}", rest, clearance, more);
+    read_spatial(text, "ball", m);
 }
 
 static void read_ball(const char *clearance, const char *rest, lw_spatial *m) { read_ball_with(clearance, rest, "", m); }
@@ -83,7 +82,7 @@ TEST(a_ball_bounces)
         lw_spatial m;
         double gap = 1e-3, K = 1e6, g = 9.81, w = sqrt(K/2), v = sqrt(2*g*gap), fall = sqrt(2*gap/g);
         double contact = 2*(LW_PI - atan(v*w/g))/w, period = 2*fall + contact;
-        read_ball("\"model\": \"impact\", \"gap\": 0.001, \"stiffness\": 1e6", "", &m);
+        read_ball("'model': 'impact', 'gap': 0.001, 'stiffness': 1e6", "", &m);
         lw_vec3 down = random_direction(&r);
         m.gravity = lw_v3_scale(down, g);
         lw_dynamics_report q = run(&m, how[trial%2], 5*period, 20, 1e-12, false);
@@ -131,7 +130,7 @@ TEST(rebound_of_damped_laws)
         lw_spatial m;
         double e = i < 2 ? 0.9 : 0.5, g = 9.81, v = sqrt(2*g*1e-3), D = i%2 ? 0.75*(1 - e*e)/v : 1.5*(1 - e)/v, back = v;
         double t = v/g + rebound(2, g, 1e9, D, &back) + back/g;
-        snprintf(text, sizeof text, "\"model\": \"%s\", \"gap\": 0.001, \"stiffness\": 1e9, \"exponent\": 1.5, \"restitution\": %g",
+        snprintf(text, sizeof text, "'model': '%s', 'gap': 0.001, 'stiffness': 1e9, 'exponent': 1.5, 'restitution': %g",
                  law[i%2], e);
         read_ball(text, "", &m);
         m.gravity = lw_v3(0.6*g, 0, -0.8*g);
@@ -170,7 +169,7 @@ TEST(a_ball_comes_to_rest)
         char text[160];
         lw_spatial m;
         double K = pow(10, 5 + stiff), c = sqrt(2*2*K);
-        snprintf(text, sizeof text, "\"model\": \"impact\", \"gap\": 1e-4, \"stiffness\": %g, \"damping\": %.17g, \"depth\": 1e-6",
+        snprintf(text, sizeof text, "'model': 'impact', 'gap': 1e-4, 'stiffness': %g, 'damping': %.17g, 'depth': 1e-6",
                  K, c);
         read_ball(text, "", &m);
         m.gravity = lw_v3(0, 6, -8);
@@ -202,32 +201,32 @@ static void compare_with_the_plane(double friction)
     int joint = 2;
     p.clearance[joint].friction = friction, p.clearance[joint].friction_speed = 0.05, p.friction[joint].radius = radius;
     const lw_assembly *a = &p.linkage;
-    n += (size_t)snprintf(text + n, sizeof text - n, "{\"linkwright\": 1, \"ground\": \"%s\", \"gravity\": [%.17g, 0, %.17g], \"links\": [",
+    n += (size_t)snprintf(text + n, sizeof text - n, "{'linkwright': 1, 'ground': '%s', 'gravity': [%.17g, 0, %.17g], 'links': [",
                           a->link_name[a->ground], p.gravity.x, p.gravity.y);
     for (int i = 0; i < a->n_link; i++)
         if (i == a->ground)
-            n += (size_t)snprintf(text + n, sizeof text - n, "%s\"%s\"", i ? "," : "", a->link_name[i]);
+            n += (size_t)snprintf(text + n, sizeof text - n, "%s'%s'", i ? "," : "", a->link_name[i]);
         else
-            n += (size_t)snprintf(text + n, sizeof text - n, "%s{\"name\": \"%s\", \"mass\": %.17g, \"centre\": [%.17g, 0, %.17g], "
-                                  "\"inertia\": [%.17g, %.17g, %.17g]}", i ? "," : "", a->link_name[i], p.body[i].mass,
+            n += (size_t)snprintf(text + n, sizeof text - n, "%s{'name': '%s', 'mass': %.17g, 'centre': [%.17g, 0, %.17g], "
+                                  "'inertia': [%.17g, %.17g, %.17g]}", i ? "," : "", a->link_name[i], p.body[i].mass,
                                   p.body[i].centre.x, p.body[i].centre.y, p.body[i].inertia, p.body[i].inertia, p.body[i].inertia);
-    n += (size_t)snprintf(text + n, sizeof text - n, "], \"joints\": [");
+    n += (size_t)snprintf(text + n, sizeof text - n, "], 'joints': [");
     for (int j = 0; j < a->n_joint; j++) {
         const lw_clearance *c = &p.clearance[j];
-        n += (size_t)snprintf(text + n, sizeof text - n, "%s{\"name\": \"%s\", \"kind\": \"r\", \"links\": [\"%s\", \"%s\"], \"at\": "
-                              "[%.17g, 0, %.17g], \"axis\": [0, -1, 0]", j ? "," : "", a->joint[j].name,
+        n += (size_t)snprintf(text + n, sizeof text - n, "%s{'name': '%s', 'kind': 'r', 'links': ['%s', '%s'], 'at': "
+                              "[%.17g, 0, %.17g], 'axis': [0, -1, 0]", j ? "," : "", a->joint[j].name,
                               a->link_name[a->joint[j].link[0]], a->link_name[a->joint[j].link[1]], a->joint[j].at.x, a->joint[j].at.y);
         if (j == joint)
-            n += (size_t)snprintf(text + n, sizeof text - n, ", \"clearance\": {\"model\": \"impact\", \"gap\": %.17g, \"stiffness\": "
-                                  "%.17g, \"exponent\": %.17g, \"damping\": %.17g, \"depth\": %.17g, \"friction\": %g, \"friction_speed\": "
-                                  "0.05}, \"friction\": {\"coefficient\": 0, \"radius\": %g}", c->gap, c->stiffness, c->exponent,
+            n += (size_t)snprintf(text + n, sizeof text - n, ", 'clearance': {'model': 'impact', 'gap': %.17g, 'stiffness': "
+                                  "%.17g, 'exponent': %.17g, 'damping': %.17g, 'depth': %.17g, 'friction': %g, 'friction_speed': "
+                                  "0.05}, 'friction': {'coefficient': 0, 'radius': %g}", c->gap, c->stiffness, c->exponent,
                                   c->damping, c->depth, friction, radius);
         n += (size_t)snprintf(text + n, sizeof text - n, "}");
     }
-    snprintf(text + n, sizeof text - n, "], \"inputs\": [{\"joint\": \"%s\", \"value\": %.17g, \"speed\": %.17g}]}",
+    snprintf(text + n, sizeof text - n, "], 'inputs': [{'joint': '%s', 'value': %.17g, 'speed': %.17g}]}",
              a->joint[a->input[0].joint].name, a->input[0].value, 9.0);
     lw_spatial m;
-    read_spatial(text, strlen(text), "four-bar", &m);
+    read_spatial(text, "four-bar", &m);
     run(&m, LW_FORMULATION_AUTO, seconds, 10, 1e-11, false);
     lw_clearance_scene *scene;
     lw_clearance_result r;
@@ -264,11 +263,10 @@ TEST(a_ball_spins_down)
         double mu = 0.1 + 0.2*trial, radius = 0.02, weight = 20, turn[2];
         lw_vec3 down = random_direction(&r), side = random_direction(&r);
         lw_vec3 axis = lw_v3_cross(down, side), spin = lw_v3_scale(axis, 100/lw_v3_norm(axis));
-        snprintf(rest, sizeof rest, ", \"angular_velocity\": [%.17g, %.17g, %.17g]", spin.x, spin.y, spin.z);
-        read_ball_with("\"model\": \"impact\", \"gap\": 1e-4, \"stiffness\": 1e6, \"damping\": 2000, \"depth\": 1e-6", rest,
-                       ", \"dampers\": [{\"links\": [\"ground\", \"ball\"], \"at\": [[9, 0, 0], [0, 0, 0]], \"damping\": 900}, {\"links\": "
-                       "[\"ground\", \"ball\"], \"at\": [[0, 9, 0], [0, 0, 0]], \"damping\": 900}, {\"links\": [\"ground\", \"ball\"], "
-                       "\"at\": [[0, 0, 9], [0, 0, 0]], \"damping\": 900}]", &m);
+        snprintf(rest, sizeof rest, ", 'angular_velocity': [%.17g, %.17g, %.17g]", spin.x, spin.y, spin.z);
+        read_ball_with("'model': 'impact', 'gap': 1e-4, 'stiffness': 1e6, 'damping': 2000, 'depth': 1e-6", rest,
+                       ", 'dampers': [{'links': ['ground', 'ball'], 'at': [[9, 0, 0], [0, 0, 0]], 'damping': 900}, {'links': ['ground', 'ball'], 'at': "
+                       "[[0, 9, 0], [0, 0, 0]], 'damping': 900}, {'links': ['ground', 'ball'], 'at': [[0, 0, 9], [0, 0, 0]], 'damping': 900}]", &m);
         m.gravity = lw_v3_scale(down, weight/2);
         m.joint[0].friction = (lw_friction){ mu, radius, trial ? 0.01 : 0 };
         lw_dynamics_report q = run(&m, LW_FORMULATION_AUTO, 1, 4, 1e-10, false);
@@ -294,11 +292,10 @@ static void add_entry(void *context, int row, int column, double by_q, double by
 /* Of contact with friction, slow and fast against its speed: by differences. */
 TEST(derivatives_of_friction)
 {
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 2, \"centre\": [0.2, 0.1, -0.3], "
-        "\"inertia\": [0.3, 0.2, 0.25]}, {\"name\": \"b\", \"mass\": 1, \"centre\": [-0.1, 0.3, 0.2], \"inertia\": [0.1, 0.15, 0.12]}], "
-        "\"joints\": [{\"name\": \"F\", \"kind\": \"free\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0]}, {\"name\": \"S\", \"kind\": "
-        "\"spherical\", \"links\": [\"a\", \"b\"], \"at\": [0, 0, 0], \"friction\": {\"coefficient\": 0.4, \"radius\": 0.05, \"speed\": 0.3}, "
-        "\"clearance\": {\"model\": \"hunt-crossley\", \"gap\": 0.01, \"stiffness\": 3000, \"exponent\": 1.5, \"restitution\": 0.8}}]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.2, 0.1, -0.3], 'inertia': [0.3, 0.2, 0.25]}, "
+        "{'name': 'b', 'mass': 1, 'centre': [-0.1, 0.3, 0.2], 'inertia': [0.1, 0.15, 0.12]}], 'joints': [{'name': 'F', 'kind': 'free', 'links': "
+        "['ground', 'a'], 'at': [0, 0, 0]}, {'name': 'S', 'kind': 'spherical', 'links': ['a', 'b'], 'at': [0, 0, 0], 'friction': {'coefficient': 0.4, "
+        "'radius': 0.05, 'speed': 0.3}, 'clearance': {'model': 'hunt-crossley', 'gap': 0.01, 'stiffness': 3000, 'exponent': 1.5, 'restitution': 0.8}}]}";
     const double h = 1e-6;
     lw_rng r;
     lw_spatial m, open;
@@ -307,7 +304,7 @@ TEST(derivatives_of_friction)
     lw_error e;
     lw_space_frame frame[3];
     lw_rng_seed(&r, check_seed(), 0);
-    read_spatial(text, sizeof text - 1, "friction", &m);
+    read_spatial(text, "friction", &m);
     CHECK_INT(lw_spatial_open(&m, &open, &e), LW_OK);
     CHECK_INT(lw_space_make(&open, &s, &e), LW_OK);
     CHECK_INT(lw_space_forces_make(&s, &f, &e), LW_OK);
@@ -361,12 +358,11 @@ TEST(derivatives_of_friction)
 TEST(pretension)
 {
     lw_spatial m;
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"ball\", \"mass\": 2, \"centre\": [0, 0, 0], "
-        "\"inertia\": [0.01, 0.01, 0.01]}], \"joints\": [{\"name\": \"S\", \"kind\": \"spherical\", \"links\": [\"ground\", \"ball\"], "
-        "\"at\": [0, 0, 0], \"clearance\": {\"model\": \"impact\", \"gap\": 5e-5, \"stiffness\": 1e7, \"damping\": 2e4, \"depth\": 1e-6}}], "
-        "\"springs\": [{\"name\": \"P\", \"links\": [\"ground\", \"ball\"], \"at\": [[0, 0, -1], [0, 0, 0]], \"stiffness\": 100, "
-        "\"free\": 0}], \"forces\": [{\"link\": \"ball\", \"at\": [0, 0, 0], \"fz\": \"200*t\"}]}";
-    read_spatial(text, sizeof text - 1, "pretension", &m);
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'ball', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [0.01, 0.01, 0.01]}], "
+        "'joints': [{'name': 'S', 'kind': 'spherical', 'links': ['ground', 'ball'], 'at': [0, 0, 0], 'clearance': {'model': 'impact', 'gap': 5e-5, "
+        "'stiffness': 1e7, 'damping': 2e4, 'depth': 1e-6}}], 'springs': [{'name': 'P', 'links': ['ground', 'ball'], 'at': [[0, 0, -1], [0, 0, 0]], "
+        "'stiffness': 100, 'free': 0}], 'forces': [{'link': 'ball', 'at': [0, 0, 0], 'fz': '200*t'}]}";
+    read_spatial(text, "pretension", &m);
     run(&m, LW_FORMULATION_AUTO, 1, 100, 1e-9, false);
     for (int i = 2; i < k.n; i++)
         if (k.at[i].t < 0.495)
@@ -413,22 +409,21 @@ TEST(a_delta_with_clearance)
 TEST(refused)
 {
     static const struct { const char *joint, *why; } bad[] = {
-        { "\"kind\": \"prismatic\", \"axis\": [0, 0, 1], \"clearance\": {\"model\": \"impact\", \"gap\": 1e-4, \"stiffness\": 1e6}",
+        { "'kind': 'prismatic', 'axis': [0, 0, 1], 'clearance': {'model': 'impact', 'gap': 1e-4, 'stiffness': 1e6}",
           "only spherical and revolute joints" },
-        { "\"kind\": \"spherical\", \"clearance\": {\"model\": \"link\", \"gap\": 1e-4}", "known in the plane only" },
-        { "\"kind\": \"spherical\", \"clearance\": {\"model\": \"impact\", \"gap\": 1e-4}", "stiffness" },
-        { "\"kind\": \"spherical\", \"clearance\": {\"model\": \"impact\", \"gap\": 0, \"stiffness\": 1e6}", "greater than 0" },
-        { "\"kind\": \"spherical\", \"clearance\": {\"model\": \"impact\", \"gap\": 1e-4, \"stiffness\": 1e6, \"friction\": 0.1}",
+        { "'kind': 'spherical', 'clearance': {'model': 'link', 'gap': 1e-4}", "known in the plane only" },
+        { "'kind': 'spherical', 'clearance': {'model': 'impact', 'gap': 1e-4}", "stiffness" },
+        { "'kind': 'spherical', 'clearance': {'model': 'impact', 'gap': 0, 'stiffness': 1e6}", "greater than 0" },
+        { "'kind': 'spherical', 'clearance': {'model': 'impact', 'gap': 1e-4, 'stiffness': 1e6, 'friction': 0.1}",
           "give the joint \"friction\"" },
     };
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
         char text[1024];
         lw_spatial m;
         lw_error e = { 0 };
-        int n = snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 1, \"centre\": "
-                         "[0, 0, 0], \"inertia\": [1, 1, 1]}], \"joints\": [{\"name\": \"J\", \"links\": [\"ground\", \"A\"], \"at\": "
-                         "[0, 0, 0], %s}]}", bad[i].joint);
-        CHECK_INT(lw_spatial_read(text, (size_t)n, "bad", &m, &e), LW_E_NOTATION);
+        int n = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'A', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [1, 1, 1]}], "
+                         "'joints': [{'name': 'J', 'links': ['ground', 'A'], 'at': [0, 0, 0], %s}]}", bad[i].joint);
+        CHECK_INT(lw_spatial_read(json_quotes(text), (size_t)n, "bad", &m, &e), LW_E_NOTATION);
         CHECK_HAS(e.text, bad[i].why);
     }
 }

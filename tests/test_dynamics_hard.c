@@ -8,10 +8,9 @@ static const lw_formulation all[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_IND
 
 /* ---- stops ------------------------------------------------------------------------------------- */
 
-static const char falling[] = "{'linkwright': 1, 'links': ['ground', {'name': 'ball', 'mass': 2, 'centre': [0, 1]}],"
-    "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'ball'], 'at': [0, 1], 'along': [0, 1],"
-    "'stop': {'least': -1, 'restitution': %.17g}}], 'input': {'joint': 'S'}, 'gravity': [0, %.17g],"
-    "'tracers': [{'name': 'P', 'link': 'ball', 'at': [0, 1]}]}";
+static const char falling[] = "{'linkwright': 1, 'links': ['ground', {'name': 'ball', 'mass': 2, 'centre': [0, 1]}],'joints': [{'name': 'S', 'kind': 't', "
+    "'links': ['ground', 'ball'], 'at': [0, 1], 'along': [0, 1],'stop': {'least': -1, 'restitution': %.17g}}], 'input': {'joint': 'S'}, 'gravity': [0, "
+    "%.17g],'tracers': [{'name': 'P', 'link': 'ball', 'at': [0, 1]}]}";
 
 /* Height of a ball dropped from 1 at time t. */
 static double bounced(double e, double g, double t)
@@ -69,10 +68,9 @@ TEST(bouncing)
 TEST(leaves_a_stop)
 {
     const double g = 9.81, off = g/5;
-    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'ball', 'mass': 1, 'centre': [0, 1]}],"
-        "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'ball'], 'at': [0, 1], 'along': [0, 1],"
-        "'stop': {'least': 0}}], 'gravity': [0, -9.81], 'forces': [{'link': 'ball', 'at': [0, 1],"
-        "'fy': '5*t'}], 'tracers': [{'name': 'P', 'link': 'ball', 'at': [0, 1]}]}", 0, 0);
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'ball', 'mass': 1, 'centre': [0, 1]}],'joints': [{'name': 'S', 'kind': 't', "
+        "'links': ['ground', 'ball'], 'at': [0, 1], 'along': [0, 1],'stop': {'least': 0}}], 'gravity': [0, -9.81], 'forces': [{'link': 'ball', 'at': [0, "
+        "1],'fy': '5*t'}], 'tracers': [{'name': 'P', 'link': 'ball', 'at': [0, 1]}]}", 0, 0);
     for (int f = 1; f < 3; f++) {
         CHECK_INT(drun_to(&d, all[f], 1e-10, 3, 300), LW_OK);
         CHECK_INT(d.report.event[d.report.n_event - 1].impact, false);
@@ -120,22 +118,19 @@ TEST(pendulum_and_stop)
 TEST(leaves_at_rounding)
 {
     static const char text[] =
-        "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1.1708440085774376, 'centre': [-0.13558758994303427, "
-        "0.38454020211557755], 'inertia': 0.090610219576114}, {'name': 'b', 'mass': 0.9243288700235086, 'centre': "
-        "[0.35287247759896667, 0.8767525649476808], 'inertia': 0.07892615355784346}, {'name': 'c', 'mass': 251.06772139655345, "
-        "'centre': [0.858754387342009, 0.9653845128148961], 'inertia': 21.815187385765512}, {'name': 'd', 'mass': "
-        "2.5891115256656594, 'centre': [1.1811005886596302, 0.3938158507092898], 'inertia': 0.09880729671147104}], 'joints': "
-        "[{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [-0.2, 0.6]}, "
-        "{'name': 'C', 'links': ['b', 'c'], 'at': [0.6, 1.2], 'stop': {'least': -0.29201578986157845, 'greatest': "
-        "0.4350642069312127, 'restitution': 0.5}}, {'name': 'D', 'links': ['c', 'd'], 'at': [1.3, 0.6]}, {'name': 'E', 'links': "
-        "['d', 'ground'], 'at': [1, 0]}], 'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'd', 'at': "
-        "[1.2811005886596303, 0.3938158507092898]}], 'inputs': [{'joint': 'A', 'speed': 3.2805579759898205}, {'joint': 'B', "
-        "'speed': 1.513550568284554}], 'springs': [{'name': 'S', 'links': ['ground', 'd'], 'at': [[0.938685031167585, "
-        "1.8955170586199555], [1.1811005886596302, 0.3938158507092898]], 'stiffness': 2.772402612589362}, {'name': 'SJ', "
-        "'joint': 'E', 'law': '-10*sin(displacement)-rate*abs(rate)'}], 'forces': [{'link': 'd', 'at': [1.1811005886596302, "
-        "0.3938158507092898], 'fx': 'step(t,0.3,0,0.5,4)', 'fy': '2*cos(3*t)-0.5*vy(P)*abs(vy(P))', 'torque': "
-        "-1.4271000299051053, 'frame': 'plane'}, {'link': 'a', 'at': [-0.13558758994303427, 0.38454020211557755], 'torque': "
-        "'-10*integral(q(A)-0.3)'}]}";
+        "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1.1708440085774376, 'centre': [-0.13558758994303427, 0.38454020211557755], "
+        "'inertia': 0.090610219576114}, {'name': 'b', 'mass': 0.9243288700235086, 'centre': [0.35287247759896667, 0.8767525649476808], 'inertia': "
+        "0.07892615355784346}, {'name': 'c', 'mass': 251.06772139655345, 'centre': [0.858754387342009, 0.9653845128148961], 'inertia': "
+        "21.815187385765512}, {'name': 'd', 'mass': 2.5891115256656594, 'centre': [1.1811005886596302, 0.3938158507092898], 'inertia': "
+        "0.09880729671147104}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [-0.2, 0.6]}, "
+        "{'name': 'C', 'links': ['b', 'c'], 'at': [0.6, 1.2], 'stop': {'least': -0.29201578986157845, 'greatest': 0.4350642069312127, 'restitution': "
+        "0.5}}, {'name': 'D', 'links': ['c', 'd'], 'at': [1.3, 0.6]}, {'name': 'E', 'links': ['d', 'ground'], 'at': [1, 0]}], 'gravity': [0, -9.81], "
+        "'tracers': [{'name': 'P', 'link': 'd', 'at': [1.2811005886596303, 0.3938158507092898]}], 'inputs': [{'joint': 'A', 'speed': 3.2805579759898205}, "
+        "{'joint': 'B', 'speed': 1.513550568284554}], 'springs': [{'name': 'S', 'links': ['ground', 'd'], 'at': [[0.938685031167585, 1.8955170586199555], "
+        "[1.1811005886596302, 0.3938158507092898]], 'stiffness': 2.772402612589362}, {'name': 'SJ', 'joint': 'E', 'law': "
+        "'-10*sin(displacement)-rate*abs(rate)'}], 'forces': [{'link': 'd', 'at': [1.1811005886596302, 0.3938158507092898], 'fx': 'step(t,0.3,0,0.5,4)', "
+        "'fy': '2*cos(3*t)-0.5*vy(P)*abs(vy(P))', 'torque': -1.4271000299051053, 'frame': 'plane'}, {'link': 'a', 'at': [-0.13558758994303427, "
+        "0.38454020211557755], 'torque': '-10*integral(q(A)-0.3)'}]}";
     static const struct { lw_formulation f; double tolerance, off; } way[] = { { LW_FORMULATION_INDEX1, 1e-12, 1e-9 }, { LW_FORMULATION_INDEX1,
         1e-6, 1e-6 }, { LW_FORMULATION_INDEX1, 1e-8, 1e-7 }, { LW_FORMULATION_INDEX1, 1e-9, 1e-7 }, { LW_FORMULATION_INDEX1, 1e-10, 1e-8 },
         { LW_FORMULATION_AUTO, 1e-9, 1e-7 }, { LW_FORMULATION_CVODE, 1e-10, 1e-6 } };
@@ -200,11 +195,9 @@ TEST(damped_stop)
 static void read_sign(const char *force, double speed)
 {
     char text[1000];
-    snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0], 'inertia': 1}], 'joints': [{'name': "
-             "'S', 'kind': 't', 'links': ['ground', 'a'], 'at': [0, 0], 'along': [1, 0]}], 'input': {'joint': 'S', 'speed': %g}, 'forces': [{'link': 'a', 'at': "
-             "[0, 0], 'fx': '%s'}], 'tracers': [{'name': 'P', 'link': 'a', 'at': [0, 0]}]}", speed, force);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_format(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0], 'inertia': 1}], 'joints': [{'name': "
+                "'S', 'kind': 't', 'links': ['ground', 'a'], 'at': [0, 0], 'along': [1, 0]}], 'input': {'joint': 'S', 'speed': %g}, 'forces': [{'link': 'a', 'at': "
+                "[0, 0], 'fx': '%s'}], 'tracers': [{'name': 'P', 'link': 'a', 'at': [0, 0]}]}", speed, force);
     drun_read_text(&d, text);
 }
 
@@ -256,10 +249,9 @@ TEST(sign_that_holds_is_an_error)
 
 /* ---- friction ---------------------------------------------------------------------------------- */
 
-static const char incline[] = "{'linkwright': 1, 'links': ['ground', {'name': 'block', 'mass': 3, 'centre': [0, 0]}],"
-    "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'block'], 'at': [0, 0], 'along': [1, 0],"
-    "'friction': {'coefficient': 0.25}}], 'input': {'joint': 'S', 'speed': %.17g}, 'gravity': [%.17g, -8],"
-    "'tracers': [{'name': 'P', 'link': 'block', 'at': [0, 0]}]}";
+static const char incline[] = "{'linkwright': 1, 'links': ['ground', {'name': 'block', 'mass': 3, 'centre': [0, 0]}],'joints': [{'name': 'S', 'kind': "
+    "'t', 'links': ['ground', 'block'], 'at': [0, 0], 'along': [1, 0],'friction': {'coefficient': 0.25}}], 'input': {'joint': 'S', 'speed': %.17g}, "
+    "'gravity': [%.17g, -8],'tracers': [{'name': 'P', 'link': 'block', 'at': [0, 0]}]}";
 
 /* Down a slope: 5 - 0.25*8 = 3.  On the level it stops after (v^2/2 + pi^2 s^2/12)/(mu g), with s the speed of
  * regularisation.  On a slope too flat to slide it creeps at s artanh(load/friction). */
@@ -289,10 +281,9 @@ TEST(sliding)
 /* A wheel on a pin of radius 0.02: torque mu r m g slows it evenly. */
 TEST(wheel_on_pin)
 {
-    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': 4, 'centre': [0, 0],"
-        "'inertia': 0.05}], 'joints': [{'name': 'A', 'links': ['ground', 'wheel'], 'at': [0, 0],"
-        "'friction': {'coefficient': 0.3, 'radius': 0.02}}], 'input': {'joint': 'A', 'speed': 20},"
-        "'gravity': [0, -9.81]}", 0, 0);
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': 4, 'centre': [0, 0],'inertia': 0.05}], 'joints': [{'name': 'A', "
+        "'links': ['ground', 'wheel'], 'at': [0, 0],'friction': {'coefficient': 0.3, 'radius': 0.02}}], 'input': {'joint': 'A', 'speed': 20},'gravity': "
+        "[0, -9.81]}", 0, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 3, 3), LW_OK);
     CHECK_NEAR(d.v[2], 20 - 3*0.3*0.02*4*9.81/0.05, 1e-7, 0);
     CHECK(d.report.energy_error < 1e-6*d.report.energy_scale);
@@ -303,16 +294,11 @@ TEST(wheel_on_pin)
  * overcome the friction it causes: refused with the name of the joint; below 1 it runs. */
 TEST(painleve)
 {
-    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1,"
-    "'centre': [0, 0.5],"
-        "'inertia': 0.1}, {'name': 'rod', 'mass': 0, 'centre': [0.5, 0.5]}, {'name': 'block', 'mass': %.17g,"
-        "'centre': [1, 0]}],"
-        "'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]},"
-        "{'name': 'B', 'links': ['crank', 'rod'], 'at': [0, 1]}, {'name': 'C', 'links': ['rod', 'block'],"
-        "'at': [1, 0]},"
-        "{'name': 'D', 'kind': 't', 'links': ['ground', 'block'], 'at': [1, 0], 'along': [1, 0],"
-        "'friction': {'coefficient': %.17g}}], 'input': {'joint': 'A', 'speed': -1},"
-        "'tracers': [{'name': 'P', 'link': 'block', 'at': [1, 0]}]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1,'centre': [0, 0.5],'inertia': 0.1}, {'name': 'rod', "
+    "'mass': 0, 'centre': [0.5, 0.5]}, {'name': 'block', 'mass': %.17g,'centre': [1, 0]}],'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': "
+    "[0, 0]},{'name': 'B', 'links': ['crank', 'rod'], 'at': [0, 1]}, {'name': 'C', 'links': ['rod', 'block'],'at': [1, 0]},{'name': 'D', 'kind': 't', "
+    "'links': ['ground', 'block'], 'at': [1, 0], 'along': [1, 0],'friction': {'coefficient': %.17g}}], 'input': {'joint': 'A', 'speed': -1},'tracers': "
+    "[{'name': 'P', 'link': 'block', 'at': [1, 0]}]}";
     for (int f = 1; f < 4; f++) {
         drun_read_format(&d, text, 1, 0.5);
         CHECK_INT(drun_to(&d, all[f], 1e-9, 0.3, 3), LW_OK);
@@ -335,20 +321,14 @@ TEST(painleve)
 #define PINS(n, x, crank) "{'name': 'A" n "', 'links': ['ground', '" crank "'], 'at': [" x ", 0]}," \
                           "{'name': 'B" n "', 'links': ['" crank "', 'coupler'], 'at': [" x ".6, 0.8]}"
 
-static const char parallel_two[] = "{'linkwright': 1, 'links': ['ground', {'name': 'c0', 'mass': 1,"
-    "'centre': [0.3, 0.4]},"
-    "{'name': 'c1', 'mass': 1, 'centre': [1.3, 0.4]}, {'name': 'coupler', 'mass': 2, 'centre': [1.1, 0.8],"
-    "'inertia': 1}],"
-    "'joints': [" PINS("0", "0", "c0") "," PINS("1", "1", "c1") "], 'input': {'joint': 'A0', 'speed': 0.3},"
+static const char parallel_two[] = "{'linkwright': 1, 'links': ['ground', {'name': 'c0', 'mass': 1,'centre': [0.3, 0.4]},{'name': 'c1', 'mass': 1, "
+    "'centre': [1.3, 0.4]}, {'name': 'coupler', 'mass': 2, 'centre': [1.1, 0.8],'inertia': 1}],'joints': "
+    "[" PINS("0", "0", "c0") "," PINS("1", "1", "c1") "], 'input': {'joint': 'A0', 'speed': 0.3},"
     "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'c0', 'at': [0.6, 0.8]}]}";
-static const char parallel_three[] = "{'linkwright': 1, 'links': ['ground', {'name': 'c0', 'mass': 1,"
-    "'centre': [0.3, 0.4]},"
-    "{'name': 'c1', 'mass': 1, 'centre': [1.3, 0.4]}, {'name': 'coupler', 'mass': 2, 'centre': [1.1, 0.8],"
-    "'inertia': 1},"
-    "{'name': 'c2', 'mass': %.17g, 'centre': [2.3, 0.4]}],"
-    "'joints': [" PINS("0", "0", "c0") "," PINS("1", "1", "c1") "," PINS("2", "2", "c2") "],"
-    "'input': {'joint': 'A0', 'speed': 0.3},"
-    "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'c0', 'at': [0.6, 0.8]}]}";
+static const char parallel_three[] = "{'linkwright': 1, 'links': ['ground', {'name': 'c0', 'mass': 1,'centre': [0.3, 0.4]},{'name': 'c1', 'mass': 1, "
+    "'centre': [1.3, 0.4]}, {'name': 'coupler', 'mass': 2, 'centre': [1.1, 0.8],'inertia': 1},{'name': 'c2', 'mass': %.17g, 'centre': [2.3, 0.4]}],"
+    "'joints': [" PINS("0", "0", "c0") "," PINS("1", "1", "c1") "," PINS("2", "2", "c2") "],'input': {'joint': 'A0', 'speed': 0.3},'gravity': [0, -9.81], "
+    "'tracers': [{'name': 'P', 'link': 'c0', 'at': [0.6, 0.8]}]}";
 
 static void names_of_redundant(drun *r, char *text, size_t size)
 {
@@ -385,10 +365,9 @@ TEST(parallelogram)
     lw_model_free(&other.model);
     drun_read_format(&d, parallel_three, 1, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-12, 0.7, 100), LW_OK);
-    drun_read_format(&other, "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 1,"
-        "'centre': [0.47142857142857142857, 0.62857142857142857143]}],"
-        "'joints': [{'name': 'A', 'links': ['ground', 'bob'], 'at': [0, 0]}], 'input': {'joint': 'A', 'speed': 0.3},"
-        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [0.6, 0.8]}]}", 0, 0);
+    drun_read_format(&other, "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 1,'centre': [0.47142857142857142857, "
+        "0.62857142857142857143]}],'joints': [{'name': 'A', 'links': ['ground', 'bob'], 'at': [0, 0]}], 'input': {'joint': 'A', 'speed': 0.3},'gravity': "
+        "[0, -9.81], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [0.6, 0.8]}]}", 0, 0);
     CHECK_INT(drun_to(&other, LW_FORMULATION_REDUCED, 1e-12, 0.7, 100), LW_OK);
     for (int i = 0; i <= 100; i++)
         CHECK_NEAR(d.tracer[i].y, other.tracer[i].y, 1e-9, 0);

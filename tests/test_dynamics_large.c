@@ -185,21 +185,17 @@ TEST(examples_agree)
 TEST(mixed_agree)
 {
     static const char *const format[] = {
-        "{'linkwright': 1, 'gravity': [1, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0.5, 0.1], "
-        "'inertia': 0.2}, {'name': 'b', 'mass': 2, 'centre': [1.5, 0.2], 'inertia': 0.3}, {'name': 'c', 'mass': 1.5, "
-        "'centre': [2.5, 0], 'inertia': 0.1}, {'name': 'w', 'mass': 1, 'centre': [0, 1], 'inertia': 0.4}], 'joints': ["
-        "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [1, 0]},"
-        "{'name': 'S', 'kind': 't', 'links': ['b', 'c'], 'at': [2, 0], 'along': [1, 0.3]},"
-        "{'name': 'W', 'links': ['ground', 'w'], 'at': [0, 1]}, {'name': 'G', 'kind': 'g', 'links': ['w', 'a'], 'at': "
-        "[0, 0.5], 'ratio': -0.7}], 'inputs': [{'joint': 'B', 'motion': '0.2*sin(3*t)'}, {'joint': 'A', 'speed': 2}],"
-        "'springs': [{'joint': 'S', 'stiffness': 300, 'damping': 2}]}",
-        "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5], "
-        "'inertia': 0.1}, {'name': 'b', 'mass': 1, 'centre': [1, 0.5], 'inertia': 0.1}, {'name': 'c', 'mass': 1, "
-        "'centre': [2, 0.5], 'inertia': 0.1}, {'name': 'bar', 'mass': 2, 'centre': [1, 1], 'inertia': 0.5}],"
-        "'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['ground', 'b'], 'at': "
-        "[1, 0]}, {'name': 'C', 'links': ['ground', 'c'], 'at': [2, 0]}, {'name': 'D', 'links': ['a', 'bar'], 'at': "
-        "[0, 1]}, {'name': 'E', 'links': ['b', 'bar'], 'at': [1, 1]}, {'name': 'F', 'links': ['c', 'bar'], 'at': [2, 1]}"
-        "], 'input': {'joint': 'A', 'speed': 1}}",
+        "{'linkwright': 1, 'gravity': [1, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0.5, 0.1], 'inertia': 0.2}, {'name': 'b', "
+        "'mass': 2, 'centre': [1.5, 0.2], 'inertia': 0.3}, {'name': 'c', 'mass': 1.5, 'centre': [2.5, 0], 'inertia': 0.1}, {'name': 'w', 'mass': 1, "
+        "'centre': [0, 1], 'inertia': 0.4}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': "
+        "[1, 0]},{'name': 'S', 'kind': 't', 'links': ['b', 'c'], 'at': [2, 0], 'along': [1, 0.3]},{'name': 'W', 'links': ['ground', 'w'], 'at': [0, 1]}, "
+        "{'name': 'G', 'kind': 'g', 'links': ['w', 'a'], 'at': [0, 0.5], 'ratio': -0.7}], 'inputs': [{'joint': 'B', 'motion': '0.2*sin(3*t)'}, {'joint': "
+        "'A', 'speed': 2}],'springs': [{'joint': 'S', 'stiffness': 300, 'damping': 2}]}",
+        "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5], 'inertia': 0.1}, {'name': 'b', 'mass': "
+        "1, 'centre': [1, 0.5], 'inertia': 0.1}, {'name': 'c', 'mass': 1, 'centre': [2, 0.5], 'inertia': 0.1}, {'name': 'bar', 'mass': 2, 'centre': [1, "
+        "1], 'inertia': 0.5}],'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['ground', 'b'], 'at': [1, 0]}, "
+        "{'name': 'C', 'links': ['ground', 'c'], 'at': [2, 0]}, {'name': 'D', 'links': ['a', 'bar'], 'at': [0, 1]}, {'name': 'E', 'links': ['b', 'bar'], "
+        "'at': [1, 1]}, {'name': 'F', 'links': ['c', 'bar'], 'at': [2, 1]}], 'input': {'joint': 'A', 'speed': 1}}",
     };
     for (int i = 0; i < 2; i++) {
         text t = { 0 };
@@ -274,8 +270,7 @@ TEST(many_links_on_one_pin)
 static void read_plate(int n, lw_model *m)
 {
     text t = { 0 };
-    put(&t, "{'linkwright': 1, 'gravity': [3, -9.81], 'links': ['ground', {'name': 'plate', 'mass': 2, 'centre': [0.5, 1.2], "
-        "'inertia': 1}");
+    put(&t, "{'linkwright': 1, 'gravity': [3, -9.81], 'links': ['ground', {'name': 'plate', 'mass': 2, 'centre': [0.5, 1.2], 'inertia': 1}");
     for (int i = 0; i < n; i++)
         put(&t, ",{'name': 'c%d', 'mass': %.17g, 'centre': [%.17g, 0.5], 'inertia': %.17g}", i, 1./n, (double)i/(n - 1), 0.1/n);
     put(&t, "], 'joints': [");
@@ -608,14 +603,12 @@ TEST(mobility_agrees)
     static const char *const special[] = {          /* flat four-bar that cannot move, three equal rods, a braced frame */
         "{'linkwright': 1, 'links': ['ground', 'a', 'b'], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': "
         "'B', 'links': ['a', 'b'], 'at': [1, 0]}, {'name': 'C', 'links': ['b', 'ground'], 'at': [3, 0]}]}",
-        "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', 'bar'], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]},"
-        "{'name': 'B', 'links': ['ground', 'b'], 'at': [1, 0]}, {'name': 'C', 'links': ['ground', 'c'], 'at': [2.5, 0]}, {'name': 'D', "
-        "'links': ['a', 'bar'], 'at': [0.3, 1]}, {'name': 'E', 'links': ['b', 'bar'], 'at': [1.3, 1]}, {'name': 'F', 'links': ['c', "
-        "'bar'], 'at': [2.8, 1]}], 'input': {'joint': 'A'}}",
-        "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', 'bar'], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]},"
-        "{'name': 'B', 'links': ['ground', 'b'], 'at': [1, 0]}, {'name': 'C', 'links': ['ground', 'c'], 'at': [2.5, 0.1]}, {'name': 'D', "
-        "'links': ['a', 'bar'], 'at': [0.3, 1]}, {'name': 'E', 'links': ['b', 'bar'], 'at': [1.3, 1]}, {'name': 'F', 'links': ['c', "
-        "'bar'], 'at': [2.9, 1]}]}" };
+        "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', 'bar'], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]},{'name': 'B', "
+        "'links': ['ground', 'b'], 'at': [1, 0]}, {'name': 'C', 'links': ['ground', 'c'], 'at': [2.5, 0]}, {'name': 'D', 'links': ['a', 'bar'], 'at': "
+        "[0.3, 1]}, {'name': 'E', 'links': ['b', 'bar'], 'at': [1.3, 1]}, {'name': 'F', 'links': ['c', 'bar'], 'at': [2.8, 1]}], 'input': {'joint': 'A'}}",
+        "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', 'bar'], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]},{'name': 'B', "
+        "'links': ['ground', 'b'], 'at': [1, 0]}, {'name': 'C', 'links': ['ground', 'c'], 'at': [2.5, 0.1]}, {'name': 'D', 'links': ['a', 'bar'], 'at': "
+        "[0.3, 1]}, {'name': 'E', 'links': ['b', 'bar'], 'at': [1.3, 1]}, {'name': 'F', 'links': ['c', 'bar'], 'at': [2.9, 1]}]}" };
     for (size_t i = 0; i < sizeof special/sizeof *special; i++) {
         text t = { 0 };
         put(&t, "%s", "");
@@ -1050,8 +1043,7 @@ static lw_status read_bars(bool space, bool list, int odd, const char *of, void 
             at > 1 ? "b" : "ground", at > 1 ? at/2 : 0, at, at, at % 3, z, axis);
     }
     put(&t, "], 'tracers': [{'name': 'P', 'link': '%s', 'at': [0, 0%s]}]}", of, z);
-    for (size_t i = 0; i < t.n; i++)
-        t.at[i] = t.at[i] == '\'' ? '"' : t.at[i];
+    json_quotes(t.at);
     *e = (lw_error){ 0 };
     lw_status s = space ? lw_spatial_read(t.at, t.n, "bars", model, e) : lw_model_read(t.at, t.n, "bars", model, e);
     free(t.at);

@@ -62,21 +62,17 @@ TEST(two_four_bars)
  * the first singular posture it moves as the pendulum in test_dynamics_hard.c. */
 #define CRANK(n, x) "{'name': 'A" n "', 'links': ['ground', 'c" n "'], 'at': [" x ", 0]}," \
                     "{'name': 'B" n "', 'links': ['c" n "', 'coupler'], 'at': [" x ".6, 0.8]}"
-static const char three_cranks[] = "{'linkwright': 1, 'links': ['ground',"
-    "{'name': 'c0', 'mass': 1, 'centre': [0.3, 0.4]}, {'name': 'c1', 'mass': 1, 'centre': [1.3, 0.4]},"
-    "{'name': 'c2', 'mass': 1, 'centre': [2.3, 0.4]},"
-    "{'name': 'coupler', 'mass': 2, 'centre': [1.1, 0.8], 'inertia': 1}],"
-    "'joints': [" CRANK("0", "0") "," CRANK("1", "1") "," CRANK("2", "2") "],"
-    "'input': {'joint': 'A0', 'speed': 0.3}, 'gravity': [0, -9.81],"
-    "'tracers': [{'name': 'P', 'link': 'c0', 'at': [0.6, 0.8]}]}";
+static const char three_cranks[] = "{'linkwright': 1, 'links': ['ground',{'name': 'c0', 'mass': 1, 'centre': [0.3, 0.4]}, {'name': 'c1', 'mass': 1, "
+    "'centre': [1.3, 0.4]},{'name': 'c2', 'mass': 1, 'centre': [2.3, 0.4]},{'name': 'coupler', 'mass': 2, 'centre': [1.1, 0.8], 'inertia': 1}],'joints': "
+    "[" CRANK("0", "0") "," CRANK("1", "1") "," CRANK("2", "2") "],'input': {'joint': 'A0', 'speed': 0.3}, 'gravity': [0, -9.81],'tracers': "
+    "[{'name': 'P', 'link': 'c0', 'at': [0.6, 0.8]}]}";
 
 TEST(redundant_rows)
 {
     static const double tolerance[] = { 0, 1e-12, 1e-10, 1e-10 }, slack[] = { 0, 1e-8, 3e-6, 3e-6 };
-    drun_read_format(&other, "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 1,"
-        "'centre': [0.47142857142857142857, 0.62857142857142857143]}],"
-        "'joints': [{'name': 'A', 'links': ['ground', 'bob'], 'at': [0, 0]}], 'input': {'joint': 'A', 'speed': 0.3},"
-        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [0.6, 0.8]}]}", 0, 0);
+    drun_read_format(&other, "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 1,'centre': [0.47142857142857142857, "
+        "0.62857142857142857143]}],'joints': [{'name': 'A', 'links': ['ground', 'bob'], 'at': [0, 0]}], 'input': {'joint': 'A', 'speed': 0.3},'gravity': "
+        "[0, -9.81], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [0.6, 0.8]}]}", 0, 0);
     CHECK_INT(drun_to(&other, LW_FORMULATION_REDUCED, 1e-13, 4, 4), LW_OK);
     drun_read_format(&d, three_cranks, 0, 0);
     for (int f = 1; f < 4; f++) {
@@ -94,13 +90,11 @@ TEST(redundant_rows)
  * I + m) with the mass of the coupler at the radius 1. */
 TEST(swings_about_it)
 {
-    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0],"
-        "'inertia': 0.5}, {'name': 'b', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.1},"
-        "{'name': 'c', 'mass': 1, 'centre': [2, 0], 'inertia': 0.5}], 'joints': ["
-        "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [%s]},"
-        "{'name': 'C', 'links': ['b', 'c'], 'at': [%s]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [2, 0]}],"
-        "'input': {'joint': 'A'}, 'springs': [{'joint': 'A', 'stiffness': 8, 'free': -0.2}],"
-        "'tracers': [{'name': 'P', 'link': 'a', 'at': [%s]}]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0],'inertia': 0.5}, {'name': 'b', 'mass': 1, "
+        "'centre': [%.17g, %.17g], 'inertia': 0.1},{'name': 'c', 'mass': 1, 'centre': [2, 0], 'inertia': 0.5}], 'joints': [{'name': 'A', 'links': "
+        "['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [%s]},{'name': 'C', 'links': ['b', 'c'], 'at': [%s]}, {'name': 'D', "
+        "'links': ['ground', 'c'], 'at': [2, 0]}],'input': {'joint': 'A'}, 'springs': [{'joint': 'A', 'stiffness': 8, 'free': -0.2}],'tracers': [{'name': "
+        "'P', 'link': 'a', 'at': [%s]}]}";
     char first[64], second[64], whole[2000];
     double x = cos(0.2), y = sin(0.2);
     snprintf(first, sizeof first, "%.17g, %.17g", x, y);
@@ -122,14 +116,12 @@ TEST(swings_about_it)
  * curve, so every method goes over by one step.  The tracer is the bob. */
 TEST(two_freedoms)
 {
-    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5],"
-        "'inertia': 0.083}, {'name': 'b', 'mass': 1, 'centre': [0.5, 1], 'inertia': 0.083},"
-        "{'name': 'c', 'mass': 1, 'centre': [1, 0.5], 'inertia': 0.083},"
-        "{'name': 'bob', 'mass': 0.5, 'centre': [0.5, 0.6], 'inertia': 0.02}], 'joints': ["
-        "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0, 1]},"
-        "{'name': 'C', 'links': ['b', 'c'], 'at': [1, 1]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [1, 0]},"
-        "{'name': 'P', 'links': ['b', 'bob'], 'at': [0.5, 1]}], 'input': {'joint': 'A', 'speed': -1},"
-        "'gravity': [0, -9.81], 'tracers': [{'name': 'T', 'link': 'bob', 'at': [0.5, 0.6]}]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5],'inertia': 0.083}, {'name': 'b', "
+        "'mass': 1, 'centre': [0.5, 1], 'inertia': 0.083},{'name': 'c', 'mass': 1, 'centre': [1, 0.5], 'inertia': 0.083},{'name': 'bob', 'mass': 0.5, "
+        "'centre': [0.5, 0.6], 'inertia': 0.02}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], "
+        "'at': [0, 1]},{'name': 'C', 'links': ['b', 'c'], 'at': [1, 1]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [1, 0]},{'name': 'P', 'links': "
+        "['b', 'bob'], 'at': [0.5, 1]}], 'input': {'joint': 'A', 'speed': -1},'gravity': [0, -9.81], 'tracers': [{'name': 'T', 'link': 'bob', 'at': [0.5, "
+        "0.6]}]}";
     static const int tightest[] = { 0, 11, 11, 10 };
     watch w = { .first = 1, .n = 1 };
     drun_read_format(&d, text, 0, 0);
@@ -161,15 +153,11 @@ static void read_change_point(int k)
     double off = change_point[k].side*sqrt(l[2]*l[2]/d2 - along*along);
     lw_vec2 c = lw_v2(b.x + along*to.x - off*to.y, b.y + along*to.y + off*to.x);
     char text[2000];
-    snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground',"
-        "{'name': 'a', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.1},"
-        "{'name': 'b', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.2},"
-        "{'name': 'c', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.3}], 'joints': ["
-        "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]},"
-        "{'name': 'B', 'links': ['a', 'b'], 'at': [%.17g, %.17g]},"
-        "{'name': 'C', 'links': ['b', 'c'], 'at': [%.17g, %.17g]},"
-        "{'name': 'D', 'links': ['ground', 'c'], 'at': [%.17g, 0]}], 'input': {'joint': 'A', 'speed': %.17g},"
-        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'a', 'at': [%.17g, %.17g]}]}", b.x/2, b.y/2,
+    snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground',{'name': 'a', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.1},{'name': 'b', "
+        "'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.2},{'name': 'c', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.3}], 'joints': [{'name': "
+        "'A', 'links': ['ground', 'a'], 'at': [0, 0]},{'name': 'B', 'links': ['a', 'b'], 'at': [%.17g, %.17g]},{'name': 'C', 'links': ['b', 'c'], 'at': "
+        "[%.17g, %.17g]},{'name': 'D', 'links': ['ground', 'c'], 'at': [%.17g, 0]}], 'input': {'joint': 'A', 'speed': %.17g},'gravity': [0, -9.81], "
+        "'tracers': [{'name': 'P', 'link': 'a', 'at': [%.17g, %.17g]}]}", b.x/2, b.y/2,
         (b.x + c.x)/2, (b.y + c.y)/2, (l[0] + c.x)/2, c.y/2, b.x, b.y, c.x, c.y, l[0], change_point[k].speed,
         b.x, b.y);
     drun_read_format(&d, text, 0, 0);
@@ -248,11 +236,10 @@ TEST(block_over_a_pivot)
             char text[2000];
             double x = cos(s), y = sin(s), ux = cos((s + LW_PI)/2), uy = sin((s + LW_PI)/2);
             snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.1},"
-                     "{'name': 'b', 'mass': 2, 'centre': [1, 0], 'inertia': 0.5}, {'name': 'c', 'mass': 1, 'centre': [%.17g, %.17g],"
-                     "'inertia': 0.1}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'c'],"
-                     "'at': [%.17g, %.17g]}, {'name': 'S', 'kind': 't', 'links': ['b', 'c'], 'at': [%.17g, %.17g], 'along': [%.17g, %.17g]},"
-                     "{'name': 'G', 'links': ['ground', 'b'], 'at': [1, 0]}], 'input': {'joint': '%c', 'speed': %.17g},"
-                     "'tracers': [{'name': 'P', 'link': 'b', 'at': [%.17g, %.17g]}]}",
+                     "{'name': 'b', 'mass': 2, 'centre': [1, 0], 'inertia': 0.5}, {'name': 'c', 'mass': 1, 'centre': [%.17g, %.17g],'inertia': 0.1}], "
+                     "'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'c'],'at': [%.17g, %.17g]}, {'name': "
+                     "'S', 'kind': 't', 'links': ['b', 'c'], 'at': [%.17g, %.17g], 'along': [%.17g, %.17g]},{'name': 'G', 'links': ['ground', 'b'], 'at': "
+                     "[1, 0]}], 'input': {'joint': '%c', 'speed': %.17g},'tracers': [{'name': 'P', 'link': 'b', 'at': [%.17g, %.17g]}]}",
                      x/2, y/2, x, y, x, y, x, y, ux, uy, input[k].joint, input[k].speed, 1 + ux, uy);
             drun_read_format(&d, text, 0, 0);
             CHECK_INT(drun_to(&d, some[f], 1e-11, 1.5, 30), LW_OK);
@@ -352,21 +339,16 @@ TEST(ten_in_a_row)
     static char text[12000];
     int n = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground'");
     for (int i = 0; i <= 10; i++)
-        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'c%d', 'mass': 1, 'centre': [%d, 0.5],"
-                      "'inertia': 0.083333333333333333}", i, i);
+        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'c%d', 'mass': 1, 'centre': [%d, 0.5],'inertia': 0.083333333333333333}", i, i);
     for (int i = 0; i < 10; i++)
-        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'b%d', 'mass': 1, 'centre': [%d.5, 1],"
-                      "'inertia': 0.083333333333333333}", i, i);
-    n += snprintf(text + n, sizeof text - (size_t)n, "], 'joints': [{'name': 'A', 'links': ['ground', 'c0'],"
-                  "'at': [0, 0]}");
+        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'b%d', 'mass': 1, 'centre': [%d.5, 1],'inertia': 0.083333333333333333}", i, i);
+    n += snprintf(text + n, sizeof text - (size_t)n, "], 'joints': [{'name': 'A', 'links': ['ground', 'c0'],'at': [0, 0]}");
     for (int i = 0, k = 1; i < 10; i++, k++)
-        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'A%d', 'links': ['ground', 'c%d'],"
-                      "'at': [%d, 0]}, {'name': 'B%d', 'links': ['c%d', 'b%d'], 'at': [%d, 1]},"
-                      "{'name': 'C%d', 'links': ['b%d', 'c%d'], 'at': [%d, 1]}", i, k, k, i, i, i, i, i, i, k, k);
+        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'A%d', 'links': ['ground', 'c%d'],'at': [%d, 0]}, {'name': 'B%d', 'links': ['c%d', "
+                      "'b%d'], 'at': [%d, 1]},{'name': 'C%d', 'links': ['b%d', 'c%d'], 'at': [%d, 1]}", i, k, k, i, i, i, i, i, i, k, k);
     snprintf(text + n, sizeof text - (size_t)n, "], 'input': {'joint': 'A', 'speed': -1}, 'gravity': [0, -9.81],"
              "'tracers': [{'name': 'P', 'link': 'c0', 'at': [0, 1]}]}");
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_quotes(text);
     lw_ode ode = { .n = 2, .rate = rate_of_ten };
     lw_ode_options o = { .relative = 1e-14, .absolute = 1e-14 };
     lw_integrator w;
@@ -438,8 +420,7 @@ TEST(driven_from_a_flat_posture)
                               "'links': ['c%d', 'k%d'], 'at': [%d, 0]}, {'name': 'C%d', 'links': ['k%d', 'c%d'], 'at': [%d, 0]}",
                               i + 1, i + 1, 3*i + 3, i, i, i, 3*i + 1, i, i, i + 1, 3*i + 4);
             snprintf(text + k, sizeof text - (size_t)k, "], 'gravity': [0, -9.81], 'input': {'joint': 'A', 'motion': '%s'}}", motion[m]);
-            for (char *c = text; *c; c++)
-                *c = *c == '\'' ? '"' : *c;
+            json_quotes(text);
             lw_dynamics *made = NULL;
             drun_read_text(&d, text);
             CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_E_NUMERIC);
@@ -458,15 +439,11 @@ static void read_rhombus(double eps)
     double off = sqrt((1 + eps)*(1 + eps) - along*along);
     lw_vec2 to = lw_v2(1 - b[0], -b[1]), c = lw_v2(b[0] + along*to.x - off*to.y, b[1] + along*to.y + off*to.x);
     char text[2000];
-    snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground',"
-        "{'name': 'a', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.083},"
-        "{'name': 'b', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.083},"
-        "{'name': 'c', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.083}], 'joints': ["
-        "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]},"
-        "{'name': 'B', 'links': ['a', 'b'], 'at': [%.17g, %.17g]},"
-        "{'name': 'C', 'links': ['b', 'c'], 'at': [%.17g, %.17g]},"
-        "{'name': 'D', 'links': ['ground', 'c'], 'at': [1, 0]}], 'input': {'joint': 'A', 'speed': -1},"
-        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'c', 'at': [%.17g, %.17g]}]}", b[0]/2, b[1]/2,
+    snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground',{'name': 'a', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.083},{'name': 'b', "
+        "'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.083},{'name': 'c', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.083}], 'joints': ["
+        "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]},{'name': 'B', 'links': ['a', 'b'], 'at': [%.17g, %.17g]},{'name': 'C', 'links': ['b', "
+        "'c'], 'at': [%.17g, %.17g]},{'name': 'D', 'links': ['ground', 'c'], 'at': [1, 0]}], 'input': {'joint': 'A', 'speed': -1},'gravity': [0, -9.81], "
+        "'tracers': [{'name': 'P', 'link': 'c', 'at': [%.17g, %.17g]}]}", b[0]/2, b[1]/2,
         (b[0] + c.x)/2, (b[1] + c.y)/2, (1 + c.x)/2, c.y/2, b[0], b[1], c.x, c.y, c.x, c.y);
     drun_read_format(&d, text, 0, 0);
 }

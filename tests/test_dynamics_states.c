@@ -15,23 +15,17 @@ static const char wheel[] =
     "'inertia': %g}], 'joints': [{'name': 'A', 'links': ['ground', 'wheel'], 'at': [0, 0]}], %s}";
 
 static const char arm_with_all[] =
-    "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', "
-    "{'name': 'arm', 'mass': 3, 'centre': [0.5, 0.1], 'inertia': 0.2}, "
-    "{'name': 'fore', 'mass': 2, 'centre': [1.3, 0.3], 'inertia': 0.1}], 'joints': ["
-    "{'name': 'A', 'links': ['ground', 'arm'], 'at': [0, 0]}, {'name': 'B', 'links': ['arm', 'fore'], 'at': [1, 0.2]}], "
-    "'inputs': [{'joint': 'A', 'speed': 0.2}, {'joint': 'B', 'speed': -0.1}], 'gravity': [0, -9.81], "
-    "'tracers': [{'name': 'P', 'link': 'fore', 'at': [1.6, 0.4]}], "
-    "'states': [{'name': 'e', 'rate': '-3*state(e) + x(P)*state(C.p1)/1e6 + omega(fore)', 'start': 'x(P)'}], "
-    "'controllers': [{'name': 'pid', 'wanted': '0.3*sin(2*t)', 'measured': 'q(B)', 'proportional': 60, 'integral': 90, "
-    "'derivative': 4, 'filter': 0.01, 'feed_forward': 'lag(v(A), 0.05) + integral(0.1*q(A))', 'least': -40, "
-    "'greatest': 40}], "
-    "'motors': [{'name': 'M', 'joint': 'B', 'voltage': 'output(pid)', 'resistance': 0.7, 'inductance': 2e-3, "
-    "'torque_constant': 0.1, 'inertia': 2e-4, 'ratio': 1, 'current': 0.5}], "
-    "'cylinders': [{'name': 'C', 'links': ['ground', 'arm'], 'at': [[0.3, -0.8], [0.8, 0.1]], 'bore': 0.05, 'rod': 0.03, "
-    "'retracted': 0.9, 'stroke': 0.4, 'dead_volume': 1e-4, 'pressures': [3e6, 2e6], 'valve': '0.3*sin(3*t) + 0.1*q(A)', "
-    "'flow': 2e-4, 'supply': 1.2e7, 'tank': 1e5, 'leakage': 1e-12, 'relief': 1.1e7, 'relief_flow': 1e-11, 'damping': 300, "
-    "'friction': 50, 'friction_speed': 0.01}], "
-    "'forces': [{'link': 'fore', 'at': [1.6, 0.4], 'fy': '-5*state(e) - 20*rate(C)', 'torque': '0.1*state(M.current)'}]}";
+    "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'arm', 'mass': 3, 'centre': [0.5, 0.1], 'inertia': 0.2}, {'name': 'fore', "
+    "'mass': 2, 'centre': [1.3, 0.3], 'inertia': 0.1}], 'joints': [{'name': 'A', 'links': ['ground', 'arm'], 'at': [0, 0]}, {'name': 'B', 'links': "
+    "['arm', 'fore'], 'at': [1, 0.2]}], 'inputs': [{'joint': 'A', 'speed': 0.2}, {'joint': 'B', 'speed': -0.1}], 'gravity': [0, -9.81], 'tracers': "
+    "[{'name': 'P', 'link': 'fore', 'at': [1.6, 0.4]}], 'states': [{'name': 'e', 'rate': '-3*state(e) + x(P)*state(C.p1)/1e6 + omega(fore)', 'start': "
+    "'x(P)'}], 'controllers': [{'name': 'pid', 'wanted': '0.3*sin(2*t)', 'measured': 'q(B)', 'proportional': 60, 'integral': 90, 'derivative': 4, "
+    "'filter': 0.01, 'feed_forward': 'lag(v(A), 0.05) + integral(0.1*q(A))', 'least': -40, 'greatest': 40}], 'motors': [{'name': 'M', 'joint': 'B', "
+    "'voltage': 'output(pid)', 'resistance': 0.7, 'inductance': 2e-3, 'torque_constant': 0.1, 'inertia': 2e-4, 'ratio': 1, 'current': 0.5}], 'cylinders': "
+    "[{'name': 'C', 'links': ['ground', 'arm'], 'at': [[0.3, -0.8], [0.8, 0.1]], 'bore': 0.05, 'rod': 0.03, 'retracted': 0.9, 'stroke': 0.4, "
+    "'dead_volume': 1e-4, 'pressures': [3e6, 2e6], 'valve': '0.3*sin(3*t) + 0.1*q(A)', 'flow': 2e-4, 'supply': 1.2e7, 'tank': 1e5, 'leakage': 1e-12, "
+    "'relief': 1.1e7, 'relief_flow': 1e-11, 'damping': 300, 'friction': 50, 'friction_speed': 0.01}], 'forces': [{'link': 'fore', 'at': [1.6, 0.4], 'fy': "
+    "'-5*state(e) - 20*rate(C)', 'torque': '0.1*state(M.current)'}]}";
 
 static double last_z[32], q_end, v_end, drive_end;      /* drive_end: what the motion of the first input pushes with */
 
@@ -76,9 +70,7 @@ static drun d;
 static void read_wheel(const char *format, double inertia, const char *rest)
 {
     char text[6000];
-    snprintf(text, sizeof text, format, inertia, rest);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_format(text, sizeof text, format, inertia, rest);
     drun_read_text(&d, text);
 }
 
@@ -141,8 +133,7 @@ TEST(a_motor_starts)
 /* A drive whose demand is above its curve ends at the speed without load, or holds with the torque of stall. */
 TEST(a_drive_keeps_to_its_curve)
 {
-    static const char format[] = "'input': {'joint': 'A', %s}, 'motors': [{'joint': 'A', 'torque': '%s', 'stall': 6, "
-                                 "'free_speed': 40}]";
+    static const char format[] = "'input': {'joint': 'A', %s}, 'motors': [{'joint': 'A', 'torque': '%s', 'stall': 6, 'free_speed': 40}]";
     char text[300];
     snprintf(text, sizeof text, format, "'speed': 0", "1000");
     read_wheel(wheel, 0.05, text);
@@ -165,11 +156,10 @@ TEST(a_drive_keeps_to_its_curve)
 TEST(a_mass_on_oil)
 {
     static const char format[] =
-        "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'm', 'mass': 1000, 'centre': [0.8, 0], "
-        "'inertia': 1}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'm'], 'at': [0.8, 0], 'along': [1, 0]}], "
-        "'input': {'joint': 'S', 'speed': 1e-4}, 'cylinders': [{'name': 'C', 'links': ['ground', 'm'], 'at': [[0, 0], "
-        "[0.8, 0]], 'bore': 0.125, 'rod': 0.08, 'retracted': 0.5, 'stroke': 0.6, 'dead_volume': 1e-3, 'bulk_modulus': %.17g, "
-        "'pressures': [2e6, %.17g]}]}";
+        "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'm', 'mass': 1000, 'centre': [0.8, 0], 'inertia': 1}], 'joints': "
+        "[{'name': 'S', 'kind': 't', 'links': ['ground', 'm'], 'at': [0.8, 0], 'along': [1, 0]}], 'input': {'joint': 'S', 'speed': 1e-4}, 'cylinders': "
+        "[{'name': 'C', 'links': ['ground', 'm'], 'at': [[0, 0], [0.8, 0]], 'bore': 0.125, 'rod': 0.08, 'retracted': 0.5, 'stroke': 0.6, 'dead_volume': "
+        "1e-3, 'bulk_modulus': %.17g, 'pressures': [2e6, %.17g]}]}";
     double bulk = 1.4e9, a1 = LW_PI/4*0.125*0.125, a2 = a1 - LW_PI/4*0.08*0.08;
     double stiffness = bulk*(a1*a1/(1e-3 + 0.3*a1) + a2*a2/(1e-3 + 0.3*a2)), w = sqrt(stiffness/1000);
     CHECK_NEAR(stiffness, 6.819319e7, 5, 0);             /* of the declared boom cylinder */
@@ -185,12 +175,10 @@ TEST(a_mass_on_oil)
 TEST(a_valve_moves_a_piston)
 {
     static const char format[] =
-        "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'm', 'mass': 5, 'centre': [0.8, 0], "
-        "'inertia': 1}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'm'], 'at': [0.8, 0], 'along': [1, 0]}], "
-        "'input': {'joint': 'S', 'speed': 0}, 'cylinders': [{'name': 'C', 'links': ['ground', 'm'], 'at': [[0, 0], "
-        "[0.8, 0]], 'bore': 0.05, 'rod': 0.03, 'retracted': 0.5, 'stroke': 0.6, 'dead_volume': 1e-4, "
-        "'pressures': [1e6, 1e6], 'valve': %g, 'flow': 4e-4, 'drop': 3.5e6, 'supply': %g, 'damping': 500, "
-        "'stop_damping': 2e4}]}";
+        "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'm', 'mass': 5, 'centre': [0.8, 0], 'inertia': 1}], 'joints': [{'name': "
+        "'S', 'kind': 't', 'links': ['ground', 'm'], 'at': [0.8, 0], 'along': [1, 0]}], 'input': {'joint': 'S', 'speed': 0}, 'cylinders': [{'name': 'C', "
+        "'links': ['ground', 'm'], 'at': [[0, 0], [0.8, 0]], 'bore': 0.05, 'rod': 0.03, 'retracted': 0.5, 'stroke': 0.6, 'dead_volume': 1e-4, "
+        "'pressures': [1e6, 1e6], 'valve': %g, 'flow': 4e-4, 'drop': 3.5e6, 'supply': %g, 'damping': 500, 'stop_damping': 2e4}]}";
     double a1 = LW_PI/4*0.05*0.05, a2 = a1 - LW_PI/4*0.03*0.03;
     drun_read_format(&d, format, 0.5, 1e7);
     run_to(&d, 0.4, LW_FORMULATION_AUTO);
@@ -235,35 +223,19 @@ TEST(formulations_agree)
 
 /* arm_with_all in the plane y z of space. */
 static const char arm_in_space[] =
-    "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', "
-    "{'name': 'arm', 'mass': 3, 'centre': [0, 0.5, 0.1], 'inertia': [0.2, 0.15, 0.17]}, "
-    "{'name': 'fore', 'mass': 2, 'centre': [0, 1.3, 0.3], 'inertia': [0.1, 0.06, 0.07]}], 'joints': ["
-    "{'name': 'A', 'links': ['ground', 'arm'], 'at': [0, 0, 0], 'axis': [1, 0, 0]}, "
-    "{'name': 'B', 'links': ['arm', 'fore'], 'at': [0, 1, 0.2], 'axis': [1, 0, 0]}], "
-    "'inputs': [{'joint': 'A', 'speed': 0.2}, {'joint': 'B', 'speed': -0.1}], 'gravity': [0, 0, -9.81], "
-    "'tracers': [{'name': 'P', 'link': 'fore', 'at': [0, 1.6, 0.4]}], "
-    "'states': [{'name': 'e', 'rate': '-3*state(e) + y(P)*state(C.p1)/1e6 + v(A) + v(B)', 'start': 'y(P)'}], "
-    "'controllers': [{'name': 'pid', 'wanted': '0.3*sin(2*t)', 'measured': 'q(B)', 'proportional': 60, 'integral': 90, "
-    "'derivative': 4, 'filter': 0.01, 'feed_forward': 'lag(v(A), 0.05) + integral(0.1*q(A))', 'least': -40, "
-    "'greatest': 40}], "
-    "'motors': [{'name': 'M', 'joint': 'B', 'voltage': 'output(pid)', 'resistance': 0.7, 'inductance': 2e-3, "
-    "'torque_constant': 0.1, 'inertia': 2e-4, 'ratio': 1, 'current': 0.5}], "
-    "'cylinders': [{'name': 'C', 'links': ['ground', 'arm'], 'at': [[0, 0.3, -0.8], [0, 0.8, 0.1]], 'bore': 0.05, 'rod': 0.03, "
-    "'retracted': 0.9, 'stroke': 0.4, 'dead_volume': 1e-4, 'pressures': [3e6, 2e6], 'valve': '0.3*sin(3*t) + 0.1*q(A)', "
-    "'flow': 2e-4, 'supply': 1.2e7, 'tank': 1e5, 'leakage': 1e-12, 'relief': 1.1e7, 'relief_flow': 1e-11, 'damping': 300, "
-    "'friction': 50, 'friction_speed': 0.01}], "
-    "'forces': [{'link': 'fore', 'at': [0, 1.6, 0.4], 'fz': '-5*state(e) - 20*rate(C)', 'tx': '0.1*state(M.current)'}]}";
+    "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'arm', 'mass': 3, 'centre': [0, 0.5, 0.1], 'inertia': [0.2, 0.15, 0.17]}, "
+    "{'name': 'fore', 'mass': 2, 'centre': [0, 1.3, 0.3], 'inertia': [0.1, 0.06, 0.07]}], 'joints': [{'name': 'A', 'links': ['ground', 'arm'], 'at': [0, "
+    "0, 0], 'axis': [1, 0, 0]}, {'name': 'B', 'links': ['arm', 'fore'], 'at': [0, 1, 0.2], 'axis': [1, 0, 0]}], 'inputs': [{'joint': 'A', 'speed': 0.2}, "
+    "{'joint': 'B', 'speed': -0.1}], 'gravity': [0, 0, -9.81], 'tracers': [{'name': 'P', 'link': 'fore', 'at': [0, 1.6, 0.4]}], 'states': [{'name': 'e', "
+    "'rate': '-3*state(e) + y(P)*state(C.p1)/1e6 + v(A) + v(B)', 'start': 'y(P)'}], 'controllers': [{'name': 'pid', 'wanted': '0.3*sin(2*t)', 'measured': "
+    "'q(B)', 'proportional': 60, 'integral': 90, 'derivative': 4, 'filter': 0.01, 'feed_forward': 'lag(v(A), 0.05) + integral(0.1*q(A))', 'least': -40, "
+    "'greatest': 40}], 'motors': [{'name': 'M', 'joint': 'B', 'voltage': 'output(pid)', 'resistance': 0.7, 'inductance': 2e-3, 'torque_constant': 0.1, "
+    "'inertia': 2e-4, 'ratio': 1, 'current': 0.5}], 'cylinders': [{'name': 'C', 'links': ['ground', 'arm'], 'at': [[0, 0.3, -0.8], [0, 0.8, 0.1]], "
+    "'bore': 0.05, 'rod': 0.03, 'retracted': 0.9, 'stroke': 0.4, 'dead_volume': 1e-4, 'pressures': [3e6, 2e6], 'valve': '0.3*sin(3*t) + 0.1*q(A)', "
+    "'flow': 2e-4, 'supply': 1.2e7, 'tank': 1e5, 'leakage': 1e-12, 'relief': 1.1e7, 'relief_flow': 1e-11, 'damping': 300, 'friction': 50, "
+    "'friction_speed': 0.01}], 'forces': [{'link': 'fore', 'at': [0, 1.6, 0.4], 'fz': '-5*state(e) - 20*rate(C)', 'tx': '0.1*state(M.current)'}]}";
 
 static lw_spatial in_space;
-
-static void read_in_space(const char *format)
-{
-    char text[6000];
-    snprintf(text, sizeof text, "%s", format);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
-    read_spatial(text, strlen(text), "text", &in_space);
-}
 
 typedef struct space_end { lw_dynamics *d; double z[32], q, v, energy; } space_end;
 
@@ -300,7 +272,7 @@ TEST(states_in_space)
     space_end s;
     drun_read_format(&d, arm_with_all, 0, 0);
     run_to(&d, 0.5, LW_FORMULATION_INDEX1);
-    read_in_space(arm_in_space);
+    read_spatial(arm_in_space, "text", &in_space);
     CHECK_INT(in_space.states.n_state, d.model.states.n_state);
     for (size_t k = 0; k < sizeof way/sizeof *way; k++) {
         run_in_space(0.5, way[k], &s);
@@ -320,10 +292,10 @@ TEST(states_beside_inputs_that_leave_no_freedom)
     double t = 0.3, lag = 0.1, u = 0.06*4*0.6, part = 1/(1 + 16*lag*lag);
     for (size_t k = 0; k < sizeof way/sizeof *way; k++) {
         space_end s;
-        read_in_space("{'linkwright': 1, 'links': ['ground', {'name': 'b', 'mass': 2, 'centre': [0.1, 0, 0], 'inertia': [0.01, 0.01, 0.01]}], "
+        read_spatial("{'linkwright': 1, 'links': ['ground', {'name': 'b', 'mass': 2, 'centre': [0.1, 0, 0], 'inertia': [0.01, 0.01, 0.01]}], "
                       "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'b'], 'at': [0, 0, 0], 'axis': [0.6, 0.8, 0]}], "
                       "'tracers': [{'name': 'P', 'link': 'b', 'at': [0.1, 0.2, 0]}], 'inputs': [{'joint': 'S', 'motion': '0.06*sin(4*t)'}], "
-                      "'forces': [{'link': 'b', 'at': [0, 0, 0], 'fy': '-3*lag(vx(P), 0.1)'}]}");
+                      "'forces': [{'link': 'b', 'at': [0, 0, 0], 'fy': '-3*lag(vx(P), 0.1)'}]}", "text", &in_space);
         run_in_space(t, way[k], &s);
         CHECK_NEAR(s.v, 0.24*cos(4*t), 1e-9, 0);
         CHECK_NEAR(s.z[0], u*part*(cos(4*t) + 4*lag*sin(4*t)) + u*(1 - part)*exp(-t/lag), 1e-8, 0);
@@ -340,16 +312,14 @@ TEST(a_boom_on_oil)
     for (int plane = 0; plane < 2; plane++) {
         const char *const *at = part[plane];
         char text[2000];
-        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'boom', 'elastic': {'section': {'shape': 'box', "
-                 "'width': 0.02, 'height': 0.02, 'wall': 0.002}, 'material': 'steel', 'axis': [%s, %s], %s'segments': 2}}, {'name': 'load', "
-                 "'mass': 40, 'centre': %s, 'inertia': %s}], 'joints': [{'name': 'A', 'kind': 'r', 'links': ['ground', 'boom'], 'at': %s%s}, "
-                 "{'name': 'W', 'kind': 'f', 'links': ['boom', 'load'], 'at': %s}], 'gravity': [0, %s -9.81], 'input': {'joint': 'A'}, "
-                 "'cylinders': [{'name': 'C', 'links': ['ground', 'boom'], 'at': [%s, %s], 'bore': 0.05, 'rod': 0.03, 'retracted': 0.7, "
-                 "'stroke': 0.6, 'dead_volume': 1e-4, 'pressures': [3e5, 2e5], 'valve': '0.3*t', 'flow': 1e-4, 'supply': 1e7, "
-                 "'damping': 2e3}]}", at[0], at[1], plane ? "" : "'height': [0, 0, 1], ", at[1], plane ? "1" : "[1, 1, 1]", at[0],
-                 plane ? "" : ", 'axis': [0, -1, 0]", at[1], plane ? "" : "0,", at[2], at[3]);
-        for (char *c = text; *c; c++)
-            *c = *c == '\'' ? '"' : *c;
+        json_format(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'boom', 'elastic': {'section': {'shape': 'box', "
+                    "'width': 0.02, 'height': 0.02, 'wall': 0.002}, 'material': 'steel', 'axis': [%s, %s], %s'segments': 2}}, {'name': 'load', "
+                    "'mass': 40, 'centre': %s, 'inertia': %s}], 'joints': [{'name': 'A', 'kind': 'r', 'links': ['ground', 'boom'], 'at': %s%s}, "
+                    "{'name': 'W', 'kind': 'f', 'links': ['boom', 'load'], 'at': %s}], 'gravity': [0, %s -9.81], 'input': {'joint': 'A'}, "
+                    "'cylinders': [{'name': 'C', 'links': ['ground', 'boom'], 'at': [%s, %s], 'bore': 0.05, 'rod': 0.03, 'retracted': 0.7, "
+                    "'stroke': 0.6, 'dead_volume': 1e-4, 'pressures': [3e5, 2e5], 'valve': '0.3*t', 'flow': 1e-4, 'supply': 1e7, "
+                    "'damping': 2e3}]}", at[0], at[1], plane ? "" : "'height': [0, 0, 1], ", at[1], plane ? "1" : "[1, 1, 1]", at[0],
+                    plane ? "" : ", 'axis': [0, -1, 0]", at[1], plane ? "" : "0,", at[2], at[3]);
         if (plane) {
             drun_read_text(&d, text);
             run_to(&d, 0.05, LW_FORMULATION_AUTO);
@@ -361,7 +331,7 @@ TEST(a_boom_on_oil)
             lw_model_free(&d.model);
             continue;
         }
-        read_spatial(text, strlen(text), "text", &in_space);
+        read_spatial(text, "text", &in_space);
         for (int k = 0; k < 2; k++)
             run_in_space(0.05, k ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO, &s[k]);
         CHECK_NEAR(s[0].q, s[1].q, 1e-9, 0);
@@ -443,9 +413,7 @@ static void refused(const char *rest, const char *part)
 {
     char text[3000];
     lw_error e = { 0 };
-    snprintf(text, sizeof text, wheel, 1.0, rest);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_format(text, sizeof text, wheel, 1.0, rest);
     CHECK_INT(lw_model_read(text, strlen(text), "text", &d.model, &e), LW_E_NOTATION);
     CHECK_HAS(e.text, part);
     CHECK(e.line > 0 && e.column > 0);

@@ -211,8 +211,7 @@ static double lowest(int n, int mode)
         at += snprintf(text + at, sizeof text - at, "%s{'joint': 'J%d', 'stiffness': %d}", k ? "," : "", k,
                        k ? n : 2*n);
     snprintf(text + at, sizeof text - at, "]}");
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_quotes(text);
     drun_read_text(&d, text);
     CHECK_INT(lw_forces_system(&d.model, false, &s, &e), LW_OK);
     CHECK_INT(lw_forces_make(&d.model, &s, NULL, &f, &e), LW_OK);

@@ -108,10 +108,9 @@ TEST(grazing_passes)
             snprintf(shape, sizeof shape, "{'circle': [0, %.17g], 'radius': 0.003}", depth - length - 0.053);
         snprintf(own, sizeof own, trial%3 < 2 ? contact : "'ropes': [{'name': 'c', 'links': ['ground', 'b'], "
                  "'restitution': %.17g, 'at': [[0, 0.7], [%.17g, %.17g]], 'length': %.17g}]", e, x, y, length + 0.7 - depth);
-        snprintf(text, sizeof text, "{'linkwright': 1, 'links': [{'name': 'ground', 'shapes': [%s]}, {'name': 'b', 'mass': 1, "
-                 "'centre': [%.17g, %.17g], 'inertia': 0.01, 'shapes': [{'circle': [%.17g, %.17g], 'radius': 0.05}]}], "
-                 "'joints': [{'name': 'A', 'links': ['ground', 'b'], 'at': [0, 0]}], %s, "
-                 "'input': {'joint': 'A', 'speed': %.17g}, 'gravity': [0, -9.81]}", shape, x, y, x, y, own,
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': [{'name': 'ground', 'shapes': [%s]}, {'name': 'b', 'mass': 1, 'centre': [%.17g, %.17g], "
+                 "'inertia': 0.01, 'shapes': [{'circle': [%.17g, %.17g], 'radius': 0.05}]}], 'joints': [{'name': 'A', 'links': ['ground', 'b'], 'at': [0, "
+                 "0]}], %s, 'input': {'joint': 'A', 'speed': %.17g}, 'gravity': [0, -9.81]}", shape, x, y, x, y, own,
                  lw_rng_range(&rng, -1, 1));
         drun_read_format(&d, text, 0, 0);
         CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-11, 2, 2), LW_OK);
@@ -670,21 +669,21 @@ static fallen falling_chain(int n, const char *law, double to, lw_formulation fo
 {
     size_t size = 600*(size_t)n + 1000, used = 0;
     char *text = malloc(size);
-    used += (size_t)snprintf(text + used, size - used, "{\"linkwright\": 1, \"gravity\": [0, -9.81], \"links\": [{\"name\": \"ground\", "
-                             "\"shapes\": [{\"line\": [[0, 0], [1, 0]]}]}");
+    used += (size_t)snprintf(text + used, size - used, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', "
+                             "'shapes': [{'line': [[0, 0], [1, 0]]}]}");
     for (int i = 0; i < n; i++) {
         double x = 0.1*i, y0 = 0.2 + 0.05*sin(0.6*i), y1 = 0.2 + 0.05*sin(0.6*(i + 1));
-        used += (size_t)snprintf(text + used, size - used, ", {\"name\": \"l%d\", \"mass\": 0.1, \"centre\": [%.9g, %.9g], "
-                                 "\"inertia\": 1e-4, \"shapes\": [{\"segment\": [[%.9g, %.9g], [%.9g, %.9g]], \"radius\": 0.005}]}",
+        used += (size_t)snprintf(text + used, size - used, ", {'name': 'l%d', 'mass': 0.1, 'centre': [%.9g, %.9g], "
+                                 "'inertia': 1e-4, 'shapes': [{'segment': [[%.9g, %.9g], [%.9g, %.9g]], 'radius': 0.005}]}",
                                  i, x + 0.05, 0.5*(y0 + y1), x, y0, x + 0.1, y1);
     }
-    used += (size_t)snprintf(text + used, size - used, "], \"joints\": [{\"name\": \"F\", \"kind\": \"n\", \"links\": [\"ground\", \"l0\"]}");
+    used += (size_t)snprintf(text + used, size - used, "], 'joints': [{'name': 'F', 'kind': 'n', 'links': ['ground', 'l0']}");
     for (int i = 1; i < n; i++)
-        used += (size_t)snprintf(text + used, size - used, ", {\"name\": \"j%d\", \"links\": [\"l%d\", \"l%d\"], \"at\": [%.9g, %.9g]}",
+        used += (size_t)snprintf(text + used, size - used, ", {'name': 'j%d', 'links': ['l%d', 'l%d'], 'at': [%.9g, %.9g]}",
                                  i, i - 1, i, 0.1*i, 0.2 + 0.05*sin(0.6*i));
-    used += (size_t)snprintf(text + used, size - used, "], \"contacts\": [");
+    used += (size_t)snprintf(text + used, size - used, "], 'contacts': [");
     for (int i = 0; i < n; i++)
-        used += (size_t)snprintf(text + used, size - used, "%s{\"name\": \"c%d\", \"links\": [\"ground\", \"l%d\"], %s}", i ? ", " : "",
+        used += (size_t)snprintf(text + used, size - used, "%s{'name': 'c%d', 'links': ['ground', 'l%d'], %s}", i ? ", " : "",
                                  i, i, law);
     snprintf(text + used, size - used, "]}");
     lw_model m;
@@ -697,7 +696,7 @@ static fallen falling_chain(int n, const char *law, double to, lw_formulation fo
     o.to = to;
     o.intervals = 4;
     fallen f = { .d = NULL };
-    CHECK_INT(lw_model_read(text, strlen(text), "text", &m, &e), LW_OK);
+    CHECK_INT(lw_model_read(json_quotes(text), strlen(text), "text", &m, &e), LW_OK);
     CHECK_INT(lw_dynamics_make(&m, &o, &run, &e), LW_OK);
     f.d = run;
     CHECK_INT(lw_dynamics_run(run, keep_fallen, &f, &r, &e), LW_OK);
@@ -853,8 +852,7 @@ TEST(random_scenes)
                                          i + j >= 0 ? ", " : "", other, i, mu, e);
             }
         snprintf(text + used, sizeof text - used, "]}");
-        for (char *c = text; *c; c++)
-            *c = *c == '\'' ? '"' : *c;
+        json_quotes(text);
         drun_read_text(&d, text);
         complete += drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1, 20) == LW_OK;
         CHECK(d.status == LW_OK || d.e.text[0]);
@@ -890,8 +888,8 @@ TEST(refused)
 
 TEST(falling_chains)
 {
-    const char *rigid = "\"friction\": 0.5";
-    falling_chain(60, "\"friction\": 0.5, \"friction_speed\": 0.02, \"stiffness\": 3000, \"damping\": 1", 0.25, LW_FORMULATION_AUTO,
+    const char *rigid = "'friction': 0.5";
+    falling_chain(60, "'friction': 0.5, 'friction_speed': 0.02, 'stiffness': 3000, 'damping': 1", 0.25, LW_FORMULATION_AUTO,
                   1e-6, 1e-5);
     /* captured contacts come near the located ones, the nearer the smaller the tolerance */
     fallen exact = falling_chain(8, rigid, 0.5, LW_FORMULATION_AUTO, 1e-6, 1e-5);
@@ -909,10 +907,9 @@ TEST(falling_chains)
 /* A ball that flies free, with nothing near it, falls as Galileo says; captured, it has no rows to solve for. */
 TEST(captured_far_from_contact)
 {
-    drun_read_text(&d, "{\"linkwright\": 1, \"gravity\": [0, -9.81], \"links\": [{\"name\": \"ground\", \"shapes\": [{\"line\": [[0, 0], [1, 0]]}]}, "
-        "{\"name\": \"ball\", \"mass\": 2, \"centre\": [0.5, 9], \"inertia\": 0.03, \"shapes\": [{\"circle\": [0.5, 9], \"radius\": 0.2}]}], "
-        "\"joints\": [{\"name\": \"F\", \"kind\": \"n\", \"links\": [\"ground\", \"ball\"]}], "
-        "\"contacts\": [{\"name\": \"floor\", \"links\": [\"ground\", \"ball\"]}]}");
+    drun_read_text(&d, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [{'line': [[0, 0], [1, 0]]}]}, {'name': 'ball', "
+        "'mass': 2, 'centre': [0.5, 9], 'inertia': 0.03, 'shapes': [{'circle': [0.5, 9], 'radius': 0.2}]}], 'joints': [{'name': 'F', 'kind': 'n', "
+        "'links': ['ground', 'ball']}], 'contacts': [{'name': 'floor', 'links': ['ground', 'ball']}]}");
     double start = 0;
     for (int k = 0; k < 2; k++) {
         CHECK_INT(drun_to(&d, LW_FORMULATION_CAPTURE, 1e-8, k ? 1 : 1e-6, 4), LW_OK);
@@ -935,9 +932,7 @@ TEST(captured_with_states_and_compliance)
     for (int compliant = 0; compliant < 2; compliant++) {
         char text[3000];
         double want[6], off[2];
-        snprintf(text, sizeof text, format, compliant ? ", 'stiffness': 2000, 'damping': 0.3" : "");
-        for (char *c = text; *c; c++)
-            *c = *c == '\'' ? '"' : *c;
+        json_format(text, sizeof text, format, compliant ? ", 'stiffness': 2000, 'damping': 0.3" : "");
         drun_read_text(&d, text);
         CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 0.7, 10), LW_OK);
         CHECK(d.report.n_event > 0 || compliant);
@@ -1011,10 +1006,9 @@ TEST(loads_that_jump_lift_what_rests)
                          "'forces': [{'link': 'cart', 'at': [0, 0], 'fy': '-1 + 3*max(0, sign(t - 0.5)*sign(1 - t))'}], 'tracers': [{'name':"
                          "'P', 'link': 'cart', 'at': [0, 0]}]}"
                          : "{'linkwright': 1, 'links': [{'name': 'ground', 'shapes': [" FLOOR "]}, {'name': 'puck', 'mass': 2, 'centre': [0, 0.2],"
-                         "'inertia': 1, 'shapes': [{'circle': [0, 0.2], 'radius': 0.2}]}], 'joints': [{'name': 'F', 'kind': 'n', 'links': ["
-                         "'ground', 'puck']}], 'contacts': [{'links': ['ground', 'puck'], 'restitution': 0}], 'gravity': [0, -1], 'forces': ["
-                         "{'link': 'puck', 'at': [0, 0.2], 'fy': '6*max(0, sign(t - 0.5)*sign(1 - t))'}], 'tracers': [{'name': 'P', 'link':"
-                         "'puck', 'at': [0, 0]}]}", 0, 0);
+                         "'inertia': 1, 'shapes': [{'circle': [0, 0.2], 'radius': 0.2}]}], 'joints': [{'name': 'F', 'kind': 'n', 'links': ['ground', "
+                         "'puck']}], 'contacts': [{'links': ['ground', 'puck'], 'restitution': 0}], 'gravity': [0, -1], 'forces': [{'link': 'puck', 'at': "
+                         "[0, 0.2], 'fy': '6*max(0, sign(t - 0.5)*sign(1 - t))'}], 'tracers': [{'name': 'P', 'link':'puck', 'at': [0, 0]}]}", 0, 0);
         CHECK_INT(drun_to(&d, each[f%3], 1e-9, 4, 16), LW_OK);
         double fall = f < 3 ? 0.5 : 1, up = a/2, high = a/8, end = 1 + (up + sqrt(up*up + 2*fall*high))/fall;
         for (int k = 0; k < d.n_moment; k++) {

@@ -2,7 +2,6 @@
  *
  * Exact values: Timoshenko's and Euler's beams, the elastica, the turning cantilever (Wright et al. 1982), the spin-up arm
  * (Simo & Vu-Quoc 1986). */
-#include <stdarg.h>
 #include "base/rng.h"
 #include "base/vec2.h"
 #include "cli/bench/flexible_crank.h"
@@ -11,13 +10,11 @@
 #include "mbs/dynamics/statics.h"
 #include "mbs/elastic/beam.h"
 #include "mbs/elastic/expand.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 
 /* ---- models from text ---------------------------------------------------------------------------------- */
 
 typedef struct scene { lw_model m; lw_dynamics_options o; lw_dynamics *d; lw_error e; double *q; } scene;
-
-static void text_of(char *text) { for (; *text; text++) *text = *text == '\'' ? '"' : *text; }
 
 static lw_status read_scene(scene *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static lw_status read_scene(scene *s, const char *format, ...)
@@ -27,7 +24,7 @@ static lw_status read_scene(scene *s, const char *format, ...)
     va_start(arg, format);
     vsnprintf(text, sizeof text, format, arg);
     va_end(arg);
-    text_of(text);
+    json_quotes(text);
     *s = (scene){ .o = lw_dynamics_options_default() };
     return lw_model_read(text, strlen(text), "test", &s->m, &s->e);
 }
@@ -296,9 +293,8 @@ TEST(multiple)
     double f[4];
     scene s;
     CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'elastic': {'section': " SQUARE ", 'material': 'steel', "
-                         "'segments': 8}}, {'name': 'b', 'elastic': {'section': " SQUARE ", 'material': 'steel', 'segments': 8}}],"
-                         "'joints': [{'name': 'A', 'kind': 'f', 'links': ['ground', 'a'], 'at': [0, 0]}, "
-                         "{'name': 'B', 'kind': 'f', 'links': ['ground', 'b'], 'at': [0, 1]}],"
+                         "'segments': 8}}, {'name': 'b', 'elastic': {'section': " SQUARE ", 'material': 'steel', 'segments': 8}}],'joints': [{'name': "
+                         "'A', 'kind': 'f', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'kind': 'f', 'links': ['ground', 'b'], 'at': [0, 1]}],"
                          "'tracers': [{'name': 'P', 'link': 'a', 'at': [2, 0]}, {'name': 'Q', 'link': 'b', 'at': [2, 1]}]}"), LW_OK);
     frequencies(&s, 4, false, f);
     close_scene(&s);
@@ -539,11 +535,10 @@ TEST(inner_forces_and_frame)
     close_scene(&s);
     /* an L of two bars, load across the free end: the corner turns by F b a/EI */
     double f = 100, a = 1, b = 0.5;
-    CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'L', 'elastic': {'section': " SQUARE ", 'material': 'steel', "
-                         "'segments': 12, 'axis': [[0, 0], [1, 0], [1, 0.5]]}}], 'joints': [{'name': 'A', 'kind': 'f', "
-                         "'links': ['ground', 'L'], 'at': [0, 0]}], 'tracers': [{'name': 'P', 'link': 'L', 'at': [1, 0.5]}, "
-                         "{'name': 'beside', 'link': 'L', 'at': [0.5, 0.2]}], "
-                         "'forces': [{'link': 'L', 'at': [1, 0.5], 'fx': 100}]}"), LW_OK);
+    CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'L', 'elastic': {'section': " SQUARE ", 'material': 'steel', 'segments': 12, "
+                         "'axis': [[0, 0], [1, 0], [1, 0.5]]}}], 'joints': [{'name': 'A', 'kind': 'f', 'links': ['ground', 'L'], 'at': [0, 0]}], "
+                         "'tracers': [{'name': 'P', 'link': 'L', 'at': [1, 0.5]}, {'name': 'beside', 'link': 'L', 'at': [0.5, 0.2]}], 'forces': [{'link': "
+                         "'L', 'at': [1, 0.5], 'fx': 100}]}"), LW_OK);
     CHECK_INT(open_scene(&s, LW_ANALYSIS_STATIC), LW_OK);
     CHECK_INT(lw_statics_rest(s.d, 0, s.q, &r, &s.e), LW_OK);
     lw_model stiff;
@@ -647,10 +642,9 @@ TEST(turning)
             }
             scene s;
             double got[2];
-            CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'elastic': {'section': {'shape': 'general', "
-                                 "'area': 1, 'Iz': 1e-8, 'zeta': 0}, 'material': {'E': 1e8, 'G': 1e8, 'density': 1}, 'segments': %d}}], "
-                                 "'joints': [{'name': 'A', 'kind': 'f', 'links': ['ground', 'b'], 'at': [0, 0]}], "
-                                 "'tracers': [%s], 'forces': [%s]}", n, tracers, forces), LW_OK);
+            CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'elastic': {'section': {'shape': 'general', 'area': 1, 'Iz': "
+                                 "1e-8, 'zeta': 0}, 'material': {'E': 1e8, 'G': 1e8, 'density': 1}, 'segments': %d}}], 'joints': [{'name': 'A', 'kind': "
+                                 "'f', 'links': ['ground', 'b'], 'at': [0, 0]}], 'tracers': [%s], 'forces': [%s]}", n, tracers, forces), LW_OK);
             frequencies(&s, 2, true, got);
             close_scene(&s);
             for (int i = 0; i < 2; i++)
@@ -692,12 +686,11 @@ TEST(spin_up)
     for (int k = 0; k < 2; k++) {
         scene s;
         lw_dynamics_report report;
-        CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'elastic': {'section': {'shape': 'general', "
-                             "'area': 1.2e-4, 'Iz': 6e-8, 'zeta': 1}, 'material': {'E': 2.3333333333333333e11, 'G': 8.3333333333333333e10, "
-                             "'density': 1e4}, 'segments': %d, 'damping': 1e-4}}], "
-                             "'joints': [{'name': 'A', 'links': ['ground', 'arm'], 'at': [0, 0]}], "
-                             "'input': {'joint': 'A', 'motion': '2/5*(t^2/2 + (15/(2*pi))^2*(cos(2*pi*t/15) - 1))'}, "
-                             "'tracers': [{'name': 'P', 'link': 'arm', 'at': [10, 0]}]}", 16 << k), LW_OK);
+        CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'elastic': {'section': {'shape': 'general', 'area': 1.2e-4, 'Iz': "
+                             "6e-8, 'zeta': 1}, 'material': {'E': 2.3333333333333333e11, 'G': 8.3333333333333333e10, 'density': 1e4}, 'segments': %d, "
+                             "'damping': 1e-4}}], 'joints': [{'name': 'A', 'links': ['ground', 'arm'], 'at': [0, 0]}], 'input': {'joint': 'A', 'motion': "
+                             "'2/5*(t^2/2 + (15/(2*pi))^2*(cos(2*pi*t/15) - 1))'}, 'tracers': [{'name': 'P', 'link': 'arm', 'at': [10, "
+                             "0]}]}", 16 << k), LW_OK);
         CHECK_INT(run(&s, 1e-5, 15, 30, &spun[k], &report), LW_OK);
         CHECK_INT(report.formulation, LW_FORMULATION_RADAU);
         CHECK_INT(spun[k].n, 31);

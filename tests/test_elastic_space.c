@@ -1,12 +1,11 @@
 /* tests/test_elastic_space.c - elastic links in space: vibrations of bars, the planar model turned into space, large deflections,
  * spins, a DELTA robot. */
-#include <stdarg.h>
 #include "base/rng.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/modes.h"
 #include "mbs/dynamics/statics.h"
 #include "mbs/elastic/expand_space.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 #include "tests/spatial_models.h"
 #include "tests/temporary.h"
 
@@ -43,8 +42,7 @@ static lw_status read_text(lw_spatial *m, lw_error *e, const char *format, ...)
     va_start(arg, format);
     vsnprintf(text, sizeof text, format, arg);
     va_end(arg);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_quotes(text);
     *e = (lw_error){ 0 };
     return lw_spatial_read(text, strlen(text), "test", m, e);
 }
@@ -192,8 +190,7 @@ TEST(as_in_the_plane)
     lw_rng_seed(&rng, check_seed(), 1);
     o.intervals = 20;
     o.relative = o.absolute = 1e-8;
-    for (char *c = planar; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_quotes(planar);
     CHECK_INT(lw_model_read(planar, strlen(planar), "test", &f, &e), LW_OK);
     CHECK_INT(lw_dynamics_make(&f, &o, &flat.d, &e), LW_OK);
     CHECK_INT(lw_dynamics_run(flat.d, keep_flat, &flat, &report, &e), LW_OK);
@@ -288,10 +285,9 @@ TEST(princeton)
 TEST(generalised_alpha)
 {
     static const char text[] = "{'linkwright': 1, 'gravity': [0, 0, -9.81], 'links': ['ground', {'name': 'a', 'elastic': " SOFT "}, {'name': 'b', "
-                               "'elastic': " SOFT "}, {'name': 'c', 'elastic': " SOFT "}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], "
-                               "'at': [0, 0, 0], 'axis': [0, 1, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [1, 0, 0], 'axis': [0, 1, 1]}, "
-                               "{'name': 'C', 'links': ['b', 'c'], 'at': [2, 0, 0], 'axis': [0, 1, 0]}], 'tracers': [{'name': 'P', 'link': "
-                               "'c', 'at': [3, 0, 0]}]}";
+                               "'elastic': " SOFT "}, {'name': 'c', 'elastic': " SOFT "}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, "
+                               "0, 0], 'axis': [0, 1, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [1, 0, 0], 'axis': [0, 1, 1]}, {'name': 'C', 'links': "
+                               "['b', 'c'], 'at': [2, 0, 0], 'axis': [0, 1, 0]}], 'tracers': [{'name': 'P', 'link': 'c', 'at': [3, 0, 0]}]}";
     static record exact, r;
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_spatial m;
@@ -329,10 +325,9 @@ TEST(tumbles)
     o.formulation = LW_FORMULATION_INDEX1;
     CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'hub', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [0.02, 0.03, "
                         "0.04], 'angular_velocity': [0.6, 0, 6.283185307179586], 'velocity': [0.1, 0, -0.2]}, {'name': 'bar', 'elastic': "
-                        "{'section': " SQUARE ", 'material': {'E': 2e6, 'nu': 0.3, 'density': 1000}, 'segments': 2}}], 'joints': [{'name': "
-                        "'F', 'kind': 'free', 'links': ['ground', 'hub'], 'at': [0, 0, 0]}, {'name': 'W', 'kind': 'fixed', 'links': ['hub', "
-                        "'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [0.5, 0, 0]}, {'name': 'Q', 'link': 'bar', "
-                        "'at': [-0.5, 0, 0]}]}"), LW_OK);
+                        "{'section': " SQUARE ", 'material': {'E': 2e6, 'nu': 0.3, 'density': 1000}, 'segments': 2}}], 'joints': [{'name': 'F', 'kind': "
+                        "'free', 'links': ['ground', 'hub'], 'at': [0, 0, 0]}, {'name': 'W', 'kind': 'fixed', 'links': ['hub', 'bar'], 'at': [0, 0, 0]}], "
+                        "'tracers': [{'name': 'P', 'link': 'bar', 'at': [0.5, 0, 0]}, {'name': 'Q', 'link': 'bar', 'at': [-0.5, 0, 0]}]}"), LW_OK);
     run(&m, o, &r);
     CHECK_INT(r.n, 101);
     double most = 0;
@@ -408,10 +403,9 @@ TEST(rigid)
 {
     lw_spatial m, rigid;
     lw_error e;
-    CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'frame', 'elastic': {'section': {'shape': 'rectangle', "
-                        "'height': 0.06, 'width': 0.02}, 'height': [0, 1, 0], 'material': {'E': 1e9, 'nu': 0.3, 'density': 1000}, 'segments': 3, "
-                        "'axis': [[0, 0, 0], [2, 0, 0], [2, 0, 1]]}}], 'joints': [{'name': 'A', 'kind': 'spherical', 'links': ['ground', "
-                        "'frame'], 'at': [0, 0, 0]}]}"), LW_OK);
+    CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'frame', 'elastic': {'section': {'shape': 'rectangle', 'height': 0.06, "
+                        "'width': 0.02}, 'height': [0, 1, 0], 'material': {'E': 1e9, 'nu': 0.3, 'density': 1000}, 'segments': 3, 'axis': [[0, 0, 0], [2, "
+                        "0, 0], [2, 0, 1]]}}], 'joints': [{'name': 'A', 'kind': 'spherical', 'links': ['ground', 'frame'], 'at': [0, 0, 0]}]}"), LW_OK);
     CHECK_INT(lw_spatial_rigid(&m, &rigid, &e), LW_OK);
     const lw_spatial_body *b = &rigid.body[1];
     CHECK_NEAR(b->mass, 3.6, 1e-12, 0);

@@ -22,47 +22,38 @@ static lw_bytes export(const lw_spatial *m, const char *format)
 
 /* Every kind of joint closes a loop once; and springs, dampers, forces and motors. */
 static const char *const closing[] = {
-    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': "
-    "[{'name': 'E', 'kind': 'planar', 'links': ['a', 'ground'], 'at': [0, 0, 0], 'axis': [0, 0, 1]},{'name': 'C', "
-    "'kind': 'cylindrical', 'links': ['ground', 'a'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0]}], 'gravity': [1, -2, "
-    "-9.81],'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0.5, 0]}]",
-    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': "
-    "[{'name': 'C', 'kind': 'cylindrical', 'links': ['ground', 'a'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0]},{'name': "
-    "'E', 'kind': 'planar', 'links': ['a', 'ground'], 'at': [0, 0, 0], 'axis': [0, 0, 1]}], 'gravity': [1, -2, "
-    "-9.81],'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0.5, 0]}],'springs': [{'name': 'k', 'links': ['ground', "
+    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': [{'name': 'E', 'kind': 'planar', "
+    "'links': ['a', 'ground'], 'at': [0, 0, 0], 'axis': [0, 0, 1]},{'name': 'C', 'kind': 'cylindrical', 'links': ['ground', 'a'], 'at': [0, 0.5, 0], "
+    "'axis': [1, 0, 0]}], 'gravity': [1, -2, -9.81],'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0.5, 0]}]",
+    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': [{'name': 'C', 'kind': 'cylindrical', "
+    "'links': ['ground', 'a'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0]},{'name': 'E', 'kind': 'planar', 'links': ['a', 'ground'], 'at': [0, 0, 0], 'axis': "
+    "[0, 0, 1]}], 'gravity': [1, -2, -9.81],'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0.5, 0]}],'springs': [{'name': 'k', 'links': ['ground', "
     "'a'], 'at': [[2, 1, 0.5], [1, 0, 0]], 'stiffness': 30, 'damping': 1, 'free': 0.9}]",
-    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0.2, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': ["
-    "{'name': 'C', 'kind': 'cylindrical', 'links': ['a', 'ground'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0]},"
-    "{'name': 'H', 'kind': 'screw', 'links': ['ground', 'a'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0], 'lead': 0.3}],"
-    "'gravity': [5, 0, -9.81], 'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0, 0]}], 'forces': [{'name': 'wind', 'link': 'a', "
-    "'along': [[0, 0.5, 0], [0.6, 0.7, 0.1]], 'fx': [1, 4], 'fz': 2}]",
-    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0.2, 0], 'inertia': [0.1, 0.2, 0.2]},{'name': 'b', "
-    "'mass': 1, 'centre': [0.3, 0.9, 0], 'inertia': [0.1, 0.1, 0.1]},{'name': 'c', 'mass': 1, 'centre': [0, 0, 0], "
-    "'inertia': [0.1, 0.1, 0.1]},{'name': 'd', 'mass': 1, 'centre': [0, 0, 1], 'inertia': [0.1, 0.1, 0.1], 'velocity': "
-    "[0, 0, 2]}], 'joints': [{'name': 'H', 'kind': 'screw', 'links': ['a', 'ground'], 'at': [0, 0.5, 0], 'axis': [1, "
-    "0, 0], 'lead': 0.3},{'name': 'W', 'kind': 'fixed', 'links': ['a', 'b'], 'at': [0, 0.5, 0]},{'name': 'V', 'kind': "
-    "'fixed', 'links': ['b', 'a'], 'at': [0, 0.7, 0]},{'name': 'T', 'kind': 'prismatic', 'links': ['ground', 'c'], "
-    "'at': [0, 0, 0], 'axis': [1, 0, 0]},{'name': 'F', 'kind': 'free', 'links': ['ground', 'd'], 'at': [0, 0, "
-    "1]},{'name': 'U', 'kind': 'prismatic', 'links': ['c', 'd'], 'at': [0.1, 0, 1], 'axis': [0, 0, 1]}], 'gravity': "
-    "[5, 0, -9.81],'forces': [{'name': 'f', 'link': 'c', 'at': [0, 0, 0.1], 'fx': 3, 'tz': 1}], 'tracers': [{'name': "
-    "'P', 'link': 'b', 'at': [1, 0, 0]},{'name': 'Q', 'link': 'd', 'at': [0, 0, 1]}]",
-    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [0.1, 0.2, 0.2]},{'name': 'b', "
-    "'mass': 2, 'centre': [0, 0, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': [{'name': 'A', 'kind': 'revolute', "
-    "'links': ['ground', 'a'], 'at': [-1, 0, 0], 'axis': [1, 0, 0], 'stop': {'least': -1000}},{'name': 'B', 'kind': "
-    "'revolute', 'links': ['ground', 'b'], 'at': [0.8, 0.6, 0], 'axis': [0.8, 0.6, 0]},{'name': 'K', 'kind': "
-    "'universal', 'links': ['a', 'b'], 'at': [0, 0, 0], 'axis': [0, 0, 1], 'second_axis': [-0.6, 0.8, 0]}],'input': "
-    "{'joint': 'A', 'speed': 3}, 'motors': [{'name': 'm', 'joint': 'A', 'stall': 0.4, 'free_speed': 20}],'dampers': "
-    "[{'joint': 'A', 'damping': 0.05}], 'tracers': [{'name': 'P', 'link': 'b', 'at': [0, 0, 1]},{'name': 'Q', 'link': "
-    "'a', 'at': [0, 0, 1]}]",
+    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0.2, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': [{'name': 'C', 'kind': 'cylindrical', "
+    "'links': ['a', 'ground'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0]},{'name': 'H', 'kind': 'screw', 'links': ['ground', 'a'], 'at': [0, 0.5, 0], 'axis': "
+    "[1, 0, 0], 'lead': 0.3}],'gravity': [5, 0, -9.81], 'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0, 0]}], 'forces': [{'name': 'wind', 'link': "
+    "'a', 'along': [[0, 0.5, 0], [0.6, 0.7, 0.1]], 'fx': [1, 4], 'fz': 2}]",
+    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0.2, 0], 'inertia': [0.1, 0.2, 0.2]},{'name': 'b', 'mass': 1, 'centre': [0.3, 0.9, 0], "
+    "'inertia': [0.1, 0.1, 0.1]},{'name': 'c', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [0.1, 0.1, 0.1]},{'name': 'd', 'mass': 1, 'centre': [0, 0, 1], "
+    "'inertia': [0.1, 0.1, 0.1], 'velocity': [0, 0, 2]}], 'joints': [{'name': 'H', 'kind': 'screw', 'links': ['a', 'ground'], 'at': [0, 0.5, 0], 'axis': "
+    "[1, 0, 0], 'lead': 0.3},{'name': 'W', 'kind': 'fixed', 'links': ['a', 'b'], 'at': [0, 0.5, 0]},{'name': 'V', 'kind': 'fixed', 'links': ['b', 'a'], "
+    "'at': [0, 0.7, 0]},{'name': 'T', 'kind': 'prismatic', 'links': ['ground', 'c'], 'at': [0, 0, 0], 'axis': [1, 0, 0]},{'name': 'F', 'kind': 'free', "
+    "'links': ['ground', 'd'], 'at': [0, 0, 1]},{'name': 'U', 'kind': 'prismatic', 'links': ['c', 'd'], 'at': [0.1, 0, 1], 'axis': [0, 0, 1]}], "
+    "'gravity': [5, 0, -9.81],'forces': [{'name': 'f', 'link': 'c', 'at': [0, 0, 0.1], 'fx': 3, 'tz': 1}], 'tracers': [{'name': 'P', 'link': 'b', 'at': "
+    "[1, 0, 0]},{'name': 'Q', 'link': 'd', 'at': [0, 0, 1]}]",
+    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [0.1, 0.2, 0.2]},{'name': 'b', 'mass': 2, 'centre': [0, 0, 0], "
+    "'inertia': [0.1, 0.2, 0.2]}], 'joints': [{'name': 'A', 'kind': 'revolute', 'links': ['ground', 'a'], 'at': [-1, 0, 0], 'axis': [1, 0, 0], 'stop': "
+    "{'least': -1000}},{'name': 'B', 'kind': 'revolute', 'links': ['ground', 'b'], 'at': [0.8, 0.6, 0], 'axis': [0.8, 0.6, 0]},{'name': 'K', 'kind': "
+    "'universal', 'links': ['a', 'b'], 'at': [0, 0, 0], 'axis': [0, 0, 1], 'second_axis': [-0.6, 0.8, 0]}],'input': {'joint': 'A', 'speed': 3}, 'motors': "
+    "[{'name': 'm', 'joint': 'A', 'stall': 0.4, 'free_speed': 20}],'dampers': [{'joint': 'A', 'damping': 0.05}], 'tracers': [{'name': 'P', 'link': 'b', "
+    "'at': [0, 0, 1]},{'name': 'Q', 'link': 'a', 'at': [0, 0, 1]}]",
 };
 
 static void read_closing(size_t i, lw_spatial *m)
 {
     char text[4000];
-    snprintf(text, sizeof text, "{'linkwright': 1, %s}", closing[i]);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
-    read_spatial(text, strlen(text), "closing", m);
+    json_format(text, sizeof text, "{'linkwright': 1, %s}", closing[i]);
+    read_spatial(text, "closing", m);
 }
 
 #define SAMPLES 2000
@@ -277,15 +268,14 @@ TEST(datasets_of_adams_say_the_same)
  * root to the tip.  The tip moves as closed forms say under a force along each axis of the section and under a torque. */
 TEST(beams_of_adams_bend_alike)
 {
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"bar\", \"elastic\": {\"section\": {\"shape\": \"box\", "
-        "\"width\": 0.03, \"height\": 0.05, \"wall\": 0.002}, \"material\": \"steel\", \"axis\": [[0, 0, 0], [0.3, 0.6, 0.6]], \"height\": "
-        "[0.2, -0.7, 0.6], \"segments\": 5, \"damping\": 3e-5}}, {\"name\": \"load\", \"mass\": 2, \"centre\": [0.3, 0.6, 0.6], "
-        "\"inertia\": [0.01, 0.01, 0.01]}], \"joints\": [{\"name\": \"A\", \"kind\": \"fixed\", \"links\": [\"ground\", \"bar\"], \"at\": "
-        "[0, 0, 0]}, {\"name\": \"W\", \"kind\": \"fixed\", \"links\": [\"bar\", \"load\"], \"at\": [0.3, 0.6, 0.6]}]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'box', 'width': 0.03, 'height': "
+        "0.05, 'wall': 0.002}, 'material': 'steel', 'axis': [[0, 0, 0], [0.3, 0.6, 0.6]], 'height': [0.2, -0.7, 0.6], 'segments': 5, 'damping': 3e-5}}, "
+        "{'name': 'load', 'mass': 2, 'centre': [0.3, 0.6, 0.6], 'inertia': [0.01, 0.01, 0.01]}], 'joints': [{'name': 'A', 'kind': 'fixed', 'links': "
+        "['ground', 'bar'], 'at': [0, 0, 0]}, {'name': 'W', 'kind': 'fixed', 'links': ['bar', 'load'], 'at': [0.3, 0.6, 0.6]}]}";
     const double length = 0.9;
     const lw_vec3 tip = lw_v3(0.3, 0.6, 0.6);
     lw_spatial m;
-    read_spatial(text, strlen(text), "bar", &m);
+    read_spatial(text, "bar", &m);
     const lw_section *q = &m.elastic[1].section;
     const lw_material *p = &m.elastic[1].material;
     lw_bytes b = export(&m, "adams");
@@ -364,12 +354,12 @@ static size_t bytes_of_chain(int n)
 {
     size_t room = 200 + 200*(size_t)n, used = 0;
     char *text = malloc(room);
-    used += (size_t)snprintf(text, room, "{\"linkwright\": 1, \"joints\": [");
+    used += (size_t)snprintf(text, room, "{'linkwright': 1, 'joints': [");
     for (int i = n; i > 0; i--)
-        used += (size_t)snprintf(text + used, room - used, "{\"name\": \"J%04d\", \"links\": [\"b%04d\", \"b%04d\"], \"at\": [%d, 0, 0], "
-                                 "\"axis\": [0, 0, 1]}%s", i, i - 1, i, 1000 + i, i > 1 ? ", " : "], \"ground\": \"b0000\"}");
+        used += (size_t)snprintf(text + used, room - used, "{'name': 'J%04d', 'links': ['b%04d', 'b%04d'], 'at': [%d, 0, 0], "
+                                 "'axis': [0, 0, 1]}%s", i, i - 1, i, 1000 + i, i > 1 ? ", " : "], 'ground': 'b0000'}");
     lw_spatial m;
-    read_spatial(text, used, "chain", &m);
+    read_spatial(text, "chain", &m);
     lw_bytes b = export(&m, "mjcf");
     size_t size = b.size, bodies = 0;
     for (const char *at = b.data; (at = strstr(at, "<body ")); at++)

@@ -9,35 +9,22 @@ static lw_forces forces;
 
 /* A slider, a crank on it, a link on a pin, a slot: every load between them, random numbers. */
 static const char format[] =
-    "{'linkwright': 1, 'units': {'length': 'm', 'angle': 'rad'}, 'links': ['ground',"
-    "{'name': 'cart', 'mass': %g, 'centre': [0.2, 0.1],"
-    " 'inertia': 0.3},"
-    "{'name': 'arm', 'mass': 1.5, 'centre': [1, %g], 'inertia': 0.2},"
-    "{'name': 'bob', 'mass': 0.7, 'centre': [2, 0.4]}],"
-    "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'cart'], 'at': [0, 0], 'along': [0.8, 0.6]%s},"
-    "{'name': 'A', 'links': ['cart', 'arm'], 'at': [0.5, 0.2]%s},"
-    "{'name': 'B', 'kind': 't', 'links': ['arm', 'bob'], 'at': [1.7, 0.3], 'along': [0.6, -0.8]}],"
-    "'gravity': [0.4, -9.81],"
-    "'springs': [{'links': ['ground', 'bob'], 'at': [[-0.3, 1], [2.1, 0.6]], 'stiffness': 70, 'free': 0.8%s},"
-    "{'links': ['cart', 'bob'], 'at': [[0.1, 0.3], [1.9, 0]], 'stiffness': 30},"
-    "{'joint': 'A', 'stiffness': 12, 'free': 0.3},"
-    "{'joint': 'B', 'stiffness': 40}%s], %s"
-    "'tracers': [{'name': 'P', 'link': 'bob', 'at': [2.4, 0.1]}, {'name': 'Q', 'link': 'arm', 'at': [0.9, 0.8]}]}";
+    "{'linkwright': 1, 'units': {'length': 'm', 'angle': 'rad'}, 'links': ['ground',{'name': 'cart', 'mass': %g, 'centre': [0.2, 0.1], 'inertia': 0.3},"
+    "{'name': 'arm', 'mass': 1.5, 'centre': [1, %g], 'inertia': 0.2},{'name': 'bob', 'mass': 0.7, 'centre': [2, 0.4]}],'joints': [{'name': 'S', 'kind': "
+    "'t', 'links': ['ground', 'cart'], 'at': [0, 0], 'along': [0.8, 0.6]%s},{'name': 'A', 'links': ['cart', 'arm'], 'at': [0.5, 0.2]%s},{'name': 'B', "
+    "'kind': 't', 'links': ['arm', 'bob'], 'at': [1.7, 0.3], 'along': [0.6, -0.8]}],'gravity': [0.4, -9.81],'springs': [{'links': ['ground', 'bob'], "
+    "'at': [[-0.3, 1], [2.1, 0.6]], 'stiffness': 70, 'free': 0.8%s},{'links': ['cart', 'bob'], 'at': [[0.1, 0.3], [1.9, 0]], 'stiffness': 30},{'joint': "
+    "'A', 'stiffness': 12, 'free': 0.3},{'joint': 'B', 'stiffness': 40}%s], %s'tracers': [{'name': 'P', 'link': 'bob', 'at': [2.4, 0.1]}, {'name': 'Q', "
+    "'link': 'arm', 'at': [0.9, 0.8]}]}";
 
 static const char laws[] =
-    ", {'links': ['arm', 'ground'], 'at': [[1.1, 0.4], [0, -2]],"
-    "'law': '30*(length - 1)^3 + 2*rate + rate*length + t'},"
-    "{'joint': 'B', 'law': '-5*displacement^3 - rate*abs(rate) + sin(t)'},"
-    "{'joint': 'S', 'law': '-3*rate*displacement^2'}";
+    ", {'links': ['arm', 'ground'], 'at': [[1.1, 0.4], [0, -2]],'law': '30*(length - 1)^3 + 2*rate + rate*length + t'},{'joint': 'B', 'law': "
+    "'-5*displacement^3 - rate*abs(rate) + sin(t)'},{'joint': 'S', 'law': '-3*rate*displacement^2'}";
 static const char more[] =
-    "'dampers': [{'links': ['cart', 'arm'], 'at': [[-1, 0.2], [1.6, 0.4]], 'damping': 4},"
-    "{'joint': 'S', 'damping': 2.5}],"
-    "'motors': [{'joint': 'A', 'stall': 6, 'free_speed': 9}, {'joint': 'S', 'stall': -6, 'free_speed': -3}],"
-    "'forces': [{'link': 'bob', 'at': [2.2, 0.3], 'frame': 'link', 'fx': '3*sin(2*t) - x(P)*vy(Q)',"
-    "'fy': 'q(A)*v(B)'},"
-    "{'link': 'arm', 'at': [0.6, 1.2], 'fx': 'vx(P)^2 - y(Q)', 'fy': 'omega(bob)*angle(arm)',"
-    "'torque': 'v(S) - q(B)^2'},"
-    "{'link': 'cart', 'at': [0.6, 0.2], 'frame': 'link', 'fy': '-vx(Q)*5'}],";
+    "'dampers': [{'links': ['cart', 'arm'], 'at': [[-1, 0.2], [1.6, 0.4]], 'damping': 4},{'joint': 'S', 'damping': 2.5}],'motors': [{'joint': 'A', "
+    "'stall': 6, 'free_speed': 9}, {'joint': 'S', 'stall': -6, 'free_speed': -3}],'forces': [{'link': 'bob', 'at': [2.2, 0.3], 'frame': 'link', 'fx': "
+    "'3*sin(2*t) - x(P)*vy(Q)','fy': 'q(A)*v(B)'},{'link': 'arm', 'at': [0.6, 1.2], 'fx': 'vx(P)^2 - y(Q)', 'fy': 'omega(bob)*angle(arm)','torque': 'v(S) "
+    "- q(B)^2'},{'link': 'cart', 'at': [0.6, 0.2], 'frame': 'link', 'fy': '-vx(Q)*5'}],";
 
 static double one(lw_rng *r) { return lw_rng_range(r, -1, 1); }
 
@@ -49,10 +36,8 @@ static void make(lw_rng *r, bool all)
     lw_error e = { 0 };
     for (int i = 0; i < 2; i++)
         snprintf(stops[i], sizeof stops[i], soft, all ? ", 'damping': 7" : "");
-    snprintf(text, sizeof text, format, 1 + 0.5*one(r), one(r), stops[0], stops[1], all ? ", 'damping': 3" : "",
-             all ? laws : "", all ? more : "");
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_format(text, sizeof text, format, 1 + 0.5*one(r), one(r), stops[0], stops[1], all ? ", 'damping': 3" : "",
+                all ? laws : "", all ? more : "");
     lw_status s = lw_model_read(text, strlen(text), "text", &model, &e);
     CHECK_TEXT(e.text, "");
     CHECK_INT(s, LW_OK);

@@ -35,7 +35,7 @@ static void run(const char *text, lw_formulation wanted, double to, int interval
     lw_dynamics_options o = lw_dynamics_options_default();
     o.to = to, o.intervals = intervals, o.relative = o.absolute = tolerance, o.formulation = asked;
     k.n = 0;
-    read_spatial(text, strlen(text), "friction", &m);
+    read_spatial(text, "friction", &m);
     if (lw_dynamics_make_spatial(&m, &o, &k.d, &e) != LW_OK || lw_dynamics_run(k.d, keep_moment, &k, &k.r, &e) != LW_OK) {
         fprintf(stderr, "%s\n", e.text);
         CHECK(false);
@@ -53,10 +53,10 @@ TEST(a_block_on_a_slope)
     for (int i = 0; i < 4; i++) {
         char text[1024];
         double u = i/2 ? 2 : 0, g = 9.81, f = mu[i%2], stop = u/(g*(0.6 + 0.8*f)), high = u*stop/2;
-        snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"block\", \"mass\": 2, \"centre\": [0, 0, 0], "
-                 "\"inertia\": [0.01, 0.02, 0.03], \"velocity\": [%g, %g, %g]}], \"joints\": [{\"name\": \"S\", \"kind\": \"prismatic\", "
-                 "\"links\": [\"ground\", \"block\"], \"at\": [0, 0, 0], \"axis\": [0.48, 0.64, 0.6], \"friction\": {\"coefficient\": %g}}], "
-                 "\"gravity\": [0, 0, -9.81], \"tracers\": [{\"name\": \"P\", \"link\": \"block\", \"at\": [0, 0, 0]}]}", 0.48*u, 0.64*u,
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'block', 'mass': 2, 'centre': [0, 0, 0], "
+                 "'inertia': [0.01, 0.02, 0.03], 'velocity': [%g, %g, %g]}], 'joints': [{'name': 'S', 'kind': 'prismatic', "
+                 "'links': ['ground', 'block'], 'at': [0, 0, 0], 'axis': [0.48, 0.64, 0.6], 'friction': {'coefficient': %g}}], "
+                 "'gravity': [0, 0, -9.81], 'tracers': [{'name': 'P', 'link': 'block', 'at': [0, 0, 0]}]}", 0.48*u, 0.64*u,
                  0.6*u, f);
         run(text, LW_FORMULATION_INDEX1, 1, 40, 1e-11);
         CHECK(!k.r.smooth_friction);
@@ -72,13 +72,11 @@ TEST(a_block_on_a_slope)
  * together until 6 N, then the lower one with 1 m/s^2, the upper one with (10 t - 5) m/s^2. */
 TEST(blocks_on_each_other)
 {
-    run("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 2, \"centre\": [0, 0, 0], \"inertia\": [1, 1, 1]}, "
-        "{\"name\": \"B\", \"mass\": 1, \"centre\": [0, 0, 0.1], \"inertia\": [1, 1, 1]}], \"joints\": ["
-        "{\"name\": \"S\", \"kind\": \"prismatic\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0, 0], \"axis\": [0, 1, 0], "
-        "\"friction\": {\"coefficient\": 0.1}}, {\"name\": \"T\", \"kind\": \"prismatic\", \"links\": [\"A\", \"B\"], \"at\": [0, 0, 0.1], "
-        "\"axis\": [0, 1, 0], \"friction\": {\"coefficient\": 0.5}}], \"gravity\": [0, 0, -10], \"forces\": [{\"link\": \"B\", \"at\": "
-        "[0, 0, 0.1], \"fy\": \"10*t\"}], \"tracers\": [{\"name\": \"P\", \"link\": \"A\", \"at\": [0, 0, 0]}, {\"name\": \"Q\", \"link\": "
-        "\"B\", \"at\": [0, 0, 0.1]}]}", LW_FORMULATION_INDEX1, 1, 20, 1e-11);
+    run("{'linkwright': 1, 'links': ['ground', {'name': 'A', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [1, 1, 1]}, {'name': 'B', 'mass': 1, 'centre': "
+        "[0, 0, 0.1], 'inertia': [1, 1, 1]}], 'joints': [{'name': 'S', 'kind': 'prismatic', 'links': ['ground', 'A'], 'at': [0, 0, 0], 'axis': [0, 1, 0], "
+        "'friction': {'coefficient': 0.1}}, {'name': 'T', 'kind': 'prismatic', 'links': ['A', 'B'], 'at': [0, 0, 0.1], 'axis': [0, 1, 0], 'friction': "
+        "{'coefficient': 0.5}}], 'gravity': [0, 0, -10], 'forces': [{'link': 'B', 'at': [0, 0, 0.1], 'fy': '10*t'}], 'tracers': [{'name': 'P', 'link': "
+        "'A', 'at': [0, 0, 0]}, {'name': 'Q', 'link': 'B', 'at': [0, 0, 0.1]}]}", LW_FORMULATION_INDEX1, 1, 20, 1e-11);
     for (int i = 0; i < k.n; i++) {
         double t = k.t[i], s = fmax(0, fmin(t, 0.6) - 0.3), x = 10*s*s*s/18, v = 10*s*s/6, r = fmax(0, t - 0.6);
         CHECK_NEAR(k.tracer[i][0].y, x + v*r + r*r/2, 1e-10, 0);
@@ -89,10 +87,9 @@ TEST(blocks_on_each_other)
 /* A load that jumps from 0 to 7 N moves 2 kg that stick by 2 N, at once; when it jumps back, they slow down and stick again. */
 TEST(a_load_jumps)
 {
-    run("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 2, \"centre\": [0, 0, 0], \"inertia\": [1, 1, 1]}], "
-        "\"joints\": [{\"name\": \"S\", \"kind\": \"prismatic\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0, 0], \"axis\": [0, 1, 0], "
-        "\"friction\": {\"coefficient\": 0.1}}], \"gravity\": [0, 0, -10], \"forces\": [{\"link\": \"A\", \"at\": [0, 0, 0], \"fy\": "
-        "\"7*max(0, sign(t - 0.5)*sign(0.7 - t))\"}], \"tracers\": [{\"name\": \"P\", \"link\": \"A\", \"at\": [0, 0, 0]}]}",
+    run("{'linkwright': 1, 'links': ['ground', {'name': 'A', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [1, 1, 1]}], 'joints': [{'name': 'S', 'kind': "
+        "'prismatic', 'links': ['ground', 'A'], 'at': [0, 0, 0], 'axis': [0, 1, 0], 'friction': {'coefficient': 0.1}}], 'gravity': [0, 0, -10], 'forces': "
+        "[{'link': 'A', 'at': [0, 0, 0], 'fy': '7*max(0, sign(t - 0.5)*sign(0.7 - t))'}], 'tracers': [{'name': 'P', 'link': 'A', 'at': [0, 0, 0]}]}",
         LW_FORMULATION_INDEX1, 2, 20, 1e-11);
     for (int i = 0; i < k.n; i++) {
         double on = fmin(fmax(k.t[i] - 0.5, 0), 0.2), off = fmin(fmax(k.t[i] - 0.7, 0), 0.5);
@@ -106,10 +103,9 @@ TEST(a_pendulum_comes_to_rest)
 {
     const double mu = 0.2, r = 0.002, l = 0.5, begin = 0.01;
     char text[1024];
-    snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 1, \"centre\": [%.17g, 0, %.17g], "
-             "\"inertia\": [1e-3, 1e-3, 1e-3]}], \"joints\": [{\"name\": \"O\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0, 0], \"axis\": "
-             "[0, -1, 0], \"friction\": {\"coefficient\": %g, \"radius\": %g}}], \"gravity\": [0, 0, -9.81], \"inputs\": [{\"joint\": \"O\", "
-             "\"value\": %g}]}", l*sin(begin), -l*cos(begin), mu, r, begin);
+    snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'A', 'mass': 1, 'centre': [%.17g, 0, %.17g], 'inertia': [1e-3, 1e-3, "
+             "1e-3]}], 'joints': [{'name': 'O', 'links': ['ground', 'A'], 'at': [0, 0, 0], 'axis': [0, -1, 0], 'friction': {'coefficient': %g, 'radius': "
+             "%g}}], 'gravity': [0, 0, -9.81], 'inputs': [{'joint': 'O', 'value': %g}]}", l*sin(begin), -l*cos(begin), mu, r, begin);
     double half = LW_PI*sqrt((l*l + 1e-3)/(9.81*l)), fall = 2*mu*r/l;
     run(text, LW_FORMULATION_INDEX1, 10*half, 10, 1e-11);
     for (int i = 0; i < k.n; i++) {
@@ -125,20 +121,20 @@ TEST(guides_and_balls)
 {
     static const struct { const char *joint, *velocity; double rate, axis; } row[] = {
         /* mu m g r/I = 0.2*2*10*0.1/0.02 = 20 rad/s^2 */
-        { "\"kind\": \"spherical\"", "\"angular_velocity\": [3, 4, 0]", 20, 5 },
-        { "\"kind\": \"universal\", \"axis\": [1, 0, 0], \"second_axis\": [0, 1, 0]", "\"angular_velocity\": [0, 5, 0]", 20, 5 },
-        { "\"kind\": \"revolute\", \"axis\": [0.6, 0.8, 0]", "\"angular_velocity\": [3, 4, 0]", 20, 5 },
+        { "'kind': 'spherical'", "'angular_velocity': [3, 4, 0]", 20, 5 },
+        { "'kind': 'universal', 'axis': [1, 0, 0], 'second_axis': [0, 1, 0]", "'angular_velocity': [0, 5, 0]", 20, 5 },
+        { "'kind': 'revolute', 'axis': [0.6, 0.8, 0]", "'angular_velocity': [3, 4, 0]", 20, 5 },
         /* slip 0.3 m/s along, 0.4 m/s around: 2 m/s^2 against it, 4/5 of which turn the pin */
-        { "\"kind\": \"cylindrical\", \"axis\": [1, 0, 0]", "\"velocity\": [0.3, 0, 0], \"angular_velocity\": [4, 0, 0]", 16, 4 },
+        { "'kind': 'cylindrical', 'axis': [1, 0, 0]", "'velocity': [0.3, 0, 0], 'angular_velocity': [4, 0, 0]", 16, 4 },
     };
     for (size_t i = 0; i < sizeof row/sizeof *row; i++)
         for (int ideal = 0; ideal < 2; ideal++) {
             char text[1024];
-            snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 2, \"centre\": [0, 0, 0], "
-                     "\"inertia\": [0.02, 0.02, 0.02], %s}], \"joints\": [{\"name\": \"J\", %s, \"links\": [\"ground\", \"A\"], \"at\": "
-                     "[0, 0, 0], \"friction\": {\"coefficient\": 0.2, \"radius\": 0.1%s}}], \"gravity\": [0, 0, -10], \"tracers\": "
-                     "[{\"name\": \"P\", \"link\": \"A\", \"at\": [0, 0, 0]}]}", row[i].velocity, row[i].joint, ideal ? "" :
-                     ", \"speed\": 1e-4");
+            snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'A', 'mass': 2, 'centre': [0, 0, 0], "
+                     "'inertia': [0.02, 0.02, 0.02], %s}], 'joints': [{'name': 'J', %s, 'links': ['ground', 'A'], 'at': "
+                     "[0, 0, 0], 'friction': {'coefficient': 0.2, 'radius': 0.1%s}}], 'gravity': [0, 0, -10], 'tracers': "
+                     "[{'name': 'P', 'link': 'A', 'at': [0, 0, 0]}]}", row[i].velocity, row[i].joint, ideal ? "" :
+                     ", 'speed': 1e-4");
             bool sticks = ideal && i == 2;
             run(text, sticks ? LW_FORMULATION_INDEX1 : LW_FORMULATION_CVODE, 0.4, 16, 1e-9);
             CHECK_INT(k.r.smooth_friction, ideal && !sticks);
@@ -178,26 +174,26 @@ TEST(as_in_the_plane)
         lw_mat3 t = lw_quaternion_matrix(lw_quaternion_unit((lw_quaternion){ lw_rng_range(&rng, -1, 1), lw_rng_range(&rng, -1, 1),
                                                                            lw_rng_range(&rng, -1, 1), lw_rng_range(&rng, -1, 1) }));
         lw_vec3 axis = lw_m3_column(&t, 2), g = turned(&t, 0, -9.81);
-        n += snprintf(flat + n, sizeof flat - (size_t)n, "{\"linkwright\": 1, \"links\": [\"ground\"");
-        d += snprintf(deep + d, sizeof deep - (size_t)d, "{\"linkwright\": 1, \"links\": [\"ground\"");
+        n += snprintf(flat + n, sizeof flat - (size_t)n, "{'linkwright': 1, 'links': ['ground'");
+        d += snprintf(deep + d, sizeof deep - (size_t)d, "{'linkwright': 1, 'links': ['ground'");
         for (int i = 0; i < 3; i++) {
             lw_vec3 c = turned(&t, body[i].x, body[i].y);
-            n += snprintf(flat + n, sizeof flat - (size_t)n, ", {\"name\": \"%s\", \"mass\": %g, \"centre\": [%g, %g], \"inertia\": %g}",
+            n += snprintf(flat + n, sizeof flat - (size_t)n, ", {'name': '%s', 'mass': %g, 'centre': [%g, %g], 'inertia': %g}",
                           body[i].name, body[i].m, body[i].x, body[i].y, body[i].i);
-            d += snprintf(deep + d, sizeof deep - (size_t)d, ", {\"name\": \"%s\", \"mass\": %g, \"centre\": [%.17g, %.17g, %.17g], "
-                          "\"inertia\": [%g, %g, %g]}", body[i].name, body[i].m, c.x, c.y, c.z, body[i].i, body[i].i, body[i].i);
+            d += snprintf(deep + d, sizeof deep - (size_t)d, ", {'name': '%s', 'mass': %g, 'centre': [%.17g, %.17g, %.17g], "
+                          "'inertia': [%g, %g, %g]}", body[i].name, body[i].m, c.x, c.y, c.z, body[i].i, body[i].i, body[i].i);
         }
         for (int i = 0; i < 4; i++) {
             lw_vec3 at = turned(&t, joint[i].x, joint[i].y);
-            n += snprintf(flat + n, sizeof flat - (size_t)n, "%s{\"name\": \"J%d\", \"links\": [\"%s\", \"%s\"], \"at\": [%g, %g], "
-                          "\"friction\": {\"coefficient\": %g, \"radius\": 0.02}}", i ? ", " : "], \"joints\": [", i, joint[i].a, joint[i].b,
+            n += snprintf(flat + n, sizeof flat - (size_t)n, "%s{'name': 'J%d', 'links': ['%s', '%s'], 'at': [%g, %g], "
+                          "'friction': {'coefficient': %g, 'radius': 0.02}}", i ? ", " : "], 'joints': [", i, joint[i].a, joint[i].b,
                           joint[i].x, joint[i].y, mu);
-            d += snprintf(deep + d, sizeof deep - (size_t)d, "%s{\"name\": \"J%d\", \"links\": [\"%s\", \"%s\"], \"at\": [%.17g, %.17g, "
-                          "%.17g], \"axis\": [%.17g, %.17g, %.17g], \"friction\": {\"coefficient\": %g, \"radius\": 0.02}}", i ? ", " :
-                          "], \"joints\": [", i, joint[i].a, joint[i].b, at.x, at.y, at.z, axis.x, axis.y, axis.z, mu);
+            d += snprintf(deep + d, sizeof deep - (size_t)d, "%s{'name': 'J%d', 'links': ['%s', '%s'], 'at': [%.17g, %.17g, "
+                          "%.17g], 'axis': [%.17g, %.17g, %.17g], 'friction': {'coefficient': %g, 'radius': 0.02}}", i ? ", " :
+                          "], 'joints': [", i, joint[i].a, joint[i].b, at.x, at.y, at.z, axis.x, axis.y, axis.z, mu);
         }
-        snprintf(flat + n, sizeof flat - (size_t)n, "], \"input\": {\"joint\": \"J0\", \"speed\": 3}, \"gravity\": [0, -9.81]}");
-        snprintf(deep + d, sizeof deep - (size_t)d, "], \"input\": {\"joint\": \"J0\", \"speed\": 3}, \"gravity\": [%.17g, %.17g, %.17g]}",
+        snprintf(flat + n, sizeof flat - (size_t)n, "], 'input': {'joint': 'J0', 'speed': 3}, 'gravity': [0, -9.81]}");
+        snprintf(deep + d, sizeof deep - (size_t)d, "], 'input': {'joint': 'J0', 'speed': 3}, 'gravity': [%.17g, %.17g, %.17g]}",
                  g.x, g.y, g.z);
         lw_model m;
         lw_error e = { 0 };
@@ -205,7 +201,7 @@ TEST(as_in_the_plane)
         lw_dynamics_report r;
         lw_dynamics_options o = lw_dynamics_options_default();
         o.intervals = 20, o.to = 2, o.relative = o.absolute = 1e-11;
-        CHECK_INT(lw_model_read(flat, strlen(flat), "plane", &m, &e), LW_OK);
+        CHECK_INT(lw_model_read(json_quotes(flat), strlen(flat), "plane", &m, &e), LW_OK);
         n_plane = 0;
         CHECK_INT(lw_dynamics_make(&m, &o, &p, &e), LW_OK);
         CHECK_INT(lw_dynamics_run(p, keep_plane, p, &r, &e), LW_OK);
@@ -223,26 +219,24 @@ TEST(as_in_the_plane)
  * without "drives". */
 TEST(drives_carry_friction)
 {
-    static const char arm[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 3, \"centre\": [0.2, 0, 0], \"inertia\": "
-        "[0.1, 0.2, 0.3]}, {\"name\": \"B\", \"mass\": 1, \"centre\": [0.6, 0.1, 0], \"inertia\": [0.1, 0.2, 0.3]}], \"joints\": [{\"name\": "
-        "\"J\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1], \"friction\": {\"coefficient\": 0.3, \"radius\": 0.05}}, "
-        "{\"name\": \"K\", \"links\": [\"A\", \"B\"], \"at\": [0.4, 0, 0], \"axis\": [0, 1, 0], \"friction\": {\"coefficient\": 0.4, "
-        "\"radius\": 0.03}}], \"gravity\": [0, 0, -9.81], \"inputs\": [{\"joint\": \"J\", \"motion\": \"t*t\"}, {\"joint\": \"K\", \"motion\": "
-        "\"sin(t)\"}]%s}";
+    static const char arm[] = "{'linkwright': 1, 'links': ['ground', {'name': 'A', 'mass': 3, 'centre': [0.2, 0, 0], 'inertia': [0.1, 0.2, 0.3]}, "
+        "{'name': 'B', 'mass': 1, 'centre': [0.6, 0.1, 0], 'inertia': [0.1, 0.2, 0.3]}], 'joints': [{'name': 'J', 'links': ['ground', 'A'], 'at': [0, 0, "
+        "0], 'axis': [0, 0, 1], 'friction': {'coefficient': 0.3, 'radius': 0.05}}, {'name': 'K', 'links': ['A', 'B'], 'at': [0.4, 0, 0], 'axis': [0, 1, "
+        "0], 'friction': {'coefficient': 0.4, 'radius': 0.03}}], 'gravity': [0, 0, -9.81], 'inputs': [{'joint': 'J', 'motion': 't*t'}, {'joint': 'K', "
+        "'motion': 'sin(t)'}]%s}";
     char text[2048];
     double want[21][2];
-    run("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 2, \"centre\": [0, 0, 0], \"inertia\": [1, 1, 1]}], "
-        "\"joints\": [{\"name\": \"S\", \"kind\": \"prismatic\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0, 0], \"axis\": [1, 0, 0], "
-        "\"friction\": {\"coefficient\": 0.3}}], \"gravity\": [0, 0, -10], \"tracers\": [{\"name\": \"P\", \"link\": \"A\", \"at\": "
-        "[0, 0, 0]}], \"inputs\": [{\"tracer\": \"P\", \"coordinate\": \"x\", \"motion\": \"t + t*t*t\"}], \"drives\": [{\"joint\": "
-        "\"S\"}]}", LW_FORMULATION_DRIVEN, 1, 20, 1e-10);
+    run("{'linkwright': 1, 'links': ['ground', {'name': 'A', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [1, 1, 1]}], 'joints': [{'name': 'S', 'kind': "
+        "'prismatic', 'links': ['ground', 'A'], 'at': [0, 0, 0], 'axis': [1, 0, 0], 'friction': {'coefficient': 0.3}}], 'gravity': [0, 0, -10], "
+        "'tracers': [{'name': 'P', 'link': 'A', 'at': [0, 0, 0]}], 'inputs': [{'tracer': 'P', 'coordinate': 'x', 'motion': 't + t*t*t'}], 'drives': "
+        "[{'joint': 'S'}]}", LW_FORMULATION_DRIVEN, 1, 20, 1e-10);
     for (int i = 0; i < k.n; i++)
         CHECK_NEAR(k.drive[i][0], 2*6*k.t[i] + 6, 1e-9, 0);
     snprintf(text, sizeof text, arm, "");
     run(text, LW_FORMULATION_DRIVEN, 1, 20, 1e-10);
     CHECK_INT(k.n, 21);
     memcpy(want, k.drive, sizeof want);
-    snprintf(text, sizeof text, arm, ", \"drives\": [{\"joint\": \"J\"}, {\"joint\": \"K\"}]");
+    snprintf(text, sizeof text, arm, ", 'drives': [{'joint': 'J'}, {'joint': 'K'}]");
     run(text, LW_FORMULATION_DRIVEN, 1, 20, 1e-10);
     for (int i = 0; i < k.n; i++)
         for (int j = 0; j < 2; j++)
@@ -262,17 +256,17 @@ static lw_status keep_end(void *context, const lw_moment *m)
  * which solves for them in each evaluation; and the same bar in the plane, whose elements, rows and friction are others. */
 TEST(elastic_links_rub)
 {
-    static const char *const joint[] = { "\"axis\": [0, -1, 0], \"friction\": {\"coefficient\": 0.3, \"radius\": 0.05, \"speed\": 0.02}",
-        "\"kind\": \"prismatic\", \"axis\": [0.6, 0, -0.8], \"friction\": {\"coefficient\": 0.4, \"speed\": 0.02}" };
-    static const char *const in_plane[] = { "\"friction\": {\"coefficient\": 0.3, \"radius\": 0.05, \"speed\": 0.02}",
-        "\"kind\": \"t\", \"along\": [0.6, -0.8], \"friction\": {\"coefficient\": 0.4, \"speed\": 0.02}" };
+    static const char *const joint[] = { "'axis': [0, -1, 0], 'friction': {'coefficient': 0.3, 'radius': 0.05, 'speed': 0.02}",
+        "'kind': 'prismatic', 'axis': [0.6, 0, -0.8], 'friction': {'coefficient': 0.4, 'speed': 0.02}" };
+    static const char *const in_plane[] = { "'friction': {'coefficient': 0.3, 'radius': 0.05, 'speed': 0.02}",
+        "'kind': 't', 'along': [0.6, -0.8], 'friction': {'coefficient': 0.4, 'speed': 0.02}" };
     for (int i = 0; i < 2; i++) {
         char text[1024];
         lw_vec3 explicit_one[11];
-        snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"elastic\": {\"section\": {\"shape\": "
-                 "\"rectangle\", \"width\": 0.04, \"height\": 0.04}, \"material\": {\"E\": 2e7, \"G\": 8e6, \"density\": 1000}, \"segments\": 2, "
-                 "\"damping\": 0.001}}], \"joints\": [{\"name\": \"J\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0, 0], %s}], \"gravity\": "
-                 "[0, 0, -9.81], \"tracers\": [{\"name\": \"P\", \"link\": \"A\", \"at\": [0.5, 0, 0]}]}", joint[i]);
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'A', 'elastic': {'section': {'shape': "
+                 "'rectangle', 'width': 0.04, 'height': 0.04}, 'material': {'E': 2e7, 'G': 8e6, 'density': 1000}, 'segments': 2, "
+                 "'damping': 0.001}}], 'joints': [{'name': 'J', 'links': ['ground', 'A'], 'at': [0, 0, 0], %s}], 'gravity': "
+                 "[0, 0, -9.81], 'tracers': [{'name': 'P', 'link': 'A', 'at': [0.5, 0, 0]}]}", joint[i]);
         asked = LW_FORMULATION_INDEX1;
         run(text, LW_FORMULATION_INDEX1, 0.3, 10, 1e-8);
         CHECK_INT(k.n, 11);
@@ -289,12 +283,12 @@ TEST(elastic_links_rub)
         lw_dynamics_report r;
         lw_dynamics_options o = lw_dynamics_options_default();
         o.intervals = 10, o.to = 0.3, o.relative = o.absolute = 1e-8;
-        snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"elastic\": {\"section\": {\"shape\": "
-                 "\"rectangle\", \"width\": 0.04, \"height\": 0.04}, \"material\": {\"E\": 2e7, \"G\": 8e6, \"density\": 1000}, \"segments\": 2, "
-                 "\"damping\": 0.001}}], \"joints\": [{\"name\": \"J\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0], %s}], \"gravity\": "
-                 "[0, -9.81], \"tracers\": [{\"name\": \"P\", \"link\": \"A\", \"at\": [0.5, 0]}]}", in_plane[i]);
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'A', 'elastic': {'section': {'shape': "
+                 "'rectangle', 'width': 0.04, 'height': 0.04}, 'material': {'E': 2e7, 'G': 8e6, 'density': 1000}, 'segments': 2, "
+                 "'damping': 0.001}}], 'joints': [{'name': 'J', 'links': ['ground', 'A'], 'at': [0, 0], %s}], 'gravity': "
+                 "[0, -9.81], 'tracers': [{'name': 'P', 'link': 'A', 'at': [0.5, 0]}]}", in_plane[i]);
         n_plane = 0;
-        CHECK_INT(lw_model_read(text, strlen(text), "plane", &m, &e), LW_OK);
+        CHECK_INT(lw_model_read(json_quotes(text), strlen(text), "plane", &m, &e), LW_OK);
         CHECK_INT(lw_dynamics_make(&m, &o, &p, &e), LW_OK);
         CHECK_INT(lw_dynamics_run(p, keep_end, p, &r, &e), LW_OK);
         CHECK_INT(n_plane, k.n);
@@ -308,18 +302,17 @@ TEST(elastic_links_rub)
 TEST(refused)
 {
     static const struct { const char *joint, *why; } bad[] = {
-        { "\"kind\": \"planar\", \"axis\": [0, 0, 1], \"friction\": {\"coefficient\": 0.1}", "has no friction here" },
-        { "\"kind\": \"spherical\", \"friction\": {\"coefficient\": 0.1}", "needs the \"radius\"" },
-        { "\"kind\": \"prismatic\", \"axis\": [0, 0, 1], \"friction\": {\"coefficient\": 0.1, \"radius\": 1}", "only joints that turn" },
+        { "'kind': 'planar', 'axis': [0, 0, 1], 'friction': {'coefficient': 0.1}", "has no friction here" },
+        { "'kind': 'spherical', 'friction': {'coefficient': 0.1}", "needs the \"radius\"" },
+        { "'kind': 'prismatic', 'axis': [0, 0, 1], 'friction': {'coefficient': 0.1, 'radius': 1}", "only joints that turn" },
     };
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
         char text[1024];
         lw_spatial m;
         lw_error e = { 0 };
-        int n = snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 1, \"centre\": "
-                         "[0, 0, 0], \"inertia\": [1, 1, 1]}], \"joints\": [{\"name\": \"J\", \"links\": [\"ground\", \"A\"], \"at\": "
-                         "[0, 0, 0], %s}]}", bad[i].joint);
-        CHECK_INT(lw_spatial_read(text, (size_t)n, "bad", &m, &e), LW_E_NOTATION);
+        int n = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'A', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [1, 1, 1]}], "
+                         "'joints': [{'name': 'J', 'links': ['ground', 'A'], 'at': [0, 0, 0], %s}]}", bad[i].joint);
+        CHECK_INT(lw_spatial_read(json_quotes(text), (size_t)n, "bad", &m, &e), LW_E_NOTATION);
         CHECK_HAS(e.text, bad[i].why);
     }
 }

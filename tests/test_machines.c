@@ -5,7 +5,7 @@
 
 #include "base/vec2.h"
 #include "base/vec3.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 
 #define MAX 12000
 
@@ -193,23 +193,19 @@ TEST(a_move_without_swing)
  * A)/(2 pi). */
 TEST(a_beam_with_a_mass)
 {
-    static const char format[] = "{'linkwright': 1, 'links': ['ground', {'name': 'bridge', 'elastic': {'section': "
-        "{'shape': 'box', 'width': 0.1, 'height': 0.1, 'wall': 0.004}, 'material': {'E': 70e9, 'G': 1e15, 'density': "
-        "2700}, 'segments': 16, 'axis': [[0, 0, 0], [0, 3, 0], [0, 6, 0]]}}, {'name': 'carriage', 'mass': %g, "
-        "'centre': [0, 3, 0], 'inertia': [1e-6, 1e-6, 1e-6]},{'name': 'end', 'mass': 1e-3, 'centre': [0, 6, 0], "
-        "'inertia': [1e-6, 1e-6, 1e-6]}],'joints': [{'name': 'A', 'kind': 'revolute', 'links': ['ground', 'bridge'], "
-        "'at': [0, 0, 0], 'axis': [1, 0, 0]},{'name': 'B', 'kind': 'spherical', 'links': ['end', 'bridge'], 'at': [0, "
-        "6, 0]},{'name': 'S', 'kind': 'prismatic', 'links': ['ground', 'end'], 'at': [0, 6, 0], 'axis': [0, 1, "
-        "0]},{'name': 'W', 'kind': 'fixed', 'links': ['bridge', 'carriage'], 'at': [0, 3, 0]}], 'tracers': []}";
+    static const char format[] = "{'linkwright': 1, 'links': ['ground', {'name': 'bridge', 'elastic': {'section': {'shape': 'box', 'width': 0.1, "
+        "'height': 0.1, 'wall': 0.004}, 'material': {'E': 70e9, 'G': 1e15, 'density': 2700}, 'segments': 16, 'axis': [[0, 0, 0], [0, 3, 0], [0, 6, 0]]}}, "
+        "{'name': 'carriage', 'mass': %g, 'centre': [0, 3, 0], 'inertia': [1e-6, 1e-6, 1e-6]},{'name': 'end', 'mass': 1e-3, 'centre': [0, 6, 0], "
+        "'inertia': [1e-6, 1e-6, 1e-6]}],'joints': [{'name': 'A', 'kind': 'revolute', 'links': ['ground', 'bridge'], 'at': [0, 0, 0], 'axis': [1, 0, "
+        "0]},{'name': 'B', 'kind': 'spherical', 'links': ['end', 'bridge'], 'at': [0, 6, 0]},{'name': 'S', 'kind': 'prismatic', 'links': ['ground', "
+        "'end'], 'at': [0, 6, 0], 'axis': [0, 1, 0]},{'name': 'W', 'kind': 'fixed', 'links': ['bridge', 'carriage'], 'at': [0, 3, 0]}], 'tracers': []}";
     static const double mass[] = { 5, 30, 200 };
     double area = 0.1*0.1 - 0.092*0.092, second = (pow(0.1, 4) - pow(0.092, 4))/12, beam = 2700*area*6;
     for (int i = 0; i < 3; i++) {
         char text[2000];
         lw_spatial *m = NULL;
         lw_error e = { 0 };
-        snprintf(text, sizeof text, format, mass[i]);
-        for (char *c = text; *c; c++)
-            *c = *c == '\'' ? '"' : *c;
+        json_format(text, sizeof text, format, mass[i]);
         double low = 0.1, high = LW_PI/2 - 1e-9;
         while (high - low > 1e-14) {
             double u = (low + high)/2;
@@ -247,13 +243,12 @@ static lw_status keep_rest(void *context, const lw_simulation_sample *s)
  * The reference is linear: a thousandth of the weight, a thousand times the deflection. */
 TEST(a_boom_on_its_cylinder)
 {
-    static const char format[] = "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'boom', "
-        "'elastic': {'section': {'shape': 'box', 'width': 0.2, 'height': 0.2, 'wall': 0.008}, 'material': {'E': 210e9, "
-        "'nu': 0.3, 'density': 7850}, 'segments': %d, 'mass': '%s', 'axis': [[0, 0], [5, 0]]}}, {'name': 'load', 'mass': 400, "
-        "'centre': [5, 0], 'inertia': 1e-6}], 'joints': [{'name': 'pin', 'links': ['ground', 'boom'], 'at': [0, 0]}, "
-        "{'name': 'weld', 'kind': 'f', 'links': ['boom', 'load'], 'at': [5, 0]}], 'springs': [{'name': 'cylinder', "
-        "'links': ['ground', 'boom'], 'at': [[0.4, -0.8], [1, 0]], 'stiffness': %g, 'free': 1}], 'gravity': [0, "
-        "-9.81e-3], 'tracers': [{'name': 'tip', 'link': 'load', 'at': [5, 0]}], 'input': {'joint': 'pin'}}";
+    static const char format[] = "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'boom', 'elastic': {'section': {'shape': "
+        "'box', 'width': 0.2, 'height': 0.2, 'wall': 0.008}, 'material': {'E': 210e9, 'nu': 0.3, 'density': 7850}, 'segments': %d, 'mass': '%s', 'axis': "
+        "[[0, 0], [5, 0]]}}, {'name': 'load', 'mass': 400, 'centre': [5, 0], 'inertia': 1e-6}], 'joints': [{'name': 'pin', 'links': ['ground', 'boom'], "
+        "'at': [0, 0]}, {'name': 'weld', 'kind': 'f', 'links': ['boom', 'load'], 'at': [5, 0]}], 'springs': [{'name': 'cylinder', 'links': ['ground', "
+        "'boom'], 'at': [[0.4, -0.8], [1, 0]], 'stiffness': %g, 'free': 1}], 'gravity': [0, -9.81e-3], 'tracers': [{'name': 'tip', 'link': 'load', 'at': "
+        "[5, 0]}], 'input': {'joint': 'pin'}}";
     static const struct { double stiffness, tip, hertz[3]; int segments; const char *mass; } rows[] = {
         { 6.819319e7, -19.100, { 3.7284, 46.130, 116.117 }, 80, "consistent" }, { 1e15, -16.175, { 4.0406, 0, 0 }, 80, "lumped" },
         { 6.819319e7, -19.100, { 3.7284, 0, 0 }, 20, "lumped" }
@@ -266,9 +261,7 @@ TEST(a_boom_on_its_cylinder)
         double rest[2] = { 0 };
         lw_simulation_options o = lw_simulation_options_default();
         o.analysis = "static";
-        snprintf(text, sizeof text, format, rows[i].segments, rows[i].mass, rows[i].stiffness);
-        for (char *c = text; *c; c++)
-            *c = *c == '\'' ? '"' : *c;
+        json_format(text, sizeof text, format, rows[i].segments, rows[i].mass, rows[i].stiffness);
         CHECK_INT(lw_model_parse(text, strlen(text), "boom", &m, &e), LW_OK);
         CHECK_TEXT(e.text, "");
         CHECK_INT(lw_simulation_create(m, &o, &s, &e), LW_OK);

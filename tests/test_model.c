@@ -1,10 +1,10 @@
 /* Models as text: what is read, what is refused and where. */
 #include "grammar/model/model.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 
 #define JOINTS \
-    "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0]%s},\n" \
-    "{\"name\": \"D\", \"kind\": \"t\", \"links\": [\"crank\", \"slide\"], \"at\": [10, 0], \"along\": [1, 0]%s}]"
+    "'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]%s},\n" \
+    "{'name': 'D', 'kind': 't', 'links': ['crank', 'slide'], 'at': [10, 0], 'along': [1, 0]%s}]"
 
 static lw_model m;
 static lw_error e;
@@ -14,11 +14,11 @@ static lw_status read_with(const char *pin, const char *slider, const char *cran
 {
     static char text[8192], joints[4096];
     snprintf(joints, sizeof joints, JOINTS, pin, slider);
-    snprintf(text, sizeof text, "{\"linkwright\": 1, \"units\": {\"length\": \"mm\", \"angle\": \"deg\"},\n"
-             "\"links\": [\"ground\", {\"name\": \"crank\"%s}, \"slide\"],\n%s,\n"
-             "\"tracers\": [{\"name\": \"P\", \"link\": \"slide\", \"at\": [20, 0]}]%s}", crank, joints, more);
+    snprintf(text, sizeof text, "{'linkwright': 1, 'units': {'length': 'mm', 'angle': 'deg'},\n"
+             "'links': ['ground', {'name': 'crank'%s}, 'slide'],\n%s,\n"
+             "'tracers': [{'name': 'P', 'link': 'slide', 'at': [20, 0]}]%s}", crank, joints, more);
     e = (lw_error){ 0 };
-    return lw_model_read(text, strlen(text), "f", &m, &e);
+    return lw_model_read(json_quotes(text), strlen(text), "f", &m, &e);
 }
 
 static double value(const lw_expression *x, double a, double b)
@@ -37,8 +37,8 @@ TEST(a_linkage_is_a_model)
 
 TEST(bodies_in_their_units)
 {
-    CHECK_INT(read_with("", "", ", \"mass\": 2, \"centre\": [500, 100], \"inertia\": 0.5",
-                        ", \"gravity\": [0, -9.81], \"input\": {\"joint\": \"D\", \"speed\": 3}"), LW_OK);
+    CHECK_INT(read_with("", "", ", 'mass': 2, 'centre': [500, 100], 'inertia': 0.5",
+                        ", 'gravity': [0, -9.81], 'input': {'joint': 'D', 'speed': 3}"), LW_OK);
     CHECK(m.body[1].given);
     CHECK_NEAR(m.body[1].mass, 2, 0, 0);
     CHECK_NEAR(m.body[1].centre.x, 0.5, 0, 1e-15);
@@ -52,16 +52,13 @@ TEST(bodies_in_their_units)
 
 TEST(joints_and_loads)
 {
-    CHECK_INT(read_with(", \"friction\": {\"coefficient\": 0.2, \"radius\": 5}, \"stop\": {\"least\": -90, "
-        "\"restitution\": 0.5}, \"clearance\": {\"model\": \"impact\", \"gap\": 0.1, \"stiffness\": 1e8}",
-        ", \"stop\": {\"greatest\": 30, \"stiffness\": 1e5}", "",
-        ", \"springs\": [{\"joint\": \"A\", \"stiffness\": 3, \"free\": 180},"
-        " {\"links\": [\"ground\", \"slide\"], \"at\": [[0, 30], [40, 0]], \"stiffness\": 7},"
-        " {\"joint\": \"D\", \"law\": \"-100*displacement^3 - rate\"}],"
-        " \"dampers\": [{\"name\": \"dash\", \"links\": [\"ground\", \"slide\"], \"at\": [[0, 0], [9, 0]], \"damping\": 4}],"
-        " \"forces\": [{\"link\": \"slide\", \"at\": [10, 0], \"frame\": \"link\", \"fx\": -5, \"fy\": \"v(D)*x(P)\"}],"
-        " \"motors\": [{\"joint\": \"A\", \"stall\": 2, \"free_speed\": 10}],"
-        " \"input\": {\"joint\": \"A\", \"motion\": \"2*pi*t\"}"), LW_OK);
+    CHECK_INT(read_with(", 'friction': {'coefficient': 0.2, 'radius': 5}, 'stop': {'least': -90, "
+        "'restitution': 0.5}, 'clearance': {'model': 'impact', 'gap': 0.1, 'stiffness': 1e8}",
+        ", 'stop': {'greatest': 30, 'stiffness': 1e5}", "",
+        ", 'springs': [{'joint': 'A', 'stiffness': 3, 'free': 180}, {'links': ['ground', 'slide'], 'at': [[0, 30], [40, 0]], 'stiffness': 7}, {'joint': "
+        "'D', 'law': '-100*displacement^3 - rate'}], 'dampers': [{'name': 'dash', 'links': ['ground', 'slide'], 'at': [[0, 0], [9, 0]], 'damping': 4}], "
+        "'forces': [{'link': 'slide', 'at': [10, 0], 'frame': 'link', 'fx': -5, 'fy': 'v(D)*x(P)'}], 'motors': [{'joint': 'A', 'stall': 2, 'free_speed': "
+        "10}], 'input': {'joint': 'A', 'motion': '2*pi*t'}"), LW_OK);
     CHECK_NEAR(m.friction[0].radius, 0.005, 0, 1e-15);
     CHECK_NEAR(m.friction[0].speed, 0, 0, 0);
     CHECK(m.stop[0].has_least && !m.stop[0].has_greatest);
@@ -91,45 +88,44 @@ TEST(joints_and_loads)
 TEST(faults)
 {
     static const struct { const char *pin, *slider, *crank, *more, *text; } bad[] = {
-        { "", "", ", \"mass\": -1, \"centre\": [0, 0]", "", "links[1].mass: this must not be negative" },
-        { "", "", ", \"inertia\": 1", "", "no \"mass\"" },
-        { "", "", ", \"mass\": 1", "", "no \"centre\"" },
-        { "", "", ", \"mas\": 1", "", "did you mean \"mass\"" },
-        { ", \"friction\": {\"coefficient\": 1}", "", "", "", "needs the \"radius\"" },
-        { "", ", \"friction\": {\"coefficient\": 1, \"radius\": 2}", "", "", "only joints that turn" },
-        { "", ", \"clearance\": {\"model\": \"impact\", \"gap\": 1, \"stiffness\": 1}", "", "", "only pins" },
-        { ", \"clearance\": {\"model\": \"impct\", \"gap\": 1}", "", "", "", "did you mean \"impact\"" },
-        { ", \"clearance\": {\"model\": \"impact\", \"gap\": 1}", "", "", "", "\"stiffness\" is missing" },
-        { ", \"clearance\": {\"model\": \"zero\", \"gap\": 0}", "", "", "", "greater than 0" },
-        { ", \"stop\": {}", "", "", "", "needs \"least\"" },
-        { ", \"stop\": {\"least\": 10}", "", "", "", "outside its stop" },
-        { ", \"stop\": {\"least\": -1, \"restitution\": 2}", "", "", "", "between 0 and 1" },
-        { "", "", "", ", \"springs\": [{\"joint\": \"A\"}]", "\"stiffness\" or \"law\" is missing" },
-        { "", "", "", ", \"springs\": [{\"joint\": \"B\", \"stiffness\": 1}]", "no joint \"B\"" },
-        { "", "", "", ", \"springs\": [{\"joint\": \"A\", \"law\": \"rate\", \"free\": 1}]", "leave \"free\" out" },
-        { "", "", "", ", \"springs\": [{\"joint\": \"A\", \"law\": \"length\"}]", "displacement, rate and t" },
-        { "", "", "", ", \"springs\": [{\"links\": [\"crank\", \"crank\"], \"at\": [[0, 0], [1, 1]], "
-          "\"stiffness\": 1}]", "both ends are on link" },
-        { "", "", "", ", \"forces\": [{\"link\": \"slide\", \"fx\": 1}]", "\"at\" is missing" },
-        { "", "", "", ", \"forces\": [{\"link\": \"slide\"}]", "needs \"fx\"" },
-        { "", "", "", ", \"forces\": [{\"link\": \"slide\", \"torque\": \"q(P)\"}]", "no joint \"P\"" },
-        { "", "", "", ", \"forces\": [{\"link\": \"slide\", \"torque\": true}]", "a number or an expression" },
-        { "", "", "", ", \"motors\": [{\"joint\": \"A\", \"stall\": 1, \"free_speed\": -1}]", "same sign" },
-        { "", "", "", ", \"input\": {\"joint\": \"A\", \"motion\": \"t\", \"speed\": 1}", "keep one" },
-        { "", "", "", ", \"input\": {\"joint\": \"A\", \"motion\": \"q(A)\"}", "depends on t alone" },
-        { "", "", "", ", \"forces\": [{\"link\": \"slide\", \"torque\": \"q(AA)\"}]", "no joint \"AA\"; did you mean \"A\"?" },
-        { "", "", "", ", \"forces\": [{\"link\": \"slide\", \"torque\": \"omega(slid)\"}]", "did you mean \"slide\"?" },
-        { "", "", "", ", \"forces\": [{\"link\": \"slide\", \"torque\": \"length(S)\"}]", "no spring or cylinder between two points \"S\"" },
-        { "", "", "", ", \"forces\": [{\"link\": \"slide\", \"torque\": \"t**2\"}]", "a power is written a^b" },
-        { "", "", "", ", \"springs\": [{\"name\": \"S\", \"joint\": \"A\", \"stiffness\": 1}], "
-          "\"dampers\": [{\"joint\": \"A\", \"damping\": 1}, {\"name\": \"S\", \"joint\": \"A\", \"damping\": 1}]",
+        { "", "", ", 'mass': -1, 'centre': [0, 0]", "", "links[1].mass: this must not be negative" },
+        { "", "", ", 'inertia': 1", "", "no \"mass\"" },
+        { "", "", ", 'mass': 1", "", "no \"centre\"" },
+        { "", "", ", 'mas': 1", "", "did you mean \"mass\"" },
+        { ", 'friction': {'coefficient': 1}", "", "", "", "needs the \"radius\"" },
+        { "", ", 'friction': {'coefficient': 1, 'radius': 2}", "", "", "only joints that turn" },
+        { "", ", 'clearance': {'model': 'impact', 'gap': 1, 'stiffness': 1}", "", "", "only pins" },
+        { ", 'clearance': {'model': 'impct', 'gap': 1}", "", "", "", "did you mean \"impact\"" },
+        { ", 'clearance': {'model': 'impact', 'gap': 1}", "", "", "", "\"stiffness\" is missing" },
+        { ", 'clearance': {'model': 'zero', 'gap': 0}", "", "", "", "greater than 0" },
+        { ", 'stop': {}", "", "", "", "needs \"least\"" },
+        { ", 'stop': {'least': 10}", "", "", "", "outside its stop" },
+        { ", 'stop': {'least': -1, 'restitution': 2}", "", "", "", "between 0 and 1" },
+        { "", "", "", ", 'springs': [{'joint': 'A'}]", "\"stiffness\" or \"law\" is missing" },
+        { "", "", "", ", 'springs': [{'joint': 'B', 'stiffness': 1}]", "no joint \"B\"" },
+        { "", "", "", ", 'springs': [{'joint': 'A', 'law': 'rate', 'free': 1}]", "leave \"free\" out" },
+        { "", "", "", ", 'springs': [{'joint': 'A', 'law': 'length'}]", "displacement, rate and t" },
+        { "", "", "", ", 'springs': [{'links': ['crank', 'crank'], 'at': [[0, 0], [1, 1]], 'stiffness': 1}]", "both ends are on link" },
+        { "", "", "", ", 'forces': [{'link': 'slide', 'fx': 1}]", "\"at\" is missing" },
+        { "", "", "", ", 'forces': [{'link': 'slide'}]", "needs \"fx\"" },
+        { "", "", "", ", 'forces': [{'link': 'slide', 'torque': 'q(P)'}]", "no joint \"P\"" },
+        { "", "", "", ", 'forces': [{'link': 'slide', 'torque': true}]", "a number or an expression" },
+        { "", "", "", ", 'motors': [{'joint': 'A', 'stall': 1, 'free_speed': -1}]", "same sign" },
+        { "", "", "", ", 'input': {'joint': 'A', 'motion': 't', 'speed': 1}", "keep one" },
+        { "", "", "", ", 'input': {'joint': 'A', 'motion': 'q(A)'}", "depends on t alone" },
+        { "", "", "", ", 'forces': [{'link': 'slide', 'torque': 'q(AA)'}]", "no joint \"AA\"; did you mean \"A\"?" },
+        { "", "", "", ", 'forces': [{'link': 'slide', 'torque': 'omega(slid)'}]", "did you mean \"slide\"?" },
+        { "", "", "", ", 'forces': [{'link': 'slide', 'torque': 'length(S)'}]", "no spring or cylinder between two points \"S\"" },
+        { "", "", "", ", 'forces': [{'link': 'slide', 'torque': 't**2'}]", "a power is written a^b" },
+        { "", "", "", ", 'springs': [{'name': 'S', 'joint': 'A', 'stiffness': 1}], "
+          "'dampers': [{'joint': 'A', 'damping': 1}, {'name': 'S', 'joint': 'A', 'damping': 1}]",
           "dampers[1]: this is the second damper of the name \"S\"" },
-        { "", "", "", ", \"forces\": [{\"name\": \"force 2\", \"link\": \"slide\", \"torque\": 1}, {\"link\": \"slide\", \"torque\": 1}]",
+        { "", "", "", ", 'forces': [{'name': 'force 2', 'link': 'slide', 'torque': 1}, {'link': 'slide', 'torque': 1}]",
           "second force of the name \"force 2\"" },
-        { "", "", ", \"shapes\": [{\"polygon\": [[0, 0], [1, 1], [1, 0], [0, 1]]}]", "", "the side from corner 3 meets that from corner 1" },
-        { "", "", ", \"shapes\": [{\"polygon\": [[0, 0], [1, 0], [1, 1], [0, 0]]}]", "", "the last corner is the first one again" },
-        { "", "", "", ", \"gravity\": 9.81", "a list" },
-        { "", "", "", ", \"gravty\": [0, 0]", "did you mean \"gravity\"" },
+        { "", "", ", 'shapes': [{'polygon': [[0, 0], [1, 1], [1, 0], [0, 1]]}]", "", "the side from corner 3 meets that from corner 1" },
+        { "", "", ", 'shapes': [{'polygon': [[0, 0], [1, 0], [1, 1], [0, 0]]}]", "", "the last corner is the first one again" },
+        { "", "", "", ", 'gravity': 9.81", "a list" },
+        { "", "", "", ", 'gravty': [0, 0]", "did you mean \"gravity\"" },
     };
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
         CHECK_INT(read_with(bad[i].pin, bad[i].slider, bad[i].crank, bad[i].more), LW_E_NOTATION);
@@ -141,8 +137,8 @@ TEST(faults)
 /* The column counts in the file, past escapes. */
 TEST(column_inside_an_expression)
 {
-    CHECK_INT(read_with("", "", "", ",\n\"input\": {\"joint\": \"A\", \"motion\": \"t + foo\"}"), LW_E_NOTATION);
+    CHECK_INT(read_with("", "", "", ",\n'input': {'joint': 'A', 'motion': 't + foo'}"), LW_E_NOTATION);
     CHECK_INT(e.column, 40);
-    CHECK_INT(read_with("", "", "", ",\n\"input\": {\"joint\": \"A\", \"motion\": \"\\u0074 + foo\"}"), LW_E_NOTATION);
+    CHECK_INT(read_with("", "", "", ",\n'input': {'joint': 'A', 'motion': '\\u0074 + foo'}"), LW_E_NOTATION);
     CHECK_INT(e.column, 45);
 }

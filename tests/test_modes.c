@@ -1,8 +1,7 @@
 /* tests/test_modes.c - eigenfrequencies with closed forms: pendula, chains, oscillators; rest; redundant rows. */
 #include "mbs/dynamics/dynamics.h"
 #include "mbs/dynamics/modes.h"
-#include <stdarg.h>
-#include "tests/check.h"
+#include "tests/json_text.h"
 #include "base/vec2.h"
 
 static const double g = 9.81;
@@ -20,7 +19,7 @@ static scene *make(const char *format, ...)
     va_end(arg);
     scene *s = calloc(1, sizeof *s);
     lw_error e = { 0 };
-    lw_status st = lw_model_read(text, (size_t)n, "test", &s->m, &e);
+    lw_status st = lw_model_read(json_quotes(text), (size_t)n, "test", &s->m, &e);
     if (st == LW_OK)
         st = lw_forces_system(&s->m, false, &s->s, &e);
     if (st == LW_OK)
@@ -52,7 +51,7 @@ static void drop(scene *s)
     free(s);
 }
 
-#define HEAD "{\"linkwright\": 1, \"gravity\": [0, -9.81], \"links\": [\"ground\", "
+#define HEAD "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', "
 
 /* ---- pendula ------------------------------------------------------------------------------------- */
 
@@ -60,11 +59,8 @@ static void drop(scene *s)
 TEST(pendulum)
 {
     for (int up = 0; up < 2; up++) {
-        scene *s = make(HEAD "{\"name\": \"bob\", \"mass\": 2.5, \"centre\": [%g, %g], \"inertia\": 0.3}], "
-                        "\"joints\": ["
-                        "{\"name\": \"A\", \"links\": [\"ground\", \"bob\"], \"at\": [1, 2]}], \"input\": "
-                        "{\"joint\": \"A\"}, "
-                        "\"tracers\": [{\"name\": \"P\", \"link\": \"bob\", \"at\": [1, 1]}]}", 1.0, up ? 2.7 : 1.3);
+        scene *s = make(HEAD "{'name': 'bob', 'mass': 2.5, 'centre': [%g, %g], 'inertia': 0.3}], 'joints': [{'name': 'A', 'links': ['ground', 'bob'], "
+                        "'at': [1, 2]}], 'input': {'joint': 'A'}, 'tracers': [{'name': 'P', 'link': 'bob', 'at': [1, 1]}]}", 1.0, up ? 2.7 : 1.3);
         double w = sqrt(2.5*g*0.7/(0.3 + 2.5*0.49));
         CHECK_INT(find(s, false, false), LW_OK);
         CHECK_INT(s->modes.freedom, 1);
@@ -83,11 +79,8 @@ TEST(pendulum)
 /* Two equal rods of length l, mass m at their ends: w^2 = (2 -+ sqrt 2) g/l; the second link turns +-sqrt 2 as far */
 TEST(double_pendulum)
 {
-    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 3, \"centre\": [0, -0.4]}, {\"name\": \"b\", \"mass\": 3, "
-                    "\"centre\": "
-                    "[0, -0.8]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, "
-                    "0]}, {\"name\": "
-                    "\"B\", \"links\": [\"a\", \"b\"], \"at\": [0, -0.4]}]}");
+    scene *s = make(HEAD "{'name': 'a', 'mass': 3, 'centre': [0, -0.4]}, {'name': 'b', 'mass': 3, 'centre': [0, -0.8]}], 'joints': [{'name': 'A', "
+                    "'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0, -0.4]}]}");
     CHECK_INT(find(s, false, false), LW_OK);
     CHECK_INT(s->modes.n_mode, 2);
     for (int i = 0; i < 2; i++) {
@@ -118,14 +111,13 @@ TEST(hanging_chains)
     for (int n = 2; n <= 20; n += 3) {
         char links[4096] = "", joints[4096] = "";
         for (int i = 1; i <= n; i++) {
-            snprintf(links + strlen(links), 200, "%s{\"name\": \"l%d\", \"mass\": 0.7, \"centre\": [0, %g]}",
+            snprintf(links + strlen(links), 200, "%s{'name': 'l%d', 'mass': 0.7, 'centre': [0, %g]}",
                      i > 1 ? ", " : "",
                      i, -0.25*i);
-            snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"links\": [\"%s%.0d\", \"l%d\"], "
-                     "\"at\": [0, %g]}",
+            snprintf(joints + strlen(joints), 200, "%s{'name': 'j%d', 'links': ['%s%.0d', 'l%d'], 'at': [0, %g]}",
                      i > 1 ? ", " : "", i, i > 1 ? "l" : "ground", i - 1, i, -0.25*(i - 1));
         }
-        scene *s = make(HEAD "%s], \"joints\": [%s]}", links, joints);
+        scene *s = make(HEAD "%s], 'joints': [%s]}", links, joints);
         CHECK_INT(find(s, false, false), LW_OK);
         CHECK_INT(s->modes.n_mode, n);
         for (int i = 0; i < n && i < s->modes.n_mode; i++) {
@@ -144,17 +136,16 @@ static scene *row_of_masses(int n, bool free, double damping)
 {
     char links[8192] = "", joints[8192] = "", springs[8192] = "";
     for (int i = 1; i <= n; i++) {
-        snprintf(links + strlen(links), 200, "%s{\"name\": \"l%d\", \"mass\": 2, \"centre\": [%d, 0], \"inertia\": 1}",
+        snprintf(links + strlen(links), 200, "%s{'name': 'l%d', 'mass': 2, 'centre': [%d, 0], 'inertia': 1}",
                  i > 1 ? ", " : "", i, i);
-        snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"kind\": \"t\", \"links\": [\"ground\", "
-        "\"l%d\"], "
-                 "\"at\": [%d, 0], \"along\": [1, 0]}", i > 1 ? ", " : "", i, i, i);
+        snprintf(joints + strlen(joints), 200, "%s{'name': 'j%d', 'kind': 't', 'links': ['ground', 'l%d'], 'at': [%d, 0], 'along': [1, "
+        "0]}", i > 1 ? ", " : "", i, i, i);
     }
     for (int i = free; i <= n - free; i++)
-        snprintf(springs + strlen(springs), 200, "%s{\"links\": [\"%s%.0d\", \"%s%.0d\"], \"at\": [[%d, 0], [%d, 0]], "
-                 "\"stiffness\": 5000, \"damping\": %.17g}", i > free ? ", " : "", i ? "l" : "ground", i,
+        snprintf(springs + strlen(springs), 200, "%s{'links': ['%s%.0d', '%s%.0d'], 'at': [[%d, 0], [%d, 0]], "
+                 "'stiffness': 5000, 'damping': %.17g}", i > free ? ", " : "", i ? "l" : "ground", i,
                  i < n ? "l" : "ground", i < n ? i + 1 : 0, i, i + 1, damping);
-    return make(HEAD "%s], \"joints\": [%s], \"springs\": [%s]}", links, joints, springs);
+    return make(HEAD "%s], 'joints': [%s], 'springs': [%s]}", links, joints, springs);
 }
 
 /* Half the wave of mode k (from 0) in a row: w = 2 sqrt(K/m) sin of it; free at both ends the first is a rigid
@@ -223,14 +214,12 @@ TEST(repeated)
         for (int n = 2; n <= 12; n += 5) {
             char links[4096] = "", joints[4096] = "";
             for (int i = 0; i < n; i++) {
-                snprintf(links + strlen(links), 200, "%s{\"name\": \"p%d\", \"mass\": 3, \"centre\": [%d, %g], "
-                "\"inertia\": 0.1}",
+                snprintf(links + strlen(links), 200, "%s{'name': 'p%d', 'mass': 3, 'centre': [%d, %g], 'inertia': 0.1}",
                          i ? ", " : "", i, i, up ? 0.7 : -0.7);
-                snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"links\": [\"ground\", \"p%d\"], "
-                "\"at\": [%d, 0]}",
+                snprintf(joints + strlen(joints), 200, "%s{'name': 'j%d', 'links': ['ground', 'p%d'], 'at': [%d, 0]}",
                          i ? ", " : "", i, i, i);
             }
-            scene *s = make(HEAD "%s], \"joints\": [%s]}", links, joints);
+            scene *s = make(HEAD "%s], 'joints': [%s]}", links, joints);
             CHECK_INT(find(s, false, false), LW_OK);
             CHECK_INT(s->modes.n_mode, n);
             double rate = sqrt(3*g*0.7/(0.1 + 3*0.49));
@@ -254,11 +243,8 @@ TEST(damping)
     const double m = 2, k = 800, w = 20;
     for (int i = 0; i < 5; i++) {
         double zeta = (double[]){ 0.01, 0.5, 0.999, 1.5, 20 }[i];
-        scene *s = make(HEAD "{\"name\": \"m\", \"mass\": %g, \"centre\": [0, 0]}], \"joints\": [{\"name\": "
-                        "\"A\", \"kind\": \"t\", "
-                        "\"links\": [\"ground\", \"m\"], \"at\": [0, 0], \"along\": [0.6, 0.8]}], \"springs\": "
-                        "[{\"joint\": \"A\", "
-                        "\"stiffness\": %g, \"damping\": %.17g}]}", m, k, 2*zeta*m*w);
+        scene *s = make(HEAD "{'name': 'm', 'mass': %g, 'centre': [0, 0]}], 'joints': [{'name': 'A', 'kind': 't', 'links': ['ground', 'm'], 'at': [0, 0], "
+                        "'along': [0.6, 0.8]}], 'springs': [{'joint': 'A', 'stiffness': %g, 'damping': %.17g}]}", m, k, 2*zeta*m*w);
         CHECK_INT(find(s, false, true), LW_OK);
         CHECK(!s->modes.conservative);
         CHECK_INT(s->modes.n_mode, zeta < 1 ? 1 : 2);
@@ -283,13 +269,9 @@ TEST(damping)
 /* A damped double oscillator: shapes have phases; eigenvalues satisfy det(M s^2 + C s + K) = 0 */
 TEST(phases)
 {
-    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0]}, {\"name\": \"b\", \"mass\": 3, "
-                    "\"centre\": [1, 0]}], "
-                    "\"joints\": [{\"name\": \"A\", \"kind\": \"t\", \"links\": [\"ground\", \"a\"], \"at\": [0, "
-                    "0], \"along\": [1, 0]}, "
-                    "{\"name\": \"B\", \"kind\": \"t\", \"links\": [\"a\", \"b\"], \"at\": [1, 0], \"along\": "
-                    "[1, 0]}], \"springs\": ["
-                    "{\"joint\": \"A\", \"stiffness\": 100}, {\"joint\": \"B\", \"stiffness\": 60, \"damping\": 4}]}");
+    scene *s = make(HEAD "{'name': 'a', 'mass': 1, 'centre': [0, 0]}, {'name': 'b', 'mass': 3, 'centre': [1, 0]}], 'joints': [{'name': 'A', 'kind': 't', "
+                    "'links': ['ground', 'a'], 'at': [0, 0], 'along': [1, 0]}, {'name': 'B', 'kind': 't', 'links': ['a', 'b'], 'at': [1, 0], 'along': [1, "
+                    "0]}], 'springs': [{'joint': 'A', 'stiffness': 100}, {'joint': 'B', 'stiffness': 60, 'damping': 4}]}");
     CHECK_INT(find(s, false, false), LW_OK);
     CHECK_INT(s->modes.n_mode, 2);
     for (int i = 0; i < s->modes.n_mode; i++) {
@@ -314,17 +296,11 @@ TEST(phases)
 /* A platform on three parallel massless rods of length l, one of them redundant: w^2 = g/l */
 TEST(redundant_swing)
 {
-    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 0, \"centre\": [0, 0]}, {\"name\": \"b\", \"mass\": 0, "
-                    "\"centre\": [0, 0]}, "
-                    "{\"name\": \"c\", \"mass\": 0, \"centre\": [0, 0]}, {\"name\": \"d\", \"mass\": 4, "
-                    "\"centre\": [1.3, -2], \"inertia\": 2}], "
-                    "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": "
-                    "\"B\", \"links\": [\"ground\", "
-                    "\"b\"], \"at\": [1, 0]}, {\"name\": \"C\", \"links\": [\"ground\", \"c\"], \"at\": [3, 0]}, "
-                    "{\"name\": \"D\", \"links\": [\"a\", "
-                    "\"d\"], \"at\": [0, -1.5]}, {\"name\": \"E\", \"links\": [\"b\", \"d\"], \"at\": [1, "
-                    "-1.5]}, {\"name\": \"F\", \"links\": [\"c\", "
-                    "\"d\"], \"at\": [3, -1.5]}], \"input\": {\"joint\": \"A\"}}");
+    scene *s = make(HEAD "{'name': 'a', 'mass': 0, 'centre': [0, 0]}, {'name': 'b', 'mass': 0, 'centre': [0, 0]}, {'name': 'c', 'mass': 0, 'centre': [0, "
+                    "0]}, {'name': 'd', 'mass': 4, 'centre': [1.3, -2], 'inertia': 2}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, "
+                    "{'name': 'B', 'links': ['ground', 'b'], 'at': [1, 0]}, {'name': 'C', 'links': ['ground', 'c'], 'at': [3, 0]}, {'name': 'D', 'links': "
+                    "['a', 'd'], 'at': [0, -1.5]}, {'name': 'E', 'links': ['b', 'd'], 'at': [1, -1.5]}, {'name': 'F', 'links': ['c', 'd'], 'at': [3, "
+                    "-1.5]}], 'input': {'joint': 'A'}}");
     CHECK_INT(find(s, false, false), LW_OK);
     CHECK_INT(s->modes.redundant, 1);
     CHECK_INT(s->modes.n_mode, 1);
@@ -341,17 +317,11 @@ TEST(slider_crank)
         double b = asin(r*sin(t)/l), db = r*cos(t)/(l*cos(b)), x = r*cos(t) + l*cos(b), dx = -r*sin(t) - l*sin(b)*db;
         double dcx = 0.5*(dx - r*sin(t)), dcy = 0.5*r*cos(t);
         double inertia = 0.05 + 1.3*0.16*r*r + 0.7*(dcx*dcx + dcy*dcy) + 0.02*db*db + 1.9*dx*dx;
-        scene *s = make("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"c\", \"mass\": 1.3, \"centre\": "
-        "[%.17g, %.17g], "
-            "\"inertia\": 0.05}, {\"name\": \"k\", \"mass\": 0.7, \"centre\": [%.17g, %.17g], \"inertia\": 0.02}, "
-            "{\"name\": \"s\", "
-            "\"mass\": 1.9, \"centre\": [%.17g, 0]}], \"joints\": [{\"name\": \"O\", \"links\": [\"ground\", \"c\"], "
-            "\"at\": "
-            "[0, 0]}, {\"name\": \"A\", \"links\": [\"c\", \"k\"], \"at\": [%.17g, %.17g]}, {\"name\": \"B\", "
-            "\"links\": [\"k\", "
-            "\"s\"], \"at\": [%.17g, 0]}, {\"name\": \"P\", \"kind\": \"t\", \"links\": [\"ground\", \"s\"], \"at\": "
-            "[%.17g, 0], "
-            "\"along\": [1, 0]}], \"springs\": [{\"joint\": \"P\", \"stiffness\": %g}]}", 0.4*r*cos(t), 0.4*r*sin(t),
+        scene *s = make("{'linkwright': 1, 'links': ['ground', {'name': 'c', 'mass': 1.3, 'centre': [%.17g, %.17g], 'inertia': 0.05}, {'name': 'k', "
+        "'mass': 0.7, 'centre': [%.17g, %.17g], 'inertia': 0.02}, {'name': 's', 'mass': 1.9, 'centre': [%.17g, 0]}], 'joints': [{'name': 'O', 'links': "
+        "['ground', 'c'], 'at': [0, 0]}, {'name': 'A', 'links': ['c', 'k'], 'at': [%.17g, %.17g]}, {'name': 'B', 'links': ['k', 's'], 'at': [%.17g, 0]}, "
+        "{'name': 'P', 'kind': 't', 'links': ['ground', 's'], 'at': [%.17g, 0], 'along': [1, 0]}], 'springs': [{'joint': 'P', 'stiffness': "
+        "%g}]}", 0.4*r*cos(t), 0.4*r*sin(t),
             0.5*(r*cos(t) + x), 0.5*r*sin(t), x, r*cos(t), r*sin(t), x, x, k);
         CHECK_INT(find(s, false, false), LW_OK);
         CHECK_INT(s->modes.n_mode, 1);
@@ -364,14 +334,9 @@ TEST(slider_crank)
 /* A pair of wheels, the second turning z times as fast, a torsion spring at the first: w^2 = K/(I1 + z^2 I2) */
 TEST(geared_wheels)
 {
-    scene *s = make("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0], "
-    "\"inertia\": 0.4}, "
-        "{\"name\": \"b\", \"mass\": 3, \"centre\": [3.5, 0], \"inertia\": 5}], \"joints\": [{\"name\": \"A\", "
-        "\"links\": [\"ground\", "
-        "\"a\"], \"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"ground\", \"b\"], \"at\": [3.5, 0]}, {\"name\": "
-        "\"G\", \"kind\": "
-        "\"g\", \"links\": [\"a\", \"b\"], \"at\": [1, 0], \"ratio\": -2.5}], \"springs\": [{\"joint\": \"A\", "
-        "\"stiffness\": 9}]}");
+    scene *s = make("{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0], 'inertia': 0.4}, {'name': 'b', 'mass': 3, 'centre': "
+    "[3.5, 0], 'inertia': 5}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['ground', 'b'], 'at': [3.5, 0]}, "
+    "{'name': 'G', 'kind': 'g', 'links': ['a', 'b'], 'at': [1, 0], 'ratio': -2.5}], 'springs': [{'joint': 'A', 'stiffness': 9}]}");
     CHECK_INT(find(s, false, false), LW_OK);
     CHECK_INT(s->modes.n_mode, 1);
     CHECK_NEAR(s->modes.mode[0].im, sqrt(9/(0.4 + 5*6.25)), 0, 1e-12);
@@ -382,18 +347,11 @@ TEST(geared_wheels)
  * differences of the potential and of the places */
 TEST(four_bar_at_rest)
 {
-    scene *s = make(HEAD "{\"name\": \"crank\", \"mass\": 1, \"centre\": [0, 0.5], \"inertia\": 0.1}, {\"name\": "
-                    "\"coupler\", \"mass\": 2, "
-                    "\"centre\": [1.5, 1.4], \"inertia\": 0.5}, {\"name\": \"rocker\", \"mass\": 1.5, "
-                    "\"centre\": [3, 1], \"inertia\": 0.4}], "
-                    "\"joints\": [{\"name\": \"O\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0]}, "
-                    "{\"name\": \"A\", \"links\": [\"crank\", "
-                    "\"coupler\"], \"at\": [0, 1]}, {\"name\": \"B\", \"links\": [\"coupler\", \"rocker\"], "
-                    "\"at\": [3, 2]}, {\"name\": \"C\", "
-                    "\"links\": [\"ground\", \"rocker\"], \"at\": [3, 0]}], \"input\": {\"joint\": \"O\"}, "
-                    "\"springs\": [{\"joint\": \"O\", "
-                    "\"stiffness\": 40}, {\"links\": [\"ground\", \"rocker\"], \"at\": [[4, 0], [3, 1.5]], "
-                    "\"stiffness\": 30, \"free\": 1}]}");
+    scene *s = make(HEAD "{'name': 'crank', 'mass': 1, 'centre': [0, 0.5], 'inertia': 0.1}, {'name': 'coupler', 'mass': 2, 'centre': [1.5, 1.4], "
+                    "'inertia': 0.5}, {'name': 'rocker', 'mass': 1.5, 'centre': [3, 1], 'inertia': 0.4}], 'joints': [{'name': 'O', 'links': ['ground', "
+                    "'crank'], 'at': [0, 0]}, {'name': 'A', 'links': ['crank', 'coupler'], 'at': [0, 1]}, {'name': 'B', 'links': ['coupler', 'rocker'], "
+                    "'at': [3, 2]}, {'name': 'C', 'links': ['ground', 'rocker'], 'at': [3, 0]}], 'input': {'joint': 'O'}, 'springs': [{'joint': 'O', "
+                    "'stiffness': 40}, {'links': ['ground', 'rocker'], 'at': [[4, 0], [3, 1.5]], 'stiffness': 30, 'free': 1}]}");
     CHECK_INT(find(s, false, true), LW_OK);
     CHECK_INT(s->modes.n_mode, 1);
     CHECK_NEAR(s->modes.unbalanced, 0, 1e-12, 0);
@@ -429,9 +387,8 @@ TEST(finds_rest)
 {
     for (int i = 0; i < 4; i++) {
         double angle = (double[]){ 1.2, 3.0, -2.0, LW_PI - 1e-6 }[i];
-        scene *s = make(HEAD "{\"name\": \"bob\", \"mass\": 2, \"centre\": [%.17g, %.17g], \"inertia\": 0.1}], "
-                        "\"joints\": [{\"name\": "
-                        "\"A\", \"links\": [\"ground\", \"bob\"], \"at\": [0, 0]}]}", sin(angle), -cos(angle));
+        scene *s = make(HEAD "{'name': 'bob', 'mass': 2, 'centre': [%.17g, %.17g], 'inertia': 0.1}], 'joints': [{'name': 'A', 'links': ['ground', 'bob'], "
+                        "'at': [0, 0]}]}", sin(angle), -cos(angle));
         CHECK_INT(find(s, false, false), LW_OK);
         CHECK(s->modes.unbalanced > 1e-7);
         CHECK_INT(find(s, false, true), LW_OK);
@@ -440,11 +397,8 @@ TEST(finds_rest)
         CHECK_NEAR(s->modes.unbalanced, 0, 1e-12, 0);
         drop(s);
     }
-    scene *s = make("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"m\", \"mass\": 1, \"centre\": [0, "
-                    "0]}], \"joints\": ["
-                    "{\"name\": \"A\", \"kind\": \"t\", \"links\": [\"ground\", \"m\"], \"at\": [0, 0], "
-                    "\"along\": [1, 0]}], \"forces\": ["
-                    "{\"link\": \"m\", \"at\": [0, 0], \"fx\": 5}]}");
+    scene *s = make("{'linkwright': 1, 'links': ['ground', {'name': 'm', 'mass': 1, 'centre': [0, 0]}], 'joints': [{'name': 'A', 'kind': 't', 'links': "
+                    "['ground', 'm'], 'at': [0, 0], 'along': [1, 0]}], 'forces': [{'link': 'm', 'at': [0, 0], 'fx': 5}]}");
     CHECK_INT(find(s, false, true), LW_E_NUMERIC);               /* driven away for ever */
     drop(s);
 }
@@ -467,25 +421,14 @@ static lw_status listen(scene *s, bool hold, double *peak)
 TEST(frequencies_from_spectra)
 {
     static const char *const model[] = {
-        HEAD "{\"name\": \"a\", \"mass\": 3, \"centre\": [0, -0.4]}, {\"name\": \"b\", \"mass\": 3, \"centre\": "
-        "[0, -0.8], "
-        "\"inertia\": 0.01}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, "
-        "{\"name\": \"B\", "
-        "\"links\": [\"a\", \"b\"], \"at\": [0, -0.4]}]}",
+        HEAD "{'name': 'a', 'mass': 3, 'centre': [0, -0.4]}, {'name': 'b', 'mass': 3, 'centre': [0, -0.8], 'inertia': 0.01}], 'joints': [{'name': 'A', "
+        "'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0, -0.4]}]}",
         /* damped, and a loop with springs */
-        HEAD "{\"name\": \"crank\", \"mass\": 1, \"centre\": [0, 0.5], \"inertia\": 0.1}, {\"name\": "
-        "\"coupler\", \"mass\": 2, "
-        "\"centre\": [1.5, 1.4], \"inertia\": 0.5}, {\"name\": \"rocker\", \"mass\": 1.5, \"centre\": [3, 1], "
-        "\"inertia\": 0.4}, "
-        "{\"name\": \"bob\", \"mass\": 0.4, \"centre\": [2, 0.7], \"inertia\": 0.02}], \"joints\": [{\"name\": "
-        "\"O\", \"links\": "
-        "[\"ground\", \"crank\"], \"at\": [0, 0]}, {\"name\": \"A\", \"links\": [\"crank\", \"coupler\"], "
-        "\"at\": [0, 1]}, "
-        "{\"name\": \"B\", \"links\": [\"coupler\", \"rocker\"], \"at\": [3, 2]}, {\"name\": \"C\", \"links\": "
-        "[\"ground\", "
-        "\"rocker\"], \"at\": [3, 0]}, {\"name\": \"D\", \"links\": [\"coupler\", \"bob\"], \"at\": [2, 1.6]}], "
-        "\"input\": "
-        "{\"joint\": \"O\"}, \"springs\": [{\"joint\": \"O\", \"stiffness\": 400, \"damping\": 0.5}]}" };
+        HEAD "{'name': 'crank', 'mass': 1, 'centre': [0, 0.5], 'inertia': 0.1}, {'name': 'coupler', 'mass': 2, 'centre': [1.5, 1.4], 'inertia': 0.5}, "
+        "{'name': 'rocker', 'mass': 1.5, 'centre': [3, 1], 'inertia': 0.4}, {'name': 'bob', 'mass': 0.4, 'centre': [2, 0.7], 'inertia': 0.02}], 'joints': "
+        "[{'name': 'O', 'links': ['ground', 'crank'], 'at': [0, 0]}, {'name': 'A', 'links': ['crank', 'coupler'], 'at': [0, 1]}, {'name': 'B', 'links': "
+        "['coupler', 'rocker'], 'at': [3, 2]}, {'name': 'C', 'links': ['ground', 'rocker'], 'at': [3, 0]}, {'name': 'D', 'links': ['coupler', 'bob'], "
+        "'at': [2, 1.6]}], 'input': {'joint': 'O'}, 'springs': [{'joint': 'O', 'stiffness': 400, 'damping': 0.5}]}" };
     for (int i = 0; i < 2; i++) {
         scene *s = make("%s", model[i]);
         double peak[2*LW_SYSTEM_Q_MAX];
@@ -504,9 +447,8 @@ TEST(frequencies_from_spectra)
         }
         drop(s);
     }
-    scene *s = make(HEAD "{\"name\": \"m\", \"mass\": 1, \"centre\": [0, 0], \"inertia\": 1}], \"joints\": "
-                    "[{\"name\": \"A\", "
-                    "\"kind\": \"t\", \"links\": [\"ground\", \"m\"], \"at\": [0, 0], \"along\": [1, 0]}]}");
+    scene *s = make(HEAD "{'name': 'm', 'mass': 1, 'centre': [0, 0], 'inertia': 1}], 'joints': [{'name': 'A', 'kind': 't', 'links': ['ground', 'm'], "
+                    "'at': [0, 0], 'along': [1, 0]}]}");
     double peak[2*LW_SYSTEM_Q_MAX];
     CHECK_INT(find(s, false, false), LW_OK);
     CHECK_INT(listen(s, false, peak), LW_NOTHING);
@@ -516,11 +458,8 @@ TEST(frequencies_from_spectra)
 
 TEST(refused)
 {
-    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 1, \"centre\": [0, -1]}, {\"name\": \"feather\", \"mass\": "
-                    "0, \"centre\": [0, 0]}], "
-                    "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": "
-                    "\"B\", \"links\": [\"a\", "
-                    "\"feather\"], \"at\": [0, -1]}]}");
+    scene *s = make(HEAD "{'name': 'a', 'mass': 1, 'centre': [0, -1]}, {'name': 'feather', 'mass': 0, 'centre': [0, 0]}], 'joints': [{'name': 'A', "
+                    "'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'feather'], 'at': [0, -1]}]}");
     lw_modes_options o = { 0 };
     lw_error e = { 0 };
     CHECK_INT(lw_modes_find(&s->f, &o, 0, s->q, &s->modes, &e), LW_E_ARG);

@@ -10,11 +10,9 @@ static drun d;
 static void read_model(const char *profiles, const char *rest)
 {
     char text[3000];
-    snprintf(text, sizeof text, "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'cart', 'mass': 2, "
-             "'centre': [0, 0], 'inertia': 1}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'cart'], "
-             "'at': [0, 0], 'along': [1, 0]}], 'profiles': [%s], %s}", profiles, rest);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_format(text, sizeof text, "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'cart', 'mass': 2, "
+                "'centre': [0, 0], 'inertia': 1}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'cart'], "
+                "'at': [0, 0], 'along': [1, 0]}], 'profiles': [%s], %s}", profiles, rest);
     drun_read_text(&d, text);
 }
 
@@ -92,8 +90,7 @@ TEST(runs_stop_at_kinks)
     for (int k = 0; k < 4; k++) {
         double x, v;
         read_model("{'name': 'go', 'speed': 3, 'acceleration': 20, 'start': 0.1, 'moves': [{'to': 1}, {'to': 0}]}",
-                   "'input': {'joint': 'S', 'speed': 0}, 'forces': [{'link': 'cart', 'at': [0, 0], "
-                   "'fx': '2*profile(go, mod(t, 0.75))'}]");
+                   "'input': {'joint': 'S', 'speed': 0}, 'forces': [{'link': 'cart', 'at': [0, 0], 'fx': '2*profile(go, mod(t, 0.75))'}]");
         CHECK_INT(drun_to(&d, formulation[k], 1e-8, 2, 8), LW_OK);
         CHECK_TEXT(d.e.text, "");
         CHECK_INT(d.n_moment, 9);
@@ -166,11 +163,9 @@ static void refused(const char *profiles, const char *rest, const char *why)
     char text[2000];
     lw_model m;
     lw_error e = { 0 };
-    snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', 'cart'], 'joints': [{'name': 'S', 'kind': 't', 'links': "
-             "['ground', 'cart'], 'at': [0, 0], 'along': [1, 0]}], 'profiles': [%s], 'input': {'joint': 'S', 'motion': '%s'}}",
-             profiles, rest);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_format(text, sizeof text, "{'linkwright': 1, 'links': ['ground', 'cart'], 'joints': [{'name': 'S', 'kind': 't', 'links': "
+                "['ground', 'cart'], 'at': [0, 0], 'along': [1, 0]}], 'profiles': [%s], 'input': {'joint': 'S', 'motion': '%s'}}",
+                profiles, rest);
     CHECK_INT(lw_model_read(text, strlen(text), "text", &m, &e), LW_E_NOTATION);
     CHECK_HAS(e.text, why);
     CHECK(e.line > 0 && e.column > 0);
@@ -213,20 +208,19 @@ TEST(power_and_frequency)
 /* The same profile in a model in space. */
 TEST(profile_in_space)
 {
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"cart\", \"mass\": 2, \"centre\": [0, 0, 0], "
-        "\"inertia\": [1, 1, 1]}], \"joints\": [{\"name\": \"S\", \"kind\": \"prismatic\", \"links\": [\"ground\", \"cart\"], "
-        "\"at\": [0, 0, 0], \"axis\": [1, 0, 0]}], \"profiles\": [{\"name\": \"go\", \"acceleration\": 20, \"jerk\": 400, "
-        "\"moves\": [{\"to\": 1}]}], \"inputs\": [{\"joint\": \"S\", \"motion\": \"%s\"}]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'cart', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [1, 1, 1]}], 'joints': "
+        "[{'name': 'S', 'kind': 'prismatic', 'links': ['ground', 'cart'], 'at': [0, 0, 0], 'axis': [1, 0, 0]}], 'profiles': [{'name': 'go', "
+        "'acceleration': 20, 'jerk': 400, 'moves': [{'to': 1}]}], 'inputs': [{'joint': 'S', 'motion': '%s'}]}";
     char own[900];
     lw_spatial m;
     lw_error e = { 0 };
-    snprintf(own, sizeof own, text, "0.1 + 2*profile(go)");
+    json_format(own, sizeof own, text, "0.1 + 2*profile(go)");
     CHECK_INT(lw_spatial_read(own, strlen(own), "f", &m, &e), LW_OK);
     CHECK_NEAR(m.profile[0].end, 0.5, 1e-12, 0);
     for (double t = -0.1; t < 0.7; t += 0.05)
         CHECK_NEAR(lw_expression_value(m.input[0].motion, &t), 0.1 + 2*lw_moves_at(&m.profile[0], t).x, 1e-15, 0);
     lw_spatial_free(&m);
-    snprintf(own, sizeof own, text, "profile(gone)");
+    json_format(own, sizeof own, text, "profile(gone)");
     CHECK_INT(lw_spatial_read(own, strlen(own), "f", &m, &e), LW_E_NOTATION);
     CHECK_HAS(e.text, "gone");
 }
@@ -246,13 +240,12 @@ static lw_status last_input(void *context, const lw_moment *moment)
 /* A cart in space under a force with steps of the jerk: the error follows the tolerance, so no step goes over a kink. */
 TEST(runs_in_space_stop_at_kinks)
 {
-    static const char *const load[] = { "\"forces\": [{\"link\": \"cart\", \"at\": [0, 0, 0], \"fx\": \"2*profile(go, mod(t, 0.75))\"}]",
-                                        "\"springs\": [{\"joint\": \"S\", \"law\": \"2*profile(go, mod(t, 0.75))\"}]" };
-    static const char text[] = "{%s, \"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"cart\", \"mass\": 2, \"centre\": "
-        "[0, 0, 0], \"inertia\": [1, 1, 1]}], \"joints\": [{\"name\": \"S\", \"kind\": \"prismatic\", \"links\": [\"ground\", "
-        "\"cart\"], \"at\": [0, 0, 0], \"axis\": [1, 0, 0]}], \"profiles\": [{\"name\": \"go\", \"speed\": 3, \"acceleration\": 20, "
-        "\"jerk\": 400, \"start\": 0.05, \"moves\": [{\"to\": 0.4, \"dwell\": 0.03}, {\"to\": 0}]}], "
-        "\"inputs\": [{\"joint\": \"S\", \"speed\": 0}]}";
+    static const char *const load[] = { "'forces': [{'link': 'cart', 'at': [0, 0, 0], 'fx': '2*profile(go, mod(t, 0.75))'}]",
+                                        "'springs': [{'joint': 'S', 'law': '2*profile(go, mod(t, 0.75))'}]" };
+    static const char text[] = "{%s, 'linkwright': 1, 'links': ['ground', {'name': 'cart', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [1, 1, 1]}], "
+        "'joints': [{'name': 'S', 'kind': 'prismatic', 'links': ['ground', 'cart'], 'at': [0, 0, 0], 'axis': [1, 0, 0]}], 'profiles': [{'name': 'go', "
+        "'speed': 3, 'acceleration': 20, 'jerk': 400, 'start': 0.05, 'moves': [{'to': 0.4, 'dwell': 0.03}, {'to': 0}]}], 'inputs': [{'joint': 'S', "
+        "'speed': 0}]}";
     static const lw_formulation formulation[] = { LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_RADAU };
     char own[1500];
     lw_spatial m;
@@ -263,7 +256,7 @@ TEST(runs_in_space_stop_at_kinks)
     exact_motion(2, &x, &v);
     lw_model_free(&d.model);
     for (int k = 0; k < 6; k++) {
-        snprintf(own, sizeof own, text, load[k%2]);
+        json_format(own, sizeof own, text, load[k%2]);
         CHECK_INT(lw_spatial_read(own, strlen(own), "f", &m, &e), LW_OK);
         CHECK_TEXT(e.text, "");
         for (double tolerance = 1e-4; tolerance > 1e-11; tolerance *= 1e-3) {

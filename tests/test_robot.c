@@ -9,27 +9,12 @@
 #include "mbs/dynamics/modes.h"
 #include "mbs/space/space_adjust.h"
 #include "mbs/space/space_mobility.h"
-#include "tests/check.h"
-
-static bool read_model(const char *file, lw_spatial *m)
-{
-    char *text;
-    size_t size;
-    lw_error e = { 0 };
-    bool good = lw_file_read(file, &text, &size, &e) == LW_OK && lw_spatial_read(text, size, file, m, &e) == LW_OK;
-    CHECK(good);
-    if (good)
-        free(text);
-    else
-        fprintf(stderr, "%s\n", e.text);
-    return good;
-}
+#include "tests/spatial_models.h"
 
 static bool make(const char *file, lw_spatial *m, lw_robot *r)
 {
     lw_error e = { 0 };
-    if (!read_model(file, m))
-        return false;
+    load_spatial_file(file, m);
     bool good = lw_robot_make(m, NULL, r, &e) == LW_OK;
     CHECK(good);
     if (!good) {
@@ -227,28 +212,28 @@ static bool make_delta(const proportions *d, lw_spatial *m, lw_robot *r)
     static char text[8192];
     size_t n = 0, size = sizeof text;
     lw_error e = { 0 };
-    n += (size_t)snprintf(text, size, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"plate\"}");
+    n += (size_t)snprintf(text, size, "{'linkwright': 1, 'links': ['ground', {'name': 'plate'}");
     for (int i = 0; i < 3; i++)
-        n += (size_t)snprintf(text + n, size - n, ", {\"name\": \"a%d\"}, {\"name\": \"l%d\"}, {\"name\": \"r%d\"}", i, i, i);
-    n += (size_t)snprintf(text + n, size - n, "], \"joints\": [");
+        n += (size_t)snprintf(text + n, size - n, ", {'name': 'a%d'}, {'name': 'l%d'}, {'name': 'r%d'}", i, i, i);
+    n += (size_t)snprintf(text + n, size - n, "], 'joints': [");
     for (int i = 0; i < 3; i++) {
         double c = cos(2*LW_PI*i/3), s = sin(2*LW_PI*i/3);
         lw_vec3 knee = knee_of(d, i, lw_v3(0, 0, d->z));
-        n += (size_t)snprintf(text + n, size - n, "%s{\"name\": \"M%d\", \"links\": [\"ground\", \"a%d\"], \"at\": [%.17g, %.17g, 0], \"axis\": [%.17g, %.17g, 0]",
+        n += (size_t)snprintf(text + n, size - n, "%s{'name': 'M%d', 'links': ['ground', 'a%d'], 'at': [%.17g, %.17g, 0], 'axis': [%.17g, %.17g, 0]",
                               i ? ", " : "", i, i, d->base*c, d->base*s, -s, c);
-        n += d->stop > 0 ? (size_t)snprintf(text + n, size - n, ", \"stop\": {\"least\": %.17g, \"greatest\": %.17g}}", -d->stop, d->stop)
+        n += d->stop > 0 ? (size_t)snprintf(text + n, size - n, ", 'stop': {'least': %.17g, 'greatest': %.17g}}", -d->stop, d->stop)
                          : (size_t)snprintf(text + n, size - n, "}");
         lw_vec3 along = lw_v3_sub(lw_v3(d->plate*c, d->plate*s, d->z), knee);
         for (int side = 0; side < 2; side++) {
             double x = side ? 0.05*s : -0.05*s, y = side ? -0.05*c : 0.05*c;
-            n += (size_t)snprintf(text + n, size - n, ", {\"name\": \"E%d%d\", \"kind\": \"b\", \"links\": [\"a%d\", \"%c%d\"], \"at\": [%.17g, %.17g, %.17g], \"cone\": {\"axis\": "
-                                  "[%.17g, %.17g, %.17g], \"angle\": %.17g}}, {\"name\": \"P%d%d\", \"kind\": \"b\", \"links\": [\"plate\", \"%c%d\"], \"at\": [%.17g, %.17g, %.17g]}", i, side, i,
+            n += (size_t)snprintf(text + n, size - n, ", {'name': 'E%d%d', 'kind': 'b', 'links': ['a%d', '%c%d'], 'at': [%.17g, %.17g, %.17g], 'cone': {'axis': "
+                                  "[%.17g, %.17g, %.17g], 'angle': %.17g}}, {'name': 'P%d%d', 'kind': 'b', 'links': ['plate', '%c%d'], 'at': [%.17g, %.17g, %.17g]}", i, side, i,
                                   side ? 'r' : 'l', i, knee.x + x, knee.y + y, knee.z, along.x, along.y, along.z, d->cone > 0 ? d->cone : LW_PI, i, side, side ? 'r' : 'l', i, d->plate*c + x, d->plate*s + y, d->z);
         }
     }
-    n += (size_t)snprintf(text + n, size - n, "], \"drives\": [{\"joint\": \"M0\"}, {\"joint\": \"M1\"}, {\"joint\": \"M2\"}], \"tracers\": [{\"name\": \"T\", "
-                          "\"link\": \"plate\", \"at\": [0, 0, %.17g]}]}", d->z);
-    return lw_spatial_read(text, n, "delta", m, &e) == LW_OK && lw_robot_make(m, NULL, r, &e) == LW_OK;
+    n += (size_t)snprintf(text + n, size - n, "], 'drives': [{'joint': 'M0'}, {'joint': 'M1'}, {'joint': 'M2'}], 'tracers': [{'name': 'T', "
+                          "'link': 'plate', 'at': [0, 0, %.17g]}]}", d->z);
+    return lw_spatial_read(json_quotes(text), n, "delta", m, &e) == LW_OK && lw_robot_make(m, NULL, r, &e) == LW_OK;
 }
 
 /* A way ends where the three bars lie in one plane, also if the robot could be assembled beyond: DELTA robots of any proportions. */
@@ -335,16 +320,15 @@ TEST(stops_and_cones_of_a_delta)
 /* A stop beyond half a turn: the drive at 190 degrees of -10 to 200 is free, and is stopped at 200. */
 TEST(a_stop_beyond_half_a_turn)
 {
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\"}, {\"name\": \"b\"}], \"joints\": [{\"name\": \"A\", \"links\": "
-        "[\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1], \"stop\": {\"least\": -0.17453292519943295, \"greatest\": 3.4906585039886591}}, {\"name\": "
-        "\"E\", \"links\": [\"a\", \"b\"], \"at\": [1, 0, 0], \"axis\": [0, 0, 1]}], \"drives\": [{\"joint\": \"A\"}, {\"joint\": \"E\"}], \"tracers\": "
-        "[{\"name\": \"T\", \"link\": \"b\", \"at\": [1, 0.8, 0]}]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a'}, {'name': 'b'}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], "
+        "'at': [0, 0, 0], 'axis': [0, 0, 1], 'stop': {'least': -0.17453292519943295, 'greatest': 3.4906585039886591}}, {'name': 'E', 'links': ['a', 'b'], "
+        "'at': [1, 0, 0], 'axis': [0, 0, 1]}], 'drives': [{'joint': 'A'}, {'joint': 'E'}], 'tracers': [{'name': 'T', 'link': 'b', 'at': [1, 0.8, 0]}]}";
     lw_spatial m;
     lw_robot r;
     lw_robot_pose p;
     lw_error e = { 0 };
     const double at = 190*LW_PI/180;
-    CHECK_INT(lw_spatial_read(text, sizeof text - 1, "arm", &m, &e), LW_OK);
+    read_spatial(text, "arm", &m);
     CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
     CHECK_INT(lw_robot_drive(&r, (const double[]){ at, 0 }, &e), LW_OK);
     CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
@@ -360,11 +344,10 @@ TEST(a_stop_beyond_half_a_turn)
 /* A five-bar whose rods come into one line 0.22 along this way, where the next posture of the same cranks is near. */
 TEST(a_five_bar_is_stretched)
 {
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", \"a\", \"b\", \"c\", \"d\"], \"joints\": ["
-        "{\"name\": \"A\", \"kind\": \"r\", \"links\": [\"ground\", \"a\"], \"at\": [-0.3323, 0]}, {\"name\": \"B\", \"kind\": \"r\", \"links\": [\"ground\", "
-        "\"b\"], \"at\": [0.3662, -0.0158]}, {\"name\": \"C\", \"kind\": \"r\", \"links\": [\"a\", \"c\"], \"at\": [-0.371, 0.4874]}, {\"name\": \"D\", "
-        "\"kind\": \"r\", \"links\": [\"b\", \"d\"], \"at\": [0.6394, 0.4602]}, {\"name\": \"P\", \"kind\": \"r\", \"links\": [\"c\", \"d\"], \"at\": "
-        "[-0.3779, 0.58]}], \"inputs\": [{\"joint\": \"A\"}, {\"joint\": \"B\"}], \"tracers\": [{\"name\": \"P\", \"link\": \"c\", \"at\": [-0.3779, 0.58]}]}";
+    static char text[] = "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', 'd'], 'joints': [{'name': 'A', 'kind': 'r', 'links': ['ground', 'a'], "
+        "'at': [-0.3323, 0]}, {'name': 'B', 'kind': 'r', 'links': ['ground', 'b'], 'at': [0.3662, -0.0158]}, {'name': 'C', 'kind': 'r', 'links': ['a', "
+        "'c'], 'at': [-0.371, 0.4874]}, {'name': 'D', 'kind': 'r', 'links': ['b', 'd'], 'at': [0.6394, 0.4602]}, {'name': 'P', 'kind': 'r', 'links': "
+        "['c', 'd'], 'at': [-0.3779, 0.58]}], 'inputs': [{'joint': 'A'}, {'joint': 'B'}], 'tracers': [{'name': 'P', 'link': 'c', 'at': [-0.3779, 0.58]}]}";
     const lw_vec3 axis[] = { { -0.3323, 0, 0 }, { 0.3662, -0.0158, 0 } }, at = { -0.3779, 0.58, 0 }, way = { cos(-LW_PI/6), sin(-LW_PI/6), 0 };
     const lw_vec3 knee[] = { { -0.371, 0.4874, 0 }, { 0.6394, 0.4602, 0 } };
     lw_model p;
@@ -372,7 +355,7 @@ TEST(a_five_bar_is_stretched)
     lw_robot r;
     lw_error e = { 0 };
     double far, least = 0, first = 0;
-    CHECK_INT(lw_model_read(text, sizeof text - 1, "five-bar", &p, &e), LW_OK);
+    CHECK_INT(lw_model_read(json_quotes(text), sizeof text - 1, "five-bar", &p, &e), LW_OK);
     CHECK_INT(lw_spatial_of_planar(&p, &m, &e), LW_OK);
     CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
     CHECK_INT(lw_robot_reach(&r, way, 2, &far, &e), LW_OK);
@@ -436,17 +419,17 @@ TEST(five_bars_in_closed_form)
             continue;
         n++;
         char text[1200];
-        int size = snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", \"a\", \"b\", \"c\", \"d\"], \"joints\": ["
-            "{\"name\": \"A\", \"kind\": \"r\", \"links\": [\"ground\", \"a\"], \"at\": [%.17g, 0]}, {\"name\": \"B\", \"kind\": \"r\", \"links\": [\"ground\", "
-            "\"b\"], \"at\": [%.17g, 0]}, {\"name\": \"C\", \"kind\": \"r\", \"links\": [\"a\", \"c\"], \"at\": [%.17g, %.17g]}, {\"name\": \"D\", "
-            "\"kind\": \"r\", \"links\": [\"b\", \"d\"], \"at\": [%.17g, %.17g]}, {\"name\": \"P\", \"kind\": \"r\", \"links\": [\"c\", \"d\"], \"at\": "
-            "[%.17g, %.17g]}], \"inputs\": [{\"joint\": \"A\"}, {\"joint\": \"B\"}], \"tracers\": [{\"name\": \"P\", \"link\": \"c\", \"at\": [%.17g, %.17g]}]}",
+        int size = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', 'd'], 'joints': ["
+            "{'name': 'A', 'kind': 'r', 'links': ['ground', 'a'], 'at': [%.17g, 0]}, {'name': 'B', 'kind': 'r', 'links': ['ground', "
+            "'b'], 'at': [%.17g, 0]}, {'name': 'C', 'kind': 'r', 'links': ['a', 'c'], 'at': [%.17g, %.17g]}, {'name': 'D', "
+            "'kind': 'r', 'links': ['b', 'd'], 'at': [%.17g, %.17g]}, {'name': 'P', 'kind': 'r', 'links': ['c', 'd'], 'at': "
+            "[%.17g, %.17g]}], 'inputs': [{'joint': 'A'}, {'joint': 'B'}], 'tracers': [{'name': 'P', 'link': 'c', 'at': [%.17g, %.17g]}]}",
             g.axis[0], g.axis[1], knee[0].x, knee[0].y, knee[1].x, knee[1].y, at.x, at.y, at.x, at.y);
         lw_model p;
         lw_spatial m;
         lw_robot r;
         lw_error e = { 0 };
-        CHECK_INT(lw_model_read(text, (size_t)size, "five-bar", &p, &e), LW_OK);
+        CHECK_INT(lw_model_read(json_quotes(text), (size_t)size, "five-bar", &p, &e), LW_OK);
         CHECK_INT(lw_spatial_of_planar(&p, &m, &e), LW_OK);
         CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
         for (int i = 0; i < 12; i++) {                     /* one after the other: none begins with what the end of another left */
@@ -560,13 +543,11 @@ TEST(bad_robots)
     lw_spatial m;
     lw_robot r;
     lw_error e = { 0 };
-    if (!read_model("examples/space/delta.json", &m))
-        return;
+    load_spatial("delta", &m);
     CHECK_INT(lw_robot_make(&m, "tol", &r, &e), LW_E_ARG);
     CHECK_HAS(e.text, "tool");
     lw_spatial_free(&m);
-    if (!read_model("examples/space/top.json", &m))
-        return;
+    load_spatial("top", &m);
     CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_E_ARG);
     lw_spatial_free(&m);
 }
@@ -785,15 +766,14 @@ TEST(elastic_links_as_rigid_bars)
 /* A stretched arm of two links in its plane: no motion along the arm, whether the file or a move brings it there. */
 TEST(a_straight_arm_is_singular)
 {
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\"}, {\"name\": \"b\"}], \"joints\": "
-        "[{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, {\"name\": \"E\", \"links\": "
-        "[\"a\", \"b\"], \"at\": [1, 0, 0], \"axis\": [0, 0, 1]}], \"drives\": [{\"joint\": \"A\"}, {\"joint\": \"E\"}], \"tracers\": "
-        "[{\"name\": \"T\", \"link\": \"b\", \"at\": [2, 0, 0]}]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a'}, {'name': 'b'}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], "
+        "'at': [0, 0, 0], 'axis': [0, 0, 1]}, {'name': 'E', 'links': ['a', 'b'], 'at': [1, 0, 0], 'axis': [0, 0, 1]}], 'drives': [{'joint': 'A'}, "
+        "{'joint': 'E'}], 'tracers': [{'name': 'T', 'link': 'b', 'at': [2, 0, 0]}]}";
     lw_spatial m;
     lw_robot r;
     lw_robot_pose p;
     lw_error e = { 0 };
-    CHECK_INT(lw_spatial_read(text, sizeof text - 1, "arm", &m, &e), LW_OK);
+    read_spatial(text, "arm", &m);
     CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
     for (int i = 0; i < 2; i++) {
         CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
@@ -815,11 +795,10 @@ TEST(a_straight_arm_is_singular)
  * times and put back. */
 TEST(robots_with_couplings)
 {
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\"}, {\"name\": \"b\"}], \"joints\": "
-        "[{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, {\"name\": \"B\", \"links\": "
-        "[\"ground\", \"b\"], \"at\": [1, 0, 0], \"axis\": [0, 0, 1]}], \"couplings\": [{\"name\": \"belt\", \"terms\": [{\"joint\": \"A\", "
-        "\"factor\": 0.617}, {\"joint\": \"B\", \"factor\": -1}]}], \"drives\": [{\"joint\": \"A\"}], \"tracers\": [{\"name\": \"T\", \"link\": "
-        "\"b\", \"at\": [1.5, 0, 0]}]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a'}, {'name': 'b'}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], "
+        "'at': [0, 0, 0], 'axis': [0, 0, 1]}, {'name': 'B', 'links': ['ground', 'b'], 'at': [1, 0, 0], 'axis': [0, 0, 1]}], 'couplings': [{'name': "
+        "'belt', 'terms': [{'joint': 'A', 'factor': 0.617}, {'joint': 'B', 'factor': -1}]}], 'drives': [{'joint': 'A'}], 'tracers': [{'name': 'T', "
+        "'link': 'b', 'at': [1.5, 0, 0]}]}";
     lw_spatial m;
     lw_robot r;
     lw_robot_pose p;
@@ -838,7 +817,7 @@ TEST(robots_with_couplings)
     CHECK_HAS(e.text, "the stop of joint \"X\"");
     lw_robot_free(&r);
     lw_spatial_free(&m);
-    CHECK_INT(lw_spatial_read(text, sizeof text - 1, "belt", &m, &e), LW_OK);
+    read_spatial(text, "belt", &m);
     CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
     for (int i = 0; i < 4; i++) {
         double to = (const double[]){ 40, -25, 3, 100 }[i];
@@ -860,25 +839,25 @@ TEST(drives_turn_many_times)
     static char text[3000];
     static const char name[] = "xyz";
     const double to[] = { 0.12, -0.07, 0.033 }, lead[] = { 0.005, -0.005, 0.005 };
-    size_t n = (size_t)snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\"");
+    size_t n = (size_t)snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground'");
     for (int i = 0; i < 3; i++)
-        n += (size_t)snprintf(text + n, sizeof text - n, ", {\"name\": \"s%c\"}, {\"name\": \"n%c\"}", name[i], name[i]);
-    n += (size_t)snprintf(text + n, sizeof text - n, "], \"joints\": [");
+        n += (size_t)snprintf(text + n, sizeof text - n, ", {'name': 's%c'}, {'name': 'n%c'}", name[i], name[i]);
+    n += (size_t)snprintf(text + n, sizeof text - n, "], 'joints': [");
     for (int i = 0; i < 3; i++) {
         char on[8], axis[48];
         snprintf(on, sizeof on, i ? "n%c" : "ground", i ? name[i - 1] : 0);
-        snprintf(axis, sizeof axis, "\"at\": [0, 0, 0], \"axis\": [%d, %d, %d]", i == 0, i == 1, i == 2);
-        n += (size_t)snprintf(text + n, sizeof text - n, "%s{\"name\": \"P%c\", \"kind\": \"t\", \"links\": [\"%s\", \"n%c\"], %s}, {\"name\": \"R%c\", \"links\": "
-                              "[\"%s\", \"s%c\"], %s}, {\"name\": \"H%c\", \"kind\": \"h\", \"links\": [\"s%c\", \"n%c\"], \"lead\": %g, %s}", i ? ", " : "", name[i],
+        snprintf(axis, sizeof axis, "'at': [0, 0, 0], 'axis': [%d, %d, %d]", i == 0, i == 1, i == 2);
+        n += (size_t)snprintf(text + n, sizeof text - n, "%s{'name': 'P%c', 'kind': 't', 'links': ['%s', 'n%c'], %s}, {'name': 'R%c', 'links': "
+                              "['%s', 's%c'], %s}, {'name': 'H%c', 'kind': 'h', 'links': ['s%c', 'n%c'], 'lead': %g, %s}", i ? ", " : "", name[i],
                               on, name[i], axis, name[i], on, name[i], axis, name[i], name[i], name[i], lead[i], axis);
     }
-    n += (size_t)snprintf(text + n, sizeof text - n, "], \"drives\": [{\"joint\": \"Rx\"}, {\"joint\": \"Ry\"}, {\"joint\": \"Rz\"}], "
-                          "\"tracers\": [{\"name\": \"T\", \"link\": \"nz\", \"at\": [0, 0, 0]}]}");
+    n += (size_t)snprintf(text + n, sizeof text - n, "], 'drives': [{'joint': 'Rx'}, {'joint': 'Ry'}, {'joint': 'Rz'}], "
+                          "'tracers': [{'name': 'T', 'link': 'nz', 'at': [0, 0, 0]}]}");
     lw_spatial m;
     lw_robot r;
     lw_robot_pose p;
     lw_error e = { 0 };
-    CHECK_INT(lw_spatial_read(text, n, "screws", &m, &e), LW_OK);
+    read_spatial(text, "screws", &m);
     CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
     CHECK_INT(lw_robot_move(&r, lw_v3(to[0], to[1], to[2]), NULL, &e), LW_OK);
     CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
@@ -898,20 +877,20 @@ TEST(a_plate_that_tilts_at_home)
     lw_robot r;
     lw_robot_pose p;
     lw_error e = { 0 };
-    n += snprintf(text + n, sizeof text - (size_t)n, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"plate\"}");
+    n += snprintf(text + n, sizeof text - (size_t)n, "{'linkwright': 1, 'links': ['ground', {'name': 'plate'}");
     for (int i = 0; i < 3; i++)
-        n += snprintf(text + n, sizeof text - (size_t)n, ", {\"name\": \"s%d\"}, {\"name\": \"l%d\"}", i, i);
-    n += snprintf(text + n, sizeof text - (size_t)n, "], \"joints\": [");
+        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 's%d'}, {'name': 'l%d'}", i, i);
+    n += snprintf(text + n, sizeof text - (size_t)n, "], 'joints': [");
     for (int i = 0; i < 3; i++) {
         double c = cos(2*LW_PI*i/3), s = sin(2*LW_PI*i/3);
-        n += snprintf(text + n, sizeof text - (size_t)n, "%s{\"name\": \"P%d\", \"kind\": \"t\", \"links\": [\"ground\", \"s%d\"], \"at\": [%.17g, %.17g, 0.5], \"axis\": [0, 0, 1]}, "
-                        "{\"name\": \"R%d\", \"links\": [\"s%d\", \"l%d\"], \"at\": [%.17g, %.17g, 0.5], \"axis\": [%.17g, %.17g, 0]}, "
-                        "{\"name\": \"S%d\", \"kind\": \"b\", \"links\": [\"l%d\", \"plate\"], \"at\": [%.17g, %.17g, 0]}", i ? ", " : "",
+        n += snprintf(text + n, sizeof text - (size_t)n, "%s{'name': 'P%d', 'kind': 't', 'links': ['ground', 's%d'], 'at': [%.17g, %.17g, 0.5], 'axis': [0, 0, 1]}, "
+                        "{'name': 'R%d', 'links': ['s%d', 'l%d'], 'at': [%.17g, %.17g, 0.5], 'axis': [%.17g, %.17g, 0]}, "
+                        "{'name': 'S%d', 'kind': 'b', 'links': ['l%d', 'plate'], 'at': [%.17g, %.17g, 0]}", i ? ", " : "",
                         i, i, 0.4*c, 0.4*s, i, i, i, 0.4*c, 0.4*s, -s, c, i, i, 0.2*c, 0.2*s);
     }
-    n += snprintf(text + n, sizeof text - (size_t)n, "], \"drives\": [{\"joint\": \"P0\"}, {\"joint\": \"P1\"}, {\"joint\": \"P2\"}], \"tracers\": "
-                    "[{\"name\": \"T\", \"link\": \"plate\", \"at\": [0, 0, 0]}]}");
-    CHECK_INT(lw_spatial_read(text, (size_t)n, "3-PRS", &m, &e), LW_OK);
+    n += snprintf(text + n, sizeof text - (size_t)n, "], 'drives': [{'joint': 'P0'}, {'joint': 'P1'}, {'joint': 'P2'}], 'tracers': "
+                    "[{'name': 'T', 'link': 'plate', 'at': [0, 0, 0]}]}");
+    read_spatial(text, "3-PRS", &m);
     CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
     CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
     CHECK(isinf(p.condition));
@@ -938,7 +917,7 @@ static lw_vec3 unit(double angle, double height, double c)
 
 static int write_axis(char *text, size_t size, const char *name, int i, const char *a, const char *b, lw_vec3 axis)
 {
-    return snprintf(text, size, "%s{\"name\": \"%s%d\", \"links\": [\"%s\", \"%s\"], \"at\": [%.17g, %.17g, %.17g], \"axis\": [%.17g, %.17g, %.17g]}",
+    return snprintf(text, size, "%s{'name': '%s%d', 'links': ['%s', '%s'], 'at': [%.17g, %.17g, %.17g], 'axis': [%.17g, %.17g, %.17g]}",
                     i || name[0] != 'U' ? ", " : "", name, i, a, b, 0.2*axis.x, 0.2*axis.y, 0.2*axis.z, axis.x, axis.y, axis.z);
 }
 
@@ -946,11 +925,11 @@ static int write_axis(char *text, size_t size, const char *name, int i, const ch
 static bool make_spherical(const wrist *g, lw_spatial *m, lw_robot *r)
 {
     static char text[6000];
-    size_t n = (size_t)snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"plate\"}");
+    size_t n = (size_t)snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'plate'}");
     lw_error e = { 0 };
     for (int i = 0; i < 3; i++)
-        n += (size_t)snprintf(text + n, sizeof text - n, ", {\"name\": \"a%d\"}, {\"name\": \"b%d\"}", i, i);
-    n += (size_t)snprintf(text + n, sizeof text - n, "], \"joints\": [");
+        n += (size_t)snprintf(text + n, sizeof text - n, ", {'name': 'a%d'}, {'name': 'b%d'}", i, i);
+    n += (size_t)snprintf(text + n, sizeof text - n, "], 'joints': [");
     for (int i = 0; i < 3; i++) {
         char arm_name[4], bar_name[4];
         snprintf(arm_name, sizeof arm_name, "a%d", i);
@@ -959,9 +938,9 @@ static bool make_spherical(const wrist *g, lw_spatial *m, lw_robot *r)
         n += (size_t)write_axis(text + n, sizeof text - n, "W", i, arm_name, bar_name, g->w[i]);
         n += (size_t)write_axis(text + n, sizeof text - n, "V", i, bar_name, "plate", g->v[i]);
     }
-    n += (size_t)snprintf(text + n, sizeof text - n, "], \"drives\": [{\"joint\": \"U0\"}, {\"joint\": \"U1\"}, {\"joint\": \"U2\"}], "
-                          "\"tracers\": [{\"name\": \"T\", \"link\": \"plate\", \"at\": [0, 0, 0]}]}");
-    bool good = lw_spatial_read(text, n, "wrist", m, &e) == LW_OK && lw_robot_make(m, NULL, r, &e) == LW_OK;
+    n += (size_t)snprintf(text + n, sizeof text - n, "], 'drives': [{'joint': 'U0'}, {'joint': 'U1'}, {'joint': 'U2'}], "
+                          "'tracers': [{'name': 'T', 'link': 'plate', 'at': [0, 0, 0]}]}");
+    bool good = lw_spatial_read(json_quotes(text), n, "wrist", m, &e) == LW_OK && lw_robot_make(m, NULL, r, &e) == LW_OK;
     CHECK_TEXT(e.text, "");
     return good;
 }
@@ -1084,16 +1063,16 @@ TEST(rounded_wrists_are_adjusted)
 /* A SCARA arm in space (two arms, quill, hand) keeps the direction of its hand over the workspace: the wrist reaches a ring about the base. */
 TEST(four_drives_keep_the_hand)
 {
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\"}, {\"name\": \"b\"}, {\"name\": \"q\"}, {\"name\": \"h\"}], \"joints\": "
-        "[{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0.5], \"axis\": [0, 0, 1]}, {\"name\": \"B\", \"links\": [\"a\", \"b\"], \"at\": "
-        "[0.4, 0, 0.5], \"axis\": [0, 0, 1]}, {\"name\": \"Z\", \"kind\": \"t\", \"links\": [\"b\", \"q\"], \"at\": [0.4, 0.3, 0.5], \"axis\": [0, 0, 1]}, "
-        "{\"name\": \"R\", \"links\": [\"q\", \"h\"], \"at\": [0.4, 0.3, 0.3], \"axis\": [0, 0, 1]}], \"drives\": [{\"joint\": \"A\"}, {\"joint\": \"B\"}, "
-        "{\"joint\": \"Z\"}, {\"joint\": \"R\"}], \"tracers\": [{\"name\": \"T\", \"link\": \"h\", \"at\": [0.45, 0.3, 0.3]}]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a'}, {'name': 'b'}, {'name': 'q'}, {'name': 'h'}], 'joints': "
+        "[{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0, 0.5], 'axis': [0, 0, 1]}, {'name': 'B', 'links': ['a', 'b'], 'at': "
+        "[0.4, 0, 0.5], 'axis': [0, 0, 1]}, {'name': 'Z', 'kind': 't', 'links': ['b', 'q'], 'at': [0.4, 0.3, 0.5], 'axis': [0, 0, 1]}, "
+        "{'name': 'R', 'links': ['q', 'h'], 'at': [0.4, 0.3, 0.3], 'axis': [0, 0, 1]}], 'drives': [{'joint': 'A'}, {'joint': 'B'}, "
+        "{'joint': 'Z'}, {'joint': 'R'}], 'tracers': [{'name': 'T', 'link': 'h', 'at': [0.45, 0.3, 0.3]}]}";
     lw_spatial m;
     lw_robot r;
     lw_robot_pose p;
     lw_error e = { 0 };
-    CHECK_INT(lw_spatial_read(text, sizeof text - 1, "scara", &m, &e), LW_OK);
+    read_spatial(text, "scara", &m);
     CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
     CHECK(r.turns && !r.only_turns);
     for (int i = 0; i < 24; i++) {
@@ -1129,17 +1108,16 @@ TEST(drives_that_are_not_as_many_as_freedoms_lose_the_tool)
         lw_robot r;
         lw_robot_pose p;
         lw_error e = { 0 };
-        int n = snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", %s{\"name\": \"a\"}, {\"name\": \"rod\"}, {\"name\": \"b\"}],"
-            "\"joints\": [%s{\"name\": \"Y\", \"kind\": \"t\", \"links\": [\"%s\", \"a\"], \"at\": [0, 0.8, 0], \"axis\": [0, 1, 0]},"
-            "{\"name\": \"A\", \"kind\": \"b\", \"links\": [\"a\", \"rod\"], \"at\": [0, 0.8, 0]}, {\"name\": \"B\", \"kind\": \"b\", \"links\": "
-            "[\"rod\", \"b\"], \"at\": [0.6, 0, 0]}, {\"name\": \"X\", \"kind\": \"t\", \"links\": [\"%s\", \"b\"], \"at\": [0.6, 0, 0], \"axis\": [1, 0, 0]}],"
-            "\"drives\": [%s{\"joint\": \"Y\"}], \"tracers\": [{\"name\": \"T\", \"link\": \"b\", \"at\": [0.6, 0, 0]}]}",
-            k ? "{\"name\": \"gx\"}, {\"name\": \"gy\"}, {\"name\": \"gz\"}, {\"name\": \"gr\"}, " : "",
-            k ? "{\"name\": \"GX\", \"kind\": \"t\", \"links\": [\"ground\", \"gx\"], \"at\": [0, 0, 0], \"axis\": [1, 0, 0]}, {\"name\": \"GY\", \"kind\": \"t\", "
-                "\"links\": [\"gx\", \"gy\"], \"at\": [0, 0, 0], \"axis\": [0, 1, 0]}, {\"name\": \"GZ\", \"kind\": \"t\", \"links\": [\"gy\", \"gz\"], \"at\": "
-                "[0, 0, 0], \"axis\": [0, 0, 1]}, {\"name\": \"GR\", \"links\": [\"gz\", \"gr\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, " : "",
-            on[k], on[k], k ? "{\"joint\": \"GX\"}, {\"joint\": \"GY\"}, {\"joint\": \"GZ\"}, {\"joint\": \"GR\"}, " : "");
-        CHECK_INT(lw_spatial_read(text, (size_t)n, "trammel", &m, &e), LW_OK);
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', %s{'name': 'a'}, {'name': 'rod'}, {'name': 'b'}],'joints': [%s{'name': 'Y', "
+            "'kind': 't', 'links': ['%s', 'a'], 'at': [0, 0.8, 0], 'axis': [0, 1, 0]},{'name': 'A', 'kind': 'b', 'links': ['a', 'rod'], 'at': [0, 0.8, "
+            "0]}, {'name': 'B', 'kind': 'b', 'links': ['rod', 'b'], 'at': [0.6, 0, 0]}, {'name': 'X', 'kind': 't', 'links': ['%s', 'b'], 'at': [0.6, 0, "
+            "0], 'axis': [1, 0, 0]}],'drives': [%s{'joint': 'Y'}], 'tracers': [{'name': 'T', 'link': 'b', 'at': [0.6, 0, 0]}]}",
+            k ? "{'name': 'gx'}, {'name': 'gy'}, {'name': 'gz'}, {'name': 'gr'}, " : "",
+            k ? "{'name': 'GX', 'kind': 't', 'links': ['ground', 'gx'], 'at': [0, 0, 0], 'axis': [1, 0, 0]}, {'name': 'GY', 'kind': 't', "
+                "'links': ['gx', 'gy'], 'at': [0, 0, 0], 'axis': [0, 1, 0]}, {'name': 'GZ', 'kind': 't', 'links': ['gy', 'gz'], 'at': "
+                "[0, 0, 0], 'axis': [0, 0, 1]}, {'name': 'GR', 'links': ['gz', 'gr'], 'at': [0, 0, 0], 'axis': [0, 0, 1]}, " : "",
+            on[k], on[k], k ? "{'joint': 'GX'}, {'joint': 'GY'}, {'joint': 'GZ'}, {'joint': 'GR'}, " : "");
+        read_spatial(text, "trammel", &m);
         CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
         CHECK_INT(lw_robot_move(&r, lw_v3(-1, 0, 0), NULL, &e), LW_OPEN);
         CHECK(strstr(e.text, "the drives do not hold the tool"));
@@ -1161,20 +1139,19 @@ TEST(drives_that_are_not_as_many_as_freedoms_lose_the_tool)
 TEST(masses_in_a_plane)
 {
     static const char *const text[] = {
-        "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"x\", \"mass\": 3, \"centre\": [0, 0, 0]}, {\"name\": \"y\", \"mass\": 2, \"centre\": [0, 0, 0]}], \"joints\": [{\"name\": \"X\", "
-        "\"kind\": \"t\", \"links\": [\"ground\", \"x\"], \"at\": [0, 0, 0], \"axis\": [1, 0, 0]}, {\"name\": \"Y\", \"kind\": \"t\", \"links\": [\"x\", \"y\"], "
-        "\"at\": [0, 0, 0], \"axis\": [0, 1, 0]}], \"drives\": [{\"joint\": \"X\"}, {\"joint\": \"Y\"}], \"tracers\": [{\"name\": \"T\", \"link\": \"y\", "
-        "\"at\": [0, 0, 0]}]}",
-        "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\"}, {\"name\": \"b\", \"mass\": 4, \"centre\": [1, 1, 0]}], \"joints\": [{\"name\": \"A\", "
-        "\"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, {\"name\": \"B\", \"links\": [\"a\", \"b\"], \"at\": [1, 0, 0], "
-        "\"axis\": [0, 0, 1]}], \"drives\": [{\"joint\": \"A\"}, {\"joint\": \"B\"}], \"tracers\": [{\"name\": \"T\", \"link\": \"b\", \"at\": [1, 1, 0]}]}" };
+        "{'linkwright': 1, 'links': ['ground', {'name': 'x', 'mass': 3, 'centre': [0, 0, 0]}, {'name': 'y', 'mass': 2, 'centre': [0, 0, 0]}], 'joints': "
+        "[{'name': 'X', 'kind': 't', 'links': ['ground', 'x'], 'at': [0, 0, 0], 'axis': [1, 0, 0]}, {'name': 'Y', 'kind': 't', 'links': ['x', 'y'], 'at': "
+        "[0, 0, 0], 'axis': [0, 1, 0]}], 'drives': [{'joint': 'X'}, {'joint': 'Y'}], 'tracers': [{'name': 'T', 'link': 'y', 'at': [0, 0, 0]}]}",
+        "{'linkwright': 1, 'links': ['ground', {'name': 'a'}, {'name': 'b', 'mass': 4, 'centre': [1, 1, 0]}], 'joints': [{'name': 'A', "
+        "'links': ['ground', 'a'], 'at': [0, 0, 0], 'axis': [0, 0, 1]}, {'name': 'B', 'links': ['a', 'b'], 'at': [1, 0, 0], "
+        "'axis': [0, 0, 1]}], 'drives': [{'joint': 'A'}, {'joint': 'B'}], 'tracers': [{'name': 'T', 'link': 'b', 'at': [1, 1, 0]}]}" };
     static const double mass[2][2] = { { 2, 5 }, { 4, 4 } };
     for (int k = 0; k < 2; k++) {
         lw_spatial m;
         lw_robot r;
         lw_robot_pose p;
         lw_error e = { 0 };
-        CHECK_INT(lw_spatial_read(text[k], strlen(text[k]), "robot", &m, &e), LW_OK);
+        read_spatial(text[k], "robot", &m);
         CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
         CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
         CHECK_INT(p.rank, 2);

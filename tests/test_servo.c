@@ -2,7 +2,7 @@
 #include "base/vec2.h"
 #include "mbs/drives/servo_linear.h"
 #include "mbs/drives/servo_run.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 
 static lw_servo servo;
 static lw_error e;
@@ -10,9 +10,7 @@ static lw_error e;
 static lw_status read_text(const char *format)
 {
     char text[4000];
-    snprintf(text, sizeof text, "%s", format);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_format(text, sizeof text, "%s", format);
     e = (lw_error){ 0 };
     return lw_servo_read(text, strlen(text), "text", &servo, &e);
 }
@@ -95,13 +93,11 @@ TEST(a_rigid_axis_follows)
 /* Behind a ramp the position lags by v/gain. */
 TEST(a_ramp_lags)
 {
-    read_servo(RIGID "'control': {'position': {'gain': 20}, 'speed': {'proportional': 200, 'integral': 1e4}}, "
-               "'motion': {'expression': '0.3*t'}");
+    read_servo(RIGID "'control': {'position': {'gain': 20}, 'speed': {'proportional': 200, 'integral': 1e4}}, 'motion': {'expression': '0.3*t'}");
     CHECK_NEAR(run(3, 1e-12).error_end, 0.3/20, 1e-9, 0);
     lw_servo_free(&servo);
-    read_servo(MOTOR ", 'control': {'position': {'gain': 20, 'sample': 1e-3}, 'speed': {'proportional': 150, 'integral': 5e3, "
-               "'sample': 5e-4, 'delay': 5e-4}, 'current': {'bandwidth': 3000, 'sample': 1e-4, 'delay': 1e-4, "
-               "'emf_compensation': true}}, 'motion': {'expression': '2*t'}");
+    read_servo(MOTOR ", 'control': {'position': {'gain': 20, 'sample': 1e-3}, 'speed': {'proportional': 150, 'integral': 5e3, 'sample': 5e-4, 'delay': "
+               "5e-4}, 'current': {'bandwidth': 3000, 'sample': 1e-4, 'delay': 1e-4, 'emf_compensation': true}}, 'motion': {'expression': '2*t'}");
     /* the samples lie between two of the position: the error is that of the sample, 2/20, on average half a period more */
     lw_servo_report r = run(3, 1e-10);
     CHECK_NEAR(r.error_end, 2.0/20, 1e-6, 0);
@@ -205,10 +201,9 @@ TEST(poles_of_the_whole)
 /* The matrices of the whole give the run: a step of the wanted position, by summing sampled equations. */
 TEST(matrices_give_the_run)
 {
-    read_servo(MOTOR ", 'transmission': {'ratio': 5, 'stiffness': 3e3, 'damping': 1}, 'load': {'inertia': 0.02}, "
-               "'encoder': {'steps': 1e9}, 'control': {'position': {'gain': 10, 'sample': 1e-3}, 'speed': {'proportional': 60, "
-               "'integral': 500, 'sample': 5e-4, 'delay': 5e-4}, 'current': {'bandwidth': 2000, 'sample': 1e-4, "
-               "'delay': 1e-4}}, 'motion': {'expression': '0.1'}");
+    read_servo(MOTOR ", 'transmission': {'ratio': 5, 'stiffness': 3e3, 'damping': 1}, 'load': {'inertia': 0.02}, 'encoder': {'steps': 1e9}, 'control': "
+               "{'position': {'gain': 10, 'sample': 1e-3}, 'speed': {'proportional': 60, 'integral': 500, 'sample': 5e-4, 'delay': 5e-4}, 'current': "
+               "{'bandwidth': 2000, 'sample': 1e-4, 'delay': 1e-4}}, 'motion': {'expression': '0.1'}");
     lw_state_matrices m;
     double x[16] = { 0 }, y[16];
     CHECK_INT(lw_servo_closed(&servo, &m, &e), LW_OK);
@@ -224,10 +219,9 @@ TEST(matrices_give_the_run)
     for (int j = 0; j < m.n_state; j++)
         position += m.c[j]*x[j];
     lw_servo_free(&servo);
-    read_servo(MOTOR ", 'transmission': {'ratio': 5, 'stiffness': 3e3, 'damping': 1}, 'load': {'inertia': 0.02}, "
-               "'encoder': {'steps': 1e9}, 'control': {'position': {'gain': 10, 'sample': 1e-3}, 'speed': {'proportional': 60, "
-               "'integral': 500, 'sample': 5e-4, 'delay': 5e-4}, 'current': {'bandwidth': 2000, 'sample': 1e-4, "
-               "'delay': 1e-4}}, 'motion': {'expression': '0.01*step(t, -1, 0, 1e-9, 1)'}");
+    read_servo(MOTOR ", 'transmission': {'ratio': 5, 'stiffness': 3e3, 'damping': 1}, 'load': {'inertia': 0.02}, 'encoder': {'steps': 1e9}, 'control': "
+               "{'position': {'gain': 10, 'sample': 1e-3}, 'speed': {'proportional': 60, 'integral': 500, 'sample': 5e-4, 'delay': 5e-4}, 'current': "
+               "{'bandwidth': 2000, 'sample': 1e-4, 'delay': 1e-4}}, 'motion': {'expression': '0.01*step(t, -1, 0, 1e-9, 1)'}");
     /* the run starts at the wanted position at t = 0: a step right behind it */
     lw_servo_report r = run(0.2, 1e-10);
     CHECK(r.steps > 0);

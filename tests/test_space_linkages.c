@@ -67,22 +67,22 @@ static void make_model(int n, const axis *a, bool runs, lw_spatial *m)
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
-    fputs("{\"linkwright\": 1, \"gravity\": [0, 0, -9.81], \"links\": [\"ground\"", f);
+    fputs("{'linkwright': 1, 'gravity': [0, 0, -9.81], 'links': ['ground'", f);
     for (int i = 0; i < n; i++)              /* each link where it comes second first */
         for (int k = 0; k <= i; k++)
             if (strcmp(a[k].link[1], a[i].link[1]) == 0) {
                 if (k == i && strcmp(a[i].link[1], "ground") != 0)
-                    fprintf(f, ", {\"name\": \"%s\", \"mass\": %g, \"centre\": [%.17g, %.17g, %.17g], \"inertia\": [0.02, 0.03, 0.025]}", a[i].link[1],
+                    fprintf(f, ", {'name': '%s', 'mass': %g, 'centre': [%.17g, %.17g, %.17g], 'inertia': [0.02, 0.03, 0.025]}", a[i].link[1],
                             1 + 0.1*i, a[i].f.at.x + 0.1, a[i].f.at.y - 0.2, a[i].f.at.z + 0.15);
                 break;
             }
-    fprintf(f, "], \"input\": {\"joint\": \"J0\"%s}, \"joints\": [", runs ? ", \"speed\": 3" : "");
+    fprintf(f, "], 'input': {'joint': 'J0'%s}, 'joints': [", runs ? ", 'speed': 3" : "");
     for (int i = 0; i < n; i++)
-        fprintf(f, "%s{\"name\": \"J%d\", \"kind\": \"%s\", \"links\": [\"%s\", \"%s\"], \"at\": [%.17g, %.17g, %.17g], \"axis\": [%.17g, %.17g, %.17g]}",
+        fprintf(f, "%s{'name': 'J%d', 'kind': '%s', 'links': ['%s', '%s'], 'at': [%.17g, %.17g, %.17g], 'axis': [%.17g, %.17g, %.17g]}",
                 i ? ", " : "", i, a[i].kind, a[i].link[0], a[i].link[1], a[i].f.at.x, a[i].f.at.y, a[i].f.at.z, a[i].f.z.x, a[i].f.z.y, a[i].f.z.z);
     fputs("]}", f);
     fclose(f);
-    read_spatial(text, size, "linkage", m);
+    read_spatial(text, "linkage", m);
     free(text);
 }
 
@@ -537,16 +537,16 @@ TEST(wren)
     lw_spatial m;
     lw_space_mobility got;
     lw_error e;
-    fputs("{\"linkwright\": 1, \"links\": [\"ground\", \"platform\"", f);
+    fputs("{'linkwright': 1, 'links': ['ground', 'platform'", f);
     for (int i = 0; i < 6; i++)
-        fprintf(f, ", \"l%d\"", i);
-    fputs("], \"joints\": [", f);
+        fprintf(f, ", 'l%d'", i);
+    fputs("], 'joints': [", f);
     for (int i = 0; i < 12; i++)
-        fprintf(f, "%s{\"name\": \"J%d\", \"kind\": \"spherical\", \"links\": [\"%s\", \"l%d\"], \"at\": [%.17g, %.17g, %d]}", i ? ", " : "", i,
+        fprintf(f, "%s{'name': 'J%d', 'kind': 'spherical', 'links': ['%s', 'l%d'], 'at': [%.17g, %.17g, %d]}", i ? ", " : "", i,
                 i%2 ? "platform" : "ground", i/2, cos(i/2*LW_PI/3 + i%2*0.5), sin(i/2*LW_PI/3 + i%2*0.5), i%2);
     fputs("]}", f);
     fclose(f);
-    read_spatial(text, size, "wren", &m);
+    read_spatial(text, "wren", &m);
     free(text);
     CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
     CHECK_INT(got.idle, 6);
@@ -559,14 +559,12 @@ TEST(wren)
 /* ---- singular postures ------------------------------------------------------------------------------------------------ */
 
 /* A parallelogram in space whose crank turns by 2 t from upright, beside and through its flat postures: the coupler's centre moves in a circle. */
-static const char parallelogram[] = "{\"linkwright\": 1, \"gravity\": [0, -9.81, 0], \"links\": [\"ground\", "
-    "{\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0.5, 0], \"inertia\": [0.1, 0.1, 0.1]}, {\"name\": \"b\", \"mass\": 1, \"centre\": [1, 1, 0], \"inertia\": [0.1, 0.1, 0.1]}, "
-    "{\"name\": \"c\", \"mass\": 1, \"centre\": [2, 0.5, 0], \"inertia\": [0.1, 0.1, 0.1]}], \"joints\": ["
-    "{\"name\": \"A\", \"kind\": \"r\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, "
-    "{\"name\": \"B\", \"kind\": \"r\", \"links\": [\"a\", \"b\"], \"at\": [0, 1, 0], \"axis\": [0, 0, 1]}, "
-    "{\"name\": \"C\", \"kind\": \"r\", \"links\": [\"b\", \"c\"], \"at\": [2, 1, 0], \"axis\": [0, 0, 1]}, "
-    "{\"name\": \"D\", \"kind\": \"r\", \"links\": [\"c\", \"ground\"], \"at\": [2, 0, 0], \"axis\": [0, 0, 1]}], "
-    "\"input\": {\"joint\": \"A\", \"motion\": \"2*t\"}, \"tracers\": [{\"name\": \"P\", \"link\": \"b\", \"at\": [1, 1, 0]}]}";
+static const char parallelogram[] = "{'linkwright': 1, 'gravity': [0, -9.81, 0], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5, 0], "
+    "'inertia': [0.1, 0.1, 0.1]}, {'name': 'b', 'mass': 1, 'centre': [1, 1, 0], 'inertia': [0.1, 0.1, 0.1]}, {'name': 'c', 'mass': 1, 'centre': [2, 0.5, "
+    "0], 'inertia': [0.1, 0.1, 0.1]}], 'joints': [{'name': 'A', 'kind': 'r', 'links': ['ground', 'a'], 'at': [0, 0, 0], 'axis': [0, 0, 1]}, {'name': 'B', "
+    "'kind': 'r', 'links': ['a', 'b'], 'at': [0, 1, 0], 'axis': [0, 0, 1]}, {'name': 'C', 'kind': 'r', 'links': ['b', 'c'], 'at': [2, 1, 0], 'axis': [0, "
+    "0, 1]}, {'name': 'D', 'kind': 'r', 'links': ['c', 'ground'], 'at': [2, 0, 0], 'axis': [0, 0, 1]}], 'input': {'joint': 'A', 'motion': '2*t'}, "
+    "'tracers': [{'name': 'P', 'link': 'b', 'at': [1, 1, 0]}]}";
 
 static lw_status see_circle(void *context, double u, const double *input, const lw_space_tracer *tracer)
 {
@@ -604,7 +602,7 @@ TEST(beside_flat_postures)
     static const double beside[] = { 0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 0.1 };
     lw_spatial m;
     lw_error e = { 0 };
-    read_spatial(parallelogram, sizeof parallelogram - 1, "parallelogram", &m);
+    read_spatial(parallelogram, "parallelogram", &m);
     for (size_t i = 0; i < sizeof beside/sizeof *beside; i++)
         for (int side = -1; side < 2; side += 2) {
             double to = LW_PI/4 + side*beside[i]/2;

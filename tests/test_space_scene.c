@@ -9,7 +9,7 @@
 #include "base/vec3.h"
 #include "catalogues/pages/draw.h"
 #include "mbs/elastic/expand_space.h"
-#include "tests/check.h"
+#include "tests/spatial_models.h"
 
 static const char *const examples[] = {
     "examples/space/bennett.json", "examples/space/bricard.json", "examples/space/sarrus.json",
@@ -17,20 +17,6 @@ static const char *const examples[] = {
     "examples/space/arm.json",
 };
 enum { N_EXAMPLE = sizeof examples/sizeof *examples };
-
-static bool read_model(const char *file, lw_spatial *m)
-{
-    char *text;
-    size_t size;
-    lw_error e = { 0 };
-    bool good = lw_file_read(file, &text, &size, &e) == LW_OK && lw_spatial_read(text, size, file, m, &e) == LW_OK;
-    CHECK(good);
-    if (!good)
-        fprintf(stderr, "%s\n", e.text);
-    else
-        free(text);
-    return good;
-}
 
 enum { PATH_STEPS = 4 };                 /* points of a path from frame to frame */
 
@@ -61,8 +47,7 @@ TEST(joints_stay_together)
 {
     for (int i = 0; i < N_EXAMPLE; i++) {
         lw_spatial m;
-        if (!read_model(examples[i], &m))
-            continue;
+        load_spatial_file(examples[i], &m);
         lw_space_scene s = make_scene(&m, 0.1);
         CHECK(s.n_frame > 10);
         double moved = 0;
@@ -103,8 +88,7 @@ TEST(paths_between_frames)
 TEST(closed_motion)
 {
     lw_spatial m;
-    if (!read_model("examples/space/bennett.json", &m))
-        return;
+    load_spatial("bennett", &m);
     lw_space_scene s = make_scene(&m, 0);
     CHECK(s.loops);                                       /* the input of Bennett's linkage turns fully */
     CHECK_INT(s.n_frame, 24);
@@ -116,8 +100,7 @@ TEST(closed_motion)
 TEST(projection)
 {
     lw_spatial m;
-    if (!read_model("examples/space/stewart.json", &m))
-        return;
+    load_spatial("stewart", &m);
     lw_space_scene s = make_scene(&m, 0);
     for (int i = 0; i < 40; i++) {
         lw_space_view view = { 0.37*i, -1.5707 + 0.08*i };
@@ -149,8 +132,7 @@ TEST(elastic_links_bend)
     lw_spatial m;
     lw_spatial_expansion x;
     lw_error e = { 0 };
-    if (!read_model("examples/space/delta-elastic.json", &m))
-        return;
+    load_spatial("delta-elastic", &m);
     CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
     size_t links = (size_t)x.model.n_link;
     lw_vec3 *origin = calloc(links, sizeof *origin), *path = calloc((size_t)m.n_tracer + 1, sizeof *path);
@@ -181,12 +163,11 @@ TEST(elastic_links_bend)
 /* A frame of three bars whose joint lies beside the second: three bars along its axis, and an arm. */
 TEST(elastic_frames_have_corners)
 {
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"f\", \"elastic\": {\"section\": {\"shape\": \"round\", "
-        "\"diameter\": 0.02}, \"material\": \"steel\", \"axis\": [[0, 0, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1]]}}], \"joints\": [{\"name\": \"A\", "
-        "\"kind\": \"fixed\", \"links\": [\"ground\", \"f\"], \"at\": [0.5, 0, 1.2]}]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'f', 'elastic': {'section': {'shape': 'round', "
+        "'diameter': 0.02}, 'material': 'steel', 'axis': [[0, 0, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1]]}}], 'joints': [{'name': 'A', "
+        "'kind': 'fixed', 'links': ['ground', 'f'], 'at': [0.5, 0, 1.2]}]}";
     lw_spatial m;
-    lw_error e = { 0 };
-    CHECK_INT(lw_spatial_read(text, sizeof text - 1, "frame", &m, &e), LW_OK);
+    read_spatial(text, "frame", &m);
     lw_space_scene s = make_scene(&m, 0);
     CHECK_INT(s.n_shape, 4);
     for (int i = 0; i < 3 && i < s.n_shape; i++)
@@ -201,8 +182,7 @@ TEST(elastic_frames_have_corners)
 TEST(files)
 {
     lw_spatial m;
-    if (!read_model("examples/space/slider-crank.json", &m))
-        return;
+    load_spatial("slider-crank", &m);
     lw_space_scene s = make_scene(&m, 0);
     static const struct { lw_draw_kind kind; const char *begin; } file[] = {
         { LW_DRAW_SVG, "<?xml" }, { LW_DRAW_PDF, "%PDF" }, { LW_DRAW_PNG, "\x89PNG" }, { LW_DRAW_GIF, "GIF89a" },

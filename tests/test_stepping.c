@@ -2,7 +2,7 @@
 #include <linkwright.h>
 
 #include "base/file.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 
 static lw_model *load(const char *path)
 {
@@ -18,9 +18,7 @@ static lw_model *parse(const char *format)
     char text[3000];
     lw_model *m = NULL;
     lw_error e = { LW_OK, "", 0, 0, "" };
-    snprintf(text, sizeof text, "%s", format);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_format(text, sizeof text, "%s", format);
     CHECK_INT(lw_model_parse(text, strlen(text), "text", &m, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     return m;
@@ -85,11 +83,9 @@ static void agree(lw_model *m, double end, int pieces, double off)
 }
 
 static const char motor[] =
-    "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'mass': 2, 'centre': [0.3, 0], 'inertia': 0.02}],"
-    "'joints': [{'name': 'A', 'links': ['ground', 'arm'], 'at': [0, 0]%s}], 'input': {'joint': 'A', 'speed': 0},"
-    "'gravity': [0, -9.81], 'states': [{'name': 'u', 'rate': 0, 'start': 5}], 'motors': [{'name': 'M', 'joint': 'A',"
-    "'voltage': 'state(u)', 'resistance': 0.8, 'inductance': 1e-3, 'torque_constant': 0.05, 'inertia': 1e-4,"
-    "'ratio': 20}]}";
+    "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'mass': 2, 'centre': [0.3, 0], 'inertia': 0.02}],'joints': [{'name': 'A', 'links': ['ground', "
+    "'arm'], 'at': [0, 0]%s}], 'input': {'joint': 'A', 'speed': 0},'gravity': [0, -9.81], 'states': [{'name': 'u', 'rate': 0, 'start': 5}], 'motors': "
+    "[{'name': 'M', 'joint': 'A','voltage': 'state(u)', 'resistance': 0.8, 'inductance': 1e-3, 'torque_constant': 0.05, 'inertia': 1e-4,'ratio': 20}]}";
 
 static lw_model *motor_model(const char *stop)
 {
@@ -143,12 +139,10 @@ TEST(a_block_sticks)
 TEST(changes_act)
 {
     static const char same[] =
-        "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'mass': 2, 'centre': [0.3, 0], 'inertia': 0.02}],"
-        "'joints': [{'name': 'A', 'links': ['ground', 'arm'], 'at': [0, 0]}], 'input': {'joint': 'A', 'speed': 0},"
-        "'gravity': [0, -9.81], 'motors': [{'name': 'M', 'joint': 'A',"
-        "'voltage': '5 + 3*(1 + sign(t - 0.4))/2', 'resistance': 0.8, 'inductance': 1e-3, 'torque_constant': 0.05,"
-        "'inertia': 1e-4, 'ratio': 20}], 'forces': [{'link': 'arm', 'at': [0.3, 0], 'fy': '-4*(1 + sign(t - 0.2))/2',"
-        "'torque': '2*(1 + sign(t - 0.2))/2'}]}";
+        "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'mass': 2, 'centre': [0.3, 0], 'inertia': 0.02}],'joints': [{'name': 'A', 'links': "
+        "['ground', 'arm'], 'at': [0, 0]}], 'input': {'joint': 'A', 'speed': 0},'gravity': [0, -9.81], 'motors': [{'name': 'M', 'joint': 'A','voltage': "
+        "'5 + 3*(1 + sign(t - 0.4))/2', 'resistance': 0.8, 'inductance': 1e-3, 'torque_constant': 0.05,'inertia': 1e-4, 'ratio': 20}], 'forces': "
+        "[{'link': 'arm', 'at': [0.3, 0], 'fy': '-4*(1 + sign(t - 0.2))/2','torque': '2*(1 + sign(t - 0.2))/2'}]}";
     lw_simulation_options o = lw_simulation_options_default();
     lw_stepper *steps[2] = { NULL, NULL };
     lw_model *m[2] = { motor_model(""), parse(same) };
@@ -273,9 +267,7 @@ static lw_spatial *parse_in_space(const char *format)
     char text[3000];
     lw_spatial *m = NULL;
     lw_error e = { LW_OK, "", 0, 0, "" };
-    snprintf(text, sizeof text, "%s", format);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
+    json_format(text, sizeof text, "%s", format);
     CHECK_INT(lw_spatial_parse(text, strlen(text), "text", &m, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     return m;
