@@ -45,6 +45,10 @@ static inline int check_fail(const char *file, int line)
              fprintf(stderr, "%s = %.17g, want %s = %.17g, off by %.3g, allowed %.3g\n", \
                      #got, g_, #want, w_, fabs(g_ - w_), t_); } while (0)
 
+/* Both coordinates of a point */
+#define CHECK_POINT(got, want_x, want_y, absolute, relative) \
+    do { CHECK_NEAR((got).x, want_x, absolute, relative); CHECK_NEAR((got).y, want_y, absolute, relative); } while (0)
+
 #define CHECK_INT(got, want) \
     do { long long g_ = (long long)(got), w_ = (long long)(want); \
          if (g_ != w_ && check_fail(__FILE__, __LINE__)) \

@@ -82,8 +82,7 @@ static inline void same_motion(const lw_linkage *a, const lw_linkage *b)
     CHECK_INT(s[1], s[0]);
     for (int i = 0; s[0] == LW_OK && s[1] == LW_OK && i < a->n_tracer; i++) {
         lw_vec2 p = lw_newton_tracer(n[0], i), q = lw_newton_tracer(n[1], i);
-        CHECK_NEAR(q.x, p.x, 1e-8, 0);
-        CHECK_NEAR(q.y, p.y, 1e-8, 0);
+        CHECK_POINT(q, p.x, p.y, 1e-8, 0);
     }
     lw_newton_free(n[0]);
     lw_newton_free(n[1]);
@@ -140,10 +139,8 @@ static inline void points_of_several_joints(points_write *write, points_read *re
     CHECK_INT(n[LW_JOINT_SLIDER], 1);
     CHECK_INT(n[LW_JOINT_FIXED], 1);
     for (int j = 0; j < back.n_joint; j++)
-        if (back.joint[j].kind == LW_JOINT_SLIDER) {
-            CHECK_NEAR(back.joint[j].along.x, cos(0.7), 1e-15, 0);
-            CHECK_NEAR(back.joint[j].along.y, sin(0.7), 1e-15, 0);
-        }
+        if (back.joint[j].kind == LW_JOINT_SLIDER)
+            CHECK_POINT(back.joint[j].along, cos(0.7), sin(0.7), 1e-15, 0);
 }
 
 static inline void names_are_made_fit(points_write *write, points_read *read)

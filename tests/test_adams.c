@@ -226,8 +226,7 @@ TEST(written_by_others)
     CHECK_TEXT(k.link_name[1], "part2");
     CHECK_INT(k.joint[0].link[1], 1);
     CHECK_NEAR(k.joint[0].at.x, 0, 1e-15, 0);
-    CHECK_NEAR(k.tracer[0].at.x, 0.01, 1e-15, 0);
-    CHECK_NEAR(k.tracer[0].at.y, 0.02, 1e-15, 0);
+    CHECK_POINT(k.tracer[0].at, 0.01, 0.02, 1e-15, 0);
     CHECK_NEAR(k.tracer[0].angle, 2*LW_PI/3, 1e-15, 0);
     CHECK_INT(k.n_input, 1);
 }

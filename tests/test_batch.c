@@ -523,8 +523,7 @@ TEST(whole_can_be_moved)
         CHECK_NEAR(point_at(&m, m.dim, mirror*q.input, &w), margin, 1e-12, 1e-10);
         p = lw_v2_add(shift, lw_v2_scale(lw_v2_turn(lw_v2(p.x, mirror*p.y), lw_v2_polar(1, a)), s));
         double size = (lw_v2_norm(p) + s + lw_v2_norm(shift))/fmax(margin, 1e-12);
-        CHECK_NEAR(w.x, p.x, 1e-10*size, 0);
-        CHECK_NEAR(w.y, p.y, 1e-10*size, 0);
+        CHECK_POINT(w, p.x, p.y, 1e-10*size, 0);
     }
 }
 
@@ -543,10 +542,8 @@ TEST(batch_agrees_with_posture)
         double size = 1 + lw_v2_norm(p);
         CHECK_NEAR(margin, posture.margin, 1e-9, 1e-9);
         CHECK_INT(s, posture.margin < 0 ? LW_OPEN : LW_OK);
-        if (posture.margin > 1e-6) {
-            CHECK_NEAR(p.x, posture.tracer[0][0].x, 1e-9*size, 0);
-            CHECK_NEAR(p.y, posture.tracer[0][0].y, 1e-9*size, 0);
-        }
+        if (posture.margin > 1e-6)
+            CHECK_POINT(p, posture.tracer[0][0].x, posture.tracer[0][0].y, 1e-9*size, 0);
     }
 }
 
@@ -689,8 +686,7 @@ TEST(tracer_on_a_pivot)
         double t = 0.1*i;
         named(&q, "fourbar", (double[9]){ 3, 1, 2.5, 2.8, 0, 0, 0, 0, 0 }, 1);
         point_at(&q, q.dim, t, &p);
-        CHECK_NEAR(p.x, cos(t), 1e-16, 0);
-        CHECK_NEAR(p.y, sin(t), 1e-16, 0);
+        CHECK_POINT(p, cos(t), sin(t), 1e-16, 0);
         check_everywhere_finite(&q);
         q.dim[4] = 2.5;
         point_at(&q, q.dim, t, &p);
@@ -707,8 +703,7 @@ TEST(coordinates_of_every_size)
         named(&q, "fourbar", (double[9]){ 3, 1, 2.5, 2.8, 1.2, 0.7, 5, -3, 0.3 }, 1);
         double m = point_at(&q, q.dim, 0.7, &unit);
         CHECK_NEAR(point_at(&q, dim, 0.7, &p), m, 0, 1e-13);
-        CHECK_NEAR(p.x, s*unit.x, 0, 1e-14);
-        CHECK_NEAR(p.y, s*unit.y, 0, 1e-14);
+        CHECK_POINT(p, s*unit.x, s*unit.y, 0, 1e-14);
         named(&q, "fourbar", dim, 1);
         check_everywhere_finite(&q);
     }
@@ -726,8 +721,7 @@ TEST(far_angles)
         q.dim[8] = 0.3 + 2*LW_PI*floor(turns);
         point_at(&q, q.dim, 0.7, &far);
         lw_vec2 p = lw_v2_turn(near, lw_v2_polar(1, remainder(q.dim[8], 2*LW_PI) - 0.3));
-        CHECK_NEAR(far.x, p.x, 1e-14 + 1e-15*turns, 0);
-        CHECK_NEAR(far.y, p.y, 1e-14 + 1e-15*turns, 0);
+        CHECK_POINT(far, p.x, p.y, 1e-14 + 1e-15*turns, 0);
         double c = cos(q.dim[8]), s = sin(q.dim[8]), x, y, u, v;
         lw_vec2 ground = lw_v2_unturn(near, lw_v2_polar(1, 0.3));
         point_at(&q, q.dim, 0.7, &far);
@@ -756,8 +750,7 @@ TEST(jansen_foot)
             continue;
         lw_vec2 p;
         point_at(&q, q.dim, degree*LW_PI/180 - q.dim[q.p.i_theta0], &p);
-        CHECK_NEAR(p.x, foot[0], 2e-12, 0);
-        CHECK_NEAR(p.y, foot[1], 2e-12, 0);
+        CHECK_POINT(p, foot[0], foot[1], 2e-12, 0);
         n++;
     }
     if (f)
@@ -809,8 +802,7 @@ TEST(nearly_straight_lines)
     named(&q, "fourbar", (double[9]){ 2, 1.2, 1, 1.2, 0.5, -sqrt(1.19), 0, 0, 0 }, 1);       /* Roberts */
     CHECK_NEAR(deviation(&q, 0.58568554345715096, 1.3417573819825720, 0, false), 0.0136420228761283217, 1e-9, 0);
     point_at(&q, q.dim, acos(0.5/1.2), &p);
-    CHECK_NEAR(p.x, 1, 1e-15, 0);
-    CHECK_NEAR(p.y, 0, 1e-15, 0);
+    CHECK_POINT(p, 1, 0, 1e-15, 0);
     named(&q, "fourbar", (double[9]){ hypot(1.5, 5), 1, 1, 5, -1, 0, 0, 0, atan2(-5, 1.5) }, 1);  /* Evans */
     CHECK_NEAR(deviation(&q, 0.3 - atan2(-5, 1.5), 0.9 - atan2(-5, 1.5), 0, true), 0.00901446986345329143, 1e-14, 0);
 }

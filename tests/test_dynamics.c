@@ -15,8 +15,7 @@ TEST(simple_pendulum)
     for (int f = 0; f < 4; f++) {
         CHECK_INT(drun_to(&d, every[f], f < 2 ? 1e-13 : 1e-9, 10, 1), LW_OK);
         CHECK_INT(d.report.formulation, every[f]);
-        CHECK_NEAR(d.tracer[1].x, -0.2750874625761168600544, allowed[f], 0);
-        CHECK_NEAR(d.tracer[1].y, -0.9614192050991250642651, allowed[f], 0);
+        CHECK_POINT(d.tracer[1], -0.2750874625761168600544, -0.9614192050991250642651, allowed[f], 0);
     }
     lw_model_free(&d.model);
 }
@@ -61,8 +60,7 @@ TEST(two_four_bars)
             double tolerance = pow(10, -k);
             CHECK_INT(drun_to(&d, every[f], tolerance, 10, 100), LW_OK);
             double allowed = fmax(f == 0 ? 3e-10 : 2e-6, 3000*tolerance);
-            CHECK_NEAR(d.tracer[100].x, 0.32845811154081537865, allowed, 0);
-            CHECK_NEAR(d.tracer[100].y, 0.94451853817860096216, allowed, 0);
+            CHECK_POINT(d.tracer[100], 0.32845811154081537865, 0.94451853817860096216, allowed, 0);
             for (int bar = 0; bar < 2; bar++)                  /* the bars never turn */
                 CHECK_NEAR(d.q[3*(3 + bar) + 2], 0, 1e-9, 0);
         }
@@ -151,8 +149,7 @@ TEST(callers_force)
     d.o.force = (lw_caller_force){ &d.model, weight_and_damper };
     for (int f = 1; f < 4; f++) {
         CHECK_INT(drun_to(&d, every[f], 1e-10, 3, 4), LW_OK);
-        CHECK_NEAR(d.tracer[4].x, same.tracer[4].x, f == 1 ? 1e-9 : 1e-6, 0);
-        CHECK_NEAR(d.tracer[4].y, same.tracer[4].y, f == 1 ? 1e-9 : 1e-6, 0);
+        CHECK_POINT(d.tracer[4], same.tracer[4].x, same.tracer[4].y, f == 1 ? 1e-9 : 1e-6, 0);
         CHECK(d.report.energy_error < 1e-6*d.report.energy_scale);
     }
     CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, 1e-11, 3, 4), LW_OK);
@@ -162,8 +159,7 @@ TEST(callers_force)
     CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_OK);
     CHECK_INT(lw_statics_rest(made, 0, q, &rest, &d.e), LW_OK);
     lw_vec2 bob = lw_system_point(lw_dynamics_system(made), 0, lw_v2(0, 0), q);
-    CHECK_NEAR(bob.x, 0, 1e-9, 0);
-    CHECK_NEAR(bob.y, -1, 1e-9, 0);
+    CHECK_POINT(bob, 0, -1, 1e-9, 0);
     lw_dynamics_free(made);
     lw_model_free(&same.model);
     lw_model_free(&d.model);

@@ -73,8 +73,7 @@ static void agree(lw_model *m, double to, double tight)
     CHECK_INT(sparse.n_sample, both.n_sample);
     for (int i = 0; both.q && sparse.q && i < both.n_q; i++)
         CHECK_NEAR(sparse.q[i], both.q[i], tight, 0);
-    CHECK_NEAR(sparse.joint.force.x, both.joint.force.x, 1e-6, 1e-6);
-    CHECK_NEAR(sparse.joint.force.y, both.joint.force.y, 1e-6, 1e-6);
+    CHECK_POINT(sparse.joint.force, both.joint.force.x, both.joint.force.y, 1e-6, 1e-6);
     CHECK(sparse.off < 1e-12);
     free(sparse.q);
     lw_status s = run_by(LW_FORMULATION_GGL, m, to, 1e-8, &sparse, &r, &e);      /* sparse derivatives */
@@ -260,8 +259,7 @@ TEST(many_links_on_one_pin)
     CHECK_INT(run_by(LW_FORMULATION_GGL, &m, 0.5, 1e-9, &implicit, &r, &e), LW_OK);
     for (int i = 0; i < explicit.n_q; i++)
         CHECK_NEAR(implicit.q[i], explicit.q[i], 1e-6, 0);
-    CHECK_NEAR(implicit.joint.force.x, explicit.joint.force.x, 1e-3, 1e-4);
-    CHECK_NEAR(implicit.joint.force.y, explicit.joint.force.y, 1e-3, 1e-4);
+    CHECK_POINT(implicit.joint.force, explicit.joint.force.x, explicit.joint.force.y, 1e-3, 1e-4);
     free(explicit.q), free(implicit.q);
     lw_model_free(&m);
 }
@@ -568,8 +566,7 @@ TEST(tall_towers_are_not_singular)
         CHECK_TEXT(e.text, "");
         const lw_system *s = lw_follow_system(f);
         lw_vec2 top = lw_system_point(s, s->tracer_body[0], s->tracer_arm[0], lw_follow_series(f));
-        CHECK_NEAR(top.x, -n*sin(80*LW_PI/180)*sin(0.3), 1e-8*n, 0);
-        CHECK_NEAR(top.y, n*sin(80*LW_PI/180)*cos(0.3), 1e-8*n, 0);
+        CHECK_POINT(top, -n*sin(80*LW_PI/180)*sin(0.3), n*sin(80*LW_PI/180)*cos(0.3), 1e-8*n, 0);
         lw_follow_free(f);
         lw_model_free(&m);
     }
@@ -750,8 +747,7 @@ TEST(rope_at_rest)
     CHECK(rest.stable);
     for (int b = 0; b < 60; b++) {
         lw_vec2 at = lw_system_point(lw_dynamics_system(d), b, lw_v2(0, 0), q);
-        CHECK_NEAR(at.x, 0, 1e-9, 0);
-        CHECK_NEAR(at.y, -(b + 0.5)/60, 1e-9, 0);
+        CHECK_POINT(at, 0, -(b + 0.5)/60, 1e-9, 0);
     }
     CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ 0 }, 3, 0, q, &modes, &e), LW_OK);
     static const double zero[] = { 2.404825558, 5.520078110, 8.653727913 };
@@ -838,10 +834,8 @@ TEST(large_models_at_rest)
         read_arch(ARCH, k ? 1 : -1, &m);
         rest_of(&m, ARCH, at + k*ARCH);
     }
-    for (int b = 0; b < ARCH; b++) {
-        CHECK_NEAR(at[ARCH + b].x, at[b].x, 1e-7, 0);
-        CHECK_NEAR(at[ARCH + b].y, at[b].y, 1e-7, 0);
-    }
+    for (int b = 0; b < ARCH; b++)
+        CHECK_POINT(at[ARCH + b], at[b].x, at[b].y, 1e-7, 0);
     read_row(ROW, &m);
     rest_of(&m, 2*ROW + 1, at);
     for (int i = 0; i <= ROW; i++)

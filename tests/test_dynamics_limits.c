@@ -33,13 +33,11 @@ static double pendulum_angle(double pace, double angle, double rate, double to)
 TEST(heavy_last)
 {
     double angle = pendulum_angle(9.81/2, 0, 0, 0.5);
-    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'one', 'mass': 1, 'centre': [1, 0]},"
-        "{'name': 'two', 'mass': 1e8, 'centre': [2, 0]}], 'joints': [{'name': 'A', 'links': ['ground', 'one'],"
-        "'at': [0, 0]}, {'name': 'B', 'links': ['one', 'two'], 'at': [1, 0]}], 'input': {'joint': 'A'},"
-        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'two', 'at': [2, 0]}]}", 0, 0);
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'one', 'mass': 1, 'centre': [1, 0]},{'name': 'two', 'mass': 1e8, 'centre': "
+        "[2, 0]}], 'joints': [{'name': 'A', 'links': ['ground', 'one'],'at': [0, 0]}, {'name': 'B', 'links': ['one', 'two'], 'at': [1, 0]}], "
+        "'input': {'joint': 'A'},'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'two', 'at': [2, 0]}]}", 0, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-9, 0.5, 1), LW_OK);
-    CHECK_NEAR(d.tracer[1].x, 2*cos(angle), 1e-7, 0);
-    CHECK_NEAR(d.tracer[1].y, 2*sin(angle), 1e-7, 0);
+    CHECK_POINT(d.tracer[1], 2*cos(angle), 2*sin(angle), 1e-7, 0);
     CHECK(d.report.energy_error < 1e-9*d.report.energy_scale);
     lw_model_free(&d.model);
 }
@@ -59,13 +57,11 @@ TEST(large_units)
     lw_model_free(&d.model);
 }
 
-static const char between[] = "{'linkwright': 1, 'links': ['ground', {'name': 'mid', 'mass': %g, 'centre': [1.2, 0]},"
-    "{'name': 'cart', 'mass': 2, 'centre': [2, 0]}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'mid'],"
-    "'at': [1.2, 0], 'along': [1, 0]}, {'name': 'T', 'kind': 't', 'links': ['ground', 'cart'], 'at': [2, 0],"
-    "'along': [1, 0]}], 'springs': [{'links': ['ground', 'mid'], 'at': [[0, 0], [1.2, 0]], 'stiffness': 300,"
-    "'free': 1},"
-    "{'links': ['mid', 'cart'], 'at': [[1.2, 0], [2, 0]], 'stiffness': 600, 'free': 0.7}],"
-    "'tracers': [{'name': 'P', 'link': 'cart', 'at': [2, 0]}]}";
+static const char between[] = "{'linkwright': 1, 'links': ['ground', {'name': 'mid', 'mass': %g, 'centre': [1.2, 0]},{'name': 'cart', 'mass': 2, "
+    "'centre': [2, 0]}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'mid'],'at': [1.2, 0], 'along': [1, 0]}, {'name': 'T', 'kind': "
+    "'t', 'links': ['ground', 'cart'], 'at': [2, 0],'along': [1, 0]}], 'springs': [{'links': ['ground', 'mid'], 'at': [[0, 0], [1.2, 0]], "
+    "'stiffness': 300,'free': 1},{'links': ['mid', 'cart'], 'at': [[1.2, 0], [2, 0]], 'stiffness': 600, 'free': 0.7}],'tracers': [{'name': 'P', "
+    "'link': 'cart', 'at': [2, 0]}]}";
 
 /* The place of a massless link that hangs between springs is undetermined: refused by name.  With a milligram, which
  * would vibrate at 3e4 rad/s, the springs are in series, 200 N/m: 1.7 + 0.3 cos 10 t. */
@@ -88,13 +84,11 @@ TEST(massless_between_springs)
  * s/(I + m s^2). */
 TEST(massless_loop)
 {
-    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': %g, 'centre': [-1, 0],"
-        "'inertia': %g}, 'crank', 'coupler', 'rocker'], 'joints': [{'name': 'W', 'kind': 'f',"
-        "'links': ['wheel', 'crank'], 'at': [0, 0]}, {'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]},"
-        "{'name': 'B', 'links': ['crank', 'coupler'], 'at': [0, 1]},"
-        "{'name': 'C', 'links': ['coupler', 'rocker'], 'at': [2.5, 2]},"
-        "{'name': 'D', 'links': ['rocker', 'ground'], 'at': [2.5, 0]}], 'input': {'joint': 'A', 'speed': -1},"
-        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'wheel', 'at': [-1, 0]}]}";
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': %g, 'centre': [-1, 0],'inertia': %g}, 'crank', "
+        "'coupler', 'rocker'], 'joints': [{'name': 'W', 'kind': 'f','links': ['wheel', 'crank'], 'at': [0, 0]}, {'name': 'A', 'links': ['ground', "
+        "'crank'], 'at': [0, 0]},{'name': 'B', 'links': ['crank', 'coupler'], 'at': [0, 1]},{'name': 'C', 'links': ['coupler', 'rocker'], 'at': "
+        "[2.5, 2]},{'name': 'D', 'links': ['rocker', 'ground'], 'at': [2.5, 0]}], 'input': {'joint': 'A', 'speed': -1},'gravity': [0, -9.81], "
+        "'tracers': [{'name': 'P', 'link': 'wheel', 'at': [-1, 0]}]}";
     double angle = pendulum_angle(9.81/1.3, LW_PI, -1, 0.4);
     drun_read_format(&d, text, 0, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-9, 1, 1), LW_E_ARG);
@@ -103,8 +97,7 @@ TEST(massless_loop)
     drun_read_format(&d, text, 1, 0.3);
     for (int f = 1; f < 4; f++) {
         CHECK_INT(drun_to(&d, all[f], f == 1 ? 1e-12 : 1e-9, 0.4, 1), LW_OK);
-        CHECK_NEAR(d.tracer[1].x, cos(angle), f == 1 ? 1e-10 : 1e-5, 0);
-        CHECK_NEAR(d.tracer[1].y, sin(angle), f == 1 ? 1e-10 : 1e-5, 0);
+        CHECK_POINT(d.tracer[1], cos(angle), sin(angle), f == 1 ? 1e-10 : 1e-5, 0);
     }
     lw_model_free(&d.model);
 }
@@ -279,10 +272,9 @@ TEST(light_crank)
 TEST(a_million_periods)
 {
     const double quarter = 1.8540746773013719184*sqrt(1/9.81);            /* K(1/sqrt 2)                   */
-    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'cart', 'mass': 1, 'centre': [0, 0]}],"
-        "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'cart'], 'at': [0, 0], 'along': [1, 0]}],"
-        "'input': {'joint': 'S'}, 'springs': [{'joint': 'S', 'stiffness': 39.478417604357434, 'free': -1}],"
-        "'tracers': [{'name': 'P', 'link': 'cart', 'at': [0, 0]}]}", 0, 0);
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'cart', 'mass': 1, 'centre': [0, 0]}],'joints': [{'name': 'S', 'kind': 't', "
+        "'links': ['ground', 'cart'], 'at': [0, 0], 'along': [1, 0]}],'input': {'joint': 'S'}, 'springs': [{'joint': 'S', 'stiffness': "
+        "39.478417604357434, 'free': -1}],'tracers': [{'name': 'P', 'link': 'cart', 'at': [0, 0]}]}", 0, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-13, 1000000.25, 1), LW_OK);
     CHECK_NEAR(d.tracer[1].x, -1, 1e-6, 0);
     CHECK_NEAR(d.report.period, 1, 1e-12, 0);
@@ -304,14 +296,11 @@ TEST(periods_of_a_four_bar)
 {
     static lw_vec2 want[1100];
     double turn[3];
-    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1, 'centre': [0, 0.5],"
-        "'inertia': 0.1}, {'name': 'coupler', 'mass': 1, 'centre': [1, 1.5], 'inertia': 0.2},"
-        "{'name': 'rocker', 'mass': 2, 'centre': [2, 1], 'inertia': 0.3}],"
-        "'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]},"
-        "{'name': 'B', 'links': ['crank', 'coupler'], 'at': [0, 1]},"
-        "{'name': 'C', 'links': ['coupler', 'rocker'], 'at': [2, 2]},"
-        "{'name': 'D', 'links': ['rocker', 'ground'], 'at': [2, 0]}], 'input': {'joint': 'D', 'speed': 0.5},"
-        "'gravity': [2, 9.81], 'tracers': [{'name': 'P', 'link': 'coupler', 'at': [1, 2]}]}", 0, 0);
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1, 'centre': [0, 0.5],'inertia': 0.1}, {'name': 'coupler', "
+        "'mass': 1, 'centre': [1, 1.5], 'inertia': 0.2},{'name': 'rocker', 'mass': 2, 'centre': [2, 1], 'inertia': 0.3}],'joints': [{'name': 'A', "
+        "'links': ['ground', 'crank'], 'at': [0, 0]},{'name': 'B', 'links': ['crank', 'coupler'], 'at': [0, 1]},{'name': 'C', 'links': ['coupler', "
+        "'rocker'], 'at': [2, 2]},{'name': 'D', 'links': ['rocker', 'ground'], 'at': [2, 0]}], 'input': {'joint': 'D', 'speed': 0.5},'gravity': [2, "
+        "9.81], 'tracers': [{'name': 'P', 'link': 'coupler', 'at': [1, 2]}]}", 0, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-13, 60, 1000), LW_OK);
     memcpy(want, d.tracer, sizeof want);
     for (int b = 0; b < 3; b++)
@@ -321,8 +310,7 @@ TEST(periods_of_a_four_bar)
     CHECK(d.report.period > 0.5 && d.report.period < 4);
     for (int i = 0; i <= 1000; i++) {
         CHECK_NEAR(d.t[i], 0.06*i, 1e-12, 0);
-        CHECK_NEAR(d.tracer[i].x, want[i].x, 1e-8, 0);
-        CHECK_NEAR(d.tracer[i].y, want[i].y, 1e-8, 0);
+        CHECK_POINT(d.tracer[i], want[i].x, want[i].y, 1e-8, 0);
     }
     for (int b = 0; b < 3; b++)
         CHECK_NEAR(d.q[3*b + 2], turn[b], 1e-8, 0);
@@ -372,19 +360,16 @@ TEST(equal_crank_and_rod)
     char text[1500];
     double x = r*cos(q), h = r*sin(q);
     snprintf(text, sizeof text,
-        "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1, 'centre': [%.17g, %.17g],"
-        "'inertia': 0.0075}, {'name': 'rod', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.0075},"
-        "{'name': 'slider', 'mass': 0.5, 'centre': [%.17g, 0]}], 'joints': [{'name': 'A',"
-        "'links': ['ground', 'crank'], 'at': [0, 0]}, {'name': 'B', 'links': ['crank', 'rod'],"
-        "'at': [%.17g, %.17g]}, {'name': 'C', 'links': ['rod', 'slider'], 'at': [%.17g, 0]}, {'name': 'D',"
-        "'kind': 't', 'links': ['ground', 'slider'], 'at': [%.17g, 0], 'along': [1, 0]}],"
-        "'input': {'joint': 'A', 'speed': 4}, 'tracers': [{'name': 'P', 'link': 'crank', 'at': [%.17g, %.17g]}]}",
+        "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1, 'centre': [%.17g, %.17g],'inertia': 0.0075}, {'name': 'rod', 'mass': 1, "
+        "'centre': [%.17g, %.17g], 'inertia': 0.0075},{'name': 'slider', 'mass': 0.5, 'centre': [%.17g, 0]}], 'joints': [{'name': 'A','links': "
+        "['ground', 'crank'], 'at': [0, 0]}, {'name': 'B', 'links': ['crank', 'rod'],'at': [%.17g, %.17g]}, {'name': 'C', 'links': ['rod', "
+        "'slider'], 'at': [%.17g, 0]}, {'name': 'D','kind': 't', 'links': ['ground', 'slider'], 'at': [%.17g, 0], 'along': [1, 0]}],'input': "
+        "{'joint': 'A', 'speed': 4}, 'tracers': [{'name': 'P', 'link': 'crank', 'at': [%.17g, %.17g]}]}",
         x/2, h/2, 1.5*x, h/2, 2*x, x, h, 2*x, 2*x, x, h);
     drun_read_format(&d, text, 0, 0);
     for (int f = 0; f < 4; f++) {
         CHECK_INT(drun_to(&d, all[f], f < 2 ? 1e-11 : 1e-9, 3, 3), LW_OK);
-        CHECK_NEAR(d.tracer[3].x, r*cos(y), f < 2 ? 1e-9 : 1e-5, 0);
-        CHECK_NEAR(d.tracer[3].y, r*sin(y), f < 2 ? 1e-9 : 1e-5, 0);
+        CHECK_POINT(d.tracer[3], r*cos(y), r*sin(y), f < 2 ? 1e-9 : 1e-5, 0);
         CHECK_NEAR(d.q[6], d.system.reference[2].x + (2*r*cos(y) - 2*x)/d.system.unit, f < 2 ? 1e-8 : 1e-4, 0);
     }
     lw_model_free(&d.model);

@@ -51,8 +51,7 @@ TEST(two_four_bars)
         for (int k = with[f].least; k <= with[f].most; k++) {
             watch w = { .first = 3, .n = 2 };
             lw_vec2 at = crank_end(all[f], pow(10, -k), 10, &w);
-            CHECK_NEAR(at.x, 0.32845811154081537865, with[f].times*pow(10, -k), 0);
-            CHECK_NEAR(at.y, 0.94451853817860096216, with[f].times*pow(10, -k), 0);
+            CHECK_POINT(at, 0.32845811154081537865, 0.94451853817860096216, with[f].times*pow(10, -k), 0);
             CHECK(w.turned < 1e-9);
         }
     lw_model_free(&d.model);
@@ -78,8 +77,7 @@ TEST(redundant_rows)
     for (int f = 1; f < 4; f++) {
         watch w = { .first = 3, .n = 1 };
         lw_vec2 at = crank_end(all[f], tolerance[f], 4, &w);
-        CHECK_NEAR(at.x, other.tracer[4].x, slack[f], 0);
-        CHECK_NEAR(at.y, other.tracer[4].y, slack[f], 0);
+        CHECK_POINT(at, other.tracer[4].x, other.tracer[4].y, slack[f], 0);
         CHECK(w.turned < 1e-9);
     }
     lw_model_free(&d.model);
@@ -105,8 +103,7 @@ TEST(swings_about_it)
         watch w = { .first = 1, .n = 1 };
         lw_vec2 at = crank_end(all[f], f < 2 ? 1e-12 : 1e-10, 7, &w);
         double angle = 0.2*cos(7*sqrt(8/2.0));
-        CHECK_NEAR(at.x, cos(angle), f < 2 ? 1e-10 : 1e-6, 0);
-        CHECK_NEAR(at.y, sin(angle), f < 2 ? 1e-10 : 1e-6, 0);
+        CHECK_POINT(at, cos(angle), sin(angle), f < 2 ? 1e-10 : 1e-6, 0);
         CHECK(w.turned < 1e-9);
     }
     lw_model_free(&d.model);
@@ -130,8 +127,7 @@ TEST(two_freedoms)
     for (int f = 1; f < 4; f++)
         for (int k = 7; k <= tightest[f]; k++) {
             lw_vec2 at = crank_end(all[f], pow(10, -k), 3, &w);
-            CHECK_NEAR(at.x, want.x, (f == 1 ? 300 : 1e4)*pow(10, -k), 0);
-            CHECK_NEAR(at.y, want.y, (f == 1 ? 300 : 1e4)*pow(10, -k), 0);
+            CHECK_POINT(at, want.x, want.y, (f == 1 ? 300 : 1e4)*pow(10, -k), 0);
             CHECK(w.turned < 1e-9);
         }
     lw_model_free(&d.model);
@@ -172,13 +168,11 @@ TEST(change_points)
         CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
         for (int e = 6; e <= 12; e += 2) {
             lw_vec2 at = crank_end(LW_FORMULATION_INDEX1, pow(10, -e), 5, &w);
-            CHECK_NEAR(at.x, want.x, 300*pow(10, -e), 0);
-            CHECK_NEAR(at.y, want.y, 300*pow(10, -e), 0);
+            CHECK_POINT(at, want.x, want.y, 300*pow(10, -e), 0);
         }
         for (int f = 2; f < 4; f++) {
             lw_vec2 at = crank_end(all[f], 1e-9, 5, &w);
-            CHECK_NEAR(at.x, want.x, 3e-4, 0);
-            CHECK_NEAR(at.y, want.y, 3e-4, 0);
+            CHECK_POINT(at, want.x, want.y, 3e-4, 0);
         }
         lw_model_free(&d.model);
     }
@@ -215,8 +209,7 @@ TEST(slider_over_a_pivot)
             double y[2] = { side > 0 ? 1 : LW_PI - 1, 0 };
             for (int i = 1; i < d.n_moment; i++) {
                 drun_exact(&(lw_ode){ .n = 2, .rate = rate_over_pivot, .context = &push }, d.t[i - 1], y, d.t[i]);
-                CHECK_NEAR(d.tracer[i].x, cos(y[0]), 1e-7, 0);
-                CHECK_NEAR(d.tracer[i].y, sin(y[0]), 1e-7, 0);
+                CHECK_POINT(d.tracer[i], cos(y[0]), sin(y[0]), 1e-7, 0);
             }
             CHECK(side*cos(y[0]) < -0.1);                                   /* beyond the pivot */
             CHECK(d.report.energy_error < 1e-8*d.report.energy_scale);
@@ -245,8 +238,7 @@ TEST(block_over_a_pivot)
             CHECK_INT(drun_to(&d, some[f], 1e-11, 1.5, 30), LW_OK);
             for (int i = 0; i < d.n_moment; i++) {
                 double turned = (s + w*d.t[i] + LW_PI)/2;
-                CHECK_NEAR(d.tracer[i].x, 1 + cos(turned), 1e-8, 0);
-                CHECK_NEAR(d.tracer[i].y, sin(turned), 1e-8, 0);
+                CHECK_POINT(d.tracer[i], 1 + cos(turned), sin(turned), 1e-8, 0);
             }
             CHECK_INT(d.n_moment, 31);
             lw_model_free(&d.model);
@@ -272,8 +264,7 @@ TEST(rests_in_a_flat_posture)
             for (int i = 0; i < d.n_moment; i++) {
                 double x = fabs(1 - d.t[i]), t = d.t[i], rest = fmin(t, 1), s = 0;
                 s = k == 0 ? 1 - rest*rest*(3 - 2*rest) : k == 1 ? pow(x, 4) : k == 2 ? pow(x, 6) : k == 3 ? x : k == 4 ? 1 - rest : pow(1 - t, 5);
-                CHECK_NEAR(d.tracer[i].x, 2 + cos(s), 1e-8, 0);
-                CHECK_NEAR(d.tracer[i].y, sin(s), 1e-8, 0);
+                CHECK_POINT(d.tracer[i], 2 + cos(s), sin(s), 1e-8, 0);
             }
             for (int i = 0; i < 9; i++)
                 CHECK(isfinite(d.a[i]));
@@ -361,8 +352,7 @@ TEST(ten_in_a_row)
     for (int f = -1; f < 2; f++) {
         watch of = { .first = 11, .n = 10 };
         lw_vec2 at = crank_end(f < 0 ? LW_FORMULATION_AUTO : all[f], 1e-11, 5, &of);
-        CHECK_NEAR(at.x, cos(w.y[0]), 1e-8, 0);
-        CHECK_NEAR(at.y, sin(w.y[0]), 1e-8, 0);
+        CHECK_POINT(at, cos(w.y[0]), sin(w.y[0]), 1e-8, 0);
         CHECK(of.turned < 1e-9);
     }
     lw_model_free(&d.model);
@@ -460,10 +450,8 @@ TEST(near_misses)
             lw_vec2 at = crank_end(f ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO, 1e-12, 1.5, &w);
             double c = 1 + eps[k];
             CHECK(w.q[2] > (c > 1 ? -LW_PI/3 : -2*LW_PI));
-            if (f) {
-                CHECK_NEAR(at.x, other.tracer[0].x, 1e-8, 0);
-                CHECK_NEAR(at.y, other.tracer[0].y, 1e-8, 0);
-            }
+            if (f)
+                CHECK_POINT(at, other.tracer[0].x, other.tracer[0].y, 1e-8, 0);
             other.tracer[0] = at;
             CHECK(d.report.energy_error < 1e-10*d.report.energy_scale);
         }
@@ -479,8 +467,7 @@ TEST(near_misses)
     lw_model_free(&d.model);
     read_rhombus(0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, 1e-12, 1.5, 10), LW_OK);
-    CHECK_NEAR(d.tracer[10].x, other.tracer[0].x, 1e-5, 0);
-    CHECK_NEAR(d.tracer[10].y, other.tracer[0].y, 1e-5, 0);
+    CHECK_POINT(d.tracer[10], other.tracer[0].x, other.tracer[0].y, 1e-5, 0);
     lw_model_free(&d.model);
 }
 

@@ -33,8 +33,7 @@ static void compare(const book *b)
         if (f < 2 && s == LW_E_KIND)
             continue;
         CHECK_INT(s, LW_OK);
-        CHECK_NEAR(d.tracer[4].x, want.x, tight ? 1e-8 : 2e-5, 0);
-        CHECK_NEAR(d.tracer[4].y, want.y, tight ? 1e-8 : 2e-5, 0);
+        CHECK_POINT(d.tracer[4], want.x, want.y, tight ? 1e-8 : 2e-5, 0);
         CHECK(d.report.energy_error < (tight ? 1e-10 : 1e-5)*d.report.energy_scale);
         n_run++;
     }
@@ -269,8 +268,7 @@ TEST(slides_tied_on_a_turning_link)
     for (size_t i = 0; i < sizeof way/sizeof *way; i++) {
         double allowed = i == 0 || i == 3 ? 1e-7 : 1e-4, c = cos(y[0]), s = sin(y[0]);
         CHECK_INT(drun_to(&d, way[i], 1e-9, 2, 1), LW_OK);
-        CHECK_NEAR(d.tracer[1].x, c*(0.3 + y[1]) - s*0.1, allowed, 0);
-        CHECK_NEAR(d.tracer[1].y, s*(0.3 + y[1]) + c*0.1, allowed, 0);
+        CHECK_POINT(d.tracer[1], c*(0.3 + y[1]) - s*0.1, s*(0.3 + y[1]) + c*0.1, allowed, 0);
         CHECK(d.report.steps < 20000);
     }
     lw_model_free(&d.model);

@@ -330,8 +330,7 @@ TEST(rods_with_friction)
         } else {
             CHECK_INT(s, LW_OK);
             CHECK_NEAR(d.q[2], y[0] - a, 1e-9, 0);
-            CHECK_NEAR(d.tracer[5].x, y[2], 1e-9, 0);
-            CHECK_NEAR(d.tracer[5].y, y[4], 1e-9, 0);
+            CHECK_POINT(d.tracer[5], y[2], y[4], 1e-9, 0);
             CHECK(!struck || (d.report.event[0].impact && d.report.event[0].t == 0));
             CHECK(d.report.energy_error < 1e-10*d.report.energy_scale);
             moved++;
@@ -393,8 +392,7 @@ TEST(slack_rope)
     double flight = 4*speed*sin(slack)/g;                /* the parabola meets the circle again */
     drun_read(&d, "examples/dynamics/rope.json");
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-12, lo + 0.5, 1), LW_OK);
-    CHECK_NEAR(d.tracer[1].x, x + 0.5*vx, 1e-9, 0);
-    CHECK_NEAR(d.tracer[1].y, y + 0.5*vy - 0.125*g, 1e-9, 0);
+    CHECK_POINT(d.tracer[1], x + 0.5*vx, y + 0.5*vy - 0.125*g, 1e-9, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-12, 2, 10), LW_OK);
     CHECK_NEAR(d.report.event[0].t, lo, 1e-9, 0);
     CHECK_NEAR(d.report.event[1].t, lo + flight, 1e-9, 0);

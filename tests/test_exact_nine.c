@@ -155,8 +155,7 @@ TEST(all_with_given_pins_are_found)
             drawn |= off < 1e-6;
             for (int j = 0; j < 5; j++) {
                 lw_vec2 p = fourbar_at(c->dim, c->mode_of[j], c->input[j]).p;
-                CHECK_NEAR(p.x, x[j], 1e-7, 0);
-                CHECK_NEAR(p.y, y[j], 1e-7, 0);
+                CHECK_POINT(p, x[j], y[j], 1e-7, 0);
             }
         }
         CHECK(drawn);

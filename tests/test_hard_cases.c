@@ -419,8 +419,7 @@ TEST(equal_crank_and_rod)
     for (int i = 1; s && i <= 25; i++) {
         double t = 0.7 + 0.31*i;
         CHECK_INT(lw_newton_move(s, t, NULL), LW_OK);
-        CHECK_NEAR(lw_newton_tracer(s, 0).x, 0.0, 1e-13, 0);
-        CHECK_NEAR(lw_newton_tracer(s, 0).y, 2.0*sin(t), 1e-13, 0);
+        CHECK_POINT(lw_newton_tracer(s, 0), 0.0, 2.0*sin(t), 1e-13, 0);
     }
     CHECK_INT(lw_newton_crossings(s), 3);                  /* pi/2, 3 pi/2, 5 pi/2 before 8.45 */
     lw_newton_free(s);
@@ -435,8 +434,7 @@ TEST(equal_crank_and_rod)
     for (int i = -89; i <= 89; i++) {                      /* while cos t > 0 in the drawn mode */
         double t = i*LW_PI/180.0;
         CHECK_INT(lw_posture_solve(&plan, dim, mode, t, 0, &p), LW_OK);
-        CHECK_NEAR(p.tracer[0][0].x, 0.0, 2e-14, 0);
-        CHECK_NEAR(p.tracer[0][0].y, 2.0*sin(t), 2e-14, 0);
+        CHECK_POINT(p.tracer[0][0], 0.0, 2.0*sin(t), 2e-14, 0);
     }
 }
 
@@ -504,8 +502,7 @@ TEST(peaucellier_is_straight)
         CHECK_INT(lw_newton_move(s, 0.185*i, NULL), LW_OK);
         CHECK_NEAR(lw_newton_tracer(s, 0).x, 16.0/3.0, 2e-13, 0);
         CHECK_INT(lw_posture_solve(&plan, dim, mode, input + 0.185*i - 0.3, 0, &p), LW_OK);
-        CHECK_NEAR(p.tracer[0][0].x, 16.0/3.0, 2e-13, 0);
-        CHECK_NEAR(p.tracer[0][0].y, lw_newton_tracer(s, 0).y, 2e-13, 0);
+        CHECK_POINT(p.tracer[0][0], 16.0/3.0, lw_newton_tracer(s, 0).y, 2e-13, 0);
     }
     for (int way = -1; s && way <= 1; way += 2) {
         CHECK_INT(lw_newton_move(s, 2.0*way, &reached), LW_OPEN);

@@ -38,8 +38,7 @@ static lw_vec2 crossing(lw_vec2 p, lw_vec2 u, lw_vec2 q, lw_vec2 v)
 static void near(lw_vec2 got, lw_vec2 want)
 {
     double far = 1 + lw_v2_norm(want);
-    CHECK_NEAR(got.x, want.x, 1e-9*far*far, 0);
-    CHECK_NEAR(got.y, want.y, 1e-9*far*far, 0);
+    CHECK_POINT(got, want.x, want.y, 1e-9*far*far, 0);
 }
 
 TEST(centres_of_fourbars)
@@ -119,8 +118,7 @@ TEST(double_points_of_known_curves)
         y[i] = r*sin(t) - 3;
     }
     CHECK_INT(lw_path_double_points(N, x, y, d, 8), 1);
-    CHECK_NEAR(d[0].at.x, 5, 1e-7, 0);
-    CHECK_NEAR(d[0].at.y, -3, 1e-7, 0);
+    CHECK_POINT(d[0].at, 5, -3, 1e-7, 0);
     CHECK_NEAR(d[0].first, 103, 1e-5, 0);
     CHECK_NEAR(d[0].second, 223, 1e-5, 0);
     for (int i = 0; i < N; i++) {

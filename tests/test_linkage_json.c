@@ -128,8 +128,7 @@ TEST(other_kinds_and_several_inputs)
                    "{\"name\":\"D\",\"kind\":\"g\",\"links\":[\"a\",\"b\"],\"at\":[1,1],\"ratio\":-2.5}],"
                    "\"inputs\":[{\"joint\":\"A\"},{\"joint\":\"C\",\"value\":5,\"first\":-1,\"last\":2}]}", &k, &e),
               LW_OK);
-    CHECK_NEAR(k.joint[1].along.x, 0.6, 0, 0);
-    CHECK_NEAR(k.joint[1].along.y, 0.8, 0, 0);
+    CHECK_POINT(k.joint[1].along, 0.6, 0.8, 0, 0);
     CHECK_NEAR(k.joint[2].along.x, 0, 1e-16, 0);
     CHECK_NEAR(k.joint[2].along.y, 1, 0, 0);
     CHECK_NEAR(k.joint[3].ratio, -0.025, 0, 1e-15);              /* b is a rack: cm per rad */
@@ -218,8 +217,7 @@ static void check_same(const lw_linkage *a, const lw_linkage *b, double allowed)
         CHECK_TEXT(p->name, q->name);
         CHECK(p->kind == q->kind && p->link[0] == q->link[0] && p->link[1] == q->link[1]);
         CHECK(p->along.x == q->along.x && p->along.y == q->along.y && p->ratio == q->ratio);
-        CHECK_NEAR(p->at.x, q->at.x, 0, allowed);
-        CHECK_NEAR(p->at.y, q->at.y, 0, allowed);
+        CHECK_POINT(p->at, q->at.x, q->at.y, 0, allowed);
     }
     for (int i = 0; i < a->n_input; i++) {
         CHECK_INT(a->input[i].joint, b->input[i].joint);

@@ -179,8 +179,7 @@ TEST(turned_parts)
         for (int k = 0; k < 2; k++) {
             double px = r[3*k], py = r[3*k + 1], qx = cos(a)*px - sin(a)*py + r[6], qy = sin(a)*px + cos(a)*py + r[7];
             lw_vec2 at = k ? model.linkage.tracer[0].at : model.linkage.joint[0].at;
-            CHECK_NEAR(at.x, cos(b)*qx - sin(b)*qy + r[9], 1e-13, 0);
-            CHECK_NEAR(at.y, sin(b)*qx + cos(b)*qy + r[10], 1e-13, 0);
+            CHECK_POINT(at, cos(b)*qx - sin(b)*qy + r[9], sin(b)*qx + cos(b)*qy + r[10], 1e-13, 0);
         }
         double turn = remainder(model.linkage.tracer[0].angle - (r[5]*LW_PI/180 + a + b), 2*LW_PI);
         CHECK_NEAR(turn, 0, 1e-12, 0);

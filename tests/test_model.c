@@ -41,8 +41,7 @@ TEST(bodies_in_their_units)
                         ", 'gravity': [0, -9.81], 'input': {'joint': 'D', 'speed': 3}"), LW_OK);
     CHECK(m.body[1].given);
     CHECK_NEAR(m.body[1].mass, 2, 0, 0);
-    CHECK_NEAR(m.body[1].centre.x, 0.5, 0, 1e-15);
-    CHECK_NEAR(m.body[1].centre.y, 0.1, 0, 1e-15);
+    CHECK_POINT(m.body[1].centre, 0.5, 0.1, 0, 1e-15);
     CHECK_NEAR(m.body[1].inertia, 0.5, 0, 0);
     CHECK_NEAR(m.gravity.y, -9.81, 0, 0);
     CHECK(m.has_speed[0]);

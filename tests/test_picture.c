@@ -290,8 +290,7 @@ TEST(frames_move_the_links)
                 lw_page_motion m = lw_diagram_motion(&s, &d.view[0], f, j->link[side]);
                 lw_vec2 q = lw_v2_sub(lw_view_pixel(&d.view[0], j->at), m.from);
                 q = lw_v2_add(m.to, lw_v2_turn(q, m.turn));
-                CHECK_NEAR(q.x, p.x, 1e-6, 0);
-                CHECK_NEAR(q.y, p.y, 1e-6, 0);
+                CHECK_POINT(q, p.x, p.y, 1e-6, 0);
             }
         }
     }

@@ -96,10 +96,8 @@ TEST(order_of_telling_does_not_matter)
         if (sa != LW_OK || pa.margin < 1e-3)
             continue;
         double size = 1 + lw_v2_norm(pa.tracer[0][0]) + lw_v2_norm(pa.tracer[0][1]);
-        for (int i = 0; i < 2; i++) {
-            CHECK_NEAR(pb.tracer[0][i].x, pa.tracer[0][i].x, 1e-9*size, 0);
-            CHECK_NEAR(pb.tracer[0][i].y, pa.tracer[0][i].y, 1e-9*size, 0);
-        }
+        for (int i = 0; i < 2; i++)
+            CHECK_POINT(pb.tracer[0][i], pa.tracer[0][i].x, pa.tracer[0][i].y, 1e-9*size, 0);
     }
 }
 
@@ -182,8 +180,7 @@ TEST(newton_arrives_at_the_same_place)
         if (lw_newton_move(s, q.k.input[0].value + step, &reached) == LW_OK) {
             lw_vec2 p = lw_newton_tracer(s, 0);
             double size = 1 + lw_v2_norm(p);
-            CHECK_NEAR(posture.tracer[0][0].x, p.x, 1e-9*size, 0);
-            CHECK_NEAR(posture.tracer[0][0].y, p.y, 1e-9*size, 0);
+            CHECK_POINT(posture.tracer[0][0], p.x, p.y, 1e-9*size, 0);
             n_checked++;
         }
         lw_newton_free(s);

@@ -243,8 +243,7 @@ TEST(turns_as_the_loop_equations)
             far = s;
             CHECK(lw_newton_move(n, before + p.plan.input_turns_per_period*turn, &reached) == LW_OK);
             lw_vec2 at = lw_newton_tracer(n, 0);
-            CHECK_NEAR(posture.tracer[0][0].x, at.x, 1e-9, 1e-9);
-            CHECK_NEAR(posture.tracer[0][0].y, at.y, 1e-9, 1e-9);
+            CHECK_POINT(posture.tracer[0][0], at.x, at.y, 1e-9, 1e-9);
         }
         if (far < 48) {                                          /* so does the second opinion      */
             lw_status end = lw_newton_move(n, before + p.plan.input_turns_per_period*way*(far + 1)/48, &reached);
@@ -329,8 +328,7 @@ TEST(a_posture_elsewhere_is_the_same_linkage)
                 lw_posture_solve(&p.plan, dim, mode, input + on, 0, &b);
                 if (a.margin < 1e-3)
                     break;                                       /* as above                         */
-                CHECK_NEAR(a.tracer[0][0].x, b.tracer[0][0].x, 1e-9, 0);
-                CHECK_NEAR(a.tracer[0][0].y, b.tracer[0][0].y, 1e-9, 0);
+                CHECK_POINT(a.tracer[0][0], b.tracer[0][0].x, b.tracer[0][0].y, 1e-9, 0);
             }
         }
     }

@@ -54,8 +54,7 @@ TEST(points_lie_where_their_numbers_say)
         CHECK(step.x > 5 && step.y > 5);                            /* to the right and down */
         for (int i = 1; i < N; i++) {
             lw_vec2 s = lw_v2_sub(marker_at(&d, i), marker_at(&d, i - 1));
-            CHECK_NEAR(s.x, step.x, 1e-9, 0);
-            CHECK_NEAR(s.y, step.y, 1e-9, 0);
+            CHECK_POINT(s, step.x, step.y, 1e-9, 0);
         }
         lw_bytes b;
         CHECK_INT(lw_svg_write(&d, &b, &e), LW_OK);

@@ -108,8 +108,7 @@ static void check_order(const lw_posture at[5], int order, double h, double tole
                     8*(at[3].tracer[i][order - 1].x - at[1].tracer[i][order - 1].x);
         double dy = (at[0].tracer[i][order - 1].y - at[4].tracer[i][order - 1].y) +
                     8*(at[3].tracer[i][order - 1].y - at[1].tracer[i][order - 1].y);
-        CHECK_NEAR(p->tracer[i][order].x, dx/(12*h), tolerance, tolerance);
-        CHECK_NEAR(p->tracer[i][order].y, dy/(12*h), tolerance, tolerance);
+        CHECK_POINT(p->tracer[i][order], dx/(12*h), dy/(12*h), tolerance, tolerance);
     }
     double da[4] = { at[0].angle[link][order - 1] - p->angle[link][order - 1],
                      at[1].angle[link][order - 1] - p->angle[link][order - 1],
@@ -169,8 +168,7 @@ TEST(velocities_agree_with_the_batch)
             if (posture.margin < 1e-4)
                 continue;
             double size = 1e-10*(1 + fabs(t[0]) + fabs(t[1]) + fabs(t[2]))/posture.margin;
-            CHECK_NEAR(posture.tracer[which][1].x, t[0], size, 0);
-            CHECK_NEAR(posture.tracer[which][1].y, t[1], size, 0);
+            CHECK_POINT(posture.tracer[which][1], t[0], t[1], size, 0);
             CHECK_NEAR(posture.angle[q.p.output_link[which]][1], t[2], size, 0);
             CHECK_NEAR(remainder(posture.angle[q.p.output_link[which]][0] - atan2(v, u), 2*LW_PI), 0, 1e-9, 0);
         }

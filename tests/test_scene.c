@@ -376,10 +376,8 @@ TEST(size_does_not_matter)
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
         CHECK_INT(lw_scene_make(&big, NULL, NULL, &t, &e), LW_OK);
         CHECK_INT(t.curve[0].n, s.curve[0].n);
-        for (size_t i = 0; i < s.curve[0].n; i++) {
-            CHECK_NEAR(t.curve[0].p[i].x, by*s.curve[0].p[i].x, 1e-14*by, 1e-13);
-            CHECK_NEAR(t.curve[0].p[i].y, by*s.curve[0].p[i].y, 1e-14*by, 1e-13);
-        }
+        for (size_t i = 0; i < s.curve[0].n; i++)
+            CHECK_POINT(t.curve[0].p[i], by*s.curve[0].p[i].x, by*s.curve[0].p[i].y, 1e-14*by, 1e-13);
         lw_scene_free(&s);
         lw_scene_free(&t);
     }

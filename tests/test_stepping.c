@@ -47,8 +47,7 @@ static lw_status keep_last(void *context, const lw_simulation_sample *s)
 static void compare(const last *a, const last *b, double off)
 {
     for (int i = 0; i < a->n; i++) {
-        CHECK_NEAR(a->link[i].place.x, b->link[i].place.x, off, 0);
-        CHECK_NEAR(a->link[i].place.y, b->link[i].place.y, off, 0);
+        CHECK_POINT(a->link[i].place, b->link[i].place.x, b->link[i].place.y, off, 0);
         CHECK_NEAR(a->link[i].angle, b->link[i].angle, off, 0);
         CHECK_NEAR(a->link[i].velocity.x, b->link[i].velocity.x, 100*off, 0);
         CHECK_NEAR(a->link[i].angular_velocity, b->link[i].angular_velocity, 100*off, 0);

@@ -385,8 +385,7 @@ TEST(models_of_any_size)
     CHECK_INT(lw_simulation_create(m, &o, &run, &e), LW_OK);
     CHECK_INT(lw_simulation_run(run, see_sample, &end, &report, &e), LW_OK);
     CHECK_TEXT(e.text, "");
-    CHECK_NEAR(end.x, N - sin(0.5), 1e-9, 0);
-    CHECK_NEAR(end.y, cos(0.5), 1e-9, 0);
+    CHECK_POINT(end, N - sin(0.5), cos(0.5), 1e-9, 0);
     lw_simulation_destroy(run);
     for (int link = 0; link < lw_model_n_link(m); link++) {
         bool crank = lw_model_link_name(m, link)[0] == 'c';

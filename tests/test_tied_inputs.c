@@ -417,8 +417,7 @@ TEST(shown_and_exported)
     for (size_t f = 0; f < s.n_frame && s.n_frame == 40; f++) {
         const lw_place *p = &s.place[f*5];
         lw_vec2 both = lw_v2_turn(p[1].turn, p[2].turn);
-        CHECK_NEAR(both.x, 1, 1e-9, 0);
-        CHECK_NEAR(both.y, 0, 1e-9, 0);
+        CHECK_POINT(both, 1, 0, 1e-9, 0);
     }
     lw_scene_free(&s);
     CHECK_INT(lw_export_adams(LW_VIEW(&k), NULL, &out, &e), LW_OK);

@@ -73,7 +73,6 @@ TEST(postures_are_sound)
         CHECK_NEAR(k.input[0].value, input, 1e-15, 0);
         CHECK_INT(lw_posture_solve(&p, dim, mode, input, 0, &posture), LW_OK);
         CHECK(posture.margin > 0.1);
-        CHECK_NEAR(posture.tracer[0][0].x, k.tracer[0].at.x, 4e-15, 0);
-        CHECK_NEAR(posture.tracer[0][0].y, k.tracer[0].at.y, 4e-15, 0);
+        CHECK_POINT(posture.tracer[0][0], k.tracer[0].at.x, k.tracer[0].at.y, 4e-15, 0);
     }
 }
