@@ -953,15 +953,6 @@ lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_
 
 /* ---- models of any size ------------------------------------------------------------------------- */
 
-/* The first input is t, the others stand still. */
-static void first_alone(void *model, double t, int order, double *u)
-{
-    const lw_assembly *a = &((const lw_model *)model)->linkage;
-    for (int i = 0; i < lw_assembly_free_inputs(a); i++)
-        for (int k = 0; k <= order; k++)
-            u[i*(order + 1) + k] = k == 0 ? (i == 0 ? t : a->input[i].value) : i == 0 && k == 1;
-}
-
 /* Frames first, first + step .. before last, from where f is, at time[k]. */
 static lw_status large_frames(lw_scene *s, lw_follow *f, size_t first, size_t last, int step, const double *time, lw_error *why)
 {
@@ -1004,7 +995,7 @@ static lw_status large_motion(const lw_model *m, const lw_scene_options *o, lw_s
     else if (!timed && slides)
         ends[0] = now - span(a), ends[1] = now + span(a);
     lw_follow *f;
-    lw_input_function *motion = timed ? lw_prescribed_motion_of_model : first_alone;
+    lw_input_function *motion = timed ? lw_prescribed_motion_of_model : lw_prescribed_motion_first_alone;
     lw_status st = lw_follow_create(m, motion, (void *)(uintptr_t)m, now, o->stop, &f, why);
     if (st != LW_OK)
         return st;

@@ -17,15 +17,6 @@ typedef struct tracing {
     bool             begun;
 } tracing;
 
-/* The first input is t, the others stand still. */
-static void first_alone(void *model, double t, int order, double *u)
-{
-    const lw_assembly *a = &((const lw_model *)model)->linkage;
-    for (int i = 0; i < lw_assembly_free_inputs(a); i++)
-        for (int k = 0; k <= order; k++)
-            u[i*(order + 1) + k] = k == 0 ? (i == 0 ? t : a->input[i].value) : i == 0 && k == 1;
-}
-
 static bool slides(const lw_assembly *a, int input)
 {
     return lw_joint_slides(a->joint[a->input[input].joint].kind);
@@ -82,7 +73,7 @@ static lw_status reach(const cli_trace_large *t, double to, double *end, bool *l
     lw_follow *f;
     lw_error why = { 0 };
     double start = t->model->linkage.input[0].value;
-    lw_status st = lw_follow_create(t->model, first_alone, (void *)t->model, start, t->rows.stop, &f, e);
+    lw_status st = lw_follow_create(t->model, lw_prescribed_motion_first_alone, (void *)t->model, start, t->rows.stop, &f, e);
     if (st != LW_OK)
         return st;
     st = lw_follow_to(f, to, &why);
@@ -212,7 +203,7 @@ int cli_trace_large_run(const cli_call *call, cli_trace_large *t)
     if (st == LW_OK && (!w.shift || !w.value || !lead))
         st = lw_error_set(&e, LW_E_MEMORY, "out of memory");
     if (st == LW_OK)
-        st = lw_follow_create(t->model, t->time_range ? lw_prescribed_motion_of_model : first_alone, (void *)t->model, ends[0],
+        st = lw_follow_create(t->model, t->time_range ? lw_prescribed_motion_of_model : lw_prescribed_motion_first_alone, (void *)t->model, ends[0],
                               t->rows.stop, &w.f, &e);
     bool open = st == LW_OK && (st = cli_open(call, &o, &e)) == LW_OK;
     int code = CLI_DONE;

@@ -720,3 +720,11 @@ int lw_prescribed_motion_crossings(const lw_prescribed_motion *d, double *last)
         *last = d->crossing;
     return d->crossings;
 }
+
+void lw_prescribed_motion_first_alone(void *context, double t, int order, double *u)
+{
+    const lw_assembly *a = &((const lw_model *)context)->linkage;
+    for (int i = 0; i < lw_assembly_free_inputs(a); i++)
+        for (int k = 0; k <= order; k++)
+            u[i*(order + 1) + k] = k == 0 ? (i == 0 ? t : a->input[i].value) : i == 0 && k == 1;
+}

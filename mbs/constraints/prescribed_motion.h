@@ -17,6 +17,9 @@ typedef void lw_input_function(void *context, double t, int order, double *u);
 /* The motions of a model (grammar/model/model.h), which is the context.  Inputs without a motion rest. */
 lw_input_function lw_prescribed_motion_of_model;
 
+/* The first input of a model, which is the context, is t itself; the others rest. */
+lw_input_function lw_prescribed_motion_first_alone;
+
 /* One input as a function of itself: postures along its value, which takes the place of the time. */
 lw_input_function lw_prescribed_motion_itself;
 
