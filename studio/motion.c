@@ -10,6 +10,8 @@
 #include "linkwright.h"
 #include "mbs/analysis/freedoms.h"
 #include "mbs/batch/posture.h"
+#include "mbs/dynamics/follow.h"
+#include "mbs/kinematics/instant.h"
 #include "mbs/kinematics/output_limits.h"
 #include "mbs/plan/plan.h"
 
@@ -245,96 +247,197 @@ lw_status studio_assembly(studio *st, const json_t *ask, studio_reply *r, lw_err
 
 /* ---- velocities, centres, limits ------------------------------------------------------------------------------ */
 
-/* One frame with derivatives; false: the frame stands in another assembly mode than the posture, or at a limit. */
-typedef struct moment { lw_vec2 joint[LW_JOINT_MAX][3], tracer[LW_TRACER_MAX][3]; double margin; bool valid; } moment;
+/* The motion of points and links in all frames, derivatives by the input; NAN in a frame that stands in another assembly mode than
+ * the posture, or at a limit.  Points are the tracers, then the pins that move. */
+typedef struct rates {
+    const lw_scene    *s;
+    double            *point;        /* [point][frame]: vx, vy, ax, ay [m]                                        */
+    double            *transmission; /* [frame] [rad]                                                             */
+    lw_instant_motion *link;         /* [link][frame], against the ground                                         */
+} rates;
 
-static void find_moment(const lw_kinematics *m, const lw_scene *s, size_t frame, moment *out)
+static bool is_moving_pin(const lw_assembly *k, int i)
 {
+    return lw_joint_turns(k->joint[i].kind) && k->joint[i].link[0] != k->ground && k->joint[i].link[1] != k->ground;
+}
+
+static lw_status make_rates(const lw_scene *s, rates *r)
+{
+    size_t n_point = (size_t)(s->linkage.n_tracer + s->linkage.n_joint), n_link = (size_t)s->linkage.n_link;
+    *r = (rates){ .s = s, .point = malloc((n_point*s->n_frame + 1)*4*sizeof *r->point), .transmission = malloc(s->n_frame*sizeof *r->transmission),
+                  .link = malloc(n_link*s->n_frame*sizeof *r->link) };
+    if (!r->point || !r->transmission || !r->link)
+        return LW_E_MEMORY;
+    for (size_t i = 0; i < 4*n_point*s->n_frame; i++)
+        r->point[i] = NAN;
+    for (size_t f = 0; f < s->n_frame; f++)
+        r->transmission[f] = NAN;
+    for (size_t i = 0; i < n_link*s->n_frame; i++)
+        r->link[i] = (lw_instant_motion){ .centre = { NAN, NAN }, .inflection = { NAN, NAN } };
+    return LW_OK;
+}
+
+static void free_rates(rates *r)
+{
+    free(r->point), free(r->transmission), free(r->link);
+}
+
+/* Keep the motion of the points in a frame; false: it does not stand where the joints are. */
+static bool keep_points(rates *r, size_t frame, lw_vec2 (*joint)[3], lw_vec2 (*tracer)[3])
+{
+    const lw_scene *s = r->s;
     const lw_assembly *k = &s->linkage;
-    double size = 0;
-    lw_status st = lw_kinematics_posture(m, s->input[frame], 2, out->joint[0], NULL, out->tracer[0], &out->margin);
-    out->valid = st == LW_OK;
+    double size = 0, *out = r->point + 4*frame;
     for (int i = 0; i < k->n_joint; i++)
         size = fmax(size, hypot(k->joint[i].at.x, k->joint[i].at.y));
-    for (int i = 0; i < k->n_joint && out->valid; i++) {
+    for (int i = 0; i < k->n_joint; i++) {
         if (!lw_joint_turns(k->joint[i].kind))
             continue;
         lw_vec2 p = lw_scene_at(s, frame, k->joint[i].link[0], k->joint[i].at);
-        out->valid = hypot(p.x - out->joint[i][0].x, p.y - out->joint[i][0].y) <= 1e-6*size;
+        if (!(hypot(p.x - joint[i][0].x, p.y - joint[i][0].y) <= 1e-6*size))
+            return false;
+    }
+    for (int i = 0; i < k->n_tracer + k->n_joint; i++) {
+        const lw_vec2 *p = i < k->n_tracer ? tracer[i] : joint[i - k->n_tracer];
+        if (i < k->n_tracer || is_moving_pin(k, i - k->n_tracer)) {
+            memcpy(out, (double[]){ p[1].x, p[1].y, p[2].x, p[2].y }, 4*sizeof *out);
+            out += 4*s->n_frame;
+        }
+    }
+    return true;
+}
+
+/* By the plan of the linkage, from its input in each frame. */
+static void plan_rates(rates *r, const lw_kinematics *kin)
+{
+    const lw_scene *s = r->s;
+    lw_vec2 joint[LW_JOINT_MAX][3], tracer[LW_TRACER_MAX][3];
+    for (size_t f = 0; f < s->n_frame; f++) {
+        double margin;
+        if (lw_kinematics_posture(kin, s->input[f], 2, joint[0], NULL, tracer[0], &margin) != LW_OK || !keep_points(r, f, joint, tracer))
+            continue;
+        r->transmission[f] = margin >= 0 ? asin(sqrt(fmin(margin, 1))) : NAN;
+        for (int i = 0; i < s->linkage.n_link; i++)
+            if (i != s->linkage.ground)
+                lw_kinematics_instant(kin, s->input[f], i, s->linkage.ground, &r->link[(size_t)i*s->n_frame + f]);
     }
 }
 
-static double or_nan(const moment *m, double v) { return m->valid ? v : NAN; }
-
-/* vx, vy, ax, ay of one point in all frames, by the input. */
-static void put_point(lw_bytes *b, const char *name, const moment *m, size_t n, bool tracer, int i, double u)
+/* Position, velocity and acceleration of a point of a link from the series of the coordinates by the input. */
+static void point_rates(const lw_system *y, int link, lw_vec2 at, const double *series, lw_vec2 out[3])
 {
-    double *v = malloc(sizeof *v*4*(n + 1));
+    lw_system_point_series(y, y->body[link], lw_system_arm(y, y->body[link], at), 2, series, out);
+    out[2] = lw_v2_scale(out[2], 2);
+}
+
+static void keep_series(rates *r, size_t frame, const lw_system *y, const double *series, lw_vec2 (*joint)[3], lw_vec2 (*tracer)[3])
+{
+    const lw_assembly *k = &r->s->linkage;
+    for (int i = 0; i < k->n_joint; i++)
+        point_rates(y, k->joint[i].link[0], k->joint[i].at, series, joint[i]);
+    for (int i = 0; i < k->n_tracer; i++)
+        point_rates(y, k->tracer[i].link, k->tracer[i].at, series, tracer[i]);
+    if (!keep_points(r, frame, joint, tracer))
+        return;
+    for (int i = 0; i < k->n_link; i++) {
+        const double *q = series + 3*y->body[i] + 2;
+        lw_vec2 p[3];
+        if (y->body[i] < 0)
+            continue;
+        point_rates(y, i, r->s->origin[i], series, p);
+        r->link[(size_t)i*r->s->n_frame + frame] = lw_instant_motion_at(p, (double[]){ q[0], q[y->n_q], 2*q[2*y->n_q] });
+    }
+}
+
+/* Without a plan: along the input from the posture, upwards and downwards, with sparse rows for any number of links. */
+static lw_status follow_rates(rates *r, lw_error *e)
+{
+    const lw_scene *s = r->s;
+    const lw_assembly *k = &s->linkage;
+    lw_vec2 (*point)[3] = malloc((size_t)(k->n_joint + k->n_tracer)*sizeof *point);
+    lw_model m = { 0 };
+    lw_status st = point ? lw_model_from_assembly(k, &m) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (long step = 1; step >= -1 && st == LW_OK; step -= 2) {
+        lw_follow *f = NULL;
+        st = k->n_input == 0 ? lw_error_set(e, LW_E_ARG, "the linkage has no input to move it by")
+           : lw_follow_create(&m, lw_prescribed_motion_first_alone, &m, k->input[0].value, NULL, &f, e);
+        for (long i = (long)s->first_frame - (step < 0); st == LW_OK && i >= 0 && i < (long)s->n_frame; i += step)
+            if (lw_follow_to(f, s->input[i], NULL) == LW_OK)
+                keep_series(r, (size_t)i, lw_follow_system(f), lw_follow_series(f), point, point + k->n_joint);
+        lw_follow_free(f);
+    }
+    lw_model_free(&m);
+    free(point);
+    return st;
+}
+
+static void put_point(lw_bytes *b, const char *name, const double *v, const lw_scene *s)
+{
     studio_put_key(b, NULL);
     lw_bytes_text(b, "{");
     studio_put_text(b, "name", name);
-    for (size_t f = 0; f < n && v; f++)
-        for (int d = 0; d < 4; d++) {
-            const lw_vec2 *p = &(tracer ? m[f].tracer[i] : m[f].joint[i])[1 + d/2];
-            v[4*f + (size_t)d] = or_nan(&m[f], (d % 2 ? p->y : p->x)/u);
-        }
-    if (v)
-        studio_put_reals(b, "rates", v, 4*n, 1, 1);
-    b->failed = b->failed || !v;
+    studio_put_reals(b, "rates", v, 4*s->n_frame, 1, s->linkage.units.metre);
     lw_bytes_text(b, "}");
-    free(v);
 }
 
-static void put_rates(lw_bytes *b, const lw_linkage *k, const moment *m, size_t n)
+static void put_rates(lw_bytes *b, const rates *r)
 {
-    double u = k->units.metre;
+    const lw_assembly *k = &r->s->linkage;
+    const double *v = r->point;
     studio_put_key(b, "points");
     lw_bytes_text(b, "[");
-    for (int i = 0; i < k->n_tracer; i++)
-        put_point(b, k->tracer[i].name, m, n, true, i, u);
+    for (int i = 0; i < k->n_tracer; i++, v += 4*r->s->n_frame)
+        put_point(b, k->tracer[i].name, v, r->s);
     for (int i = 0; i < k->n_joint; i++)
-        if (lw_joint_turns(k->joint[i].kind) && k->joint[i].link[0] != k->ground && k->joint[i].link[1] != k->ground)
-            put_point(b, k->joint[i].name, m, n, false, i, u);
+        if (is_moving_pin(k, i)) {
+            put_point(b, k->joint[i].name, v, r->s);
+            v += 4*r->s->n_frame;
+        }
     lw_bytes_text(b, "]");
 }
 
-/* x, y of an instant centre and, with `inflection`, of the end of the inflection circle's diameter, in all frames. */
-static void put_centre(lw_bytes *b, const lw_kinematics *kin, const lw_scene *s, const moment *m, int link, int base,
-                       bool inflection)
+/* x, y of the instant centre of two links in all frames; against the ground also of the end of the inflection circle's diameter. */
+static void put_centre(lw_bytes *b, const rates *r, int link, int base, const lw_instant_motion *at)
 {
-    double u = s->linkage.units.metre;
-    size_t width = inflection ? 4 : 2;
+    const lw_scene *s = r->s;
+    size_t width = base == s->linkage.ground ? 4 : 2;
     double *v = malloc(sizeof *v*4*s->n_frame);
     studio_put_key(b, NULL);
     lw_bytes_text(b, "{");
     studio_put_reals(b, "links", (double[]){ link, base }, 2, 1, 1);
-    for (size_t f = 0; f < s->n_frame && v; f++) {
-        lw_instant_motion at;
-        lw_kinematics_instant(kin, s->input[f], link, base, &at);
-        double all[4] = { at.centre.x, at.centre.y, at.inflection.x, at.inflection.y };
-        for (size_t d = 0; d < width; d++)
-            v[width*f + d] = or_nan(&m[f], all[d]/u);
-    }
+    for (size_t f = 0; f < s->n_frame && v; f++)
+        memcpy(v + width*f, (double[]){ at[f].centre.x, at[f].centre.y, at[f].inflection.x, at[f].inflection.y }, width*sizeof *v);
     if (v)
-        studio_put_reals(b, "at", v, width*s->n_frame, 1, 1);
+        studio_put_reals(b, "at", v, width*s->n_frame, 1, s->linkage.units.metre);
     b->failed = b->failed || !v;
     lw_bytes_text(b, "}");
     free(v);
 }
 
-static void put_centres(lw_bytes *b, const lw_kinematics *kin, const lw_scene *s, const moment *m)
+/* kin NULL: no centres of two moving links. */
+static void put_centres(lw_bytes *b, const rates *r, const lw_kinematics *kin)
 {
-    const lw_assembly *k = &s->linkage;
+    const lw_assembly *k = &r->s->linkage;
+    lw_instant_motion *at = malloc(r->s->n_frame*sizeof *at);
     studio_put_key(b, "centres");
     lw_bytes_text(b, "[");
-    for (int i = 0; i < k->n_link && k->n_link <= 10; i++)
-        for (int j = 0; j < i; j++)
-            if (i != k->ground && j != k->ground)
-                put_centre(b, kin, s, m, i, j, false);
+    for (int i = 0; at && kin && i < k->n_link && k->n_link <= 10; i++)
+        for (int j = 0; j < i; j++) {
+            if (i == k->ground || j == k->ground)
+                continue;
+            for (size_t f = 0; f < r->s->n_frame; f++) {
+                at[f] = (lw_instant_motion){ .centre = { NAN, NAN } };
+                if (!isnan(r->link[(size_t)i*r->s->n_frame + f].centre.x) || !isnan(r->link[(size_t)j*r->s->n_frame + f].centre.x))
+                    lw_kinematics_instant(kin, r->s->input[f], i, j, &at[f]);
+            }
+            put_centre(b, r, i, j, at);
+        }
     for (int i = 0; i < k->n_link; i++)
         if (i != k->ground)
-            put_centre(b, kin, s, m, i, k->ground, true);
+            put_centre(b, r, i, k->ground, r->link + (size_t)i*r->s->n_frame);
     lw_bytes_text(b, "]");
+    b->failed = b->failed || !at;
+    free(at);
 }
 
 /* Places that the paths of the tracers pass twice. */
@@ -460,59 +563,57 @@ static void put_class(lw_bytes *b, const lw_scene *s)
     lw_bytes_text(b, "}");
 }
 
-static void put_analysis(lw_bytes *b, const lw_linkage *k, const lw_scene *s, lw_kinematics *kin, moment *m)
+/* What only a plan tells: ranges of the input, dead points, cognates. */
+static void put_plan(lw_bytes *b, const lw_linkage *k, const lw_scene *s, lw_kinematics *kin)
 {
-    double *angle = malloc(sizeof *angle*(s->n_frame + 1));
-    for (size_t f = 0; f < s->n_frame; f++) {
-        find_moment(kin, s, f, &m[f]);
-        if (angle)
-            angle[f] = or_nan(&m[f], m[f].margin >= 0 ? asin(sqrt(fmin(m[f].margin, 1))) : NAN);
-    }
-    if (angle)
-        studio_put_reals(b, "transmission", angle, s->n_frame, 1, 1);
-    b->failed = b->failed || !angle;
-    free(angle);
-    put_rates(b, k, m, s->n_frame);
-    put_centres(b, kin, s, m);
     studio_put_key(b, "ranges");
     lw_bytes_text(b, "[");
-    b->failed = lw_kinematics_ranges(kin, put_range, b) == LW_E_MEMORY || b->failed;
+    b->failed = (kin && lw_kinematics_ranges(kin, put_range, b) == LW_E_MEMORY) || b->failed;
     lw_bytes_text(b, "]");
-    put_dead_points(b, k, s);
-    put_doubles(b, s);
-    put_cognates(b, k);
-    put_class(b, s);
+    if (kin) {
+        put_dead_points(b, k, s);
+        put_cognates(b, k);
+    }
 }
 
-/* { linkage, frames }: what the overlays show, frame by frame as `motion` counts them.  LW_E_NOTATION for more parts
- * than a linkage holds: they have no plan. */
+/* { linkage, frames }: what the overlays show, frame by frame as `motion` counts them. */
 lw_status studio_analyse(studio *st, const json_t *ask, studio_reply *r, lw_error *e)
 {
     lw_scene_options o = lw_scene_options_default();
     lw_linkage *k = malloc(sizeof *k);
     lw_scene *scene = calloc(1, sizeof *scene);
     lw_kinematics *kin = NULL;
-    moment *m = NULL;
+    lw_assembly parts = { 0 };
+    rates all = { 0 };
     (void)st;
-    lw_status s = k && scene ? studio_linkage(ask, "linkage", k, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = k && scene ? studio_parts(ask, "linkage", &parts, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     o.n_frame = (size_t)fmin(fmax(studio_real(ask, "frames", 180), 2), 2000);
     o.n_curve_point = 720;
     if (s == LW_OK)
-        s = lw_kinematics_create(k, &kin, e);
-    if (s == LW_OK)
-        s = lw_scene_make(k, NULL, &o, scene, e);
-    if (s == LW_OK && !(m = calloc(scene->n_frame, sizeof *m)))
-        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+        s = lw_scene_make_any(&parts, NULL, NULL, &o, scene, e);
+    if (s == LW_OK && (s = make_rates(scene, &all)) != LW_OK)
+        lw_error_set(e, s, "out of memory");
+    bool planned = s == LW_OK && lw_assembly_linkage(&parts, k, NULL) == LW_OK && lw_kinematics_create(k, &kin, NULL) == LW_OK;
+    if (planned)
+        plan_rates(&all, kin);
+    else if (s == LW_OK)
+        s = follow_rates(&all, e);
     if (s == LW_OK) {
         lw_bytes_text(&r->body, "{");
-        put_analysis(&r->body, k, scene, kin, m);
+        studio_put_reals(&r->body, "transmission", all.transmission, scene->n_frame, 1, 1);
+        put_rates(&r->body, &all);
+        put_centres(&r->body, &all, kin);
+        put_plan(&r->body, k, scene, kin);
+        put_doubles(&r->body, scene);
+        put_class(&r->body, scene);
         lw_bytes_text(&r->body, "}\n");
     }
-    free(m);
+    free_rates(&all);
     lw_kinematics_destroy(kin);
     if (scene)
         lw_scene_free(scene);
     free(scene);
+    lw_assembly_free(&parts);
     free(k);
     return s;
 }

@@ -111,7 +111,7 @@ export function makeOverlays(panel) {
       plots.append(make("h3", {}, title), svg);
     };
     const marks = (a.dead || []).map((d) => (slide ? d.input * 1000 : d.input * 180 / Math.PI)).filter((v) => v >= Math.min(...x) && v <= Math.max(...x));
-    add("Transmission angle", { label: "Transmission angle over the input", y: "angle [°]", y0: 0, y1: 90, least, marks, series: [{ x, y: degrees(a.transmission), colour: "var(--curve)" }] });
+    if (a.transmission.some((v) => v !== null)) add("Transmission angle", { label: "Transmission angle over the input", y: "angle [°]", y0: 0, y1: 90, least, marks, series: [{ x, y: degrees(a.transmission), colour: "var(--curve)" }] });
     const p = a.points[0];
     if (p) {
       const w = app.doc.task.rpm * Math.PI / 30, v = [], acc = [];

@@ -207,6 +207,7 @@ TEST(linkages_of_any_size)
         { "export", "{\"format\":\"svg\",\"linkage\":%s}", "<svg" },
         { "export", "{\"format\":\"mjcf\",\"linkage\":%s}", "<mujoco" },
         { "forces", "{\"speed\":1,\"seconds\":0.1,\"linkage\":%s}", "\"unit\":\"N m\"" },
+        { "analyse", "{\"frames\":8,\"linkage\":%s}", "\"ranges\":[]" },
     };
     for (size_t i = 0; i < sizeof about/sizeof *about; i++) {
         char *text = malloc(1 << 16);
@@ -215,6 +216,14 @@ TEST(linkages_of_any_size)
         CHECK_HAS(reply, about[i].wanted);
         if (strcmp(about[i].name, "motion") == 0)
             CHECK(strstr(reply, "\"loops\":true") && strstr(reply, "\"note\":\"\""));
+        if (strcmp(about[i].name, "analyse") == 0) {           /* P runs on a circle of 1 m: velocity and acceleration at the start */
+            double v[4] = { 0 };
+            const char *at = strstr(reply, "\"name\":\"P\",\"rates\":[");
+            CHECK(at && sscanf(strchr(at, '['), "[%lf,%lf,%lf,%lf", &v[0], &v[1], &v[2], &v[3]) == 4);
+            CHECK_NEAR(v[0], -1, 1e-9, 0);
+            CHECK_NEAR(hypot(v[1], v[2]), 0, 1e-9, 0);
+            CHECK_NEAR(v[3], -1, 1e-9, 0);
+        }
         free(text);
     }
     free(body);
