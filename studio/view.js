@@ -244,9 +244,15 @@ export class Little {
   }
 }
 
+// The step of an axis that is at least `least`: 1, 2 or 5 times a power of ten; of degrees a part of a turn.
+function evenStep(least, degrees) {
+  const power = 10 ** Math.floor(Math.log10(least)), steps = degrees && least > 10 ? [15, 30, 45, 90, 180, 360, 720] : [1, 2, 5, 10].map((k) => k * power);
+  return steps.find((k) => k >= 0.99 * least) ?? least;
+}
+
 // A plot as SVG: series { name, x, y, class, style }, the place of a cursor, names of the axes with units.
 export function plot(o) {
-  const w = o.width || 330, h = o.height || 150, left = 46, right = 10, top = 10, bottom = 34;
+  const w = o.width || 330, h = o.height || 150, left = 64, right = 10, top = 10, bottom = 34;
   const svg = document.createElementNS(NS, "svg"), put = (tag, a, text) => {
     const e = document.createElementNS(NS, tag);
     for (const [n, v] of Object.entries(a)) e.setAttribute(n, v);
@@ -267,16 +273,15 @@ export function plot(o) {
   if (x1 === x0) x1 = x0 + 1;
   if (y1 - y0 < 1e-9 * Math.abs(y1) || y1 === y0) { y0 -= 0.5; y1 += 0.5; }
   const X = (v) => left + (v - x0) / (x1 - x0) * (w - left - right), Y = (v) => h - bottom - (f(v) - y0) / (y1 - y0) * (h - top - bottom);
-  const tick = (v) => (o.log ? 10 ** v : v).toPrecision(3).replace(/\.?0+($|e)/, "$1");
+  const tick = (v) => +(o.log ? 10 ** v : v).toPrecision(3);
   for (let i = 0; i <= 2; i++) {
     const v = y0 + (y1 - y0) * i / 2, y = h - bottom - (h - top - bottom) * i / 2;
     put("line", { class: "axis", x1: left, x2: w - right, y1: y, y2: y });
     put("text", { x: left - 5, y: y + 4, "text-anchor": "end" }, tick(v));
   }
-  for (let i = 0; i <= 4; i++) {
-    const v = x0 + (x1 - x0) * i / 4;
-    put("text", { x: X(v), y: h - bottom + 14, "text-anchor": "middle" }, +v.toPrecision(3));
-  }
+  const step = evenStep((x1 - x0) / 4, o.x.includes("°"));
+  for (let i = Math.ceil(x0 / step - 1e-9); i * step <= x1 + 1e-9 * step; i++)
+    put("text", { x: X(i * step), y: h - bottom + 14, "text-anchor": "middle" }, +(i * step).toPrecision(6));
   put("text", { x: (left + w - right) / 2, y: h - 4, "text-anchor": "middle" }, o.x);
   put("text", { x: 0, y: 0, transform: `translate(10 ${(h - bottom + top) / 2}) rotate(-90)`, "text-anchor": "middle" }, o.y);
   for (const s of o.series) {
