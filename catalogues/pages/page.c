@@ -68,7 +68,7 @@ static bool has(const lw_page_result *r, column c)
     if (c == DOWNLOAD)
         return r->file != NULL;
     return c == DIMENSIONS ? r->dimensions || (r->scene && r->scene->n_dim > 0)
-                           : text_in(r, c) || !isnan(number_in(r, c));
+                           : text_in(r, c) ? *text_in(r, c) != 0 : !isnan(number_in(r, c));
 }
 
 static bool is_used(const lw_page_target *t, column c)
@@ -128,7 +128,7 @@ static void column_title(lw_bytes *b, const lw_page_target *t, column c)
 
 static void column_heads(lw_bytes *b, const lw_page_target *t)
 {
-    lw_bytes_text(b, "<thead><tr><th scope=\"col\">Rank</th>");
+    lw_bytes_text(b, t->n_result > 1 ? "<thead><tr><th scope=\"col\">Rank</th>" : "<thead><tr>");
     for (int c = 0; c < N_COLUMN; c++) {
         if (!is_used(t, (column)c))
             continue;
@@ -161,18 +161,24 @@ static void cell(lw_bytes *b, const lw_page_target *t, const lw_page_result *r, 
 static void results_table(lw_bytes *b, const lw_page_target *t, int target)
 {
     char text[192];
+    int n_used = 0;
+    for (int c = 0; c < N_COLUMN; c++)
+        n_used += is_used(t, (column)c);
     if (t->n_result == 0) {
         lw_bytes_text(b, "<p>No linkage was found.</p>\n");
         return;
     }
-    lw_bytes_text(b, "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Results\">\n"
-                     "<table>\n<caption>Results, best first. Choose one to see it move.</caption>\n");
+    if (t->n_result == 1 && n_used == 0)                      /* a linkage alone, of which nothing is known but its picture */
+        return;
+    lw_bytes_text(b, "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Results\">\n<table>\n");
+    if (t->n_result > 1)
+        lw_bytes_text(b, "<caption>Results, best first. Choose one to see it move.</caption>\n");
     column_heads(b, t);
     lw_bytes_text(b, "<tbody>\n");
     for (int i = 0; i < t->n_result; i++) {
         snprintf(text, sizeof text, "<tr><td class=\"rank\"><label><input type=\"radio\" "
                  "name=\"shown-%d\"%s> %d</label></td>", target + 1, i ? "" : " checked", i + 1);
-        lw_bytes_text(b, text);
+        lw_bytes_text(b, t->n_result > 1 ? text : "<tr>");
         for (int c = 0; c < N_COLUMN; c++)
             if (is_used(t, (column)c))
                 cell(b, t, &t->result[i], (column)c);
