@@ -27,7 +27,7 @@ typedef struct motion {
     double next_reversal;                    /* of a joint with friction, in multiples of scale */
     bool   slides;                           /* a slide has friction */
     int    turning;                          /* the friction whose slide has the least reaction */
-    lw_vec2 reaction[LW_JOINT_MAX];          /* of pins with friction, where the step begins */
+    double x[LW_JOINT_MAX], y[LW_JOINT_MAX]; /* reactions of joints with friction, where the step begins */
     bool   in_step;
     const double *from;                      /* (n) bodies' coordinates before the last step */
 } motion;
@@ -154,9 +154,10 @@ static bool steps_over_dip(const motion *m)
     const lw_integrator *w = m->w;
     double allowed = w->o.absolute + w->o.relative*fabs(w->y[1]), h = fabs(w->h_done)/144;
     for (int i = 0; i < f->n && m->in_step; i++) {
-        double change = lw_v2_norm(lw_v2_sub(f->reaction[i], m->reaction[i]));
+        lw_vec2 before = { m->x[i], m->y[i] }, now = { f->x[i], f->y[i] };
+        double change = lw_v2_norm(lw_v2_sub(now, before));
         if (f->press[i] == 0 && f->feel[i]*change*h > 10*allowed
-            && lw_v2_segment_distance((lw_vec2){ 0, 0 }, m->reaction[i], f->reaction[i]) < 0.25*change)
+            && lw_v2_segment_distance((lw_vec2){ 0, 0 }, before, now) < 0.25*change)
             return true;
     }
     return false;
@@ -179,8 +180,8 @@ static lw_status events(void *context, double t, const double *y, double *g)
     for (int i = 0; i < f->n && s == LW_OK; i++)
         greatest = fmax(greatest, fabs(f->size[i]));
     for (int i = 0; i < f->n && s == LW_OK; i++)
-        if (f->press[i] != 0 && f->press[i]*f->reaction[i].x < g[2]*greatest) {
-            g[2] = f->press[i]*f->reaction[i].x/greatest;
+        if (f->press[i] != 0 && f->press[i]*f->x[i] < g[2]*greatest) {
+            g[2] = f->press[i]*f->x[i]/greatest;
             m->turning = i;
         }
     return s;
@@ -196,7 +197,7 @@ static lw_status find_press(motion *m, double t, const double *y)
         return LW_OK;
     lw_status s = lw_reduced_rate(m->r, t, y[0]*m->r->scale, y[1], &ds, &dp, &power);
     for (int i = 0; i < f->n && s == LW_OK; i++)
-        f->press[i] = !m->r->joint[f->joint[i]].slides ? 0 : f->reaction[i].x < 0 ? -1 : 1;
+        f->press[i] = !m->r->joint[f->joint[i]].slides ? 0 : f->x[i] < 0 ? -1 : 1;
     return s;
 }
 
@@ -485,8 +486,10 @@ static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *befor
     lw_reduced_registers(m->r, w->y[0]*m->r->scale);
     m->potential = lw_reduced_potential(m->r, w->y[0]*m->r->scale);
     for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
-        if (m->r->friction)
-            memcpy(m->reaction, m->r->friction->reaction, sizeof m->reaction);
+        if (m->r->friction) {
+            memcpy(m->x, m->r->friction->x, sizeof m->x);
+            memcpy(m->y, m->r->friction->y, sizeof m->y);
+        }
         m->in_step = true;
         s = lw_integrate_step(w, lw_run_end(run, w->t), &stop, run->e);
         m->in_step = false;
@@ -554,8 +557,7 @@ static lw_status run_one(motion *m, double *y)
     lw_ode ode = { .n = 2 + run->has_work, .context = m, .rate = rate,
                    .project = run->has_work ? NULL : hold_energy };
     if (m->r->friction) {
-        for (int i = 0; i < m->r->friction->n; i++)
-            m->slides = m->slides || m->r->joint[m->r->friction->joint[i]].slides;
+        m->slides = m->r->friction->n_slide > 0;
         ode.n_event = 2 + m->slides;
         ode.event = events;
         memset(ode.direction, -1, sizeof ode.direction);

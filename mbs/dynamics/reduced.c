@@ -232,7 +232,7 @@ lw_status lw_reduced_rate(lw_reduced *r, double t, double s, double p, double *d
     }
     if (!isfinite(q) || !isfinite(rate))
         return LW_E_NUMERIC;
-    if (r->friction && (st = lw_reduced_friction_add(r, rate, mass, &q, &other)) != LW_OK)
+    if (r->friction && (st = lw_reduced_friction_add(r, t, rate, mass, &q, &other)) != LW_OK)
         return st;
     *ds = rate;
     *dp = q/root;

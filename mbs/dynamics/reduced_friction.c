@@ -9,9 +9,9 @@
  * and what is left of either link acts on the link that its outer joint holds it to.  Second derivatives of the links
  * by s follow from the transposed equations, from the first dyad to the last.
  *
- * N = |R(N)| is solved by Newton's method: with n the direction of the last reaction, N = n.R, and everything is linear.  Friction
- * F N of an outer joint then adds F n to the translation of t, and friction g N of the inner joint adds (n.e) g to either e: the
- * dyads with friction are solved as those without.  The last equation, of the input's link, gives s''.  Where friction changes a
+ * N = |R(N)| is solved by Newton's method, from the reactions that the last evaluations predict: with n the direction of a reaction,
+ * N = n.R, and everything is linear.  Friction F N of an outer joint then adds F n to the translation of t, and friction g N of the inner
+ * joint adds (n.e) g to either e: the dyads with friction are solved as those without.  The last equation, of the input's link, gives s''.  Where friction changes a
  * determinant much, the reactions may not be determined: see mbs/equations/friction.h. */
 #include "base/real.h"
 #include "mbs/dynamics/reduced_internal.h"
@@ -20,6 +20,8 @@
 
 enum { PASSES = 8 };
 static const double weak = 0.5;            /* friction leaves at least this part of each determinant */
+static const double most_weight = 20;      /* sum of the weights of a prediction, by which errors of its values grow */
+static const double far = 0.01;            /* error of a size over the greatest size: earlier reactions do not predict this one */
 
 /* Rotation, and velocity of the point of the body that is at the origin of the ground frame. */
 typedef struct twist { double w; lw_vec2 v; } twist;
@@ -35,18 +37,26 @@ static lw_wrench at_point(lw_vec2 p, lw_vec2 f) { return (lw_wrench){ f, lw_v2_c
 /* A joint at the registers: its place, direction of the slide, and derivatives by s. */
 typedef struct joint_now { lw_reg1 at; lw_vec2 u; double turn; } joint_now;
 
-/* A dyad at the registers.  before: the bodies that its outer joints hold it to; inverse, det: of its 2 x 2 matrix. */
-typedef struct group_now { int before[2]; twist t[2]; lw_wrench e[2]; double inverse[2][2], det; } group_now;
+/* A dyad at the registers.  inverse, det: of its 2 x 2 matrix. */
+typedef struct group_now { twist t[2]; lw_wrench e[2]; double inverse[2][2], det; } group_now;
+
+/* Two right-hand sides, solved side by side. */
+typedef double columns __attribute__((vector_size(16)));
+typedef struct wrenches { columns x, y, m; } wrenches;
 
 typedef struct balance {
     joint_now joint[LW_JOINT_MAX];
-    group_now group[LW_DYAD_MAX], rubbed[LW_DYAD_MAX];    /* without friction; with it, linear in the reactions */
-    lw_vec2  along[LW_JOINT_MAX];                 /* of the linkage's joints: n times the friction of 1 N on body[1] */
+    group_now group[LW_DYAD_MAX];                 /* without friction */
     twist    first[LW_LINK_MAX + 1];              /* of the ground, then of the bodies */
     twist    second[LW_LINK_MAX];                 /* second derivatives of the bodies by s */
-    lw_wrench rest[LW_LINK_MAX], by_push[LW_LINK_MAX];   /* loads less inertia at s'' = 0; inertia for s'' = 1 */
-    lw_wrench carried[2][LW_LINK_MAX];
-    double rate[LW_JOINT_MAX], part[LW_JOINT_MAX];     /* of joints with friction: by s; part times arm */
+    wrenches load[LW_LINK_MAX];                   /* less inertia at s'' = 0, and inertia for s'' = 1 */
+    wrenches carried[LW_LINK_MAX];
+    /* Of joints with friction, and in slot n of all others. */
+    double x[2][LW_JOINT_MAX + 1], y[2][LW_JOINT_MAX + 1];     /* reactions, of both right-hand sides */
+    double nx[LW_JOINT_MAX], ny[LW_JOINT_MAX];    /* directions of the reactions */
+    double force[LW_JOINT_MAX];                   /* friction on body[1] for a reaction of 1 N */
+    double ax[LW_JOINT_MAX + 1], ay[LW_JOINT_MAX + 1];         /* the same for a force f: ax f.x + ay f.y */
+    double rate[LW_JOINT_MAX], part[LW_JOINT_MAX];     /* by s; part times arm */
     double push, mass;                            /* force at s'' = 0 and without friction; M */
 } balance;
 
@@ -75,8 +85,8 @@ static twist allowed_rate(const lw_reduced *r, const balance *z, int joint)
 /* Rate by s of the joint's freedom between two bodies. */
 static double rate_between(const lw_reduced *r, const balance *z, int joint, int from, int to)
 {
-    twist a = z->first[from + 1], b = z->first[to + 1];
-    return r->joint[joint].slides ? lw_v2_dot(lw_v2_sub(b.v, a.v), z->joint[joint].u) : b.w - a.w;
+    const twist *a = &z->first[from + 1], *b = &z->first[to + 1];
+    return r->joint[joint].slides ? lw_v2_dot(lw_v2_sub(b->v, a->v), z->joint[joint].u) : b->w - a->w;
 }
 
 static void place_joint(const lw_reduced *r, balance *z, int joint)
@@ -102,8 +112,7 @@ static bool place_pins(const lw_reduced *r, balance *z, int k)
     /* accelerations of c as a point of either link, without those of the links' turns */
     for (int i = 0; i < 2; i++) {
         const lw_reg1 *outer = p[2*i];
-        const int *body = r->joint[g->joint[2*i]].body;
-        int before = now->before[i] = body[body[0] == g->body[i]];
+        int before = g->before[i];
         twist first = z->first[before + 1], second = before < 0 ? (twist){ 0, { 0, 0 } } : z->second[before];
         w[i] = z->first[g->body[i] + 1].w;
         up[i] = lw_v2_add(lw_v2_add(second.v, lw_v2_scale(lw_v2_perp(outer->p), second.w)),
@@ -154,12 +163,10 @@ static bool place_group(const lw_reduced *r, balance *z, int k)
     for (int i = 0; i < 3; i++)
         place_joint(r, z, g->joint[i]);
     for (int i = 0; i < 2; i++) {
-        int outer = g->joint[2*i];
-        const int *body = r->joint[outer].body;
-        now->before[i] = body[body[0] == g->body[i]];
+        int outer = g->joint[2*i], before = g->before[i];
         now->t[i] = allowed(r, z, outer);
-        up[i] = now->before[i] < 0 ? (twist){ 0, { 0, 0 } } : z->second[now->before[i]];
-        up[i] = plus(up[i], rate_between(r, z, outer, now->before[i], g->body[i]), allowed_rate(r, z, outer));
+        up[i] = before < 0 ? (twist){ 0, { 0, 0 } } : z->second[before];
+        up[i] = plus(up[i], rate_between(r, z, outer, before, g->body[i]), allowed_rate(r, z, outer));
     }
     const joint_now *c = &z->joint[inner];
     if (r->joint[inner].slides) {
@@ -194,46 +201,86 @@ static double place_inertia(const lw_reduced *r, balance *z, double ds)
                                                          lw_v2_scale(lw_v2_perp(c.d), w)));
         lw_wrench second = at_point(c.p, lw_v2_scale(dd, body->mass));
         second.m += body->inertia*dw;
-        z->by_push[b] = at_point(c.p, lw_v2_scale(c.d, body->mass));
-        z->by_push[b].m += body->inertia*w;
-        z->rest[b] = wrench_plus(r->load[b], -ds*ds, second);
+        lw_wrench first = at_point(c.p, lw_v2_scale(c.d, body->mass)), rest = wrench_plus(r->load[b], -ds*ds, second);
+        first.m += body->inertia*w;
+        z->load[b] = (wrenches){ { rest.f.x, first.f.x }, { rest.f.y, first.f.y }, { rest.m, first.m } };
         bend += body->mass*lw_v2_dot(c.d, dd) + body->inertia*w*dw;
     }
     return bend*ds*ds;
 }
 
-/* Reaction of a joint on the side of `wrench`, as far as friction depends on it. */
-static lw_vec2 reaction(const lw_reduced *r, const balance *z, int joint, lw_wrench wrench)
+static columns powers_of(twist t, const wrenches *w) { return t.w*w->m + t.v.x*w->x + t.v.y*w->y; }
+static columns at_rate(columns c, double dds) { return (columns){ c[0] - dds*c[1], 0 }; }
+static void add(wrenches *to, const wrenches *w) { to->x += w->x, to->y += w->y, to->m += w->m; }
+
+static void put(balance *z, int slot, columns x, columns y)
 {
-    return r->joint[joint].slides ? lw_v2(lw_v2_cross(z->joint[joint].u, wrench.f), 0) : wrench.f;
+    z->x[0][slot] = x[0], z->x[1][slot] = x[1];
+    z->y[0][slot] = y[0], z->y[1][slot] = y[1];
 }
 
-/* Carry n columns of z->carried to the ground; each[c]: reactions of the linkage's joints.  Columns side by side fill the waits for
- * one another of the dyads. */
-static inline void carry(const lw_reduced *r, balance *z, const group_now *group, int n, lw_vec2 (*each)[LW_JOINT_MAX])
+/* Put down the reaction of a joint on the side of w, as far as friction depends on it. */
+static void react(const lw_reduced *r, balance *z, int joint, int slot, const wrenches *w)
 {
-    const lw_reduced_friction *f = r->friction;
-    for (int k = f->n_group - 1; k >= 0; k--) {
-        const lw_reduced_group *g = &f->group[k];
-        const group_now *now = &group[k];
-        for (int c = 0; c < n; c++) {
-            lw_wrench *carried = z->carried[c], w1 = carried[g->body[0]], w2 = carried[g->body[1]];
-            double a = -power_of(now->t[0], w1), b = power_of(now->t[1], w2);
-            double x = now->inverse[0][0]*a + now->inverse[0][1]*b, y = now->inverse[1][0]*a + now->inverse[1][1]*b;
-            lw_wrench inner = wrench_plus((lw_wrench){ lw_v2_scale(now->e[0].f, x), x*now->e[0].m }, y, now->e[1]);
-            w1 = wrench_plus(w1, 1, inner);
-            w2 = wrench_plus(w2, -1, inner);
-            each[c][g->joint[0]] = reaction(r, z, g->joint[0], w1);
-            each[c][g->joint[1]] = reaction(r, z, g->joint[1], inner);
-            each[c][g->joint[2]] = reaction(r, z, g->joint[2], w2);
-            if (now->before[0] >= 0)
-                carried[now->before[0]] = wrench_plus(carried[now->before[0]], 1, w1);
-            if (now->before[1] >= 0)
-                carried[now->before[1]] = wrench_plus(carried[now->before[1]], 1, w2);
-        }
+    columns x = w->x, y = w->y;
+    if (r->joint[joint].slides) {
+        lw_vec2 u = z->joint[joint].u;
+        x = u.x*w->y - u.y*w->x;
+        y = (columns){ 0, 0 };
     }
-    for (int c = 0; c < n; c++)
-        each[c][f->input_joint] = reaction(r, z, f->input_joint, z->carried[c][f->input_body]);
+    put(z, slot, x, y);
+}
+
+/* Add the reaction of an outer joint of dyad k to the link before it. */
+static void hand_on(balance *z, const lw_reduced_group *g, int side, const wrenches *w)
+{
+    if (g->before[side] >= 0)
+        add(&z->carried[g->before[side]], w);
+}
+
+/* Carry z->carried from the links of dyad k to those before them. */
+static void carry(const lw_reduced *r, balance *z, int k, const group_now *now)
+{
+    const lw_reduced_group *g = &r->friction->group[k];
+    wrenches w1 = z->carried[g->body[0]], w2 = z->carried[g->body[1]], inner;
+    columns a = -powers_of(now->t[0], &w1), b = powers_of(now->t[1], &w2);
+    columns x = now->inverse[0][0]*a + now->inverse[0][1]*b, y = now->inverse[1][0]*a + now->inverse[1][1]*b;
+    inner.x = now->e[0].f.x*x + now->e[1].f.x*y;
+    inner.y = now->e[0].f.y*x + now->e[1].f.y*y;
+    inner.m = now->e[0].m*x + now->e[1].m*y;
+    add(&w1, &inner);
+    w2.x -= inner.x, w2.y -= inner.y, w2.m -= inner.m;
+    react(r, z, g->joint[0], g->slot[0], &w1);
+    react(r, z, g->joint[1], g->slot[1], &inner);
+    react(r, z, g->joint[2], g->slot[2], &w2);
+    hand_on(z, g, 0, &w1);
+    hand_on(z, g, 1, &w2);
+}
+
+/* rub and carry of a dyad of three pins in fewer operations.  false: friction changes its determinant much. */
+static bool carry_pins(balance *z, const lw_reduced_group *g, const group_now *plain)
+{
+    wrenches w1 = z->carried[g->body[0]], w2 = z->carried[g->body[1]];
+    double m[2] = { plain->e[0].m + g->side[1]*z->ax[g->slot[1]], plain->e[1].m + g->side[1]*z->ay[g->slot[1]] };
+    lw_vec2 v[2];
+    for (int i = 0; i < 2; i++) {
+        int slot = g->slot[2*i];
+        double side = g->side[2*i];
+        v[i] = lw_v2_add(plain->t[i].v, lw_v2(side*z->ax[slot], side*z->ay[slot]));
+    }
+    double a = m[0] + v[0].x, b = m[1] + v[0].y, c = m[0] + v[1].x, d = m[1] + v[1].y, det = a*d - b*c, by = 1/det;
+    if (!(det*plain->det > weak*plain->det*plain->det))
+        return false;
+    columns p = w1.m + v[0].x*w1.x + v[0].y*w1.y, q = w2.m + v[1].x*w2.x + v[1].y*w2.y;
+    columns x = -(d*by)*p - (b*by)*q, y = (c*by)*p + (a*by)*q, moment = m[0]*x + m[1]*y;
+    w1.x += x, w1.y += y, w1.m += moment;
+    w2.x -= x, w2.y -= y, w2.m -= moment;
+    put(z, g->slot[0], w1.x, w1.y);
+    put(z, g->slot[1], x, y);
+    put(z, g->slot[2], w2.x, w2.y);
+    hand_on(z, g, 0, &w1);
+    hand_on(z, g, 1, &w2);
+    return true;
 }
 
 /* Add the wrenches of friction `force` along the measure of joint i with friction. */
@@ -246,25 +293,26 @@ static void push(const lw_reduced *r, balance *z, int i, double force)
         w = at_point(z->joint[joint].at.p, lw_v2_scale(z->joint[joint].u, j->sign*force));
     for (int side = 0; side < 2; side++)
         if (j->body[side] >= 0)
-            z->carried[0][j->body[side]] = wrench_plus(z->carried[0][j->body[side]], side ? 1 : -1, w);
+            add(&z->carried[j->body[side]], &(wrenches){ { side ? w.f.x : -w.f.x }, { side ? w.f.y : -w.f.y }, { side ? w.m : -w.m } });
 }
 
 /* Reactions for given sizes, which are those of friction; returns the force of the friction. */
 static double reactions(const lw_reduced *r, balance *z, const double *size, lw_vec2 *out)
 {
     const lw_reduced_friction *f = r->friction;
-    lw_vec2 each[1][LW_JOINT_MAX];
     double q = 0;
     for (int i = 0; i < f->n; i++)
         q -= z->part[i]*size[i]*z->rate[i];
     double dds = (z->push + q)/z->mass;
     for (int b = 0; b < r->dynamics->s.n_body; b++)
-        z->carried[0][b] = wrench_plus(z->rest[b], -dds, z->by_push[b]);
+        z->carried[b] = (wrenches){ at_rate(z->load[b].x, dds), at_rate(z->load[b].y, dds), at_rate(z->load[b].m, dds) };
     for (int i = 0; i < f->n; i++)
         push(r, z, i, -z->part[i]*size[i]);
-    carry(r, z, z->group, 1, each);
+    for (int k = f->n_group - 1; k >= 0; k--)
+        carry(r, z, k, &z->group[k]);
+    react(r, z, f->input_joint, f->input_slot, &z->carried[f->input_body]);
     for (int i = 0; i < f->n; i++)
-        out[i] = each[0][f->joint[i]];
+        out[i] = lw_v2(z->x[0][i], z->y[0][i]);
     return q;
 }
 
@@ -285,88 +333,154 @@ static lw_status by_newton(const lw_reduced *r, balance *z, double *size)
     return lw_friction_sizes(n, 0, 2, &rest[0].x, &response[0].x, size, r->friction->work, NULL);
 }
 
-/* The friction on a body at a joint, for 1 N and along the measure of the joint, times n. */
-static lw_vec2 along(const lw_reduced *r, const balance *z, int joint, int body)
-{
-    return r->joint[joint].body[1] == body ? z->along[joint] : lw_v2_scale(z->along[joint], -1);
-}
-
-/* The dyads with friction that is linear in the reactions.  false: it changes a determinant much. */
-static bool rub(const lw_reduced *r, balance *z)
+/* Directions of the reactions last found or predicted, and the friction along them. */
+static void point(const lw_reduced *r, balance *z)
 {
     const lw_reduced_friction *f = r->friction;
     for (int i = 0; i < f->n; i++) {
-        int joint = f->joint[i];
-        lw_vec2 n = f->reaction[i];
-        double by = f->size[i] != 0 ? -r->joint[joint].sign*z->part[i]/f->size[i] : 0;
-        z->along[joint] = lw_v2_scale(r->joint[joint].slides ? lw_v2_scale(lw_v2_perp(z->joint[joint].u), n.x) : n, by);
+        double by = f->size[i] != 0 ? 1/f->size[i] : 0;
+        z->nx[i] = by*f->x[i];
+        z->ny[i] = by*f->y[i];
+        z->ax[i] = z->force[i]*z->nx[i];
+        z->ay[i] = z->force[i]*z->ny[i];
     }
-    for (int k = 0; k < f->n_group; k++) {
-        const lw_reduced_group *g = &f->group[k];
-        const group_now *plain = &z->group[k];
-        group_now *now = &z->rubbed[k];
-        lw_vec2 inner = along(r, z, g->joint[1], g->body[0]);
-        *now = *plain;
-        for (int i = 0; i < 2; i++)
-            now->t[i].v = lw_v2_add(plain->t[i].v, along(r, z, g->joint[2*i], g->body[i]));
-        for (int i = 0; i < 2; i++) {
-            double force = lw_v2_dot(inner, plain->e[i].f);
-            const joint_now *c = &z->joint[g->joint[1]];
-            now->e[i] = wrench_plus(plain->e[i], force, r->joint[g->joint[1]].slides ? at_point(c->at.p, c->u)
-                                                                                  : (lw_wrench){ { 0, 0 }, 1 });
-        }
-        if (!invert(now) || !(now->det/plain->det > weak))
+    for (int k = 0; k < f->n_slide; k++) {
+        int i = f->slide[k];
+        lw_vec2 u = z->joint[f->joint[i]].u;
+        z->ay[i] = u.x*z->ax[i];
+        z->ax[i] *= -u.y;
+    }
+}
+
+/* Dyad k with friction that is linear in the reactions.  false: it changes the determinant much. */
+static bool rub(const lw_reduced *r, const balance *z, int k, group_now *now)
+{
+    const lw_reduced_group *g = &r->friction->group[k];
+    const group_now *plain = &z->group[k];
+    const joint_now *c = &z->joint[g->joint[1]];
+    lw_vec2 along = lw_v2(z->ax[g->slot[1]], z->ay[g->slot[1]]);
+    for (int i = 0; i < 2; i++) {
+        double force = g->side[1]*lw_v2_dot(along, plain->e[i].f), side = g->side[2*i];
+        int outer = g->slot[2*i];
+        now->t[i] = plain->t[i];
+        now->t[i].v = lw_v2_add(plain->t[i].v, lw_v2(side*z->ax[outer], side*z->ay[outer]));
+        now->e[i] = wrench_plus(plain->e[i], force, r->joint[g->joint[1]].slides ? at_point(c->at.p, c->u) : (lw_wrench){ { 0, 0 }, 1 });
+    }
+    return invert(now) && now->det/plain->det > weak;
+}
+
+/* The next f->x and f->y, where friction is linear in them.  false: the friction changes a determinant much. */
+static bool linear_reactions(const lw_reduced *r, balance *z)
+{
+    lw_reduced_friction *f = r->friction;
+    int input = f->input_joint, body = f->input_body;
+    twist t = allowed(r, z, input);
+    double size = rate_between(r, z, input, -1, body), side = r->joint[input].body[1] == body ? 1 : -1;
+    group_now now;
+    point(r, z);
+    memcpy(z->carried, z->load, (size_t)r->dynamics->s.n_body*sizeof *z->load);
+    for (int k = f->n_group - 1; k >= 0; k--) {
+        bool pins = f->group[k].pins;
+        if (!(pins ? carry_pins(z, &f->group[k], &z->group[k]) : rub(r, z, k, &now)))
             return false;
+        if (!pins)
+            carry(r, z, k, &now);
+    }
+    react(r, z, input, f->input_slot, &z->carried[body]);
+    t.v = lw_v2_add(t.v, lw_v2(side*z->ax[f->input_slot], side*z->ay[f->input_slot]));
+    columns p = powers_of(t, &z->carried[body]);
+    double mass = p[1], dds = p[0]/mass;
+    if (!(mass*size > weak*z->mass))
+        return false;
+    for (int i = 0; i < f->n; i++) {
+        f->x[i] = z->x[0][i] - dds*z->x[1][i];
+        f->y[i] = z->y[0][i] - dds*z->y[1][i];
     }
     return true;
 }
 
-/* each[0]: reactions of the linkage's joints, where friction is linear in them.  false: the friction changes a determinant much. */
-static bool linear_reactions(const lw_reduced *r, balance *z, lw_vec2 (*each)[LW_JOINT_MAX])
+/* Sizes of the reactions f->x and f->y. */
+static void measure(lw_reduced_friction *f)
 {
-    const lw_reduced_friction *f = r->friction;
-    int input = f->input_joint, body = f->input_body, n_body = r->dynamics->s.n_body;
-    twist t = allowed(r, z, input);
-    double size = rate_between(r, z, input, -1, body);
-    if (!rub(r, z))
-        return false;
-    t.v = lw_v2_add(t.v, along(r, z, input, body));
-    memcpy(z->carried[0], z->rest, (size_t)n_body*sizeof *z->rest);
-    memcpy(z->carried[1], z->by_push, (size_t)n_body*sizeof *z->by_push);
-    carry(r, z, z->rubbed, 2, each);
-    double mass = power_of(t, z->carried[1][body]), dds = power_of(t, z->carried[0][body])/mass;
-    for (int i = 0; i < f->n; i++) {
-        int j = f->joint[i];
-        each[0][j] = lw_v2_sub(each[0][j], lw_v2_scale(each[1][j], dds));
-    }
-    return mass*size > weak*z->mass;
+    for (int i = 0; i < f->n; i++)
+        f->size[i] = sqrt(f->x[i]*f->x[i] + f->y[i]*f->y[i]);
+    for (int k = 0; k < f->n_slide; k++)
+        if (f->press[f->slide[k]] != 0)
+            f->size[f->slide[k]] = f->press[f->slide[k]]*f->x[f->slide[k]];
 }
 
-/* Sizes from the reactions of the last evaluation on, by Newton's method; *q: force of the friction. */
+/* Reactions and sizes at t by the polynomial through those of the last evaluations. */
+static void predict(lw_reduced_friction *f, double t)
+{
+    const lw_reaction_past *past[LW_REACTION_PAST];
+    double weight[LW_REACTION_PAST], sum = INFINITY;
+    int n = f->n_past;
+    for (int k = 0; k < n; k++)
+        past[k] = &f->past[(f->newest + LW_REACTION_PAST - k)%LW_REACTION_PAST];
+    for (; n > 0 && !(sum <= most_weight); n -= !(sum <= most_weight)) {
+        sum = 0;
+        for (int k = 0; k < n; k++) {
+            double top = 1, bottom = 1;
+            for (int j = 0; j < n; j++)
+                if (j != k)
+                    top *= t - past[j]->t, bottom *= past[k]->t - past[j]->t;
+            weight[k] = top/bottom;
+            sum += fabs(weight[k]);
+        }
+    }
+    for (int k = 0; k < n; k++)
+        for (int i = 0; i < f->n; i++) {
+            f->x[i] = weight[k]*past[k]->x[i] + (k ? f->x[i] : 0);
+            f->y[i] = weight[k]*past[k]->y[i] + (k ? f->y[i] : 0);
+        }
+    if (n > 0)
+        measure(f);
+}
+
+/* Keep the reactions at t for predictions, in place of those at the same t or of the oldest. */
+static void keep(lw_reduced_friction *f, double t)
+{
+    int at = (f->newest + 1)%LW_REACTION_PAST;
+    for (int k = 0; k < f->n_past; k++) {
+        int old = (f->newest + LW_REACTION_PAST - k)%LW_REACTION_PAST;
+        at = f->past[old].t == t ? old : at;
+    }
+    if (at == (f->newest + 1)%LW_REACTION_PAST) {
+        f->newest = at;
+        f->n_past += f->n_past < LW_REACTION_PAST;
+    }
+    f->past[at].t = t;
+    memcpy(f->past[at].x, f->x, (size_t)f->n*sizeof *f->x);
+    memcpy(f->past[at].y, f->y, (size_t)f->n*sizeof *f->y);
+}
+
+/* Sizes from predicted reactions on, by Newton's method; *q: force of the friction. */
 static lw_status find_sizes(lw_reduced *r, balance *z, double *q)
 {
     lw_reduced_friction *f = r->friction;
-    lw_vec2 each[2][LW_JOINT_MAX];
     bool found = false;
-    for (int pass = 0; pass < PASSES && !found && linear_reactions(r, z, each); pass++) {
+    for (int pass = 0; pass < PASSES && !found && linear_reactions(r, z); pass++) {
         double off = 0, greatest = 0;
         *q = 0;
+        measure(f);
         for (int i = 0; i < f->n; i++) {
-            lw_vec2 now = each[0][f->joint[i]];
-            double size = f->press[i] != 0 ? f->press[i]*now.x : sqrt(lw_v2_dot(now, now));
-            double more = fabs(size - (f->size[i] != 0 ? lw_v2_dot(f->reaction[i], now)/f->size[i] : 0));
+            double more = fabs(f->size[i] - (z->nx[i]*f->x[i] + z->ny[i]*f->y[i]));
             off = more > off ? more : off;
-            greatest = size > greatest ? size : greatest;
-            f->reaction[i] = now;
-            f->size[i] = size;
-            *q -= z->part[i]*size*z->rate[i];
+            greatest = f->size[i] > greatest ? f->size[i] : greatest;
+            *q -= z->part[i]*f->size[i]*z->rate[i];
         }
         found = !(off > f->tolerance*greatest);
+        if (off > far*greatest)
+            f->n_past = 0;
     }
     if (found)
         return LW_OK;
+    f->n_past = 0;
+    lw_vec2 out[LW_JOINT_MAX];
     if (by_newton(r, z, f->size) == LW_OK) {
-        *q = reactions(r, z, f->size, f->reaction);
+        *q = reactions(r, z, f->size, out);
+        for (int i = 0; i < f->n; i++)
+            f->x[i] = out[i].x, f->y[i] = out[i].y;
         return LW_OK;
     }
     memset(f->size, 0, (size_t)f->n*sizeof *f->size);
@@ -374,11 +488,11 @@ static lw_status find_sizes(lw_reduced *r, balance *z, double *q)
     return LW_OPEN;
 }
 
-lw_status lw_reduced_friction_add(lw_reduced *r, double ds, double mass, double *q, double *power)
+lw_status lw_reduced_friction_add(lw_reduced *r, double t, double ds, double mass, double *q, double *power)
 {
     lw_reduced_friction *f = r->friction;
     balance z;
-    double drag;
+    double drag, by_mass = 1/sqrt(mass);
     z.mass = mass;
     z.first[0] = (twist){ 0, { 0, 0 } };
     for (int b = 0; b < r->dynamics->s.n_body; b++)
@@ -388,17 +502,24 @@ lw_status lw_reduced_friction_add(lw_reduced *r, double ds, double mass, double 
     for (int k = 0; k < f->n_group; k++)
         if (!place_group(r, &z, k))
             return LW_OPEN;
-    memset(z.along, 0, (size_t)r->linkage.n_joint*sizeof *z.along);
+    z.ax[f->n] = z.ay[f->n] = 0;
     z.push = *q - place_inertia(r, &z, ds);
     for (int i = 0; i < f->n; i++) {
-        z.rate[i] = lw_reduced_joint_rate(r, f->joint[i]);
+        const lw_reduced_joint *j = &r->joint[f->joint[i]];
+        z.rate[i] = j->sign*rate_between(r, &z, f->joint[i], j->body[0], j->body[1]);
         z.part[i] = f->sense*f->side[i]*f->arm[i];
-        f->feel[i] = fabs(z.part[i]*z.rate[i])/sqrt(mass);
+        z.force[i] = -j->sign*z.part[i];
+        f->feel[i] = fabs(z.part[i]*z.rate[i])*by_mass;
+        if (z.part[i] != f->part[i])             /* the reactions jump */
+            f->n_past = 0;
+        f->part[i] = z.part[i];
     }
     f->undetermined = false;
+    predict(f, t);
     lw_status s = find_sizes(r, &z, &drag);
     if (s != LW_OK)
         return s;
+    keep(f, t);
     *q += drag;
     *power += drag*ds;
     return LW_OK;

@@ -117,7 +117,9 @@ lw_status lw_reduced_mass(lw_reduced *r, double s, double *mass);
  * Friction is set-valued: mu times the reaction against the motion, and at rest any force up to that.  Sliding has a
  * sense, +1 or -1, that of s'.  A sense between them is the part of the friction that acts at rest. */
 
-typedef struct lw_reduced_group { int body[2], joint[3]; bool pins; } lw_reduced_group;    /* as lw_dyad, of bodies */
+/* As lw_dyad, of bodies.  before: those that its outer joints hold it to; side: of a joint, 1 where the dyad's first link, or the one at that
+ * outer joint, is body[1] of it, else -1; slot: of a joint among those with friction, n: it has none. */
+typedef struct lw_reduced_group { int body[2], before[2], joint[3], slot[3]; double side[3]; bool pins; } lw_reduced_group;
 
 /* Reversals: inputs at which the rate of a joint with friction changes its sign, by cells of the input.  They are found
  * when the motion first comes near, and kept; for a pin, all turns share the cells. */
@@ -125,27 +127,35 @@ typedef struct lw_reduced_group { int body[2], joint[3]; bool pins; } lw_reduced
 #define LW_REVERSAL_MOST  6
 typedef struct lw_reversal_cell { long number; int n; double at[LW_REVERSAL_MOST]; } lw_reversal_cell;
 
+/* Reactions of joints with friction at an earlier evaluation. */
+#define LW_REACTION_PAST 4
+typedef struct lw_reaction_past { double t, x[LW_JOINT_MAX], y[LW_JOINT_MAX]; } lw_reaction_past;
+
 typedef struct lw_reduced_friction {
     int    n, joint[LW_JOINT_MAX];            /* joints with friction */
+    int    n_slide, slide[LW_JOINT_MAX];      /* those of them that are slides */
     double arm[LW_JOINT_MAX];                 /* coefficient times radius of a pin [m]; coefficient of a slide */
     double side[LW_JOINT_MAX];                /* sign of the joint's rate by the input; 0: the joint never moves */
     double size[LW_JOINT_MAX];                /* reactions last found [N] */
-    lw_vec2 reaction[LW_JOINT_MAX];           /* the same as vectors; of slides (x, 0), x across the slide */
+    double x[LW_JOINT_MAX], y[LW_JOINT_MAX];  /* the same as vectors; of slides (x, 0), x across the slide */
     double feel[LW_JOINT_MAX];                /* greatest change of p' with the size of a reaction */
     double press[LW_JOINT_MAX];               /* that sign while the linkage slides on: the size of a reaction of a slide
                                                * has a kink where it changes; 0: pins, or not known */
+    double part[LW_JOINT_MAX];                /* of the last evaluation: sense side arm */
+    int    n_past, newest;
+    lw_reaction_past past[LW_REACTION_PAST];  /* since the parts changed */
     double sense, tolerance;
     bool   undetermined;                      /* the last failure: no reactions satisfy the equations */
-    int    n_group, input_joint, input_body;
+    int    n_group, input_joint, input_body, input_slot;
     lw_reduced_group group[LW_DYAD_MAX];
     lw_reversal_cell cell[LW_REVERSAL_CELLS];
     lw_vec2 response[LW_JOINT_MAX*LW_JOINT_MAX];     /* scratch */
     double work[LW_JOINT_MAX*(LW_JOINT_MAX + 2)];
 } lw_reduced_friction;
 
-/* Friction at the registers: adds its force to *q and gives its power.  mass: M.  LW_OPEN: the reactions are not
+/* Friction at the registers and t: adds its force to *q and gives its power.  mass: M.  LW_OPEN: the reactions are not
  * determined. */
-lw_status lw_reduced_friction_add(lw_reduced *r, double ds, double mass, double *q, double *power);
+lw_status lw_reduced_friction_add(lw_reduced *r, double t, double ds, double mass, double *q, double *power);
 
 /* Sides of all joints from the rates at an input, with the direction of motion at rates that are 0. */
 lw_status lw_reduced_friction_sides(lw_reduced *r, double input, double direction);

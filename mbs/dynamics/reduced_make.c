@@ -276,6 +276,14 @@ static int joint_of_dyad(const lw_dynamics *d, const lw_reduced *r, const lw_dya
     return found < d->s.n_joint ? found : -1;
 }
 
+static int slot_of(const lw_reduced_friction *f, int joint)
+{
+    int i = 0;
+    while (i < f->n && f->joint[i] != joint)
+        i++;
+    return i;
+}
+
 /* Joints with friction, and the dyads that carry reactions to the ground, in the order of the plan. */
 static lw_status find_friction(const lw_dynamics *d, lw_reduced *r, char *why)
 {
@@ -301,6 +309,12 @@ static lw_status find_friction(const lw_dynamics *d, lw_reduced *r, char *why)
         }
         for (int side = 0; side < 2; side++)
             to->body[side] = d->s.body[from->link[side]];
+        for (int k = 0; k < 3; k++) {
+            const int *body = r->joint[to->joint[k]].body, own = to->body[k == 2];
+            to->side[k] = body[1] == own ? 1 : -1;
+            if (k != 1)
+                to->before[k/2] = body[body[0] == own];
+        }
     }
     for (int i = 0; i < d->n_friction; i++) {
         const lw_friction_joint *p = &d->friction[i];
@@ -308,9 +322,14 @@ static lw_status find_friction(const lw_dynamics *d, lw_reduced *r, char *why)
             return no(why, "friction in a joint that its plan leaves out");
         if (!p->ideal)
             return no(why, "friction with a \"speed\", which is a smooth function of the rate");
+        if (r->joint[p->joint].slides)
+            f->slide[f->n_slide++] = f->n;
         f->joint[f->n] = p->joint;
         f->arm[f->n++] = p->coefficient*p->lever_arm;
     }
+    for (int k = 0; k < 3*f->n_group; k++)
+        f->group[k/3].slot[k%3] = slot_of(f, f->group[k/3].joint[k%3]);
+    f->input_slot = slot_of(f, f->input_joint);
     f->tolerance = fmin(fmax(0.01*d->o.relative, 1e-14), 1e-9);
     return LW_OK;
 }
