@@ -664,7 +664,7 @@ static lw_status run_steps(capture *g, double *y)
         d->eq.place(d->eq.context, g->q);
         for (int i = 0; i < list->n; i++)
             if (list->touch[i].state == LW_TOUCH_APART)
-                lw_touch_choose_side(&list->touch[i], d->frames, false);
+                lw_touch_choose_side(&list->touch[i], d->frames, false, g->part*g->size);       /* it may overlap by that much */
         lw_run_watch(run, fill_state(g, y));
         if (lw_run_at_kink(run, g->t))
             s = lw_run_pass_kink(run, &g->t, NULL, NULL);
@@ -718,9 +718,9 @@ static lw_status run_capture(lw_run *run)
         d->touch->events = false;            /* compliant places press by their depth alone */
         fill_state(&g, y);
         d->eq.place(d->eq.context, g.q);
-        for (int i = 0; i < d->touch->list.n; i++)
-            lw_touch_choose_side(&d->touch->list.touch[i], d->frames, true);
-        s = lw_run_touch_check(run, g.t);
+        s = lw_run_touch_choose_sides(run);
+        if (s == LW_OK)
+            s = lw_run_touch_check(run, g.t);
         d->touch->captured = true;
         if (s == LW_OK)
             s = choose_places(&g, 0.1*g.size);

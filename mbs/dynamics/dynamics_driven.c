@@ -383,7 +383,7 @@ static lw_status look_at_places(driven *z, double t, double *y, double *between)
     for (int i = 0; i < list->n; i++) {
         lw_touch *p = &list->touch[i];
         lw_touch_motion m;
-        lw_touch_choose_side(p, d->frames, first);
+        lw_touch_choose_side(p, d->frames, first, LW_TOUCH_END);
         lw_touch_at(p, &d->eq, d->frames, y + d->n_q, &m);
         double *was = z->gap + 2*i, h = t - z->touch_t, least = m.gap, when = t;
         if (!(p->surface->stiffness > 0) && !first && was[1] < 0 && m.rate > 0 && h > 0) {

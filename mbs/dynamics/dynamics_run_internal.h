@@ -160,6 +160,9 @@ lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long even
 /* A run has ended at t: give the reason if friction makes the force of a contact grow without limit there. */
 void      lw_run_touch_jams(lw_run *run, double t);
 
+/* At the start: on which sides bars are touched.  LW_E_ARG: nothing tells it.  The coordinates are those placed last. */
+lw_status lw_run_touch_choose_sides(lw_run *run);
+
 /* LW_E_ARG: shapes overlap at t.  The coordinates are those placed last. */
 lw_status lw_run_touch_check(lw_run *run, double t);
 

@@ -122,7 +122,7 @@ lw_status lw_run_touch_accept(lw_run *run, double t, const double *y)
             p->passed = open ? 0 : p->passed;            /* the next closure is where the gap is 0 again */
         }
         if (p->state == LW_TOUCH_APART)
-            lw_touch_choose_side(p, d->frames, false);
+            lw_touch_choose_side(p, d->frames, false, LW_TOUCH_END);
     }
     return LW_OK;
 }
@@ -212,6 +212,16 @@ static lw_status look_at(lw_run *run, double t, lw_touch *p, const lw_touch_moti
     bool on = m->gap <= LW_TOUCH_CLOSED && !lw_touch_past_end(p, m);
     *is = on && !lw_touch_beside_end(p, run->d->frames, m);
     p->state = on ? LW_TOUCH_PASSIVE : LW_TOUCH_APART;
+    return LW_OK;
+}
+
+lw_status lw_run_touch_choose_sides(lw_run *run)
+{
+    lw_dynamics *d = run->d;
+    for (int i = 0; i < d->touch->list.n; i++)
+        if (!lw_touch_choose_side(&d->touch->list.touch[i], d->frames, !d->o.pieces, LW_TOUCH_END))
+            return lw_error_set(run->e, LW_E_ARG, "\"%s\": an end lies on a segment without thickness, and it is not known on which side; give "
+                                "one of them a \"radius\"", lw_touch_name(d->model, &d->touch->list.touch[i]));
     return LW_OK;
 }
 
@@ -714,8 +724,8 @@ lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long even
         s = lw_mbs_rows(d, t, y);
     if (s == LW_OK)
         s = lw_mbs_factor(d, false);
-    for (int i = 0; t == d->o.from && s == LW_OK && i < w->list.n; i++)
-        lw_touch_choose_side(&w->list.touch[i], d->frames, true);
+    if (s == LW_OK && t == d->o.from)
+        s = lw_run_touch_choose_sides(run);
     if (s == LW_OK)
         s = find_closed(run, t, y, &c);
     if (s == LW_OK)

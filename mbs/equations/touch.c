@@ -11,7 +11,7 @@
 
 /* ---- discs and faces of a shape ------------------------------------------------------------------ */
 
-typedef struct disc { lw_vec2 at, edge[2]; double radius, size; } disc;
+typedef struct disc { lw_vec2 at, edge[2], into; double radius, size; } disc;
 typedef struct face { lw_vec2 from, to; double radius, deepest, slope[2]; bool infinite, two_sided; } face;
 
 static int disc_count(const lw_contour *p)
@@ -39,6 +39,8 @@ static disc disc_of(const lw_contour *p, int i)
         lw_vec2 u = lw_v2_sub(p->at[(i + (k ? 1 : p->n - 1))%p->n], p->at[i]);
         d.edge[k] = lw_v2_scale(u, 1/lw_v2_norm(u));
     }
+    d.into = p->kind == LW_CONTOUR_SEGMENT ? lw_v2_sub(p->at[1 - i], p->at[i]) : lw_v2_add(d.edge[0], d.edge[1]);
+    d.into = lw_v2_scale(d.into, 1/fmax(lw_v2_norm(d.into), 1e-300));
     return d;
 }
 
@@ -143,6 +145,7 @@ static void add_discs(maker *w, const lw_contour *p, const lw_contour *o, bool d
             set_ends(w, t, p->link, a.at, o->link, f.from);
             t->kind = LW_TOUCH_FACE;
             memcpy(t->edge, a.edge, sizeof t->edge);
+            t->into = a.into;
             t->radius[0] = a.radius/unit;
             t->radius[1] = f.radius/unit;
             t->along = lw_v2_scale(u, 1/length);
@@ -150,7 +153,7 @@ static void add_discs(maker *w, const lw_contour *p, const lw_contour *o, bool d
             t->deepest = f.deepest/unit;
             t->slope[0] = f.slope[0];
             t->slope[1] = f.slope[1];
-            t->side = f.two_sided;
+            t->side = f.two_sided ? LW_TOUCH_NO_SIDE : 0;
             t->size = f.infinite ? INFINITY : fmax(f.two_sided ? 2*(a.radius + f.radius) : 2*f.deepest,
                                                    0.05*fmin(length, a.size))/unit;
         }
@@ -261,8 +264,10 @@ static void drop_twins(const lw_model *m, lw_touch_list *list)
         bool twin = false;
         for (int j = 0; j < n && !twin; j++) {
             twin = is_twin(m, &list->touch[i], &list->touch[j]);
-            if (twin)                        /* it stands for the corners of two links */
+            if (twin) {                      /* it stands for the corners of two links */
                 memset(list->touch[j].edge, 0, sizeof list->touch[j].edge);
+                list->touch[j].into = lw_v2(0, 0);
+            }
         }
         if (!twin)
             list->touch[n++] = list->touch[i];
@@ -436,15 +441,23 @@ void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame 
         between_points(p, frames, v, k, 1, p->radius[0] + p->radius[1], out);
 }
 
-void lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool start)
+bool lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool anew, double near)
 {
     if (p->kind != LW_TOUCH_FACE || p->side == 0)
-        return;
+        return true;
     point k[2] = { point_of(p, 0, frames, NULL), point_of(p, 1, frames, NULL) };
     lw_vec2 u = lw_v2_turn(p->along, frames[p->body[1] + 1].dir), d = lw_v2_sub(k[0].p, k[1].p);
-    double place = lw_v2_dot(u, d);
-    if (start || place < 0 || place > p->length)
-        p->side = lw_v2_cross(u, d) < 0 ? -1 : 1;
+    double place = lw_v2_dot(u, d), across = lw_v2_cross(u, d), reach = p->radius[0] + p->radius[1];
+    bool beside = place >= 0 && place <= p->length;
+    p->side = anew ? LW_TOUCH_NO_SIDE : p->side;
+    if (beside && p->side != LW_TOUCH_NO_SIDE)
+        return true;
+    bool on_line = fabs(across) <= (reach > 0 ? fmin(near, 0.5*reach) : near);
+    if (on_line)                             /* its shape tells the side, unless that is parallel; or it is where it was */
+        across = lw_v2_cross(u, lw_v2_turn(p->into, frames[p->body[0] + 1].dir));
+    if (!on_line || fabs(across) > 1e-3)
+        p->side = across < 0 ? -1 : 1;
+    return !beside || p->side != LW_TOUCH_NO_SIDE;
 }
 
 bool lw_touch_past_end(const lw_touch *p, const lw_touch_motion *m)

@@ -34,11 +34,12 @@ typedef struct lw_touch {
     lw_vec2 drawn;                       /* centre of the disc in the posture [m]                      */
     lw_vec2 arm[2];                      /* centre of the disc, on body 0; begin of the face or centre, on body 1 */
     lw_vec2 edge[2];                     /* directions of the sides at a corner, in the frame of body 0; 0: none */
+    lw_vec2 into;                        /* direction from the disc into its shape, in the frame of body 0; 0: a circle */
     double  radius[2];                   /* of a face: half the thickness of a bar                       */
     lw_vec2 along;                       /* face: its direction in the frame of body 1; outside is on its left */
     double  length;                      /* of the face; infinite for a line                            */
     double  deepest, slope[2];           /* where behind a face a disc counts as inside, see touch.c     */
-    int     side;                        /* face of a bar: the side of the disc, -1 or 1; 0: one side only */
+    int     side;                        /* face of a bar: the side of the disc, -1, 1 or LW_TOUCH_NO_SIDE; 0: one side only */
     double  size;                        /* what a disc must not jump over within a step                 */
     double  sign, limit;                 /* stop: gap = sign (measure - limit); rope: limit is its length */
 } lw_touch;
@@ -67,9 +68,11 @@ void      lw_touch_free(lw_touch_list *list);
 void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame *frames, const double *v,
                  lw_touch_motion *out);
 
-/* A bar is touched on the side where the disc was when it was beside the bar last, or at the start. */
-void lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool start);
+/* A bar is touched on the side where the disc was before it came beside the bar; anew: at the start.  A disc within `near` of the line of the
+ * bar counts as on it.  False: it lies on a bar without thickness, and nothing tells its side. */
+bool lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool anew, double near);
 
+#define LW_TOUCH_NO_SIDE 2               /* not known yet, taken as 1 */
 #define LW_TOUCH_CLOSED 1e-12            /* a gap below this is closed, scaled */
 
 /* A disc within this of the end of a face is still on it, scaled. */
