@@ -70,8 +70,7 @@ TEST(joints_stay_together)
 TEST(paths_between_frames)
 {
     lw_spatial m;
-    if (!read_model("examples/space/bennett.json", &m))
-        return;
+    load_spatial_file("examples/space/bennett.json", &m);
     lw_space_scene_options fine = { .n_frame = PATH_STEPS*24 };
     lw_space_scene s = make_scene(&m, 0), many;
     lw_error e = { 0 };
