@@ -10,10 +10,10 @@
 static int least(int a, int b) { return a < b ? a : b; }
 static int lower(char c) { return tolower((unsigned char)c); }
 
-/* Optimal string alignment distance (Damerau 1964): row i of the table from the two rows before. */
-static int distance(const char *a, const char *b)
+/* Optimal string alignment distance (Damerau 1964) from a to the first n letters of b: row i of the table from the two rows before. */
+static int distance(const char *a, const char *b, int n)
 {
-    int row[3][WORD_MAX + 1], n = (int)strlen(b);
+    int row[3][WORD_MAX + 1];
     for (int j = 0; j <= n; j++)
         row[0][j] = j;
     int i = 0;
@@ -30,6 +30,18 @@ static int distance(const char *a, const char *b)
     return row[i%3][n];
 }
 
+/* The first word with `word`, of four letters or more, in it, or whose beginning is `word` with one wrong letter in six. */
+static const char *longer_word(const char *word, size_t size, const char *const *words, int n)
+{
+    for (int i = 0; i < n && size >= 6; i++)
+        if (strlen(words[i]) > size && strlen(words[i]) <= WORD_MAX && distance(word, words[i], (int)size) <= (int)size/6)
+            return words[i];
+    for (int i = 0; i < n && size >= 4; i++)
+        if (strstr(words[i], word))
+            return words[i];
+    return NULL;
+}
+
 const char *lw_suggest(const char *word, const char *const *words, int n)
 {
     size_t size = strlen(word);
@@ -40,7 +52,7 @@ const char *lw_suggest(const char *word, const char *const *words, int n)
     for (int i = 0; i < n; i++) {
         if (strlen(words[i]) > WORD_MAX)
             continue;
-        int d = distance(word, words[i]);
+        int d = distance(word, words[i], (int)strlen(words[i]));
         if (d < best || (d == best && !found)) {
             best = d;
             found = words[i];
@@ -48,5 +60,5 @@ const char *lw_suggest(const char *word, const char *const *words, int n)
         if (!begun && size >= 2 && strncasecmp(word, words[i], size) == 0)
             begun = words[i];
     }
-    return found && (best == 0 || !begun) ? found : begun ? begun : found;
+    return found && (best == 0 || !begun) ? found : begun ? begun : longer_word(word, size, words, n);
 }

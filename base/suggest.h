@@ -3,7 +3,7 @@
 #define LW_BASE_SUGGEST_H
 
 /* The nearest of n words by edit distance (insert, delete, replace, swap neighbours; upper and lower case are equal), or
- * a word that begins with `word`.  NULL if none is near enough: one edit per three letters is allowed, and at least two
+ * a word that begins with `word`, or nearly so, or has it within.  NULL if none is near enough: one edit per three letters is allowed, and at least two
  * from four letters on.  Of equally near words, the first. */
 const char *lw_suggest(const char *word, const char *const *words, int n);
 

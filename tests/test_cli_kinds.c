@@ -59,7 +59,7 @@ TEST(foreign_targets)
         { "<robot name=\"a\"><link name=\"b\"/></robot>", "URDF" }, { "\\357\\273\\277 <sdf/>", "SDFormat" }, { "<svg/>", "no visible path" },
         { "<robots/>", "no visible path" }, { "# Blender\\nmtllib a.mtl\\no Cube\\nv 1 -1 .5\\n", "mesh of triangles, not a target" },
         { "%%\\nO1000 (FOOT)\\nN10 G21 G90\\nN20 G0 X0\\n", "G-code" }, { ";FLAVOR:Marlin\\r\\nM82\\r\\n", "G-code" }, { "G,x\\n1,2\\n", "unknown column" },
-        { "o,x\\nv 1 2\\n", "unknown column" }, { "%-72sS      1\\n", "IGES" }, { "\\0\\0\\0\\030ftypheic", "picture of pixels" }, { "<!-- <robot", "no visible path" }
+        { "o,x\\nv 1 2\\n", "unknown column" }, { "<!DOCTYPE html>\\n<html lang=\"en\">", "web page" }, { "%-72sS      1\\n", "IGES" }, { "\\0\\0\\0\\030ftypheic", "picture of pixels" }, { "<!-- <robot", "no visible path" }
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         char line[256];

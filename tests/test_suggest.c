@@ -20,6 +20,11 @@ TEST(near_words)
     CHECK_TEXT(column("thetha"), "theta");
     CHECK_TEXT(column("angel"), "angle");
     CHECK_TEXT(column("X"), "x");
+    static const char *const options[] = { "length-range", "min-transmission-angle", "gear-ratios" };
+    CHECK_TEXT(lw_suggest("min-transmision", options, 3), "min-transmission-angle");      /* its beginning, misspelt */
+    CHECK_TEXT(lw_suggest("transmission", options, 3), "min-transmission-angle");         /* a part of it */
+    CHECK_TEXT(lw_suggest("ratio", options, 3), "gear-ratios");
+    CHECK(lw_suggest("rat", options, 3) == NULL);
 }
 
 TEST(far_words)

@@ -96,8 +96,8 @@ static lw_status no_joint(const char *name, const lw_assembly *linkage, lw_error
     for (int j = 0; j < linkage->n_joint; j++)
         names[j] = linkage->joint[j].name;
     const char *near = lw_suggest(name, names, linkage->n_joint);
-    lw_error_set(e, LW_E_ARG, "there is no joint '%s'; %s '%s'", name, near ? "did you mean" : "the first is",
-                 near ? near : linkage->joint[0].name);
+    lw_error_set(e, LW_E_ARG, "there is no joint '%s'; %s '%s'%s", name, near ? "did you mean" : "the first is",
+                 near ? near : linkage->joint[0].name, near ? "?" : "");
     free(names);
     return LW_E_ARG;
 }

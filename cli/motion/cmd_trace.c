@@ -118,8 +118,8 @@ static lw_status choose_tracers(const settings *s, const char *file, const lw_as
     }
     const char *near = *only < 0 ? lw_suggest(s->tracer, names, linkage->n_tracer) : NULL;
     lw_status st = *only >= 0 ? LW_OK
-                 : lw_error_at(e, LW_E_ARG, file, 0, 0, "there is no tracer '%s'; %s '%s'", s->tracer,
-                               near ? "did you mean" : "the first is", near ? near : names[0]);
+                 : lw_error_at(e, LW_E_ARG, file, 0, 0, "there is no tracer '%s'; %s '%s'%s", s->tracer,
+                               near ? "did you mean" : "the first is", near ? near : names[0], near ? "?" : "");
     free(names);
     return st;
 }

@@ -146,7 +146,8 @@ lw_foreign lw_foreign_kind(const char *text, size_t size)
     }, elements[] = {
         { 0, "mujoco", 6, { "a model of MuJoCo (MJCF)", "linkwright does not read it", LW_FOREIGN_ANY } },
         { 0, "robot", 5, { "a robot in URDF", "linkwright does not read it", LW_FOREIGN_ANY } },
-        { 0, "sdf", 3, { "a model in SDFormat", "linkwright does not read it", LW_FOREIGN_ANY } }
+        { 0, "sdf", 3, { "a model in SDFormat", "linkwright does not read it", LW_FOREIGN_ANY } },
+        { 0, "html", 4, { "a web page", "linkwright writes pages and does not read them", LW_FOREIGN_ANY } }
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
         if (size >= rows[i].at + rows[i].n && memcmp(text + rows[i].at, rows[i].bytes, rows[i].n) == 0)
