@@ -1,6 +1,9 @@
 /* linkwright draw - a picture or an animation of a linkage; sheets of chains and mechanisms. */
+#include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/draw/draw.h"
 #include "cli/program/file_kind.h"
@@ -131,7 +134,7 @@ static lw_status draw(const cli_call *call, lw_draw_kind kind, lw_bytes *bytes, 
     lw_target t = { 0 };
     lw_model *m = NULL;
     lw_spatial *spatial = NULL;
-    lw_status st = cli_read_any_model(call->parsed.word[0], s->result, &m, &spatial, e);
+    lw_status st = cli_read_any_model(call->parsed.n_word ? call->parsed.word[0] : "-", s->result, &m, &spatial, e);
     static const char *const planar[] = { "target", "all-modes", NULL }, *const of_space[] = { "azimuth", "elevation", NULL };
     for (const char *const *name = spatial ? planar : of_space; st == LW_OK && *name; name++)
         if (cli_given(&call->parsed, *name))
@@ -186,6 +189,36 @@ static bool holds_topologies(const char *path)
     return yes;
 }
 
+/* Does standard input hold topologies?  A first byte that begins no JSON says so, and they are read on from there.  JSON may be both: all
+ * of it is kept in a temporary file, which takes the place of standard input and is read again. */
+static lw_status look_at_input(bool *topologies, lw_error *e)
+{
+    char c = 0, *text = NULL;
+    size_t size = 0;
+    ssize_t n;
+    while ((n = read(STDIN_FILENO, &c, 1)) == 1 && c && strchr(" \t\r\n", c))
+        ;
+    *topologies = true;
+    if (n == 1 && c != '{')
+        ungetc((unsigned char)c, stdin);
+    if (n != 1 || c != '{')
+        return LW_OK;
+    lw_status s = cli_read_file("-", "a linkage, chains or mechanisms", &text, &size, e);
+    FILE *f = s == LW_OK ? tmpfile() : NULL;
+    bool kept = f && fputc(c, f) != EOF && fwrite(text, 1, size, f) == size && fflush(f) == 0 && dup2(fileno(f), STDIN_FILENO) >= 0
+             && lseek(STDIN_FILENO, 0, SEEK_SET) == 0;
+    if (s == LW_OK && !kept)
+        s = lw_error_at(e, LW_E_IO, "-", 0, 0, "cannot be kept in a temporary file: %s", strerror(errno));
+    if (f)
+        fclose(f);
+    free(text);
+    if (s == LW_OK) {
+        *topologies = holds_topologies("-");
+        lseek(STDIN_FILENO, 0, SEEK_SET);
+    }
+    return s;
+}
+
 /* NULL, or the name of an option that does not apply to what is drawn. */
 static const char *misplaced(const cli_call *call, bool chains)
 {
@@ -202,12 +235,18 @@ static int run(const cli_call *call)
     const settings *s = call->settings;
     lw_draw_kind kind;
     lw_error e = { 0 };
-    const char *file = call->parsed.n_word ? call->parsed.word[0] : NULL;
+    const char *file = call->parsed.n_word ? call->parsed.word[0] : "-";
+    bool standard = strcmp(file, "-") == 0, chains = s->format >= PICTURES;
     if (call->common.json)
         return cli_usage(call, "--json has no meaning here; 'linkwright trace --json' prints the curves");
     if (choose_kind(call, &kind, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
-    bool chains = !file || s->format >= PICTURES || (cli_can_read_again(file) && holds_topologies(file));
+    if (!chains && standard && isatty(STDIN_FILENO))
+        chains = call->parsed.n_word == 0;
+    else if (!chains && standard && look_at_input(&chains, &e) != LW_OK)
+        return cli_fail(call, &e);
+    else if (!chains && !standard)
+        chains = cli_can_read_again(file) && holds_topologies(file);
     const char *wrong = misplaced(call, chains);
     if (wrong)
         return cli_usage(call, "--%s is for %s, and this %s", wrong, chains ? "linkages" : "chains and mechanisms",
@@ -242,7 +281,7 @@ const cli_command cli_draw_command = {
         "SECOND is a linkage to compare it with, drawn thin with its curves in red.\n"
         "An animation moves the first input until the motion closes. If several inputs have motions or ranges, they\n"
         "move together.\n"
-        "FILE can also hold chains or mechanisms in any notation; without FILE they are read from standard input.\n"
+        "FILE can also hold chains or mechanisms in any notation; without FILE standard input is read.\n"
         "They are drawn as in textbooks: bars, polygons, pins. If the graph of a chain is planar, no two links cross,\n"
         "else as few as can be found. The joints of a ground link stand on one line. Several pages are written as\n"
         "numbered files, or as one PDF.\n",
