@@ -94,6 +94,24 @@ TEST(ticks_are_round_numbers)
     lw_drawing_free(&d);
 }
 
+/* A turn in degrees is cut into parts of a turn, on both axes; some degrees are as other numbers. */
+TEST(degrees_are_parts_of_a_turn)
+{
+    double x[] = { 0, 360 }, y[] = { -0.3, 0.4 };
+    lw_series s = { .name = "a", .n = 2, .x = x, .y = y };
+    lw_plot p = { .x_label = "input [deg]", .y_label = "angle [deg]", .n_series = 1, .series = &s };
+    lw_drawing d;
+    lw_error e;
+    CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
+    CHECK(has_text(&d, LW_ROLE_TICK, "90") && has_text(&d, LW_ROLE_TICK, "270") && has_text(&d, LW_ROLE_TICK, "360") && has_text(&d, LW_ROLE_TICK, "0.2"));
+    CHECK(!has_text(&d, LW_ROLE_TICK, "100"));
+    lw_drawing_free(&d);
+    lw_plot two[] = { { .y_label = "place [m]", .n_series = 1, .series = &s }, p };
+    CHECK_INT(lw_plot_draw_stack(2, two, &d, &e), LW_OK);
+    CHECK(!has_text(&d, LW_ROLE_TICK, "100"));                /* the panel above has the same axis */
+    lw_drawing_free(&d);
+}
+
 /* The numbers along an axis differ from each other. */
 static void check_ticks_differ(const lw_drawing *d)
 {

@@ -2,6 +2,7 @@
 #include "catalogues/draw/plot.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "base/bytes.h"
 #include "base/real.h"
@@ -13,7 +14,7 @@
 #define ROW      18.0           /* height of a row of the legend [px] */
 
 typedef struct lw_axis {
-    bool   logarithmic;
+    bool   logarithmic, degrees;
     double lo, hi;                  /* range of the numbers, or of their logarithms                */
     double from, to;                /* places of lo and hi on the page [px]                        */
     int    n_tick, digits;          /* digits: enough that neighbouring ticks read differently    */
@@ -56,11 +57,14 @@ static void add_tick(lw_axis *a, double v)
         a->tick[a->n_tick++] = v;
 }
 
-/* Ticks in steps of 1, 2 or 5 times a power of ten, about n of them. */
+/* Ticks in steps of 1, 2 or 5 times a power of ten, about n of them; of degrees in parts of a turn where they are many. */
 static void even_ticks(lw_axis *a, double n)
 {
+    static const double of_turn[] = { 15, 30, 45, 60, 90, 180, 360 };
     double rough = (a->hi - a->lo)/n, power = pow(10, floor(log10(rough))), m = rough/power;
     double step = power*(m <= 1 ? 1 : m <= 2 ? 2 : m <= 5 ? 5 : 10);
+    for (int i = 6; a->degrees && rough > 10 && i >= 0; i--)
+        step = of_turn[i] >= rough ? of_turn[i] : step;
     a->digits = (int)fmin(fmax(2 + ceil(log10(fmax(fabs(a->lo), fabs(a->hi))/step)), 1), 17);
     for (double i = ceil(a->lo/step - 1e-9); i*step <= a->hi + 1e-9*step && a->n_tick < TICK_MAX; i++)
         add_tick(a, i*step);
@@ -101,8 +105,8 @@ static void settle(lw_axis *a, double n_tick)
 static bool find_ranges(lw_chart *c)
 {
     bool any = false;
-    c->x = (lw_axis){ .logarithmic = c->p->log_x, .lo = INFINITY, .hi = -INFINITY };
-    c->y = (lw_axis){ .logarithmic = c->p->log_y, .lo = INFINITY, .hi = -INFINITY };
+    c->x = (lw_axis){ .logarithmic = c->p->log_x, .degrees = c->p->x_label && strstr(c->p->x_label, "[deg]"), .lo = INFINITY, .hi = -INFINITY };
+    c->y = (lw_axis){ .logarithmic = c->p->log_y, .degrees = c->p->y_label && strstr(c->p->y_label, "[deg]"), .lo = INFINITY, .hi = -INFINITY };
     for (int i = 0; i < c->p->n_series; i++) {
         const lw_series *s = &c->p->series[i];
         for (size_t k = 0; k < s->n; k++)
@@ -354,6 +358,8 @@ lw_status lw_plot_draw_stack(int n, const lw_plot *p, lw_drawing *d, lw_error *e
             right = fmax(right, fmin(legend_width(&p[i]), 0.4*d->width));
         }
     }
+    for (int i = n - 2; i >= 0; i--)                          /* without a label of its own: that below */
+        chart[i].x.degrees = p[i].x_label ? chart[i].x.degrees : chart[i + 1].x.degrees;
     for (int i = 0; i < n; i++)
         if (any[i])
             draw_chart(&chart[i], left, right);
