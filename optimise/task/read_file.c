@@ -121,27 +121,25 @@ static bool is_g_code(span text)
     return false;
 }
 
+#define DRAW_IT "export the sketch of the curve as DXF or SVG"
+#define MESH   { "a mesh of triangles", DRAW_IT, LW_FOREIGN_CURVE }
+#define PIXELS { "a picture of pixels", "trace its curve (Inkscape: Path > Trace Bitmap) and save that as SVG", LW_FOREIGN_CURVE }
+
 lw_foreign lw_foreign_kind(const char *text, size_t size)
 {
-    static const lw_foreign mesh = { "a mesh of triangles", "export the sketch of the curve as DXF or SVG", LW_FOREIGN_CURVE },
-        g_code = { "a G-code program", "save the drawing that it was made from as DXF or SVG", LW_FOREIGN_CURVE },
-        solid = { "a STEP model", "export the sketch of the curve as DXF or SVG", LW_FOREIGN_CURVE },
-        iges = { "an IGES model", "export the sketch of the curve as DXF or SVG", LW_FOREIGN_CURVE },
-        pixels = { "a picture of pixels", "trace its curve (Inkscape: Path > Trace Bitmap) and save that as SVG", LW_FOREIGN_CURVE },
-        printed = { "a PDF", "save the drawing as SVG or DXF", LW_FOREIGN_CURVE };
     static const struct { size_t at; const char *bytes; size_t n; lw_foreign is; } rows[] = {
         { 0, "PK\3\4", 4, { "a workbook (Excel, LibreOffice) or an archive", "save the sheet as CSV", LW_FOREIGN_TABLE } },
         { 0, "\xd0\xcf\x11\xe0", 4, { "a workbook of Excel", "save the sheet as CSV", LW_FOREIGN_TABLE } },
         { 0, "AC10", 4, { "a DWG drawing", "save it as DXF", LW_FOREIGN_CURVE } },
         { 0, "AutoCAD Binary DXF", 18, { "a binary DXF", "save it as DXF text (ASCII)", LW_FOREIGN_CURVE } },
         { 0, "\x1f\x8b", 2, { "a compressed file", "unpack it first (an SVGZ is an SVG compressed by gzip)", LW_FOREIGN_ANY } },
-        { 0, "%PDF", 4, printed },
+        { 0, "%PDF", 4, { "a PDF", "save the drawing as SVG or DXF", LW_FOREIGN_CURVE } },
         { 0, "%!PS", 4, { "a PostScript file", "save the drawing as SVG or DXF", LW_FOREIGN_CURVE } },
-        { 0, "\x89PNG", 4, pixels }, { 0, "\xff\xd8\xff", 3, pixels }, { 0, "GIF8", 4, pixels }, { 0, "II*\0", 4, pixels }, { 0, "MM\0*", 4, pixels },
-        { 8, "WEBP", 4, pixels }, { 4, "ftypheic", 8, pixels }, { 4, "ftypavif", 8, pixels }, { 6, "\0\0\0\0\x36\0\0\0", 8, pixels },
-        { 0, "ISO-10303-21", 12, solid },
+        { 0, "\x89PNG", 4, PIXELS }, { 0, "\xff\xd8\xff", 3, PIXELS }, { 0, "GIF8", 4, PIXELS }, { 0, "II*\0", 4, PIXELS }, { 0, "MM\0*", 4, PIXELS },
+        { 8, "WEBP", 4, PIXELS }, { 4, "ftypheic", 8, PIXELS }, { 4, "ftypavif", 8, PIXELS }, { 6, "\0\0\0\0\x36\0\0\0", 8, PIXELS },
+        { 0, "ISO-10303-21", 12, { "a STEP model", DRAW_IT, LW_FOREIGN_CURVE } },
         { 0, "SQLite format 3", 15, { "a catalogue of linkwright or another database", "'linkwright catalogue' reads catalogues", LW_FOREIGN_ANY } },
-        { 0, "solid ", 6, mesh }, { 0, "solid\n", 6, mesh }, { 0, "solid\r", 6, mesh }, { 0, "ply\n", 4, mesh }, { 0, "ply\r", 4, mesh },
+        { 0, "solid ", 6, MESH }, { 0, "solid\n", 6, MESH }, { 0, "solid\r", 6, MESH }, { 0, "ply\n", 4, MESH }, { 0, "ply\r", 4, MESH },
         { 0, "\xb1\xb2\xb3SolveSpace", 13, { "a sketch of SolveSpace", "export it as DXF or SVG", LW_FOREIGN_CURVE } }
     }, elements[] = {
         { 0, "mujoco", 6, { "a model of MuJoCo (MJCF)", "linkwright does not read it", LW_FOREIGN_ANY } },
@@ -158,7 +156,10 @@ lw_foreign lw_foreign_kind(const char *text, size_t size)
         if (n == elements[i].n && memcmp(element, elements[i].bytes, n) == 0)
             return elements[i].is;
     span all = { text, size };
-    return is_binary_stl(text, size) || is_obj(all) ? mesh : is_iges(all) ? iges : is_g_code(all) ? g_code : (lw_foreign){ .what = NULL };
+    return is_binary_stl(text, size) || is_obj(all) ? (lw_foreign)MESH
+         : is_iges(all) ? (lw_foreign){ "an IGES model", DRAW_IT, LW_FOREIGN_CURVE }
+         : is_g_code(all) ? (lw_foreign){ "a G-code program", "save the drawing that it was made from as DXF or SVG", LW_FOREIGN_CURVE }
+         : (lw_foreign){ .what = NULL };
 }
 
 static bool ends_in(const char *path, const char *end)
