@@ -1,5 +1,6 @@
 /* Searches by number of links: a six-bar's curve is found again, more links are never worse, and the answer does
  * not depend on the number of threads. */
+#include "mbs/plan/types.h"
 #include "optimise/topology/staged_search.h"
 #include "tests/six_bar.h"
 
@@ -252,6 +253,41 @@ TEST(the_front_has_no_gaps)
     }
     lw_staged_search_free(&all);
     lw_target_free(&t);
+}
+
+/* Two stages of one family each, a four-link mechanism whose slider drives it, and a six-bar, for an open path with default limits. */
+static void search_open_path(double max_seconds, int n_stage, double unless, lw_staged_search *s)
+{
+    enum { N = 8 };
+    double x[2*N], y[2*N], angle[2*N];
+    lw_linkage slider, k = six_bar();
+    lw_type_linkage(lw_type_find("sliderdriven"), &slider);
+    lw_family four = { .name = "slider", .linkage = &slider, .links = 4 }, six = { .name = "six-bar", .linkage = &k, .links = 6 };
+    lw_search_stage stage[] = { { .links = 4, .families = lw_families_of(&four, 1) },
+                                { .links = 6, .families = lw_families_of(&six, 1), .unless = unless } };
+    lw_fit_options o = lw_fit_options_default();
+    lw_target t;
+    o.spec.timing = LW_TIMING_FREE;
+    o.budget = 400;
+    o.max_seconds = max_seconds;
+    six_bar_curve(&k, 2*N, x, y, angle);
+    for (int i = 0; i < N; i += 2)
+        y[i] += 0.05;
+    CHECK_INT(lw_target_make(N, x, y, NULL, NULL, NULL, 0, &t, NULL), LW_OK);
+    lw_fit_spec_set_limits(&o.spec, &t, 0);
+    CHECK_INT(lw_staged_search_run(&t, &o, stage, n_stage, s, NULL), LW_OK);
+    lw_target_free(&t);
+}
+
+/* Under a time limit reports are made during the search: when the time ends, the rows are chosen among all that was found. */
+TEST(reports_are_made_before_the_time_ends)
+{
+    lw_staged_search s;
+    search_open_path(1e4, 1, 0, &s);
+    CHECK(s.fit.n > 1);
+    for (int i = 0; i < s.fit.n; i++)
+        CHECK(s.fit.candidate[i].report != NULL);
+    lw_staged_search_free(&s);
 }
 
 TEST(threads_do_not_change_the_answer)

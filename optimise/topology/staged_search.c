@@ -244,6 +244,15 @@ static double seconds_until(double end)
     return end > 0 ? fmax(1e-3, end - lw_clock_wall()) : 0;
 }
 
+/* Make the reports of what a search found now, so that rows are chosen among all of it when the time ends.  They take no longer than the
+ * search took. */
+static void keep_reports(const lw_target *t, const lw_fit_options *o, double seconds, double end, lw_fit *all)
+{
+    const lw_results_effort effort = { .jobs = o->jobs, .until = fmin(end, lw_clock_wall() + seconds), .interrupt = o->interrupt };
+    if (end > 0 && o->spec.by_default)
+        lw_fit_results_keep(t, &o->spec, all, &effort);
+}
+
 /* Run the searches of four-link types, until `end` at most. */
 static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, double end, lw_stage_result *r,
                            lw_staged_search *out, lw_error *e)
@@ -264,8 +273,10 @@ static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, dou
         if (st == LW_E_ARG && i == OTHERS && !whole && !any)     /* no type can turn: this says it, or gives way */
             st = run_search(t, o, i, true, false, &fit, &why);
         bool found = st >= 0;
+        double seconds = found ? fit.seconds : 0;
         if (found && take(out, r, 0, &fit, e) != LW_OK)
             return LW_E_MEMORY;
+        keep_reports(t, o, seconds, end, &out->fit);
         stopped |= st == LW_STOPPED;
         any |= found;
         if (!found && !(st == LW_E_ARG && (i >= COMPACT || (!whole && (i == CRANKS || any))))) {
@@ -319,7 +330,7 @@ static int best_search(const lw_fit *seen, const lw_fit_results *rows, int links
 
 /* Search the families of a stage once, from the best linkages found before. */
 static lw_status run_families(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, bool grows,
-                              int search, bool later, const lw_fit *seen, const lw_fit_results *rows, lw_stage_result *r,
+                              int search, bool later, double end, const lw_fit *seen, const lw_fit_results *rows, lw_stage_result *r,
                               lw_staged_search *out, lw_error *e)
 {
     lw_fit_options mine = *o;
@@ -338,8 +349,11 @@ static lw_status run_families(const lw_target *t, const lw_fit_options *o, const
     mine.families = &all;
     mine.part_number = r->n_part++;
     st = run_search(t, &mine, search, true, later, &fit, e);
+    double seconds = st >= 0 ? fit.seconds : 0;
     if (st >= 0 && take(out, r, more->n, &fit, e) != LW_OK)
         st = LW_E_MEMORY;
+    if (st >= 0)
+        keep_reports(t, o, seconds, end, &out->fit);
     free(more);
     return st;
 }
@@ -369,7 +383,7 @@ static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_searc
             o->max_seconds = seconds_until(end);
             o->whole_rounds = any_with(&out->fit, stage->links);
             left -= o->budget;
-            st = run_families(t, o, stage, grows, search[k], first_part > 0, &seen, &rows, r, out, e);
+            st = run_families(t, o, stage, grows, search[k], first_part > 0, end, &seen, &rows, r, out, e);
         } else
             lw_error_set(e, st, "no memory for reports");
         lw_fit_results_free(&rows);
