@@ -1074,6 +1074,24 @@ TEST(thin_rods_slide_off)
     }
 }
 
+/* A corner passes the end of a thin segment from one side to the other within a step: nothing touches. */
+TEST(corner_comes_round_an_end)
+{
+    for (int k = 0; k < 3; k++) {
+        char text[1000];
+        double beside = k == 0 ? 3e-7 : k == 1 ? 3e-6 : 3e-3, x = 1.3 + beside;
+        snprintf(text, sizeof text, FREE("{'segment': [[0, 0], [1, 0]]}", "'mass': 1, 'centre': [%.17g, -0.9], 'inertia': 0.03, 'velocity': [-0.3, 0.9]",
+                                         "{'polygon': [[%.17g, -0.9], [%.17g, -1.1], [%.17g, -0.9], [%.17g, -0.7]]}", "'restitution': 0"),
+                 x + 0.2, x, x + 0.2, x + 0.4, x + 0.2);
+        drun_read_format(&d, text, 0, 0);
+        d.model.gravity = lw_v2(0, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-8, 1.5, 1), LW_OK);
+        CHECK_NEAR(d.v[0]*d.system.unit, -0.3, 1e-12, 0);
+        CHECK_NEAR(d.v[1]*d.system.unit, 0.9, 1e-12, 0);
+        lw_model_free(&d.model);
+    }
+}
+
 int main(void)
 {
     check_run();

@@ -726,6 +726,9 @@ lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long even
         s = lw_mbs_factor(d, false);
     if (s == LW_OK && t == d->o.from)
         s = lw_run_touch_choose_sides(run);
+    for (int i = 0; s == LW_OK && i < w->list.n; i++)
+        if (w->list.touch[i].state == LW_TOUCH_APART)            /* a disc may have come round an end since the step before */
+            lw_touch_choose_side(&w->list.touch[i], d->frames, false, LW_TOUCH_END);
     if (s == LW_OK)
         s = find_closed(run, t, y, &c);
     if (s == LW_OK)

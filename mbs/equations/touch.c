@@ -448,7 +448,7 @@ bool lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool anew, d
     point k[2] = { point_of(p, 0, frames, NULL), point_of(p, 1, frames, NULL) };
     lw_vec2 u = lw_v2_turn(p->along, frames[p->body[1] + 1].dir), d = lw_v2_sub(k[0].p, k[1].p);
     double place = lw_v2_dot(u, d), across = lw_v2_cross(u, d), reach = p->radius[0] + p->radius[1];
-    bool beside = place >= 0 && place <= p->length;
+    bool beside = fmin(place, p->length - place) > LW_TOUCH_END;
     p->side = anew ? LW_TOUCH_NO_SIDE : p->side;
     if (beside && p->side != LW_TOUCH_NO_SIDE)
         return true;
