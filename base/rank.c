@@ -2,6 +2,7 @@
 
 #include <string.h>
 #include "base/real.h"
+#include "base/vector.h"
 
 size_t lw_rank_doubles(int m, int n) { return (size_t)m*(size_t)n + 3*(size_t)(m + n); }
 size_t lw_rank_ints(int m, int n) { return (size_t)n + 0*(size_t)m; }
@@ -16,14 +17,6 @@ void lw_rank_place(lw_rank *r, int m, int n, double *doubles, int *ints)
 }
 
 static double *column(const lw_rank *r, int k) { return r->a + (size_t)k*(size_t)r->m; }
-
-static double norm(const double *v, int n)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum += v[i]*v[i];
-    return sqrt(sum);
-}
 
 /* I - factor v v^T with v[0] = 1 takes x to (-sign |x|, 0 ..); v over x, its first number the new one. */
 static double reflector(double *x, int n, double rest)
@@ -56,7 +49,7 @@ static double bring_longest(lw_rank *r, int k)
     int best = k;
     double longest = -1;
     for (int j = k; j < r->n; j++) {
-        double d = norm(column(r, j) + k, r->m - k);
+        double d = lw_norm(r->m - k, column(r, j) + k);
         if (d > longest || isnan(d)) {
             longest = d;
             best = j;
@@ -117,7 +110,7 @@ void lw_rank_factor(lw_rank *r, double least)
         if (!(longest > least*first) || !(longest > 0) || isinf(longest) || (r->stop && *r->stop))
             break;
         double *c = column(r, k) + k;
-        r->left[k] = reflector(c, r->m - k, norm(c + 1, r->m - k - 1));
+        r->left[k] = reflector(c, r->m - k, lw_norm(r->m - k - 1, c + 1));
         for (int j = k + 1; j < r->n; j++)
             reflect(c, r->left[k], column(r, j) + k, r->m - k);
         r->weakest = longest/first;

@@ -1,7 +1,8 @@
-/* base/vector.h - sums over arrays of n numbers, from the first to the last. */
+/* base/vector.h - arrays of n numbers: sums from the first to the last, the greatest, sorting. */
 #ifndef LW_BASE_VECTOR_H
 #define LW_BASE_VECTOR_H
 
+#include <stdlib.h>
 #include "base/real.h"
 
 static inline double lw_dot(int n, const double *a, const double *b)
@@ -12,6 +13,8 @@ static inline double lw_dot(int n, const double *a, const double *b)
     return sum;
 }
 
+static inline double lw_norm(int n, const double *a) { return sqrt(lw_dot(n, a, a)); }
+
 /* The greatest magnitude; 0 for n = 0.  A NaN counts as 0. */
 static inline double lw_greatest(int n, const double *x)
 {
@@ -20,5 +23,14 @@ static inline double lw_greatest(int n, const double *x)
         most = fmax(most, fabs(x[i]));
     return most;
 }
+
+static inline int lw_compare_numbers(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Sort in ascending order; no NaN. */
+static inline void lw_sort(size_t n, double *x) { qsort(x, n, sizeof *x, lw_compare_numbers); }
 
 #endif

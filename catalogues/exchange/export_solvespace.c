@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/real.h"
+#include "base/union_find.h"
 #include "catalogues/exchange/export.h"
 
 #define MM        1000.0
@@ -216,13 +217,6 @@ static void put_link(writer *w, int link)
 
 /* ---- joints -------------------------------------------------------------------------------------------------- */
 
-static int group_of(int *group, int i)
-{
-    while (group[i] != i)
-        i = group[i] = group[group[i]];
-    return i;
-}
-
 /* Join pins that share a link and a place once: a point already joined to another is not joined again. */
 static void put_pins(writer *w)
 {
@@ -230,7 +224,7 @@ static void put_pins(writer *w)
     for (int i = 0; i < w->n; i++)
         group[i] = i;
     for (int j = 0; j < w->k->n_joint; j++) {
-        int a = group_of(group, w->on[j][0][0]), b = group_of(group, w->on[j][1][0]);
+        int a = lw_root_of(group, w->on[j][0][0]), b = lw_root_of(group, w->on[j][1][0]);
         if (!lw_joint_turns(w->k->joint[j].kind) || a == b)
             continue;
         put_constraint(w, COINCIDENT, 0, w->p[w->on[j][0][0]].entity, w->p[w->on[j][1][0]].entity, 0);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/owners.h"
+#include "base/union_find.h"
 #include "catalogues/exchange/export.h"
 
 /* Mark the joints with an input, a spring, a motor or a stop. Formats know these for joints of the tree only. */
@@ -40,13 +41,6 @@ static lw_status mark_gears(const lw_assembly *linkage, bool *at_gear, lw_error 
     return LW_OK;
 }
 
-static int group_of(int *group, int link)
-{
-    while (group[link] != link)
-        link = group[link] = group[group[link]];
-    return link;
-}
-
 lw_status lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int n_link, int *group, bool *in_tree,
                   int *parent, int *joint)
 {
@@ -64,7 +58,7 @@ lw_status lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int 
         for (int j = 0; j < n_joint; j++) {
             if (rank[j] != r)
                 continue;
-            int a = group_of(group, link[j][0]), b = group_of(group, link[j][1]);
+            int a = lw_root_of(group, link[j][0]), b = lw_root_of(group, link[j][1]);
             in_tree[j] = a != b;
             group[b] = a;
         }

@@ -4,6 +4,7 @@
 
 #include "base/parallel.h"
 #include "base/real.h"
+#include "base/vector.h"
 #include "catalogues/pages/draw.h"
 #include "cli/bench/bench.h"
 
@@ -56,12 +57,6 @@ static void print_number(FILE *f, double v, int digits)
         fputs(" - |", f);
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void bounds_text(const cli_bench_figures *k, char *text, size_t size)
 {
     if (k->length[1] > 0)
@@ -86,8 +81,8 @@ static void reach_row(const cli_bench *b, int i, double *seconds, double *evals,
         evals[n] = (double)r->evals;
         seconds[n++] = r->seconds;
     }
-    qsort(seconds, (size_t)n, sizeof *seconds, by_size);
-    qsort(evals, (size_t)n, sizeof *evals, by_size);
+    lw_sort((size_t)n, seconds);
+    lw_sort((size_t)n, evals);
     bounds_text(p->known, bounds, sizeof bounds);
     fprintf(f, "| %s | %s |", p->name, bounds);
     print_number(f, best_published(p->known), 5);

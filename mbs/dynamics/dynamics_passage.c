@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
+#include "base/vector.h"
 #include "mbs/ode/integrate.h"
 
 static const double settled = 1e-14;         /* change of the states in a pass, scaled, that ends the iteration */
@@ -267,19 +268,11 @@ static void between_nodes(const lw_passage *z, const double *row, int width, int
     }
 }
 
-static double greatest(const double *x, int n)
-{
-    double most = 0;
-    for (int i = 0; i < n; i++)
-        most = fmax(most, fabs(x[i]));
-    return most;
-}
-
 /* Where the pole of the multipliers l (LW_PASSAGE_NODES x n) is, as a fraction of the length: there the product with the distance has
  * no highest power.  The middle, if they have none. */
 static double find_pole(const lw_passage *z, const double *l, int n)
 {
-    double over = 0, under = 0, unit = 0, most = greatest(l, LW_PASSAGE_NODES*n);
+    double over = 0, under = 0, unit = 0, most = lw_greatest(LW_PASSAGE_NODES*n, l);
     for (int c = -1; c < n; c++) {
         double a = 0, b = 0;
         for (int k = 0; k < LW_PASSAGE_NODES; k++) {
@@ -312,7 +305,7 @@ static double forces_at_anchor(const lw_passage *z, double *l)
         memcpy(l + k*n, d->l, (size_t)n*sizeof *l);
         memcpy(z->rate + k*run->n, d->a, (size_t)n_v*sizeof *d->a);
     }
-    double pole = find_pole(z, l, n), x = z->anchor - pole, most = greatest(l, LW_PASSAGE_NODES*n);
+    double pole = find_pole(z, l, n), x = z->anchor - pole, most = lw_greatest(LW_PASSAGE_NODES*n, l);
     double *strength = l + LW_PASSAGE_NODES*n, *plain = strength + n, *product = plain + n, *had = product + n;
     for (int skip = 1; skip >= 0; skip--) {
         memcpy(had, d->l, (size_t)n*sizeof *had);
@@ -328,7 +321,7 @@ static double forces_at_anchor(const lw_passage *z, double *l)
     for (int c = 0; c < n; c++)
         off = isnan(d->l[c]) ? off : fmax(off, fabs(d->l[c] - had[c])/fmax(most, fabs(d->l[c])));
     for (int i = 0; i < n_v; i++)
-        off = fmax(off, fabs(d->a[i] - z->begun[i])/fmax(greatest(d->a, n_v), 1e-300));
+        off = fmax(off, fabs(d->a[i] - z->begun[i])/fmax(lw_greatest(n_v, d->a), 1e-300));
     return off;
 }
 
@@ -336,7 +329,7 @@ lw_status lw_run_singular_forces(lw_run *run, double t, const double *y)
 {
     lw_dynamics *d = run->d;
     size_t n = (size_t)run->n, n_c = (size_t)d->n_c, n_q = (size_t)d->n_q, n_v = (size_t)d->n_v;
-    double apart = d->by_rank ? d->rank_of.weakest : sqrt(fmax(d->weak, 0)), speed = greatest(y + n_q, d->n_v);
+    double apart = d->by_rank ? d->rank_of.weakest : sqrt(fmax(d->weak, 0)), speed = lw_greatest(d->n_v, y + n_q);
     double tail, best = INFINITY, *old = run->state;
     double *memory = malloc((n*(3 + 2*LW_PASSAGE_NODES) + 2*(n_v + n_c) + (LW_PASSAGE_NODES + 4)*n_c + n_v)*sizeof *memory);
     lw_passage z = { .run = run, .begun = memory, .enough = enough_for_forces };

@@ -279,14 +279,6 @@ static bool solve_shifted(const lw_vibration *v, double shift, double little, do
     return true;
 }
 
-static double length(const double *x, int n)
-{
-    double sum = 0.0;
-    for (int i = 0; i < n; i++)
-        sum += x[i]*x[i];
-    return sqrt(sum);
-}
-
 /* Newton's step with the stiffness, shifted until it is positive definite; at most half a radian or half the size of
  * the linkage.  Returns the shift in stiffnesses over masses; below 0: no step was found. */
 static double find_step(const lw_vibration *v, double *x)
@@ -300,7 +292,7 @@ static double find_step(const lw_vibration *v, double *x)
     double unit = (stiff > 0.0 ? stiff : 1.0)/(mass > 0.0 ? mass : 1.0);
     for (int tries = 0; tries < 60; tries++) {
         if (solve_shifted(v, shift, little, x)) {
-            double size = length(x, v->n_free);
+            double size = lw_norm(v->n_free, x);
             for (int i = 0; size > 0.5 && i < v->n_free; i++)
                 x[i] *= 0.5/size;
             return isfinite(size) ? shift/unit : -1.0;
@@ -334,7 +326,7 @@ static lw_status search(lw_vibration *v, double t, double *q, const double *x)
             continue;
         for (int i = 0; i < n; i++)
             end += null[i]*v->force[i];
-        if (end >= -0.5*fabs(slope) || fraction*length(x, m) < 1e-9)
+        if (end >= -0.5*fabs(slope) || fraction*lw_norm(m, x) < 1e-9)
             return LW_OK;
     }
     return LW_E_NUMERIC;
@@ -356,7 +348,7 @@ lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw
     lw_status s = lw_vibration_linearise(v, t, q);
     *r = (lw_rest){ 0 };
     for (int saddles = 0; s == LW_OK && r->iterations < 500; r->iterations++) {
-        double shift = v->n_free > 0 ? find_step(v, x) : 0.0, size = v->n_free > 0 ? length(x, v->n_free) : 0.0;
+        double shift = v->n_free > 0 ? find_step(v, x) : 0.0, size = v->n_free > 0 ? lw_norm(v->n_free, x) : 0.0;
         if (shift < 0.0)
             break;
         r->residual = lw_greatest(v->n_free, v->load);

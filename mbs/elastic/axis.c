@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include "base/vec2.h"
+#include "base/vector.h"
 
 /* ---- axis ------------------------------------------------------------------------------------------- */
 
@@ -166,12 +167,6 @@ static int elements_for(const lw_elastic *p, double length, double frequency)
 
 /* ---- nodes ---------------------------------------------------------------------------------------------- */
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Nodes at the corners of the axis and at the places; between them elements of about equal length, n in all unless places do
  * not fit that. */
 static lw_status cut(lw_elastic_axis *a, const lw_elastic_places *p, int n, lw_error *e)
@@ -190,7 +185,7 @@ static lw_status cut(lw_elastic_axis *a, const lw_elastic_places *p, int n, lw_e
     }
     for (int i = 0; i < p->n; i++)
         hard[n_hard++] = along(a, p->at[i]);
-    qsort(hard, (size_t)n_hard, sizeof *hard, by_value);
+    lw_sort((size_t)n_hard, hard);
     a->node[a->n_node++] = 0;
     for (int i = 1; i < n_hard; i++) {
         double from = a->node[a->n_node - 1], gap = hard[i] - from;

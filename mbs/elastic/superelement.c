@@ -17,6 +17,7 @@
 #include <string.h>
 #include "base/eigen.h"
 #include "base/linalg.h"
+#include "base/vector.h"
 
 static lw_vec3 vec(const double *x) { return lw_v3(x[0], x[1], x[2]); }
 static void put(double *to, lw_vec3 a) { to[0] = a.x, to[1] = a.y, to[2] = a.z; }
@@ -275,14 +276,6 @@ static void multiply(int rows, const double *a, double by, const double *x, doub
     }
 }
 
-static double dot(int rows, const double *a, const double *b)
-{
-    double sum = 0;
-    for (int i = 0; i < rows; i++)
-        sum += a[i]*b[i];
-    return sum;
-}
-
 static const lw_vec3 none = { 0, 0, 0 };
 
 /* How a superelement moves, in the axes of its frame: angular velocity of the frame and its rate; u, e and their rates (6n, in s->work).
@@ -340,7 +333,7 @@ static void add_turning(const lw_superelement *own, const motion *m, bool again,
     static const int pair[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
     const int rows = 6*own->n, size = rows*rows;
     const double omega[3] = { m->spin.x, m->spin.y, m->spin.z }, domega[3] = { m->dspin.x, m->dspin.y, m->dspin.z };
-    const bool change = m->rates && dot(rows, m->de, m->de) > 0;         /* of strains */
+    const bool change = m->rates && lw_dot(rows, m->de, m->de) > 0;         /* of strains */
     for (int k = 0; k < 3; k++, he += rows) {
         const double *h = own->turn + k*size;
         if (!again) {
@@ -349,7 +342,7 @@ static void add_turning(const lw_superelement *own, const motion *m, bool again,
         }
         memset(product, 0, (size_t)rows*sizeof *product);
         multiply(rows, h, change, m->de, product);
-        double by = dot(rows, m->u, he);
+        double by = lw_dot(rows, m->u, he);
         for (int i = 0; i < rows; i++) {
             to->p[i] += omega[k]*he[i];
             to->dp[i] += domega[k]*he[i] + omega[k]*product[i];
@@ -357,7 +350,7 @@ static void add_turning(const lw_superelement *own, const motion *m, bool again,
                 to->by_e[j] += omega[k]*h[i*rows + j]*m->u[i];
         }
         to->c[k] += by;
-        to->dc[k] += dot(rows, m->du, he) + dot(rows, m->u, product);
+        to->dc[k] += lw_dot(rows, m->du, he) + lw_dot(rows, m->u, product);
         to->twice += 2*omega[k]*by;
     }
     for (int k = 0; k < 6; k++) {
@@ -367,8 +360,8 @@ static void add_turning(const lw_superelement *own, const motion *m, bool again,
         if (!again || omega[a] != 0 || omega[b] != 0) {
             memset(product, 0, (size_t)rows*sizeof *product);
             multiply(rows, g, 1, m->e, product);
-            ege[k] = dot(rows, m->e, product);
-            rate = 2*dot(rows, m->de, product);
+            ege[k] = lw_dot(rows, m->e, product);
+            rate = 2*lw_dot(rows, m->de, product);
             for (int i = 0; i < rows; i++)
                 to->by_e[i] += by*product[i];
         }
@@ -418,7 +411,7 @@ static double inertia(const lw_super *s, const lw_beam_node *node, const lw_vec3
     memset(work, 0, 3*(size_t)rows*sizeof *work);
     multiply(rows, s->p->rate, 1, m.u, t.p);
     multiply(rows, s->p->rate, rate ? 1 : 0, m.du, t.dp);
-    t.twice = dot(rows, m.u, t.p);
+    t.twice = lw_dot(rows, m.u, t.p);
     if (s->p->turn)
         add_turning(s->p, &m, again, work + 3*rows, work + 4*rows, work + 7*rows, &t);
     if (momentum)

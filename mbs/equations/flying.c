@@ -2,17 +2,11 @@
 
 #include <stdlib.h>
 #include <string.h>
-
-static int root_of(int *parent, int i)
-{
-    while (parent[i] != i)
-        i = parent[i] = parent[parent[i]];
-    return i;
-}
+#include "base/union_find.h"
 
 static void join(int *parent, int a, int b)
 {
-    parent[root_of(parent, a)] = root_of(parent, b);
+    parent[lw_root_of(parent, a)] = lw_root_of(parent, b);
 }
 
 /* Join the links of everything that acts between two links, or on one from the ground. */
@@ -49,8 +43,8 @@ lw_status lw_flying_make(const lw_space *s, lw_flying *f, lw_error *e)
     if (room)
         join_links(m, parent);
     for (int b = 0; room && b < s->n_body; b++) {
-        int root = root_of(parent, s->link_of[b]);
-        if (number[root] < 0 && root != root_of(parent, m->ground))
+        int root = lw_root_of(parent, s->link_of[b]);
+        if (number[root] < 0 && root != lw_root_of(parent, m->ground))
             number[root] = f->n++;
         f->group[b] = number[root];
     }

@@ -16,6 +16,7 @@
 #include "base/real.h"
 #include "base/sum.h"
 #include "base/vec2.h"
+#include "base/vector.h"
 
 enum { G, A, B, H };                      /* frame, input, coupler, output */
 
@@ -106,12 +107,6 @@ static int add_pair(double *list, int n, double t)
     return n;
 }
 
-static int compare(const void *x, const void *y)
-{
-    double a = *(const double *)x, b = *(const double *)y;
-    return (a > b) - (a < b);
-}
-
 /* Dead points: crank and coupler are in line.  Extended, they form a triangle with g and h when a + b <= g + h; folded,
  * when |a - b| >= |g - h|.  Equality is a change point, where they lie along the frame.  With a = b (then g = h) the
  * folded links leave the rocker pin on the crank pivot at any angle, which is no dead point. */
@@ -126,7 +121,7 @@ static void find_dead_points(const sums *s, const double r[4], lw_fourbar_class 
         n = add_pair(c->dead, n, half_angle(s->pair[B], s->less[A], s->pair[A], s->less[B]));
     else if (fabs(r[A] - r[B]) > s->equal && fold_a*fold_b == 0)
         n = add_pair(c->dead, n, fold_b == 0 ? 0.0 : LW_PI);
-    qsort(c->dead, (size_t)n, sizeof *c->dead, compare);
+    lw_sort((size_t)n, c->dead);
     c->n_dead = n;
 }
 

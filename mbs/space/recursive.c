@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "base/union_find.h"
 
 static const double no_mass = 1e-13;         /* inertia along a rate, over the greatest: none */
 static const double no_pivot = 1e-13;        /* of loops, over the greatest: singular */
@@ -11,13 +12,6 @@ static const double no_pivot = 1e-13;        /* of loops, over the greatest: sin
 
 static int rates_of_kind(lw_spatial_kind k) { return 6 - lw_spatial_kind_of(k)->rows; }
 static bool turns_by_quaternion(lw_spatial_kind k) { return k == LW_SPATIAL_SPHERICAL || k == LW_SPATIAL_FREE; }
-
-static int root_of(int *above, int i)
-{
-    while (above[i] != i)
-        i = above[i] = above[above[i]];
-    return i;
-}
 
 static lw_status reserve(const lw_space *s, lw_recursive *r, lw_error *e)
 {
@@ -84,7 +78,7 @@ static lw_status grow(lw_recursive *r, bool *kept, lw_error *e)
     for (int rows = 6; rows > 0; rows--)
         for (int j = 0; j < s->n_joint; j++) {
             const lw_space_joint *p = &s->joint[j];
-            int a = root_of(above, p->body[0] + 1), b = root_of(above, p->body[1] + 1);
+            int a = lw_root_of(above, p->body[0] + 1), b = lw_root_of(above, p->body[1] + 1);
             if (lw_spatial_kind_of(p->kind)->rows == rows && a != b)
                 above[a] = b, kept[j] = true;
         }

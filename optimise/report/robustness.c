@@ -4,6 +4,7 @@
 
 #include "base/real.h"
 #include "base/rng.h"
+#include "base/vector.h"
 #include "mbs/batch/batch.h"
 
 enum { TRIALS = 1000 };
@@ -103,12 +104,6 @@ static lw_status linearise(spread *p, lw_robustness *out, lw_error *e)
     return LW_OK;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
 /* Random linkages.  p->by becomes their places. */
 static void draw(spread *p, const lw_tolerances *of, lw_robustness *out)
 {
@@ -138,7 +133,7 @@ static void draw(spread *p, const lw_tolerances *of, lw_robustness *out)
     }
     out->open = out->trials - n;
     out->trial_rms = n > 0 ? sqrt(sum/n) : NAN;
-    qsort(p->far, (size_t)n, sizeof *p->far, by_size);
+    lw_sort((size_t)n, p->far);
     out->within = n > 0 ? p->far[(int)ceil(0.95*n) - 1] : NAN;
 }
 

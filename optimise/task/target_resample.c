@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/real.h"
+#include "base/vector.h"
 #include "optimise/task/target_internal.h"
 #include "optimise/task/target_outline_internal.h"
 
@@ -277,12 +278,6 @@ static void find_smoothing(spline *s, double distance)
     smooth_by(s, low);
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 double lw_noise(const double *x, const double *y, size_t n, bool closed, double *work)
 {
     static const double by[4][9] = { { 0, 0, 0, 1, -2, 1 }, { 0, 0, 1, -4, 6, -4, 1 }, { 0, 1, -6, 15, -20, 15, -6, 1 },
@@ -302,7 +297,7 @@ double lw_noise(const double *x, const double *y, size_t n, bool closed, double 
             double length = lw_v2_norm(chord);
             work[count++] = length > 0 ? fabs(lw_v2_cross(chord, d))/length : lw_v2_norm(d);
         }
-        qsort(work, count, sizeof *work, by_size);
+        lw_sort(count, work);
         least = fmin(least, work[count/2]/(0.6745*sqrt(square)));
     }
     return least;
