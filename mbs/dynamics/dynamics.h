@@ -1,11 +1,11 @@
 /* mbs/dynamics/dynamics.h - how a model moves and what its joints carry: kinetostatics and forward dynamics.
  *
- * One lw_dynamics holds one run: model, equations and memory.  The formulation follows from the analysis and the model,
- * or is asked for (docs/theory.md, "Dynamics").
+ * An lw_dynamics holds one run: model, equations and memory.  The formulation follows from the analysis and the model,
+ * or the caller chooses it (docs/theory.md, "Dynamics").
  *
  * Coordinates q (n_q) and velocities v are those of mbs/constraints/system.h, scaled by system->unit; forces are those
  * of mbs/equations/forces.h.  Multipliers l (n_c) belong to the rows of the system, then of the driven inputs, then of
- * the stops that are rested on; the constraints push with -J^T l. */
+ * the closed stops; the generalised forces of the constraints are -J^T l. */
 #ifndef LW_MBS_DYNAMICS_DYNAMICS_H
 #define LW_MBS_DYNAMICS_DYNAMICS_H
 
@@ -68,16 +68,16 @@ typedef struct lw_dynamics_options {
     double until;                /* time of lw_clock_wall at which to stop; 0: no limit */
     const volatile sig_atomic_t *stop;     /* the run ends when it is not 0; may be NULL */
     lw_caller_force force;       /* forces of the caller's own; apply NULL: none */
-    bool pieces;                 /* no formulation that looks beyond the end, or back to the posture of the file */
+    bool pieces;                 /* the run is continued in pieces: use no formulation that needs the motion after the end, or the posture of the file */
     bool           hold_inputs;  /* keep inputs without a motion where they are */
-    bool           rigid;        /* take elastic links as rigid bars of the same mass */
-    bool           closed;       /* spatial: take joints with clearance as ideal ones; so do analyses that are not of time */
+    bool           rigid;        /* treat elastic links as rigid bars of the same mass */
+    bool           closed;       /* spatial: treat joints with clearance as ideal joints; analyses other than dynamic do so anyway */
 } lw_dynamics_options;
 
 /* transient, auto, 0 to 1 s, 100 intervals, 1e-10 */
 lw_dynamics_options lw_dynamics_options_default(void);
 
-/* One moment.  The arrays are the solver's and hold until the next moment. */
+/* One moment.  The solver owns the arrays; they are valid until the next moment. */
 typedef struct lw_moment {
     double t;
     const double *q, *v, *a;     /* (n_q) */
@@ -86,10 +86,10 @@ typedef struct lw_moment {
     double kinetic, potential;   /* [J] */
     double work;                 /* done since the start by forces without potential [J] */
     double off, off_rate;        /* greatest residual of the constraints, scaled, and of their rates */
-    bool   unique;               /* the multipliers are the only ones; else they are those of least norm */
+    bool   unique;               /* the multipliers are unique; otherwise they are those of least norm */
 } lw_moment;
 
-/* Takes a moment.  LW_OK: go on; else the run ends with that status. */
+/* Receives a moment.  LW_OK: continue; any other status ends the run. */
 typedef lw_status lw_moment_sink(void *context, const lw_moment *m);
 
 #define LW_REPORT_EVENT_MAX 64
@@ -104,7 +104,7 @@ typedef struct lw_dynamics_report {
     int    unknowns;             /* of the differential or algebraic system solved */
     int    freedom;              /* degree of freedom, driven inputs included */
     int    redundant;            /* rows that depend on others */
-    double moved;                /* change of the start by putting it on the constraints, scaled */
+    double moved;                /* change of the start by its projection onto the constraints, scaled */
     double adjusted;             /* greatest change of a dimension that makes an overconstrained linkage move [m], 0: none */
     double adjusted_turn;        /* in space: of the direction of an axis [rad] */
     long   steps, refused, rates;          /* rates: evaluations of the equations */
@@ -119,28 +119,28 @@ typedef struct lw_dynamics_report {
     lw_run_event event[LW_REPORT_EVENT_MAX];
     double captured_step, overlap;           /* of the capture formulation: longest step [s], greatest overlap [m] */
     bool   smooth_friction;      /* friction without a "speed" was regularised, and creeps instead of sticking */
-    bool   no_friction;          /* friction of joints was left out, as of equilibria it is */
+    bool   no_friction;          /* friction of joints was left out, as in every equilibrium */
     double t;                    /* time reached */
-    long   samples;              /* handed out; intervals + 1 where the run succeeds */
+    long   samples;              /* passed to the sink; intervals + 1 if the run succeeds */
     long   without_forces;       /* samples in singular postures in which some force has no limit, */
     double without_forces_t;     /* and the time of the first */
 } lw_dynamics_report;
 
 typedef struct lw_dynamics lw_dynamics;
 
-/* The model must outlive d.  Puts the start on the constraints, moves driven inputs to where their motions begin,
- * finds redundant rows, chooses the formulation.  LW_E_ARG: a mass is missing (the link is named), or the motions ask
- * for more than the freedoms; LW_E_KIND: the formulation cannot do this model; LW_OPEN, LW_E_NUMERIC: no posture or
+/* The model must outlive d.  Projects the start onto the constraints, moves driven inputs to the start of their motions,
+ * finds redundant rows, chooses the formulation.  LW_E_ARG: a mass is missing (the link is named), or the motions drive
+ * more than the degrees of freedom; LW_E_KIND: the formulation cannot do this model; LW_OPEN, LW_E_NUMERIC: no posture or
  * velocity satisfies the constraints. */
 lw_status lw_dynamics_make(const lw_model *m, const lw_dynamics_options *o, lw_dynamics **d, lw_error *e);
 void      lw_dynamics_free(lw_dynamics *d);
 
-/* Run from another start next: from, to, (n_q) q, v and z, which the constraints hold.  The formulation is chosen anew. */
+/* Set another start for the next run: from, to, q, v (n_q) and z, which satisfy the constraints.  The formulation is chosen again. */
 lw_status lw_dynamics_restart(lw_dynamics *d, double from, double to, const double *q, const double *v, const double *z,
                               lw_error *e);
 
-/* Run.  Samples taken before a failure stay valid, and r->t says how far the run came.  LW_E_NUMERIC: the motion does not go on, or
- * its energy is off by far more than the tolerance explains. */
+/* Run.  Samples taken before a failure stay valid, and r->t is the time reached.  LW_E_NUMERIC: the motion cannot be continued, or
+ * the error of its energy is far greater than the tolerance explains. */
 lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_error *e);
 
 /* The formulation chosen: formulation, why, unknowns; the rest of the report is empty. */
@@ -167,14 +167,15 @@ const double *lw_dynamics_start_states(const lw_dynamics *d);
 int         lw_dynamics_inputs(const lw_dynamics *d);
 const char *lw_dynamics_input_name(const lw_dynamics *d, int i);
 
-/* Spins of links between ball joints that are held; do drives share a force, so that those of least norm are given? */
+/* Number of idle spins of links between ball joints, which are held; are there more drives than freedoms, so that their forces
+ * are those of least norm? */
 int  lw_dynamics_idle(const lw_dynamics *d);
 bool lw_dynamics_many_drives(const lw_dynamics *d);
 
-/* Is the run one with inertia: not at rest, not quasi-static? */
+/* Does the run include inertia (not static, not quasi-static)? */
 bool lw_dynamics_in_time(const lw_dynamics *d);
 
-/* A link that has no mass or no inertia, for which a static analysis made some up; NULL: all have. */
+/* A link without mass or inertia, for which a static analysis assumed values; NULL: all links have them. */
 const char *lw_dynamics_massless(const lw_dynamics *d);
 
 /* Does input i start at rest because neither its speed nor its motion is given? */

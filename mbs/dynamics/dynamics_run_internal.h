@@ -1,4 +1,4 @@
-/* mbs/dynamics/dynamics_run_internal.h - one run under way, and the formulations it can take; internal to mbs/. */
+/* mbs/dynamics/dynamics_run_internal.h - the state of a run, and the formulations; internal to mbs/. */
 #ifndef LW_MBS_DYNAMICS_DYNAMICS_RUN_INTERNAL_H
 #define LW_MBS_DYNAMICS_DYNAMICS_RUN_INTERNAL_H
 
@@ -8,8 +8,8 @@
 
 #define LW_RUN_JUMPS 64
 
-/* The state y of a run: q (n_q), v (n_v), where some is done the work of what the potential does not hold, and the
- * first-order states z (n_z). */
+/* The state y of a run: q (n_q), v (n_v), the work of the forces without potential if there are any (has_work), and
+ * the first-order states z (n_z). */
 typedef struct lw_run {
     lw_dynamics    *d;
     lw_moment_sink *sink;
@@ -20,43 +20,44 @@ typedef struct lw_run {
     bool    has_work;
     long    n_busy;                  /* evaluations */
     int     next;                    /* the next sample */
-    long    shown;                   /* samples that an earlier formulation handed out, which are left out, */
-    double *last_shown;              /* and the posture (n_q) of the last of them; NULL: none will follow */
+    long    shown;                   /* number of samples that an earlier formulation has passed on; they are not repeated; */
+    double *last_shown;              /* posture (n_q) of the last of them; NULL: no other formulation will follow */
     bool    refused;                 /* the sink ended the run, or no other formulation could go on */
-    lw_timed timed;                  /* where steps must end because of functions of time */
+    lw_timed timed;                  /* times at which steps must end because of functions of time */
     double  flight;                  /* duration of a bounce that has just begun [s]; 0: none */
     double  energy0, potential0, momentum0;
     double  work_done, work_last;    /* sum of |changes of the work| over steps, and the work after the last one [J] */
-    bool    pushed;                  /* a drive has changed its speed at once: the next comparison begins anew */
-    long    n_noted;                 /* how often the energy was compared; 0: it is not */
-    bool    keeps_momenta;               /* steps keep those of parts that fly (lw_run_hold) */
+    bool    pushed;                  /* the speed of a drive has jumped: the next comparison of energies starts from there */
+    long    n_noted;                 /* number of comparisons of the energy; 0: it is not compared */
+    bool    keeps_momenta;               /* steps keep the momenta of bodies in free flight (lw_run_hold) */
     double  pivot, pivot_t;          /* root of the least pivot after the last step, and its time */
-    double  pivot_tried;             /* root of the least pivot where a crossing was tried last; 1: nowhere */
-    double  ahead;                   /* time to the singular posture foretold [s]; 0: none */
+    double  pivot_tried;             /* root of the least pivot where a crossing was tried last; 1: none was tried */
+    double  ahead;                   /* predicted time until the next singular posture [s]; 0: none */
     double  apart;                   /* residual of the rows on a curve tried there; 0: none tried */
     double  jam;                     /* time of the singular posture before which friction jams; 0: none */
-    double *behind, fell;            /* with friction: (2 x n) states after the last two steps, and their times; last fall of the pivot */
-    double  chosen;                  /* greatest of the least pivots since the kept rows were chosen */
+    double *behind, fell;            /* with friction: states (2 x n) after the last two steps with their times; last decrease of the pivot */
+    double  chosen;                  /* greatest value of the least pivot since the basis of the rows was chosen */
     double *sides;                   /* memory of lw_run_jumps; NULL: nothing jumps */
-    double  most_force, jumps_t, jumped[LW_RUN_JUMPS];       /* greatest force so far; time looked at last; times of the last jumps */
+    double  most_force, jumps_t, jumped[LW_RUN_JUMPS];       /* greatest force so far; time of the last check; times of the last jumps */
     long    n_jumped;
-    int     n_near, n_steady;        /* short steps in a row beside a jump, and how often before as many stayed so near; */
-    double  near[2];                 /* and the greatest distances from it */
+    int     n_near, n_steady;        /* successive short steps beside a jump; how many series of such steps stayed as near; */
+    double  near[2];                 /* greatest distances from the jump in these series */
     double *y, *state;               /* (n) scratch; state: ggl only */
 } lw_run;
 
 /* ---- dynamics_rate.c: the right-hand side --------------------------------------------------------- */
 
-/* y' for explicit and implicit methods; y put back on the constraints. */
+/* y' for explicit and implicit methods; projection of y onto the constraints. */
 lw_status lw_run_rate(void *context, double t, const double *y, double *dy);
 lw_status lw_run_project(void *context, double t, double *y);
 
-/* LW_STOPPED when a limit or the caller ends the run: after a step, with `steps` more than the report has; and in
- * every right-hand side, because one step may be tried for long. */
+/* LW_STOPPED if a limit or the caller ends the run.  _limits: after a step; `steps` are those not yet in the report.
+ * _busy: in every evaluation of the right-hand side, because one step can take many of them. */
 lw_status lw_run_limits(lw_run *run, double t, long steps);
 lw_status lw_run_busy(lw_run *run, double t);
 
-/* First-order states in y; absolute tolerances of y (n), NULL where all are one (or out of memory, *s), to be freed. */
+/* Index in y of the first-order states; absolute tolerances of y (n), to be freed.  NULL: they are all equal, or *s is
+ * LW_E_MEMORY. */
 static inline int lw_run_states(const lw_run *run) { return run->d->n_q + run->d->n_v + run->has_work; }
 double *lw_run_tolerances(const lw_run *run, lw_status *s);
 
@@ -68,23 +69,24 @@ long lw_run_steps_left(const lw_run *run);
 /* Time of sample k. */
 double lw_run_time(const lw_dynamics *d, int k);
 
-/* Numbers of the start, and the first sample; with the accelerations and multipliers of the caller. */
+/* Store the energies of the start and pass on the first sample; _solved: with the accelerations d->a and multipliers
+ * d->l of the caller. */
 lw_status lw_run_begin(lw_run *run, const double *y);
 lw_status lw_run_begin_solved(lw_run *run, const double *y);
 
-/* Hand the moment at (t, y) to the sink and keep the greatest residuals.  In a singular posture accelerations and
+/* Pass the sample at (t, y) to the sink and store the greatest residuals.  In a singular posture accelerations and
  * multipliers are NaN. */
 lw_status lw_run_show(lw_run *run, double t, const double *y);
 
 /* The same with the accelerations d->a and multipliers d->l of the caller, NaN where they do not exist. */
 lw_status lw_run_show_solved(lw_run *run, double t, const double *y);
 
-/* Hand out the samples that are due up to time t; state_at fills y (n) at the time of each. */
+/* Pass on the samples that are due up to time t; state_at fills y (n) at the time of each. */
 typedef lw_status lw_run_state_at(void *context, double t, double *y);
 lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void *context);
 
-/* Where the next step from t must end; near: if the method evaluates the loads at the ends of steps only.  A solver stops with LW_ODE_END
- * at each of these; lw_run_stop keeps that for the end of the run. */
+/* Time at which the next step from t must end; _near: for methods that evaluate loads only at the ends of steps.  A solver
+ * returns LW_ODE_END at each of these times; lw_run_stop changes that into LW_ODE_STEP before the end of the run. */
 static inline double lw_run_end(lw_run *run, double t) { return lw_timed_end(&run->timed, t); }
 static inline double lw_run_near(lw_run *run, double t) { return lw_timed_near(&run->timed, t); }
 static inline lw_ode_stop lw_run_stop(const lw_run *run, double t, lw_ode_stop stop)
@@ -92,35 +94,35 @@ static inline lw_ode_stop lw_run_stop(const lw_run *run, double t, lw_ode_stop s
     return t >= run->d->o.to ? LW_ODE_END : stop == LW_ODE_END ? LW_ODE_STEP : stop;
 }
 
-/* Just before a kink, where the solver must begin anew: hand out the samples up to it (state_at NULL: none) and set *t to just
- * behind it. */
+/* Just before a kink, at which the solver must be restarted: pass on the samples up to it (state_at NULL: none) and set *t
+ * to just after it. */
 static inline bool lw_run_at_kink(const lw_run *run, double t) { return lw_timed_at_kink(&run->timed, t); }
 lw_status lw_run_pass_kink(lw_run *run, double *t, lw_run_state_at *state_at, void *context);
 
 /* Compare energy and momentum at y with those of the start. */
 void lw_run_watch(lw_run *run, const double *y);
 
-/* The energy alone, by the change of the potential since the start, and the kinetic energy of the start [J]. */
+/* The same for the energy alone, from the change of the potential since the start and the kinetic energy at the start [J]. */
 void lw_run_note_energy(lw_run *run, double kinetic, double change, double work, double kinetic0);
 
-/* After a step to (t, y).  LW_E_NUMERIC: forces with sign() or mod() jump to and fro all the time, as where the motion would have to
- * slide along the jump. */
+/* Call after a step to (t, y).  LW_E_NUMERIC: a force with sign() or mod() changes its sign at every step, because the motion
+ * would have to slide along the jump. */
 lw_status lw_run_jumps(lw_run *run, double t, const double *y);
-lw_status lw_run_slides(lw_run *run, double t);          /* that error */
+lw_status lw_run_slides(lw_run *run, double t);          /* sets this error */
 
 /* Kinetic and potential energy at y less the work done since the start [J], which is constant. */
 double lw_run_energy(const lw_run *run, const double *y);
 
-/* The greatest change of it in a step to y that counts as an error of the step, so many times what the tolerance allows [J].  The
- * posture of y is placed, d->force are the forces there.  scratch (n_v). */
+/* The greatest change of this energy in a step to y that is accepted: `times` the change that the tolerance allows [J].  The
+ * bodies are placed in the posture of y, d->force are the forces there.  scratch (n_v). */
 double lw_run_energy_error(const lw_run *run, double times, const double *y, double *scratch);
 
-/* The part of v less rigid to take away after an explicit step to (q, v) for a conservative model to keep its energy, which
- * constraints at rest allow; 0 where the correction is greater than the error allowed in a step.  rigid (n_v): a part of v that
- * stays, orthogonal to the rest in the metric of the masses; NULL: none. */
+/* Factor by which (v - rigid) is reduced after an explicit step to (q, v) so that a conservative model without moving
+ * constraints keeps its energy; 0 if the correction is greater than the error allowed in a step.  rigid (n_v): a part of v that
+ * is not changed, orthogonal to the rest in the metric of the masses; NULL: none. */
 double lw_run_held(lw_run *run, const double *q, const double *v, const double *rigid);
 
-/* Take it away, and put q and v on the momenta of parts that fly first. */
+/* Correct q and v: first to the momenta of bodies in free flight, then by this factor. */
 void lw_run_hold(lw_run *run, double t, double *q, double *v);
 
 /* Fills r->unknowns and r->why; returns the status. */
@@ -128,23 +130,23 @@ lw_status lw_formulation_say(lw_dynamics_report *r, lw_status status, int unknow
 
 /* ---- dynamics_stops.c: rigid stops ------------------------------------------------------------------ */
 
-/* Event functions (n_stop): the gap of each stop, the pressure of one that is rested on; behind them the distance to the end of
- * the forces' smooth piece, where they have pieces. */
+/* Event functions (n_stop): the gap of each open stop, the force of each closed one; then, if the forces are piecewise
+ * smooth, the distance to the end of the piece. */
 lw_status lw_run_stop_events(void *context, double t, const double *y, double *g);
 
-/* Is y beyond a rigid stop, but for those that the start of the run is beyond?  begin: y is that start. */
+/* Is y beyond a rigid stop that was not passed at the start of the run?  begin: y is the start. */
 bool lw_run_stop_passed(const lw_run *run, const double *y, bool begin);
 
-/* Apply the impacts, rests and departures at t, where events happened; *changed is set if y or the rows changed. */
+/* Apply the events at t: impacts, closing and opening of stops; *changed is set if y or the rows changed. */
 lw_status lw_run_strike(lw_run *run, double t, double *y, unsigned long long events, bool *changed);
 
-/* ---- dynamics_stick.c: friction of joints in space that stick ----------------------------------------- */
+/* ---- dynamics_stick.c: set-valued friction of joints in space ----------------------------------------- */
 
-/* Can all friction of d be set-valued: of revolute and prismatic joints in space, without rigid stops? */
+/* Can all friction of d be set-valued?  Only in revolute and prismatic joints in space, without rigid stops. */
 bool lw_stick_suits(const lw_dynamics *d);
 
-/* At the start of a run; then, and at each event, at (t, y): which joints stick, and where to the others slip.  events: bits of
- * the event functions (n_friction) that crossed 0. */
+/* _begin: call at the start of a run.  lw_run_stick: call at the start and at each event; finds which joints stick and in which
+ * direction the others slip.  events: bits of the event functions (n_friction) that crossed 0. */
 void      lw_run_stick_begin(lw_run *run);
 lw_status lw_run_stick(lw_run *run, double t, double *y, unsigned long long events);
 lw_status lw_run_stick_events(void *context, double t, const double *y, double *g);
@@ -155,55 +157,56 @@ lw_status lw_run_stick_events(void *context, double t, const double *y, double *
 #define LW_TOUCH_EVENTS 7
 lw_status lw_run_touch_events(void *context, double t, const double *y, double *g);
 
-/* Impacts at (t, y), then the states of all places.  events: bits of the event functions that crossed 0. */
+/* Apply the impacts at (t, y), then find the states of all contacts.  events: bits of the event functions that crossed 0. */
 lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long events);
-/* A run has ended at t: give the reason if friction makes the force of a contact grow without limit there. */
+/* Call if a run has failed at t: sets the error if friction makes the force of a contact grow without limit there. */
 void      lw_run_touch_jams(lw_run *run, double t);
 
-/* At the start: on which sides bars are touched.  LW_E_ARG: nothing tells it.  The coordinates are those placed last. */
+/* At the start: on which sides bars are touched, in the coordinates placed last.  LW_E_ARG: nothing tells it. */
 lw_status lw_run_touch_choose_sides(lw_run *run);
 
-/* LW_E_ARG: shapes overlap at t.  The coordinates are those placed last. */
+/* LW_E_ARG: shapes overlap at t, in the coordinates placed last. */
 lw_status lw_run_touch_check(lw_run *run, double t);
 
-/* After a step to (t, y); LW_E_NUMERIC: a closure was missed.  And the longest step from there that misses none. */
+/* _accept: call after a step to (t, y); LW_E_NUMERIC: the closing of a contact was missed.  _step: the longest step from y that
+ * cannot miss one. */
 lw_status lw_run_touch_accept(lw_run *run, double t, const double *y);
 double    lw_run_touch_step(lw_run *run, const double *y);
 
 /* ---- dynamics_passage.c: forces in singular postures -------------------------------------------------- */
 
-/* Accelerations d->a and multipliers d->l at (t, y) near a singular posture, where the rows have lost their digits, from
- * the motion through it; rows and factors are those at y.  NaN where they have no limit or cannot be found. */
-#define LW_SINGULAR_NEAR 0.02            /* distance from a singular posture below which to ask, about radians */
+/* Accelerations d->a and multipliers d->l at (t, y) near a singular posture, where the rows are too inaccurate, from the motion
+ * through this posture; rows and factors are those at y.  NaN where they have no limit or cannot be found. */
+#define LW_SINGULAR_NEAR 0.02            /* distance from a singular posture below which to call it, about radians */
 lw_status lw_run_singular_forces(lw_run *run, double t, const double *y);
 
 /* ---- dynamics_singular.c: through singular postures -------------------------------------------------- */
 
-/* Where rows are redundant, those kept may become dependent in a posture that is not singular: choose others.  *weak:
- * the least pivot, before and after.  LW_OK: other rows are kept now; LW_NOTHING: the same. */
+/* If rows are redundant, the basis of the rows can become dependent in a posture that is not singular: choose another basis.
+ * *weak: the least pivot, before and after.  LW_OK: the basis has changed; LW_NOTHING: it is the same. */
 lw_status lw_run_rechoose(lw_run *run, double t, const double *y, double *weak);
 
-/* After a step to (*t, y), where the least pivot is `weak`: go through the singular posture ahead, if there is one, to
- * behind it, and hand out the samples on the way.  before: the state before the step, NULL: not known.  LW_NOTHING:
- * there is none, or none that this can pass. */
+/* Call after a step to (*t, y), where the least pivot is `weak`.  If a singular posture is ahead, go through it and pass on the
+ * samples on the way; y and *t are then beyond it.  before: the state before the step, NULL: not known.  LW_NOTHING: there is
+ * no singular posture, or it cannot be passed in this way. */
 lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *before, double *t, double *y);
 
-/* From y at time `good`, with the least pivot `weak`, over the singular posture that is met at about `place`, by one
- * step from LW_SINGULAR_STEP_HALF before it to as far behind (in multiples of the distance at which a pivot is 1, about
- * radians).  y and *t are behind it; samples on the way are handed out.  LW_OPEN: the energy has changed. */
+/* From y at time `good`, with the least pivot `weak`, cross the singular posture at about the time `place` by one step. The step
+ * begins LW_SINGULAR_STEP_HALF before it and ends as far behind it, in multiples of the distance at which a pivot is 1 (about
+ * radians).  On return y and *t are beyond it; samples on the way are passed on.  LW_OPEN: the energy has changed. */
 #define LW_SINGULAR_STEP_HALF 0.1
 lw_status lw_run_singular_step(lw_run *run, double good, double weak, double place, double *t, double *y);
 
 /* ---- dynamics_bodies.c ------------------------------------------------------------------------------- */
 
-/* Go on from (run->r->t, y) in the bodies' coordinates. */
+/* Continue from (run->r->t, y) in the coordinates of all bodies. */
 lw_status lw_run_go_on(lw_run *run, const double *y);
 
 /* ---- dynamics_space.c -------------------------------------------------------------------------------- */
 
 /* A run of a spatial model whose inputs leave no freedom. */
 lw_status lw_run_driven_spatial(lw_run *run);
-/* Driven runs look at rigid stops so many times from sample to sample: motions can go beyond one and back between two. */
+/* Number of checks of the rigid stops between two samples of a driven run, since a motion can pass a stop and return between them. */
 int       lw_run_looks(const lw_dynamics *d);
 /* LW_E_KIND: the posture q (n_q) at t is beyond a rigid stop. */
 lw_status lw_run_look_at_stops(lw_run *run, double t, const double *q);
@@ -213,11 +216,11 @@ const char *lw_mbs_is_planar(const lw_dynamics *d);
 
 /* ---- formulations ------------------------------------------------------------------------------------ */
 
-/* One formulation.  A new one is a file that defines its row, and a line in LW_FORMULATION_LIST
+/* One formulation.  To add one, write a file that defines its row, and add a line to LW_FORMULATION_LIST
  * (mbs/dynamics/dynamics.h).
  *
- * able: can it do the model of d, and (asked false) is it the one to take by itself, before those after it in the
- * list?  LW_OK: yes, r->why says why, r->unknowns how many unknowns it has; other status: no, r->why says why not. */
+ * able: can the formulation solve the model of d, and, if asked is false, is it preferred to those after it in the list?
+ * LW_OK: yes; r->why gives the reason, r->unknowns the number of unknowns.  Other status: no; r->why gives the reason. */
 typedef struct lw_formulation_row {
     lw_status (*able)(lw_dynamics *d, bool asked, lw_dynamics_report *r);
     lw_status (*run)(lw_run *run);

@@ -28,7 +28,7 @@ typedef struct lw_forces {
     bool    any_state;                      /* loads other than gravity */
     bool    coupled;                        /* first-order states, or laws of other quantities than their own measure */
     double *z;                              /* (model->n_state) the states at which forces are wanted */
-    double **side;                          /* where evaluations write the sides of jumps, and go on behind; NULL: nowhere */
+    double **side;                          /* evaluations write the sides of jumps here and advance the pointer; NULL: not */
     lw_caller_force caller;                 /* apply NULL: none */
     lw_link_motion *caller_link;            /* (n_link) scratch for the caller's forces, */
     lw_link_load   *caller_load;

@@ -21,11 +21,11 @@ typedef enum lw_touch_state { LW_TOUCH_APART, LW_TOUCH_PASSIVE, LW_TOUCH_HELD, L
 typedef struct lw_touch {
     lw_touch_kind kind;
     lw_touch_state state;
-    bool    held, stuck;                 /* state and `sticks` before the event under way              */
+    bool    held, stuck;                 /* state and `sticks` before the current event                 */
     bool    sticks;                      /* its slip is a row of the constraints                       */
     double  anchor, anchor_angle;        /* `path` and, of discs, direction of the normal where it began to stick */
-    double  passed;                      /* APART: how far the gap was below 0 at the last event, by rounding */
-    double  force;                       /* along the normal at the events looked at last, scaled; HELD */
+    double  passed;                      /* APART: how far the gap was below 0 at the last event because of rounding */
+    double  force;                       /* HELD: along the normal when the events were last evaluated, scaled */
     int     slips;                       /* sense of the slip, -1 or 1; 0: it sticks or has no friction */
     int     owner;                       /* index of the contact or rope of the model; of a stop its joint */
     const lw_surface *surface;
@@ -40,7 +40,7 @@ typedef struct lw_touch {
     double  length;                      /* of the face; infinite for a line                            */
     double  deepest, slope[2];           /* where behind a face a disc counts as inside, see touch.c     */
     int     side;                        /* face of a bar: the side of the disc, -1, 1 or LW_TOUCH_NO_SIDE; 0: one side only */
-    double  size;                        /* what a disc must not jump over within a step                 */
+    double  size;                        /* size that a disc must not jump over within a step            */
     double  sign, limit;                 /* stop: gap = sign (measure - limit); rope: limit is its length */
 } lw_touch;
 
