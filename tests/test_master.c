@@ -5,7 +5,7 @@
 #include "base/vec2.h"
 #include "grammar/family/master.h"
 #include "grammar/model/model.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 
 static lw_error error;
 
@@ -13,7 +13,10 @@ static lw_variant *variant_of(const char *text, lw_master **m)
 {
     lw_variant *v = NULL;
     error = (lw_error){ 0 };
-    if (lw_master_read(text, strlen(text), "f", m, &error) != LW_OK) {
+    char *json = json_quotes(strdup(text));
+    lw_status s = lw_master_read(json, strlen(json), "f", m, &error);
+    free(json);
+    if (s != LW_OK) {
         printf("%ld:%ld: %s\n", error.line, error.column, error.text);
         CHECK(!"the master is read");
         return NULL;
@@ -31,9 +34,8 @@ static void done(lw_variant *v, lw_master *m)
 /* ---- units and formulas -------------------------------------------------------------------------- */
 
 static const char plain_master[] =
-    "{\"linkwright\": 1, \"parameters\": {\"l\": {\"value\": 350, \"unit\": \"mm\"}, \"n\": 3, \"q\": {\"value\": 30, "
-    "\"unit\": "
-    "\"deg\"},\n \"name\": \"long\", \"load\": true, \"m\": {\"value\": 2, \"unit\": \"kg\"}}, \"model\": {}}";
+    "{'linkwright': 1, 'parameters': {'l': {'value': 350, 'unit': 'mm'}, 'n': 3, 'q': {'value': 30, 'unit': 'deg'},\n 'name': 'long', 'load': true, 'm': "
+    "{'value': 2, 'unit': 'kg'}}, 'model': {}}";
 
 /* Values worked out by hand; exact, because factors of units are kept as whole numbers. */
 TEST(values)
@@ -101,39 +103,36 @@ TEST(wrong_formulas)
 TEST(parts)
 {
     static const char text[] =
-        "{\"linkwright\": 1, \"family\": \"chains\",\n"
-        " \"parameters\": {\"n\": {\"value\": 3, \"whole\": true}, \"l\": {\"value\": 100, \"unit\": \"mm\"}, "
-        "\"held\": true},\n"
-        " \"parts\": {\"bar\": {\"parameters\": {\"length\": {\"value\": 50, \"unit\": \"mm\"}, \"on\": \"ground\"},\n"
-        "   \"ports\": {\"foot\": {\"at\": [0, 0]}, \"hand\": {\"at\": [\"=length\", 0], \"angle\": 90}},\n"
-        "   \"links\": [{\"name\": \"{self}\", \"mass\": \"=length/(1 m)*10 kg\", \"centre\": [\"=length/2\", 0]}],\n"
-        "   \"joints\": [{\"name\": \"pin of {self}\", \"links\": [\"{on}\", \"{self}\"], \"at\": [0, 0]}]}},\n"
-        " \"model\": {\"name\": \"{n} bars\", \"units\": {\"length\": \"mm\", \"angle\": \"deg\"}, \"links\": "
-        "[\"ground\"],\n"
-        "   \"use\": [{\"part\": \"bar\", \"name\": \"bar 1\", \"at\": [10, 20], \"with\": {\"length\": \"=l\"}},\n"
-        "     {\"repeat\": {\"i\": {\"from\": 2, \"to\": \"=n\"}}, \"part\": \"bar\", \"name\": \"bar {i}\", "
-        "\"attach\": \"foot\",\n"
-        "      \"to\": \"bar {i - 1}.hand\", \"with\": {\"length\": \"=l/i\", \"on\": \"bar {i - 1}\"}}],\n"
-        "   \"input\": {\"joint\": \"pin of bar 1\", \"motion\": \"{l}*sin(t)\", \"when\": \"held\"},\n"
-        "   \"springs\": [{\"when\": \"n > 5\", \"joint\": \"pin of bar 1\", \"stiffness\": 5}],\n"
-        "   \"tracers\": [{\"name\": \"tip\", \"link\": \"bar {n}\", \"at\": {\"port\": \"bar {n}.hand\"}}]}}";
-    static const char want[] =
-        "{\n  \"linkwright\": 1,\n  \"name\": \"3 bars\",\n  \"units\": {\"length\": \"mm\", \"angle\": \"deg\"},\n"
-        "  \"links\": [\n    \"ground\",\n"
-        "    {\"name\": \"bar 1\", \"mass\": 1, \"centre\": [60, 20]},\n"
-        "    {\"name\": \"bar 2\", \"mass\": 0.5, \"centre\": [110, 45]},\n"
-        "    {\"name\": \"bar 3\", \"mass\": 0.333333333333333, \"centre\": [93.3333333333333, 70]}\n  ],\n"
-        "  \"input\": {\"joint\": \"pin of bar 1\", \"motion\": \"0.1*sin(t)\", \"when\": \"held\"},\n"
-        "  \"tracers\": [\n    {\"name\": \"tip\", \"link\": \"bar 3\", \"at\": [76.6666666666667, 70]}\n  ],\n"
-        "  \"joints\": [\n"
-        "    {\"name\": \"pin of bar 1\", \"links\": [\"ground\", \"bar 1\"], \"at\": [10, 20]},\n"
-        "    {\"name\": \"pin of bar 2\", \"links\": [\"bar 1\", \"bar 2\"], \"at\": [110, 20]},\n"
-        "    {\"name\": \"pin of bar 3\", \"links\": [\"bar 2\", \"bar 3\"], \"at\": [110, 70]}\n  ]\n}\n";
+        "{'linkwright': 1, 'family': 'chains',\n"
+        " 'parameters': {'n': {'value': 3, 'whole': true}, 'l': {'value': 100, 'unit': 'mm'}, 'held': true},\n"
+        " 'parts': {'bar': {'parameters': {'length': {'value': 50, 'unit': 'mm'}, 'on': 'ground'},\n"
+        "   'ports': {'foot': {'at': [0, 0]}, 'hand': {'at': ['=length', 0], 'angle': 90}},\n"
+        "   'links': [{'name': '{self}', 'mass': '=length/(1 m)*10 kg', 'centre': ['=length/2', 0]}],\n"
+        "   'joints': [{'name': 'pin of {self}', 'links': ['{on}', '{self}'], 'at': [0, 0]}]}},\n"
+        " 'model': {'name': '{n} bars', 'units': {'length': 'mm', 'angle': 'deg'}, 'links': ['ground'],\n"
+        "   'use': [{'part': 'bar', 'name': 'bar 1', 'at': [10, 20], 'with': {'length': '=l'}},\n"
+        "     {'repeat': {'i': {'from': 2, 'to': '=n'}}, 'part': 'bar', 'name': 'bar {i}', 'attach': 'foot',\n"
+        "      'to': 'bar {i - 1}.hand', 'with': {'length': '=l/i', 'on': 'bar {i - 1}'}}],\n"
+        "   'input': {'joint': 'pin of bar 1', 'motion': '{l}*sin(t)', 'when': 'held'},\n"
+        "   'springs': [{'when': 'n > 5', 'joint': 'pin of bar 1', 'stiffness': 5}],\n"
+        "   'tracers': [{'name': 'tip', 'link': 'bar {n}', 'at': {'port': 'bar {n}.hand'}}]}}";
+    static char want[] =
+        "{\n  'linkwright': 1,\n  'name': '3 bars',\n  'units': {'length': 'mm', 'angle': 'deg'},\n"
+        "  'links': [\n    'ground',\n"
+        "    {'name': 'bar 1', 'mass': 1, 'centre': [60, 20]},\n"
+        "    {'name': 'bar 2', 'mass': 0.5, 'centre': [110, 45]},\n"
+        "    {'name': 'bar 3', 'mass': 0.333333333333333, 'centre': [93.3333333333333, 70]}\n  ],\n"
+        "  'input': {'joint': 'pin of bar 1', 'motion': '0.1*sin(t)', 'when': 'held'},\n"
+        "  'tracers': [\n    {'name': 'tip', 'link': 'bar 3', 'at': [76.6666666666667, 70]}\n  ],\n"
+        "  'joints': [\n"
+        "    {'name': 'pin of bar 1', 'links': ['ground', 'bar 1'], 'at': [10, 20]},\n"
+        "    {'name': 'pin of bar 2', 'links': ['bar 1', 'bar 2'], 'at': [110, 20]},\n"
+        "    {'name': 'pin of bar 3', 'links': ['bar 2', 'bar 3'], 'at': [110, 70]}\n  ]\n}\n";
     lw_master *m;
     lw_variant *v = variant_of(text, &m);
     lw_expansion x;
     if (v && lw_variant_expand(v, &x, &error) == LW_OK) {
-        CHECK_TEXT(x.text, want);
+        CHECK_TEXT(x.text, json_quotes(want));
         lw_expansion_free(&x);
     } else
         CHECK_TEXT(error.text, "");
@@ -144,16 +143,12 @@ TEST(parts)
 TEST(turned_parts)
 {
     static const char form[] =
-        "{\"linkwright\": 1, \"parts\": {\n"
-        "\"inner\": {\"links\": [\"{self} a\"], \"joints\": [{\"name\": \"{self} s\", \"kind\": \"t\", \"links\": "
-        "[\"ground\", "
-        "\"{self} a\"], \"at\": [%.17g, %.17g], \"angle\": %.17g}],\n"
-        "  \"tracers\": [{\"name\": \"{self} p\", \"link\": \"{self} a\", \"at\": [%.17g, %.17g], \"angle\": "
-        "%.17g}]},\n"
-        "\"outer\": {\"use\": [{\"part\": \"inner\", \"name\": \"x\", \"at\": [%.17g, %.17g], \"angle\": %.17g}]}},\n"
-        "\"model\": {\"units\": {\"angle\": \"deg\"}, \"links\": [\"ground\"], \"joints\": [], \"use\": [{\"part\": "
-        "\"outer\", "
-        "\"at\": [%.17g, %.17g], \"angle\": %.17g}]}}";
+        "{'linkwright': 1, 'parts': {\n"
+        "'inner': {'links': ['{self} a'], 'joints': [{'name': '{self} s', 'kind': 't', 'links': ['ground', '{self} a'], 'at': [%.17g, %.17g], 'angle': "
+        "%.17g}],\n"
+        "  'tracers': [{'name': '{self} p', 'link': '{self} a', 'at': [%.17g, %.17g], 'angle': %.17g}]},\n"
+        "'outer': {'use': [{'part': 'inner', 'name': 'x', 'at': [%.17g, %.17g], 'angle': %.17g}]}},\n"
+        "'model': {'units': {'angle': 'deg'}, 'links': ['ground'], 'joints': [], 'use': [{'part': 'outer', 'at': [%.17g, %.17g], 'angle': %.17g}]}}";
     static char text[2000];
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 0);
@@ -193,11 +188,9 @@ TEST(turned_parts)
 TEST(spatial_parts)
 {
     static const char text[] =
-        "{\"linkwright\": 1, \"parts\": {\"p\": {\"links\": [{\"name\": \"a\", \"mass\": 1, \"centre\": [1, 2, 3], "
-        "\"inertia\": "
-        "[1, 2, 3, 0.1, 0.2, 0.3]}],\n \"joints\": [{\"kind\": \"r\", \"at\": [[1, 0, 0]], \"axis\": [0, 0, 1]}]}},\n"
-        "\"model\": {\"use\": [{\"part\": \"p\", \"at\": [10, 20, 30], \"axis\": [1, 1, 1], \"angle\": \"=120 "
-        "deg\"}]}}";
+        "{'linkwright': 1, 'parts': {'p': {'links': [{'name': 'a', 'mass': 1, 'centre': [1, 2, 3], 'inertia': [1, 2, 3, 0.1, 0.2, 0.3]}],\n 'joints': "
+        "[{'kind': 'r', 'at': [[1, 0, 0]], 'axis': [0, 0, 1]}]}},\n"
+        "'model': {'use': [{'part': 'p', 'at': [10, 20, 30], 'axis': [1, 1, 1], 'angle': '=120 deg'}]}}";
     lw_master *m;
     lw_variant *v = variant_of(text, &m);
     lw_expansion x;
@@ -260,69 +253,64 @@ TEST(loaders)
 
 /* ---- what is refused ------------------------------------------------------------------------------- */
 
-#define HEAD "{\"linkwright\": 1,\n"
-#define BODY "\"model\": {\"links\": [\"ground\"]"
+#define HEAD "{'linkwright': 1,\n"
+#define BODY "'model': {'links': ['ground']"
 
 TEST(refused)
 {
     /* @ marks the place, and is not part of the text */
     static const struct { const char *text, *says; } rows[] = {
         { "@[1]", "an object" },
-        { "{\"linkwright\": @2, \"model\": {}}", "version 2" },
-        { HEAD "@\"parametres\": {}, \"model\": {}}", "did you mean \"parameters\"" },
-        { HEAD "\"parameters\": {\"a\": @\"=b\", \"b\": \"=2*c\",\n \"c\": \"=a + 1\"}, \"model\": {}}",
+        { "{'linkwright': @2, 'model': {}}", "version 2" },
+        { HEAD "@'parametres': {}, 'model': {}}", "did you mean \"parameters\"" },
+        { HEAD "'parameters': {'a': @'=b', 'b': '=2*c',\n 'c': '=a + 1'}, 'model': {}}",
           "a -> b -> c -> a" },
-        { HEAD "\"parameters\": {\"a\": 1}, \"let\": {\"b\": @\"b + a\"}, \"model\": {}}", "b -> b" },
-        { HEAD "\"parameters\": {\"width\": 1}, \"let\": {\"b\": \"@widht + 1\"}, \"model\": {}}",
+        { HEAD "'parameters': {'a': 1}, 'let': {'b': @'b + a'}, 'model': {}}", "b -> b" },
+        { HEAD "'parameters': {'width': 1}, 'let': {'b': '@widht + 1'}, 'model': {}}",
           "did you mean width" },
-        { HEAD "\"parameters\": {\"a\": {\"value\": 1, \"unit\": \"@mn\"}}, \"model\": {}}", "no unit \"mn\"" },
-        { HEAD "\"parameters\": {\"a\": {\"value\": 1, \"range\": @[3, 2]}}, \"model\": {}}", "must be less" },
-        { HEAD "\"parameters\": {\"2a\": @1}, \"model\": {}}", "cannot be a name" },
-        { HEAD "\"parameters\": {\"a\": 1}, \"let\": {\"a\": @\"2\"}, \"model\": {}}", "given twice" },
-        { HEAD "\"parts\": {\"p\": @{\"use\": [{\"part\": \"q\"}]},\n \"q\": {\"use\": [{\"part\": \"p\"}]}}, "
-               "\"model\": {}}",
+        { HEAD "'parameters': {'a': {'value': 1, 'unit': '@mn'}}, 'model': {}}", "no unit \"mn\"" },
+        { HEAD "'parameters': {'a': {'value': 1, 'range': @[3, 2]}}, 'model': {}}", "must be less" },
+        { HEAD "'parameters': {'2a': @1}, 'model': {}}", "cannot be a name" },
+        { HEAD "'parameters': {'a': 1}, 'let': {'a': @'2'}, 'model': {}}", "given twice" },
+        { HEAD "'parts': {'p': @{'use': [{'part': 'q'}]},\n 'q': {'use': [{'part': 'p'}]}}, 'model': {}}",
           "p -> q -> p" },
-        { HEAD "\"parts\": {\"arm\": {}}, \"model\": {\"use\": [{\"part\": @\"amr\"}]}}", "did you mean \"arm\"" },
-        { HEAD "\"parts\": {\"arm\": {\"parameters\": {\"len\": 1}}}, \"model\": {\"use\": [{\"part\": \"arm\", "
-               "\"with\": {\"lne\": @2}}]}}",
+        { HEAD "'parts': {'arm': {}}, 'model': {'use': [{'part': @'amr'}]}}", "did you mean \"arm\"" },
+        { HEAD "'parts': {'arm': {'parameters': {'len': 1}}}, 'model': {'use': [{'part': 'arm', 'with': {'lne': @2}}]}}",
           "did you mean \"len\"" },
-        { HEAD "\"parts\": {\"arm\": {\"gravity\": @5}}, \"model\": {}}", "a part holds" },
-        { HEAD BODY ", \"joints\": [{\"at\": [@\"=2 kg\", 0]}]}}", "[m] is expected, this is [kg]" },
-        { HEAD BODY ", \"joints\": [{\"at\": [@\"=2\", 0]}]}}", "[m] is expected, this is [plain number]" },
-        { HEAD BODY ", \"x\": [@\"=2 kg\"]}}", "write the unit of the number" },
-        { HEAD BODY ", \"joints\": [{\"name\": \"{@x}\"}]}}", "no parameter or function x" },
-        { HEAD BODY ", \"joints\": [{\"name\": \"a@} b\"}]}}", "closes nothing" },
-        { HEAD BODY ", \"joints\": [{\"repeat\": {\"i\": @1e8}}]}}", "at most 100000" },
-        { HEAD BODY ", \"joints\": [{\"repeat\": {\"i\": @2.5}}]}}", "a whole number" },
-        { HEAD BODY ", \"joints\": [{\"repeat\": {\"i\": @-1}}]}}", "at least 0" },
-        { HEAD BODY ", \"joints\": [{\"repeat\": {\"i\": @{\"from\": 1}}}]}}", "both \"from\" and \"to\"" },
-        { HEAD BODY ", \"joints\": [@{\"repeat\": {\"i\": 1000, \"j\": 1000, \"k\": 1000}, \"at\": [0, 0]}]}}",
+        { HEAD "'parts': {'arm': {'gravity': @5}}, 'model': {}}", "a part holds" },
+        { HEAD BODY ", 'joints': [{'at': [@'=2 kg', 0]}]}}", "[m] is expected, this is [kg]" },
+        { HEAD BODY ", 'joints': [{'at': [@'=2', 0]}]}}", "[m] is expected, this is [plain number]" },
+        { HEAD BODY ", 'x': [@'=2 kg']}}", "write the unit of the number" },
+        { HEAD BODY ", 'joints': [{'name': '{@x}'}]}}", "no parameter or function x" },
+        { HEAD BODY ", 'joints': [{'name': 'a@} b'}]}}", "closes nothing" },
+        { HEAD BODY ", 'joints': [{'repeat': {'i': @1e8}}]}}", "at most 100000" },
+        { HEAD BODY ", 'joints': [{'repeat': {'i': @2.5}}]}}", "a whole number" },
+        { HEAD BODY ", 'joints': [{'repeat': {'i': @-1}}]}}", "at least 0" },
+        { HEAD BODY ", 'joints': [{'repeat': {'i': @{'from': 1}}}]}}", "both \"from\" and \"to\"" },
+        { HEAD BODY ", 'joints': [@{'repeat': {'i': 1000, 'j': 1000, 'k': 1000}, 'at': [0, 0]}]}}",
           "elements" },
-        { HEAD "\"parts\": {\"p\": {\"links\": [\"a\"]}}, " BODY ", \"use\": [@{\"part\": \"p\", \"repeat\": {\"i\": "
-                                                                 "3}}]}}",
+        { HEAD "'parts': {'p': {'links': ['a']}}, " BODY ", 'use': [@{'part': 'p', 'repeat': {'i': 3}}]}}",
           "give each use a \"name\"" },
-        { HEAD "\"parts\": {\"p\": {\"forces\": [{\"fx\": @5}]}}, " BODY
-          ", \"use\": [{\"part\": \"p\", \"angle\": 3}]}}",
+        { HEAD "'parts': {'p': {'forces': [{'fx': @5}]}}, " BODY
+          ", 'use': [{'part': 'p', 'angle': 3}]}}",
           "needs \"frame\": \"link\"" },
-        { HEAD "\"parts\": {\"p\": {\"ports\": {\"hand\": {\"at\": [0, 0]}}}}, " BODY
-          ", \"use\": [{\"part\": \"p\"}, {\"part\": \"p\", "
-          "\"name\": \"x\", \"attach\": \"hand\", \"to\": @\"p.hnad\"}]}}", "did you mean \"hand\"" },
-        { HEAD "\"views\": {\"rigid\": {@\"omitt\": []}}, \"model\": {}}", "did you mean \"omit\"" },
-        { HEAD "\"view\": @\"elastik\", \"model\": {}}", "did you mean \"elastic\"" },
-        { HEAD "\"parameters\": {\"size\": 1}, \"configurations\": {\"a\": {\"set\": {\"sise\": @1}}}, \"model\": {}}",
+        { HEAD "'parts': {'p': {'ports': {'hand': {'at': [0, 0]}}}}, " BODY
+          ", 'use': [{'part': 'p'}, {'part': 'p', 'name': 'x', 'attach': 'hand', 'to': @'p.hnad'}]}}", "did you mean \"hand\"" },
+        { HEAD "'views': {'rigid': {@'omitt': []}}, 'model': {}}", "did you mean \"omit\"" },
+        { HEAD "'view': @'elastik', 'model': {}}", "did you mean \"elastic\"" },
+        { HEAD "'parameters': {'size': 1}, 'configurations': {'a': {'set': {'sise': @1}}}, 'model': {}}",
           "did you mean \"size\"" },
-        { HEAD "\"checks\": [{\"require\": \"1 @< 2 m\"}], \"model\": {}}", "cannot be compared" },
-        { HEAD "\"checks\": [{\"require\": @\"3 < 2\", \"text\": \"three is small\"}], \"model\": {}}",
+        { HEAD "'checks': [{'require': '1 @< 2 m'}], 'model': {}}", "cannot be compared" },
+        { HEAD "'checks': [{'require': @'3 < 2', 'text': 'three is small'}], 'model': {}}",
           "three is small (3 against 2)" },
-        { HEAD "\"checks\": [{\"require\": @\"3 + 2\"}], \"model\": {}}", "this is no condition" },
-        { HEAD "\"parameters\": {\"a\": {\"value\": @5, \"range\": [1, 2]}}, \"model\": {}}",
+        { HEAD "'checks': [{'require': @'3 + 2'}], 'model': {}}", "this is no condition" },
+        { HEAD "'parameters': {'a': {'value': @5, 'range': [1, 2]}}, 'model': {}}",
           "outside its range 1 to 2" },
-        { HEAD "\"parameters\": {\"a\": {\"value\": @1.5, \"whole\": true}}, \"model\": {}}", "no whole number" },
-        { HEAD "\"parameters\": {\"a\": {\"value\": @3, \"choices\": [1, 2]}}, \"model\": {}}", "none of its choices" },
-        { HEAD BODY ", \"joints\": [{\"when\": @\"3\"}]}}", "a condition is expected" },
+        { HEAD "'parameters': {'a': {'value': @1.5, 'whole': true}}, 'model': {}}", "no whole number" },
+        { HEAD "'parameters': {'a': {'value': @3, 'choices': [1, 2]}}, 'model': {}}", "none of its choices" },
+        { HEAD BODY ", 'joints': [{'when': @'3'}]}}", "a condition is expected" },
         /* by its reader */
-        { HEAD "\"model\": {\"links\": [\"ground\", \"a\"]" ", \"joints\": [{\"name\": \"j\", \"kind\": @\"y\", "
-                                                            "\"links\": [\"ground\", \"a\"], \"at\": [0, 0]}]}}",
+        { HEAD "'model': {'links': ['ground', 'a']" ", 'joints': [{'name': 'j', 'kind': @'y', 'links': ['ground', 'a'], 'at': [0, 0]}]}}",
                                                                 "kind" },
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
@@ -331,7 +319,7 @@ TEST(refused)
         lw_expansion x = { 0 };
         lw_model model;
         char text[400];
-        snprintf(text, sizeof text, "%s", rows[i].text);
+        json_format(text, sizeof text, "%s", rows[i].text);
         char *mark = strchr(text, '@'), *line = memrchr(text, '\n', (size_t)(mark - text));
         memmove(mark, mark + 1, strlen(mark));
         error = (lw_error){ 0 };

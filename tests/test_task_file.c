@@ -1,23 +1,25 @@
 /* Tasks: what they say, what is refused and where, dwells as stations. */
 #include "optimise/task/task_file.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 
 static lw_status read(const char *text, lw_task_file *b, lw_error *e)
 {
     *e = (lw_error){ .text = "" };
-    return lw_task_file_read(text, strlen(text), "t.json", b, e);
+    char *json = json_quotes(strdup(text));
+    lw_status s = lw_task_file_read(json, strlen(json), "t.json", b, e);
+    free(json);
+    return s;
 }
 
 TEST(everything_is_read)
 {
     static const char text[] =
-        "{\"linkwright-task\":1,\"name\":\"n\",\"units\":{\"length\":\"mm\",\"angle\":\"deg\"},\"target\":\"p.csv\","
-        "\"closed\":true,\"task\":\"motion\",\"timing\":\"free\",\"links\":6,\"joints\":\"r,t\",\"topology\":\"watt1\","
-        "\"crank\":true,\"weights\":{\"path\":2,\"angle\":3},\"transmission\":30,\"acceleration\":4,"
-        "\"lengths\":{\"least\":5,\"most\":50,\"ratio\":6},\"positions\":{\"least\":-7,\"most\":8},"
-        "\"pivots\":{\"line\":[[1,1],[1,3]],\"within\":0.5},"
-        "\"forbidden\":[{\"circle\":[[9,8],2]},{\"box\":[[20,30],[40,50]]}],"
-        "\"max_size\":3,\"class_margin\":0,\"through_limits\":true,\"tolerance\":0.2,\"smooth\":1.5,\"resample\":40}";
+        "{'linkwright-task':1,'name':'n','units':{'length':'mm','angle':'deg'},'target':'p.csv',"
+        "'closed':true,'task':'motion','timing':'free','links':6,'joints':'r,t','topology':'watt1',"
+        "'crank':true,'weights':{'path':2,'angle':3},'transmission':30,'acceleration':4,"
+        "'lengths':{'least':5,'most':50,'ratio':6},'positions':{'least':-7,'most':8},'pivots':{'line':[[1,1],[1,3]],'within':0.5},"
+        "'forbidden':[{'circle':[[9,8],2]},{'box':[[20,30],[40,50]]}],"
+        "'max_size':3,'class_margin':0,'through_limits':true,'tolerance':0.2,'smooth':1.5,'resample':40}";
     lw_task_file b;
     lw_error e;
     CHECK_INT(read(text, &b, &e), LW_OK);
@@ -53,46 +55,45 @@ TEST(everything_is_read)
 TEST(faults_have_a_place)
 {
     static const struct { const char *text; long line, column; const char *says; } bad[] = {
-        { "{\"linkwright-task\":2,\"target\":\"a\"}", 1, 20, "version 2" },
-        { "{\"linkwright-task\":1}", 1, 1, "is missing" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\n\"timming\":\"free\"}", 2, 1, "timing" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"timing\":\"fre\"}", 1, 44, "free" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"lengths\":{\"least\":5,\"most\":4}}", 1, 45, "no linkage can do both" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"resample\":2.5}", 1, 46, "whole number" },
-        { "{\"linkwright-task\":1,\"stations\":[{\"x\":1,\"y\":2}],\"smooth\":1}", 1, 58, "names none" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"unlimited\":true,\"tolerance\":1}", 1, 64, "unlimited" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"links\":5}", 1, 43, "4, 6, 8 or 10" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"dof\":2,\"links\":6}", 1, 51, "5, 7 or 9 links" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"dof\":4}", 1, 41, "3" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"transmission\":2}", 1, 50, "between" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[1,1],[0,2]]}}", 1, 51, "holds nothing" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"forbidden\":[{\"polygon\":[[0,0],[4,0],[2,1],[2,4]]}]}", 1, 59, "corner 3" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"forbidden\":[{\"polygon\":[[0,0],[2,4],[2,1],[4,0]]}]}", 1, 59, "corner 3" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"forbidden\":[{\"polygon\":[[0,0],[4,3],[0,4],[5,1],[3,5]]}]}", 1, 59, "" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"forbidden\":[{\"polygon\":[[0,0],[4,0]]}]}", 1, 59, "3" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[1,1]]},\"forbidden\":"
-          "[{\"polygon\":[[-1,-1],[-1,3],[3,3],[3,-1]]}]}", 1, 78, "whole box" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[1,1]]},\"forbidden\":"
-          "[{\"circle\":[[0,0],2]}]}", 1, 78, "no linkage can do both" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[2,1]]},\"forbidden\":"
-          "[{\"box\":[[-1,-1],[1.2,2]]},{\"circle\":[[1.6,0.5],0.8]}]}", 1, 78, "whole box" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[5,0],[6,1]]},\"positions\":{\"least\":0,\"most\":4}}",
+        { "{'linkwright-task':2,'target':'a'}", 1, 20, "version 2" },
+        { "{'linkwright-task':1}", 1, 1, "is missing" },
+        { "{'linkwright-task':1,'target':'a',\n'timming':'free'}", 2, 1, "timing" },
+        { "{'linkwright-task':1,'target':'a','timing':'fre'}", 1, 44, "free" },
+        { "{'linkwright-task':1,'target':'a','lengths':{'least':5,'most':4}}", 1, 45, "no linkage can do both" },
+        { "{'linkwright-task':1,'target':'a','resample':2.5}", 1, 46, "whole number" },
+        { "{'linkwright-task':1,'stations':[{'x':1,'y':2}],'smooth':1}", 1, 58, "names none" },
+        { "{'linkwright-task':1,'target':'a','unlimited':true,'tolerance':1}", 1, 64, "unlimited" },
+        { "{'linkwright-task':1,'target':'a','links':5}", 1, 43, "4, 6, 8 or 10" },
+        { "{'linkwright-task':1,'target':'a','dof':2,'links':6}", 1, 51, "5, 7 or 9 links" },
+        { "{'linkwright-task':1,'target':'a','dof':4}", 1, 41, "3" },
+        { "{'linkwright-task':1,'target':'a','transmission':2}", 1, 50, "between" },
+        { "{'linkwright-task':1,'target':'a','pivots':{'box':[[1,1],[0,2]]}}", 1, 51, "holds nothing" },
+        { "{'linkwright-task':1,'target':'a','forbidden':[{'polygon':[[0,0],[4,0],[2,1],[2,4]]}]}", 1, 59, "corner 3" },
+        { "{'linkwright-task':1,'target':'a','forbidden':[{'polygon':[[0,0],[2,4],[2,1],[4,0]]}]}", 1, 59, "corner 3" },
+        { "{'linkwright-task':1,'target':'a','forbidden':[{'polygon':[[0,0],[4,3],[0,4],[5,1],[3,5]]}]}", 1, 59, "" },
+        { "{'linkwright-task':1,'target':'a','forbidden':[{'polygon':[[0,0],[4,0]]}]}", 1, 59, "3" },
+        { "{'linkwright-task':1,'target':'a','pivots':{'box':[[0,0],[1,1]]},'forbidden':"
+          "[{'polygon':[[-1,-1],[-1,3],[3,3],[3,-1]]}]}", 1, 78, "whole box" },
+        { "{'linkwright-task':1,'target':'a','pivots':{'box':[[0,0],[1,1]]},'forbidden':[{'circle':[[0,0],2]}]}", 1, 78, "no linkage can do both" },
+        { "{'linkwright-task':1,'target':'a','pivots':{'box':[[0,0],[2,1]]},'forbidden':"
+          "[{'box':[[-1,-1],[1.2,2]]},{'circle':[[1.6,0.5],0.8]}]}", 1, 78, "whole box" },
+        { "{'linkwright-task':1,'target':'a','pivots':{'box':[[5,0],[6,1]]},'positions':{'least':0,'most':4}}",
           1, 44, "range of positions" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"line\":[[0,9],[9,0]]},\"positions\":{\"least\":0,\"most\":4}}",
+        { "{'linkwright-task':1,'target':'a','pivots':{'line':[[0,9],[9,0]]},'positions':{'least':0,'most':4}}",
           1, 44, "range of positions" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"dwell\":[{\"from\":2,\"to\":1}]}", 1, 44, "smaller to a greater" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"dwell\":[{\"from\":1,\"to\":2},{\"from\":2,\"to\":3}]}", 1, 62,
+        { "{'linkwright-task':1,'target':'a','dwell':[{'from':2,'to':1}]}", 1, 44, "smaller to a greater" },
+        { "{'linkwright-task':1,'target':'a','dwell':[{'from':1,'to':2},{'from':2,'to':3}]}", 1, 62,
           "rest at two places" },
-        { "{\"linkwright-task\":1,\"stations\":[{\"x\":1,\"y\":1},{\"x\":1}]}", 1, 48, "missing" },
-        { "{\"linkwright-task\":1,\"crank\":1,\"target\":\"a\"}", 1, 30, "true or false" },
-        { "{\"linkwright-task\":1,\"tracers\":[{\"target\":\"a\"},{\"link\":\"coupler\"}]}", 1, 48, "is missing" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"tracers\":[{\"target\":\"b\"}]}", 1, 31, "not both" },
-        { "{\"linkwright-task\":1,\"tracers\":[{\"target\":\"a\",\"link\":\"input\"}]}", 1, 54, "for the further ones" },
-        { "{\"linkwright-task\":1,\"tracers\":[{\"target\":\"a\"},{\"target\":\"b\",\"link\":\"cuopler\"}]}", 1, 69, "coupler" },
-        { "{\"linkwright-task\":1,\"stations\":[{\"x\":1,\"y\":1,\"x3\":1,\"y3\":2},{\"x\":2,\"y\":1,\"x3\":1,\"y3\":2}]}", 1, 33,
+        { "{'linkwright-task':1,'stations':[{'x':1,'y':1},{'x':1}]}", 1, 48, "missing" },
+        { "{'linkwright-task':1,'crank':1,'target':'a'}", 1, 30, "true or false" },
+        { "{'linkwright-task':1,'tracers':[{'target':'a'},{'link':'coupler'}]}", 1, 48, "is missing" },
+        { "{'linkwright-task':1,'target':'a','tracers':[{'target':'b'}]}", 1, 31, "not both" },
+        { "{'linkwright-task':1,'tracers':[{'target':'a','link':'input'}]}", 1, 54, "for the further ones" },
+        { "{'linkwright-task':1,'tracers':[{'target':'a'},{'target':'b','link':'cuopler'}]}", 1, 69, "coupler" },
+        { "{'linkwright-task':1,'stations':[{'x':1,'y':1,'x3':1,'y3':2},{'x':2,'y':1,'x3':1,'y3':2}]}", 1, 33,
           "numbered without gaps" },
-        { "{\"linkwright-task\":1,\"stations\":[{\"x\":1,\"y\":1,\"x2\":1},{\"x\":2,\"y\":1,\"x2\":1}]}", 1, 33, "point 2 needs x and y" },
-        { "{\"linkwright-task\":1,\"target\":\"a\",\"point_links\":[\"rocker\"]}", 1, 50, "no link \"rocker\"" },
+        { "{'linkwright-task':1,'stations':[{'x':1,'y':1,'x2':1},{'x':2,'y':1,'x2':1}]}", 1, 33, "point 2 needs x and y" },
+        { "{'linkwright-task':1,'target':'a','point_links':['rocker']}", 1, 50, "no link \"rocker\"" },
     };
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
         lw_task_file b;
@@ -108,12 +109,10 @@ TEST(faults_have_a_place)
 TEST(what_can_be_done_is_no_contradiction)
 {
     static const char *const good[] = {
-        "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[2,1]]},\"forbidden\":"
-        "[{\"box\":[[-1,-1],[1.2,2]]},{\"circle\":[[1.6,0.5],0.6]}]}",
-        "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[2,1]]},\"forbidden\":"
-        "[{\"box\":[[-1,-1],[0.9,2]]},{\"box\":[[1,-1],[3,2]]}]}",
-        "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"line\":[[0,7],[7,0]]},\"positions\":{\"least\":0,\"most\":4}}",
-        "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[3,3],[6,6]]},\"positions\":{\"least\":0,\"most\":4}}"
+        "{'linkwright-task':1,'target':'a','pivots':{'box':[[0,0],[2,1]]},'forbidden':[{'box':[[-1,-1],[1.2,2]]},{'circle':[[1.6,0.5],0.6]}]}",
+        "{'linkwright-task':1,'target':'a','pivots':{'box':[[0,0],[2,1]]},'forbidden':[{'box':[[-1,-1],[0.9,2]]},{'box':[[1,-1],[3,2]]}]}",
+        "{'linkwright-task':1,'target':'a','pivots':{'line':[[0,7],[7,0]]},'positions':{'least':0,'most':4}}",
+        "{'linkwright-task':1,'target':'a','pivots':{'box':[[3,3],[6,6]]},'positions':{'least':0,'most':4}}"
     };
     for (size_t i = 0; i < sizeof good/sizeof *good; i++) {
         lw_task_file b;
@@ -125,8 +124,8 @@ TEST(what_can_be_done_is_no_contradiction)
 
 TEST(dwells_become_stations)
 {
-    static const char text[] = "{\"linkwright-task\":1,\"stations\":[{\"angle\":0,\"theta\":1},{\"angle\":3,\"theta\":2}],"
-                               "\"dwell\":[{\"from\":1,\"to\":2,\"theta\":5,\"points\":3,\"weight\":4}]}";
+    static const char text[] = "{'linkwright-task':1,'stations':[{'angle':0,'theta':1},{'angle':3,'theta':2}],"
+                               "'dwell':[{'from':1,'to':2,'theta':5,'points':3,'weight':4}]}";
     static const double angle[] = { 0, 1, 1.5, 2, 3 }, theta[] = { 1, 5, 5, 5, 2 }, weight[] = { 1, 4, 4, 4, 1 };
     lw_task_file b;
     lw_error e;
@@ -148,14 +147,12 @@ TEST(dwells_become_stations)
 
 TEST(tracers_have_targets_of_their_own)
 {
-    static const char text[] = "{\"linkwright-task\":1,\"units\":{\"length\":\"mm\",\"angle\":\"deg\"},\"tracers\":["
-                               "{\"stations\":[{\"x\":0,\"y\":0},{\"x\":3,\"y\":1}]},{\"target\":\"b.csv\",\"link\":\"output\"},"
-                               "{\"stations\":[{\"theta\":90,\"angle\":0},{\"theta\":45,\"angle\":1}]}],"
-                               "\"forbidden\":[{\"circle\":[[30,15],1]}]}";
-    static const char columns[] = "{\"linkwright-task\":1,\"units\":{\"length\":\"mm\",\"angle\":\"deg\"},\"stations\":["
-                                  "{\"x\":0,\"y\":0,\"x2\":30,\"y2\":15,\"theta2\":90,\"weight2\":3},"
-                                  "{\"x\":3,\"y\":1,\"x2\":5,\"y2\":5,\"theta2\":80,\"weight2\":2}],\"point_links\":[\"input\"],"
-                                  "\"forbidden\":[{\"circle\":[[30,15],1]}]}";
+    static const char text[] = "{'linkwright-task':1,'units':{'length':'mm','angle':'deg'},'tracers':["
+                               "{'stations':[{'x':0,'y':0},{'x':3,'y':1}]},{'target':'b.csv','link':'output'},"
+                               "{'stations':[{'theta':90,'angle':0},{'theta':45,'angle':1}]}],'forbidden':[{'circle':[[30,15],1]}]}";
+    static const char columns[] = "{'linkwright-task':1,'units':{'length':'mm','angle':'deg'},'stations':["
+                                  "{'x':0,'y':0,'x2':30,'y2':15,'theta2':90,'weight2':3},"
+                                  "{'x':3,'y':1,'x2':5,'y2':5,'theta2':80,'weight2':2}],'point_links':['input'],'forbidden':[{'circle':[[30,15],1]}]}";
     lw_task_file b;
     lw_error e;
     lw_target t;
@@ -186,8 +183,7 @@ TEST(tracers_have_targets_of_their_own)
 
 TEST(a_station_in_a_forbidden_zone)
 {
-    static const char text[] = "{\"linkwright-task\":1,\"stations\":[{\"x\":0,\"y\":0},{\"x\":3,\"y\":1}],"
-                               "\"forbidden\":[{\"circle\":[[3,1.5],1]}]}";
+    static const char text[] = "{'linkwright-task':1,'stations':[{'x':0,'y':0},{'x':3,'y':1}],'forbidden':[{'circle':[[3,1.5],1]}]}";
     lw_task_file b;
     lw_error e;
     lw_target t;

@@ -1,11 +1,11 @@
 /* test_work_cycle.c - work cycles: known times, limits and continuity over the whole cycle, what is refused. */
 #include "grammar/model/work_cycle.h"
-#include "tests/check.h"
+#include "tests/json_text.h"
 
-#define AXES "\"axes\": [{\"name\": \"y\", \"speed\": 3, \"acceleration\": 20, \"jerk\": 400}, " \
-             "{\"name\": \"z\", \"speed\": 3, " \
-             "\"acceleration\": 20, \"jerk\": 400}]"
-#define CYCLE(moves) "{\"linkwright-cycle\": 1, " AXES ",\n\"moves\": [" moves "]}"
+#define AXES "'axes': [{'name': 'y', 'speed': 3, 'acceleration': 20, 'jerk': 400}, " \
+             "{'name': 'z', 'speed': 3, " \
+             "'acceleration': 20, 'jerk': 400}]"
+#define CYCLE(moves) "{'linkwright-cycle': 1, " AXES ",\n'moves': [" moves "]}"
 
 static lw_error error;
 
@@ -13,7 +13,9 @@ static lw_work_cycle read_cycle(const char *text)
 {
     lw_work_cycle c;
     error = (lw_error){ 0 };
-    CHECK_INT(lw_work_cycle_read(text, strlen(text), "f", &c, &error), LW_OK);
+    char *json = json_quotes(strdup(text));
+    CHECK_INT(lw_work_cycle_read(json, strlen(json), "f", &c, &error), LW_OK);
+    free(json);
     CHECK_TEXT(error.text, "");
     return c;
 }
@@ -21,13 +23,9 @@ static lw_work_cycle read_cycle(const char *text)
 /* Makkonen 1999, paper D, table 3: up 0.2, over 1.0, down 0.8 m with 20 m/s^2 and 400 m/s^3: 1.209268169 s one way. */
 TEST(gantry)
 {
-    lw_work_cycle c = read_cycle("{\"linkwright-cycle\": 1, \"cycle_time\": 2.5, \"axes\": [{\"name\": \"y\", "
-                                 "\"acceleration\": 20, \"jerk\": 400}, "
-                                 "{\"name\": \"z\", \"acceleration\": 20, \"jerk\": 400}], \"moves\": [{\"to\": "
-                                 "{\"z\": 0.2}, \"payload\": 10}, "
-                                 "{\"to\": {\"y\": 1}}, {\"to\": {\"z\": -0.6}}, {\"to\": {\"z\": 0.2}, \"payload\": "
-                                 "0}, {\"to\": {\"y\": 0}}, "
-                                 "{\"to\": {\"z\": 0}}]}");
+    lw_work_cycle c = read_cycle("{'linkwright-cycle': 1, 'cycle_time': 2.5, 'axes': [{'name': 'y', 'acceleration': 20, 'jerk': 400}, {'name': 'z', "
+                                 "'acceleration': 20, 'jerk': 400}], 'moves': [{'to': {'z': 0.2}, 'payload': 10}, {'to': {'y': 1}}, {'to': {'z': -0.6}}, "
+                                 "{'to': {'z': 0.2}, 'payload': 0}, {'to': {'y': 0}}, {'to': {'z': 0}}]}");
     CHECK_NEAR(c.move[3].start, 1.209268169, 1e-9, 0);
     CHECK_NEAR(c.end, 2.418536337, 1e-9, 0);
     CHECK_NEAR(c.wanted, 2.5, 0, 0);
@@ -42,11 +40,9 @@ TEST(gantry)
 TEST(smooth)
 {
     enum { N = 200000 };
-    lw_work_cycle c = read_cycle(CYCLE("{\"to\": {\"z\": 0.3}}, {\"to\": {\"y\": 1.2}, \"blend\": 0.1}, {\"to\": "
-                                       "{\"z\": -0.5}, \"speed\": {\"z\": -0.5}, "
-                                       "\"blend\": 0.12}, {\"to\": {\"z\": -0.6}, \"dwell\": 0.2}, {\"to\": {\"y\": "
-                                       "0.4, \"z\": 0.1}, "
-                                       "\"straight\": true}, {\"to\": {\"y\": 0, \"z\": 0}, \"duration\": 1.5}"));
+    lw_work_cycle c = read_cycle(CYCLE("{'to': {'z': 0.3}}, {'to': {'y': 1.2}, 'blend': 0.1}, {'to': {'z': -0.5}, 'speed': {'z': -0.5}, 'blend': 0.12}, "
+                                       "{'to': {'z': -0.6}, 'dwell': 0.2}, {'to': {'y': 0.4, 'z': 0.1}, 'straight': true}, {'to': {'y': 0, 'z': 0}, "
+                                       "'duration': 1.5}"));
     double speed = 0, step = c.end/N;
     for (int k = 0; k < 2; k++) {
         lw_axis_state before = lw_work_cycle_at(&c, k, 0, NULL);
@@ -77,23 +73,23 @@ TEST(refused)
 {
     /* @ marks the place, and is not part of the text */
     static const struct { const char *text, *says; } rows[] = {
-        { "{@\"linkwright-cicle\": 1}", "did you mean \"linkwright-cycle\"" },
-        { "{\"linkwright-cycle\": 1, \"axes\": [@{\"name\": \"y\", \"speed\": 1}], \"moves\": [{}]}", "needs a limit" },
-        { "{\"linkwright-cycle\": 1, \"axes\": @[], \"moves\": [{}]}", "a list of 1 to 64" },
-        { CYCLE("{\"to\": {@\"w\": 1}}"), "not known" }, { CYCLE("@{\"to\": {}}"), "moves no axis" },
-        { CYCLE("@{\"to\": {\"y\": 1}, \"speed\": {\"y\": 1}}"), "still has a speed of 1 at the end" },
-        { CYCLE("{\"to\": {\"y\": 1}, \"speed\": {\"y\": @4}}"), "above the limit 3" },
-        { CYCLE("{\"to\": {\"y\": 1}, \"speed\": {\"y\": 1}}, @{\"to\": {\"z\": 1}}"), "has to go on at once" },
-        { CYCLE("{\"to\": {\"y\": 1}, \"blend\": @0.1}"), "there is none before" },
-        { CYCLE("{\"to\": {\"y\": 1}}, {\"to\": {\"z\": 1}, \"blend\": @5}"), "at most as long" },
-        { CYCLE("{\"to\": {\"y\": 1}}, @{\"to\": {\"y\": 0}, \"blend\": 0.1}"), "still moves until" },
-        { CYCLE("{\"to\": {\"y\": 1}, \"dwell\": 1}, {\"to\": {\"z\": 0}, \"blend\": @0.1}"), "followed by a rest" },
-        { CYCLE("{\"to\": {\"y\": 1}, \"duration\": @-1}"), "greater than 0" },
-        { CYCLE("{\"to\": {\"y\": 1}, \"straight\": @1}"), "true or false" } };
+        { "{@'linkwright-cicle': 1}", "did you mean \"linkwright-cycle\"" },
+        { "{'linkwright-cycle': 1, 'axes': [@{'name': 'y', 'speed': 1}], 'moves': [{}]}", "needs a limit" },
+        { "{'linkwright-cycle': 1, 'axes': @[], 'moves': [{}]}", "a list of 1 to 64" },
+        { CYCLE("{'to': {@'w': 1}}"), "not known" }, { CYCLE("@{'to': {}}"), "moves no axis" },
+        { CYCLE("@{'to': {'y': 1}, 'speed': {'y': 1}}"), "still has a speed of 1 at the end" },
+        { CYCLE("{'to': {'y': 1}, 'speed': {'y': @4}}"), "above the limit 3" },
+        { CYCLE("{'to': {'y': 1}, 'speed': {'y': 1}}, @{'to': {'z': 1}}"), "has to go on at once" },
+        { CYCLE("{'to': {'y': 1}, 'blend': @0.1}"), "there is none before" },
+        { CYCLE("{'to': {'y': 1}}, {'to': {'z': 1}, 'blend': @5}"), "at most as long" },
+        { CYCLE("{'to': {'y': 1}}, @{'to': {'y': 0}, 'blend': 0.1}"), "still moves until" },
+        { CYCLE("{'to': {'y': 1}, 'dwell': 1}, {'to': {'z': 0}, 'blend': @0.1}"), "followed by a rest" },
+        { CYCLE("{'to': {'y': 1}, 'duration': @-1}"), "greater than 0" },
+        { CYCLE("{'to': {'y': 1}, 'straight': @1}"), "true or false" } };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         char text[600];
         lw_work_cycle c;
-        snprintf(text, sizeof text, "%s", rows[i].text);
+        json_format(text, sizeof text, "%s", rows[i].text);
         char *mark = strchr(text, '@'), *line = memrchr(text, '\n', (size_t)(mark - text));
         memmove(mark, mark + 1, strlen(mark));
         error = (lw_error){ 0 };
