@@ -34,6 +34,10 @@ void lw_spatial_free(lw_spatial *m)
         lw_moves_free(&m->profile[i]);
     for (int i = 0; m->elastic && i < m->n_link; i++)
         lw_elastic_free(&m->elastic[i]);
+    for (int i = 0; m->coupling && i < m->n_coupling; i++) {
+        free(m->coupling[i].of);
+        free(m->coupling[i].factor);
+    }
     void *const array[] = { m->profile, m->body, m->joint, m->coupling, m->input, m->drive, m->tracer, m->spring, m->joint_spring,
                             m->force, m->motor, m->elastic, m->beam, m->files };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
@@ -103,24 +107,6 @@ bool lw_spatial_coupling_slides(const lw_spatial_coupling *c)
         if (c->of[i].of == LW_OF_SLIDE)
             return true;
     return false;
-}
-
-int lw_spatial_coupling_parts(const lw_spatial *m, const lw_spatial_coupling *c)
-{
-    int part[3*LW_COUPLING_TERMS], n = 0;
-    for (int i = 0; i < c->n; i++) {
-        const int *link = m->joint[c->of[i].index].link;
-        bool slides = c->of[i].of == LW_OF_SLIDE;
-        const int of[] = { 2*link[0] + 1, 2*link[1] + !slides, 2*link[0] };      /* turns are odd */
-        for (int k = 0; k < 2 + slides; k++) {
-            int seen = 0;
-            while (seen < n && part[seen] != of[k])
-                seen++;
-            if (seen == n && of[k]/2 != m->ground)
-                part[n++] = of[k];
-        }
-    }
-    return n;
 }
 
 void lw_spatial_measure_name(const lw_spatial *m, lw_spatial_measure of, char *text, size_t size)

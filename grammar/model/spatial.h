@@ -82,12 +82,11 @@ typedef struct lw_spatial_input {
 } lw_spatial_input;
 
 /* A gear pair, belt or rope: the sum of factor times measure [rad] [m] keeps its value of the posture of the file. */
-#define LW_COUPLING_TERMS 4
 typedef struct lw_spatial_coupling {
     char   name[LW_NAME_SIZE];
     int    n;                            /* terms, 2 or more                                           */
-    lw_spatial_measure of[LW_COUPLING_TERMS];       /* of joints, each once                            */
-    double factor[LW_COUPLING_TERMS];    /* not 0; of turns [m/rad] where the sum is a length          */
+    lw_spatial_measure *of;              /* (n) of joints, each once                                   */
+    double *factor;                      /* (n) not 0; of turns [m/rad] where the sum is a length      */
 } lw_spatial_coupling;
 
 /* The value of an input less its measure: joints measure 0 in the posture of the file, whatever value that has. */
@@ -210,10 +209,6 @@ lw_status lw_spatial_set_motion(lw_spatial *m, int i, const char *motion, lw_err
  * tolerances refer to. */
 double lw_spatial_size(const lw_spatial *m);
 
-/* A coupling depends on places and turns of links: a turn on the turns of both links, a slide on place and turn of the first
- * link and on the place of the second.  How many it depends on, the ground not counted; at most LW_COUPLING_PARTS may be. */
-#define LW_COUPLING_PARTS 4
-int lw_spatial_coupling_parts(const lw_spatial *m, const lw_spatial_coupling *c);
 /* Has it a slide, so that its sum is a length? */
 bool lw_spatial_coupling_slides(const lw_spatial_coupling *c);
 

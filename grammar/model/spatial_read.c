@@ -637,8 +637,13 @@ static lw_status read_coupling(const lw_json_node *object, size_t index, lw_spat
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
         (s = read_new_name(object, "coupling", NAMES(m->coupling, m->n_coupling, lw_spatial_coupling), c->name, e)) == LW_OK &&
         (s = lw_read_need(object, "terms", &all, e)) == LW_OK)
-        s = lw_read_list(&all, 2, LW_COUPLING_TERMS, e);
+        s = lw_read_list(&all, 2, SIZE_MAX, e);
     m->n_coupling++;
+    if (s == LW_OK) {
+        c->of = calloc(lw_json_count(&all), sizeof *c->of);
+        c->factor = calloc(lw_json_count(&all), sizeof *c->factor);
+        s = has_memory(c->of && c->factor ? c : NULL, e);
+    }
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
         lw_json_node one = lw_json_element(&all, i), n;
         lw_spatial_measure *of = &c->of[c->n];
@@ -656,10 +661,6 @@ static lw_status read_coupling(const lw_json_node *object, size_t index, lw_spat
     }
     for (int i = 0; s == LW_OK && lw_spatial_coupling_slides(c) && i < c->n; i++)
         c->factor[i] *= c->of[i].of == LW_OF_TURN ? m->units.metre : 1;
-    if (s == LW_OK && lw_spatial_coupling_parts(m, c) > LW_COUPLING_PARTS)
-        s = lw_json_fault(object, e, "coupling \"%s\" depends on %d places and turns of links, and %d are possible: divide it into two "
-                          "couplings with a shaft between them, a link of its own that turns in the ground", c->name,
-                          lw_spatial_coupling_parts(m, c), LW_COUPLING_PARTS);
     return s;
 }
 

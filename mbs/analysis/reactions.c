@@ -11,9 +11,9 @@ static lw_reaction on_body(const lw_dynamics *d, const double *l, int first, int
     lw_reaction r = { { 0, 0 }, 0 };
     for (int k = first; k < first + n; k++) {
         int slot = 0;
-        while (d->row_block[k][slot] != body)
+        while (lw_mbs_blocks(d, k)[slot] != body)
             slot++;
-        const double *row = d->jac + k*LW_ROW_SIZE + 3*slot;
+        const double *row = lw_mbs_jac(d, k) + 3*slot;
         r.force.x -= l[k]*row[0]/s->unit;
         r.force.y -= l[k]*row[1]/s->unit;
         r.moment -= l[k]*row[2];

@@ -175,7 +175,7 @@ static lw_status make_pattern(capture *g)
     }
     g->diagonal = g->to + 2*n;
     for (long k = 0; k < n; k++) {
-        int i = d->place[d->pair[k].row/LW_ROW_SIZE], j = d->place[d->pair[k].other/LW_ROW_SIZE];
+        int i = d->place[d->pair[k].row/d->row_size], j = d->place[d->pair[k].other/d->row_size];
         memcpy(entry + 4*k, (int[]){ i, j, j, i }, 4*sizeof *entry);
     }
     bool ok = lw_columns_make(&g->pattern, d->n_kept, entry, 2*n);
@@ -227,7 +227,7 @@ static lw_status choose_places(capture *g, double reach)
 
 /* ---- a step ------------------------------------------------------------------------------------------------ */
 
-static void clear_row(lw_dynamics *d, int row) { memset(d->jac + row*LW_ROW_SIZE, 0, LW_ROW_SIZE*sizeof *d->jac); }
+static void clear_row(lw_dynamics *d, int row) { memset(lw_mbs_jac(d, row), 0, (size_t)d->row_size*sizeof *d->jac); }
 
 static int first_row(const lw_dynamics *d) { return d->n_row + d->n_driven; }
 
@@ -235,7 +235,7 @@ static int first_row(const lw_dynamics *d) { return d->n_row + d->n_driven; }
 static void restore_rows(const capture *g)
 {
     lw_dynamics *d = g->d;
-    memcpy(d->jac + first_row(d)*LW_ROW_SIZE, g->full, (size_t)(d->n_c - first_row(d))*LW_ROW_SIZE*sizeof *d->jac);
+    memcpy(lw_mbs_jac(d, first_row(d)), g->full, (size_t)((d->n_c - first_row(d))*d->row_size)*sizeof *d->jac);
 }
 
 /* The system for the guess: J M^-1 P^T, where P are the directions in which the multipliers push: the rows, and at a place
@@ -243,25 +243,25 @@ static void restore_rows(const capture *g)
 static lw_status factor_guess(capture *g)
 {
     lw_dynamics *d = g->d;
-    memcpy(g->push, d->jac, (size_t)d->n_c*LW_ROW_SIZE*sizeof *g->push);
+    memcpy(g->push, d->jac, (size_t)(d->n_c*d->row_size)*sizeof *g->push);
     for (int k = 0; k < g->n; k++) {
         const place *p = &g->at[k];
-        double *gap = g->push + p->row*LW_ROW_SIZE, *slip = gap + LW_ROW_SIZE;
-        for (int i = 0; p->presses && p->slips && i < LW_ROW_SIZE; i++)
+        double *gap = g->push + p->row*d->row_size, *slip = gap + d->row_size;
+        for (int i = 0; p->presses && p->slips && i < d->row_size; i++)
             gap[i] -= p->mu*p->slips*slip[i];
         if (!p->presses)
-            clear_row(d, p->row), memset(gap, 0, LW_ROW_SIZE*sizeof *gap);
+            clear_row(d, p->row), memset(gap, 0, (size_t)d->row_size*sizeof *gap);
         if (p->rubs && (!p->presses || p->slips))
-            clear_row(d, p->row + 1), memset(slip, 0, LW_ROW_SIZE*sizeof *slip);
+            clear_row(d, p->row + 1), memset(slip, 0, (size_t)d->row_size*sizeof *slip);
     }
     memset(g->value, 0, (size_t)g->pattern.at[g->pattern.n]*sizeof *g->value);
     for (int k = 0; k < d->n_pair; k++) {
         const lw_row_pair *pair = &d->pair[k];
-        int row = pair->row/LW_ROW_SIZE, slot = pair->row%LW_ROW_SIZE/LW_BLOCK;
-        const double *m = d->by_mass + LW_BLOCK*d->row_block[row][slot], *a = d->jac + pair->row, *b = d->jac + pair->other;
+        int row = pair->row/d->row_size, slot = pair->row%d->row_size/LW_BLOCK;
+        const double *m = d->by_mass + LW_BLOCK*lw_mbs_blocks(d, row)[slot], *a = d->jac + pair->row, *b = d->jac + pair->other;
         const double *x = g->push + pair->row, *y = g->push + pair->other;
         g->value[g->to[2*k]] += a[0]*y[0]*m[0] + a[1]*y[1]*m[1] + a[2]*y[2]*m[2];
-        if (row != pair->other/LW_ROW_SIZE)
+        if (row != pair->other/d->row_size)
             g->value[g->to[2*k + 1]] += b[0]*x[0]*m[0] + b[1]*x[1]*m[1] + b[2]*x[2]*m[2];
     }
     for (int i = 0; i < d->n_kept; i++) {
@@ -274,10 +274,12 @@ static lw_status factor_guess(capture *g)
 /* x += the rows given, each by its number in l. */
 static void add_rows(const lw_dynamics *d, const double *rows, const double *l, double *x)
 {
-    for (int r = 0; r < d->n_c; r++)
-        for (int k = 0; l[r] != 0 && k < LW_ROW_BLOCKS && d->row_block[r][k] >= 0; k++)
+    for (int r = 0; r < d->n_c; r++) {
+        const int *block = lw_mbs_blocks(d, r);
+        for (int k = 0; l[r] != 0 && k < d->eq.n_slot && block[k] >= 0; k++)
             for (int i = 0; i < 3; i++)
-                x[LW_BLOCK*d->row_block[r][k] + i] += l[r]*rows[r*LW_ROW_SIZE + 3*k + i];
+                x[LW_BLOCK*block[k] + i] += l[r]*rows[r*d->row_size + 3*k + i];
+    }
 }
 
 /* Take from v (n_v) what the rows in the factors hold back, so that they have the rates `wanted` (n_c; NULL: 0); d->l are the
@@ -369,12 +371,12 @@ static int revise(capture *g, const double *l, int pass, double tiny)
 static void respond(capture *g, int row, double *v)
 {
     const lw_dynamics *d = g->d;
+    const double *jac = lw_mbs_jac(d, row);
+    const int *block = lw_mbs_blocks(d, row);
     memset(v, 0, (size_t)d->n_v*sizeof *v);
-    for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[row][k] >= 0; k++)
-        for (int i = 0; i < 3; i++) {
-            int to = LW_BLOCK*d->row_block[row][k] + i;
-            v[to] += d->jac[row*LW_ROW_SIZE + 3*k + i]*d->by_mass[to];
-        }
+    for (int k = 0; k < d->eq.n_slot && block[k] >= 0; k++)
+        for (int i = 0; i < LW_BLOCK; i++)
+            v[LW_BLOCK*block[k] + i] += jac[LW_BLOCK*k + i]*d->by_mass[LW_BLOCK*block[k] + i];
     hold_back(g, NULL, v);
 }
 
@@ -459,7 +461,7 @@ static lw_status solve_step(capture *g, double t, double h)
     if (s != LW_OK)
         return s;
     memcpy(g->wanted, d->rhs, (size_t)d->n_c*sizeof *g->wanted);
-    memcpy(g->full, d->jac + first_row(d)*LW_ROW_SIZE, (size_t)(d->n_c - first_row(d))*LW_ROW_SIZE*sizeof *d->jac);
+    memcpy(g->full, lw_mbs_jac(d, first_row(d)), (size_t)((d->n_c - first_row(d))*d->row_size)*sizeof *d->jac);
     d->eq.place_states(d->eq.context, g->next_z);
     d->eq.forces(d->eq.context, t, g->next_q, g->v, g->force, &g->power);
     lw_mbs_touch_forces(d, g->v, g->force, &g->power);
@@ -702,14 +704,14 @@ static lw_status run_capture(lw_run *run)
     capture g = { .run = run, .d = d, .t = d->o.from, .n_kept = d->n_kept, .size = smallest(d),
                   .part = fmin(fmax(pow(d->o.relative, 0.2), finest), coarsest) };
     size_t n_z = (size_t)d->eq.n_z;
-    double *memory = calloc(5*n_z + 2*n_q + 4*n_v + rows + 2*rows*LW_ROW_SIZE + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
+    double *memory = calloc(5*n_z + 2*n_q + 4*n_v + rows + 2*rows*(size_t)d->row_size + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
     g.at = calloc((size_t)d->touch->list.n + 1, sizeof *g.at);
     g.kept = calloc((size_t)d->n_kept + 1, sizeof *g.kept);
     lw_status s = memory && g.at && g.kept ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         g.q = p, p += n_q, g.next_q = p, p += n_q, g.v = p, p += n_v, g.next_v = p, p += n_v;
-        g.momentum = p, p += n_v, g.force = p, p += n_v, g.wanted = p, p += rows, g.full = p, p += rows*LW_ROW_SIZE;
-        g.push = p, p += rows*LW_ROW_SIZE;
+        g.momentum = p, p += n_v, g.force = p, p += n_v, g.wanted = p, p += rows, g.full = p, p += rows*(size_t)d->row_size;
+        g.push = p, p += rows*(size_t)d->row_size;
         g.z = p, p += n_z, g.next_z = p, p += n_z, g.try_z = p, p += n_z, g.rate = p, p += n_z, g.other = p, p += n_z, y = p;
         memcpy(g.kept, d->kept, (size_t)d->n_kept*sizeof *g.kept);
         lw_dynamics_start(d, g.q, g.v);

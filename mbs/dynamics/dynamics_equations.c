@@ -42,34 +42,34 @@ void lw_mbs_freeze(lw_dynamics *d, const double *q)
 {
     d->eq.place(d->eq.context, q);
     for (int i = 0, row = d->n_row; i < d->n_driven; i++, row++)
-        d->held[i] = d->eq.measure(d->eq.context, d->driven_measure[i], d->jac + row*LW_ROW_SIZE, d->row_block[row]);
+        d->held[i] = d->eq.measure(d->eq.context, d->driven_measure[i], lw_mbs_jac(d, row), lw_mbs_blocks(d, row));
     d->frozen = true;
 }
 
-int lw_mbs_bends(const lw_dynamics *d, int row, lw_bend *out)
+int lw_mbs_bends(const lw_dynamics *d, int row)
 {
     int driven = row - d->n_row;
-    return driven < 0 ? d->eq.bends(d->eq.context, row, out)
-         : driven < d->n_driven ? d->eq.measure_bends(d->eq.context, d->driven_measure[driven], out) : 0;
+    return driven < 0 ? d->eq.bends(d->eq.context, row, d->bend)
+         : driven < d->n_driven ? d->eq.measure_bends(d->eq.context, d->driven_measure[driven], d->bend) : 0;
 }
 
 lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
 {
     int row = d->n_row;
     d->eq.place(d->eq.context, q);
-    memset(d->jac, 0, (size_t)d->n_c*LW_ROW_SIZE*sizeof *d->jac);
+    memset(d->jac, 0, (size_t)d->n_c*(size_t)d->row_size*sizeof *d->jac);
     d->eq.rows(d->eq.context, d->phi, d->jac, d->row_block);
     for (int i = 0; i < d->n_driven; i++, row++) {
         double motion[3];
         if (lw_mbs_motion(d, i, t, motion) != LW_OK)
             return lw_error_set(d->e, LW_E_NUMERIC, "the motion of input \"%s\" is not a number at t = %.9g s",
                                 d->eq.name(d->eq.context, LW_NAMED_INPUT, d->driven[i]), t);
-        d->phi[row] = d->eq.measure(d->eq.context, d->driven_measure[i], d->jac + row*LW_ROW_SIZE, d->row_block[row])
+        d->phi[row] = d->eq.measure(d->eq.context, d->driven_measure[i], lw_mbs_jac(d, row), lw_mbs_blocks(d, row))
                     - motion[0];
     }
     for (int i = 0; i < d->n_resting; i++, row++) {
         const lw_rigid_stop *stop = &d->stop[d->resting[i]];
-        d->phi[row] = d->eq.measure(d->eq.context, stop->measure, d->jac + row*LW_ROW_SIZE, d->row_block[row])
+        d->phi[row] = d->eq.measure(d->eq.context, stop->measure, lw_mbs_jac(d, row), lw_mbs_blocks(d, row))
                     - stop->limit;
     }
     if (d->touch)
@@ -79,9 +79,10 @@ lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
 
 void lw_mbs_row(const lw_dynamics *d, int r, double *out)
 {
+    const int *block = lw_mbs_blocks(d, r);
     memset(out, 0, (size_t)d->n_v*sizeof *out);
-    for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[r][k] >= 0; k++)
-        memcpy(out + LW_BLOCK*d->row_block[r][k], d->jac + r*LW_ROW_SIZE + LW_BLOCK*k, LW_BLOCK*sizeof *out);
+    for (int k = 0; k < d->eq.n_slot && block[k] >= 0; k++)
+        memcpy(out + LW_BLOCK*block[k], lw_mbs_jac(d, r) + LW_BLOCK*k, LW_BLOCK*sizeof *out);
 }
 
 lw_status lw_mbs_rate_wanted(lw_dynamics *d, double t)
@@ -123,11 +124,12 @@ static void form_schur(lw_dynamics *d)
     memset(value, 0, (size_t)(d->schur.n_entry + d->schur.n)*sizeof *value);
     for (int i = 0; i < d->n_kept; i++) {
         int row = d->kept[i];
-        const double *jac = d->jac + row*LW_ROW_SIZE;
-        double *to = d->jac_by_mass + row*LW_ROW_SIZE;
-        for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[row][k] >= 0; k++, jac += LW_BLOCK, to += LW_BLOCK) {
-            const double *m = d->by_mass + LW_BLOCK*d->row_block[row][k];
-            double n = d->n_weld ? d->parts[d->row_block[row][k]] : 1;
+        const int *block = lw_mbs_blocks(d, row);
+        const double *jac = lw_mbs_jac(d, row);
+        double *to = d->jac_by_mass + row*d->row_size;
+        for (int k = 0; k < d->eq.n_slot && block[k] >= 0; k++, jac += LW_BLOCK, to += LW_BLOCK) {
+            const double *m = d->by_mass + LW_BLOCK*block[k];
+            double n = d->n_weld ? d->parts[block[k]] : 1;
             to[0] = jac[0]*m[0]*n, to[1] = jac[1]*m[1]*n, to[2] = jac[2]*m[2]*n;
         }
     }
@@ -157,10 +159,11 @@ static double factor_kept(lw_dynamics *d, double tolerance, bool *dependent)
 
 static double row_dot(const lw_dynamics *d, int row, const double *x)
 {
-    const double *jac = d->jac + row*LW_ROW_SIZE;
+    const double *jac = lw_mbs_jac(d, row);
+    const int *block = lw_mbs_blocks(d, row);
     double sum = 0;
-    for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[row][k] >= 0; k++, jac += 3) {
-        const double *at = x + LW_BLOCK*d->row_block[row][k];
+    for (int k = 0; k < d->eq.n_slot && block[k] >= 0; k++, jac += 3) {
+        const double *at = x + LW_BLOCK*block[k];
         sum += jac[0]*at[0] + jac[1]*at[1] + jac[2]*at[2];
     }
     return sum;
@@ -175,12 +178,15 @@ void lw_mbs_times(const lw_dynamics *d, const double *x, double *out)
 /* x += sign J^T l, the rows of l */
 static void add_rows(const lw_dynamics *d, double sign, const double *l, double *x)
 {
-    for (int r = 0; r < d->n_c; r++) {
-        const double *jac = d->jac + r*LW_ROW_SIZE;
-        for (int k = 0; l[r] != 0 && k < LW_ROW_BLOCKS && d->row_block[r][k] >= 0; k++, jac += 3) {
-            double *at = x + LW_BLOCK*d->row_block[r][k];
-            for (int i = 0; i < 3; i++)
-                at[i] += sign*l[r]*jac[i];
+    const double *jac = d->jac;
+    const int *block = d->row_block;
+    int slots = d->eq.n_slot;
+    for (int r = 0; r < d->n_c; r++, jac += LW_BLOCK*slots, block += slots) {
+        double f = sign*l[r];
+        for (int k = 0; f != 0 && k < slots && block[k] >= 0; k++) {
+            double *at = x + LW_BLOCK*block[k];
+            const double *by = jac + LW_BLOCK*k;
+            at[0] += f*by[0], at[1] += f*by[1], at[2] += f*by[2];
         }
     }
 }
@@ -339,7 +345,7 @@ static void reaction_in_space(const lw_dynamics *d, int joint, const double *l, 
         const lw_space_slots *t = &d->space->slots[r];
         for (int k = 0; k < t->n; k++)
             for (int i = 0; t->from[k] == side && i < 3; i++)
-                out[i] -= l[r]*d->jac[r*LW_ROW_SIZE + LW_BLOCK*k + i]/d->eq.unit;
+                out[i] -= l[r]*lw_mbs_jac(d, r)[LW_BLOCK*k + i]/d->eq.unit;
     }
 }
 
@@ -676,12 +682,14 @@ lw_status lw_mbs_settle(lw_dynamics *d, double t, double *q, double *v)
 static void find_row_blocks(lw_dynamics *d)
 {
     int row = d->n_row;
+    for (int i = 0; i < d->n_c*d->eq.n_slot; i++)
+        d->row_block[i] = -1;
     for (int r = 0; r < d->n_row; r++)
-        d->eq.row_blocks(d->eq.context, r, d->row_block[r]);
+        d->eq.row_blocks(d->eq.context, r, lw_mbs_blocks(d, r));
     for (int i = 0; i < d->n_driven; i++)
-        d->eq.measure_blocks(d->eq.context, d->driven_measure[i], d->row_block[row++]);
+        d->eq.measure_blocks(d->eq.context, d->driven_measure[i], lw_mbs_blocks(d, row++));
     for (int i = 0; i < d->n_resting; i++)
-        d->eq.measure_blocks(d->eq.context, d->stop[d->resting[i]].measure, d->row_block[row++]);
+        d->eq.measure_blocks(d->eq.context, d->stop[d->resting[i]].measure, lw_mbs_blocks(d, row++));
     if (d->touch)
         lw_mbs_touch_bodies(d, row);
 }
@@ -692,7 +700,7 @@ static void find_row_blocks(lw_dynamics *d)
 enum { MANY_ROWS = 48, PART_ROWS = 8 };
 
 /* Which unknowns (kept rows, then welds) meet which part: part p meets list[at[p]] .. list[at[p + 1] - 1], unknown i part
- * part[i*LW_ROW_BLOCKS + k] in slot k: of a row as in row_block, of a weld its two sides. */
+ * part[i*n_slot + k] in slot k: of a row as in row_block, of a weld its two sides. */
 typedef struct part_rows { int n, n_unknown, *part, *at; struct part_row { int unknown, slot; } *list; } part_rows;
 
 static void free_part_rows(part_rows *r)
@@ -711,8 +719,8 @@ static bool count_parts(lw_dynamics *d, part_rows *r, bool divide)
     if (!d->parts)
         return false;
     for (int i = 0; divide && i < d->n_kept; i++)
-        for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[d->kept[i]][k] >= 0; k++)
-            d->parts[d->row_block[d->kept[i]][k]]++;
+        for (int k = 0; k < d->eq.n_slot && lw_mbs_blocks(d, d->kept[i])[k] >= 0; k++)
+            d->parts[lw_mbs_blocks(d, d->kept[i])[k]]++;
     r->n = 0;
     for (int b = 0; b < n; b++) {
         d->parts[b] = d->parts[b] > MANY_ROWS ? (d->parts[b] + PART_ROWS - 1)/PART_ROWS : 1;
@@ -741,7 +749,7 @@ static int welded_to(int p, int n)
 static bool list_part_rows(const lw_dynamics *d, part_rows *r)
 {
     int n = d->eq.n_block, weld = d->n_kept, *next = calloc(2*((size_t)n + 1), sizeof *next), *first = next ? next + n + 1 : NULL;
-    size_t size = (size_t)r->n_unknown*LW_ROW_BLOCKS + 1;
+    size_t size = (size_t)r->n_unknown*(size_t)d->eq.n_slot + 1;
     r->part = malloc(size*sizeof *r->part);
     r->at = calloc((size_t)r->n + 2, sizeof *r->at);
     r->list = malloc(size*sizeof *r->list);
@@ -752,12 +760,12 @@ static bool list_part_rows(const lw_dynamics *d, part_rows *r)
         first[b] = p;
         for (int i = 1, to; i <= d->parts[b]; i++, p++)
             for (int k = 0; k < LW_BLOCK && (to = welded_to(i, d->parts[b])) > 0; k++, weld++)
-                r->part[weld*LW_ROW_BLOCKS] = p, r->part[weld*LW_ROW_BLOCKS + 1] = first[b] + to - 1;
+                r->part[weld*d->eq.n_slot] = p, r->part[weld*d->eq.n_slot + 1] = first[b] + to - 1;
     }
     for (int i = 0; ok && i < d->n_kept; i++)
-        for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[d->kept[i]][k] >= 0; k++) {
-            int b = d->row_block[d->kept[i]][k];
-            r->part[i*LW_ROW_BLOCKS + k] = first[b] + (d->parts[b] > 1 ? next[b]++/PART_ROWS : 0);
+        for (int k = 0; k < d->eq.n_slot && lw_mbs_blocks(d, d->kept[i])[k] >= 0; k++) {
+            int b = lw_mbs_blocks(d, d->kept[i])[k];
+            r->part[i*d->eq.n_slot + k] = first[b] + (d->parts[b] > 1 ? next[b]++/PART_ROWS : 0);
         }
     free(next);
     for (int i = 0; ok && i < (int)size; i++)
@@ -767,7 +775,7 @@ static bool list_part_rows(const lw_dynamics *d, part_rows *r)
         r->at[p + 2] += r->at[p + 1];
     for (int i = 0; ok && i < (int)size; i++)
         if (r->part[i] >= 0)
-            r->list[r->at[r->part[i] + 1]++] = (struct part_row){ i/LW_ROW_BLOCKS, i%LW_ROW_BLOCKS };
+            r->list[r->at[r->part[i] + 1]++] = (struct part_row){ i/d->eq.n_slot, i%d->eq.n_slot };
     return ok;
 }
 
@@ -782,8 +790,8 @@ static bool analyse(lw_dynamics *d, const part_rows *r)
             mark[i] = -1;
         for (int i = 0, used = 0; i < n; i++) {
             mark[i] = i;
-            for (int k = 0; k < LW_ROW_BLOCKS && r->part[i*LW_ROW_BLOCKS + k] >= 0; k++)
-                for (int b = r->part[i*LW_ROW_BLOCKS + k], p = r->at[b]; p < r->at[b + 1]; p++) {
+            for (int k = 0; k < d->eq.n_slot && r->part[i*d->eq.n_slot + k] >= 0; k++)
+                for (int b = r->part[i*d->eq.n_slot + k], p = r->at[b]; p < r->at[b + 1]; p++) {
                     int j = r->list[p].unknown;
                     if (mark[j] == i)
                         continue;
@@ -810,14 +818,14 @@ static void add_pair(lw_dynamics *d, const int *row, const struct part_row *x, c
 {
     bool welds[2] = { x->unknown >= d->n_kept, y->unknown >= d->n_kept };
     if (!welds[0] && !welds[1]) {
-        d->pair[d->n_pair++] = (lw_row_pair){ row[x->unknown]*LW_ROW_SIZE + LW_BLOCK*x->slot,
-                                              row[y->unknown]*LW_ROW_SIZE + LW_BLOCK*y->slot, to };
+        d->pair[d->n_pair++] = (lw_row_pair){ row[x->unknown]*d->row_size + LW_BLOCK*x->slot,
+                                              row[y->unknown]*d->row_size + LW_BLOCK*y->slot, to };
         return;
     }
     const struct part_row *w = welds[0] ? x : y, *other = welds[0] ? y : x;
     int i = (w->unknown - d->n_kept)%LW_BLOCK;
     if (!welds[0] || !welds[1])
-        d->weld[d->n_weld++] = (lw_weld){ true, row[other->unknown]*LW_ROW_SIZE + LW_BLOCK*other->slot + i, to, w->slot ? -1 : 1 };
+        d->weld[d->n_weld++] = (lw_weld){ true, row[other->unknown]*d->row_size + LW_BLOCK*other->slot + i, to, w->slot ? -1 : 1 };
     else if (i == (other->unknown - d->n_kept)%LW_BLOCK)
         d->weld[d->n_weld++] = (lw_weld){ false, LW_BLOCK*block + i, to, (w->slot == other->slot ? 1 : -1)*d->parts[block] };
 }
@@ -898,7 +906,7 @@ static lw_status keep_basis(lw_dynamics *d)
 /* Prepare factors from the kept rows themselves: list the entries of each column (velocity). */
 static lw_status take_fronts(lw_dynamics *d)
 {
-    size_t most = (size_t)d->n_kept*LW_ROW_BLOCKS*LW_BLOCK;
+    size_t most = (size_t)d->n_kept*(size_t)d->row_size;
     int *at = calloc((size_t)d->n_v + 2, sizeof *at), *column = malloc((most + 1)*sizeof *column);
     lw_mbs_free_fronts(d);
     d->front_entry = malloc(2*(most + 1)*sizeof *d->front_entry);
@@ -907,12 +915,12 @@ static lw_status take_fronts(lw_dynamics *d)
     for (int pass = 0; d->by_fronts && pass < 2; pass++) {   /* count, then list */
         for (int i = 0; i < d->n_kept; i++) {
             int row = d->kept[i];
-            for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[row][k] >= 0; k++)
+            for (int k = 0; k < d->eq.n_slot && lw_mbs_blocks(d, row)[k] >= 0; k++)
                 for (int c = 0; c < LW_BLOCK; c++) {
-                    int v = LW_BLOCK*d->row_block[row][k] + c, to = pass ? at[v + 1]++ : at[v + 2]++;
+                    int v = LW_BLOCK*lw_mbs_blocks(d, row)[k] + c, to = pass ? at[v + 1]++ : at[v + 2]++;
                     if (pass) {
                         column[to] = i;
-                        d->front_entry[2*to] = row*LW_ROW_SIZE + LW_BLOCK*k + c;
+                        d->front_entry[2*to] = row*d->row_size + LW_BLOCK*k + c;
                         d->front_entry[2*to + 1] = v;
                     }
                 }

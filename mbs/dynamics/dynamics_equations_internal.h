@@ -72,7 +72,9 @@ struct lw_dynamics {
     lw_weld *weld;
     int     *parts;                           /* (n_block) equal parts into which blocks are divided */
     lw_cholesky schur;                        /* J M^-1 J^T over the kept rows, and welds */
-    lw_row_blocks *row_block;                  /* (n_c) */
+    int     row_size;                         /* LW_BLOCK*eq.n_slot: derivatives of a row in jac */
+    int    *row_block;                        /* (n_c*eq.n_slot): lw_mbs_blocks */
+    lw_bend *bend;                            /* (eq.bend_most) scratch */
     bool    by_fronts;                        /* the factor of schur comes from the rows: for large linkages that are all driven, */
     lw_row_fronts fronts;                     /* whose rows are so weak that J M^-1 J^T loses their digits */
     int    *front_entry;                      /* of each entry of fronts: (index in jac, velocity) */
@@ -80,7 +82,7 @@ struct lw_dynamics {
     int     rank_alone;                       /* rank of the rows of the system alone; -1: not known */
     /* at the posture last factored */
     lw_body_frame *frames;                    /* (n_body + 1) */
-    double *phi, *jac, *rhs;                  /* (n_c) (n_c*LW_ROW_SIZE), in blocks by row_block; (n_c) */
+    double *phi, *jac, *rhs;                  /* (n_c) (n_c*row_size), in blocks by row_block; (n_c) */
     double *jac_by_mass;                      /* J M^-1, as jac */
     double *by_mass;                          /* (n_v) 1/mass */
     bool    by_rank, null_ready;              /* which way holds; mass_null is made */
@@ -141,8 +143,13 @@ lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3]);
 /* From now on time stands, and driven inputs are held where they are in q. */
 void lw_mbs_freeze(lw_dynamics *d, const double *q);
 
-/* Second derivatives of a row in force at the posture placed last, as in lw_equations; those of resting stops are left out. */
-int lw_mbs_bends(const lw_dynamics *d, int row, lw_bend *out);
+/* The blocks of a row in force, at most eq.n_slot, -1 after the last; its derivatives, LW_BLOCK by each of them. */
+static inline int *lw_mbs_blocks(const lw_dynamics *d, int row) { return d->row_block + row*d->eq.n_slot; }
+static inline double *lw_mbs_jac(const lw_dynamics *d, int row) { return d->jac + row*d->row_size; }
+
+/* Second derivatives of a row in force at the posture placed last, as in lw_equations, into d->bend; returns how many.  Those of
+ * resting stops are left out. */
+int lw_mbs_bends(const lw_dynamics *d, int row);
 
 /* Rows and their derivatives at (t, q) into d->phi, d->jac, d->frames. */
 lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q);

@@ -7,6 +7,7 @@
  * z); the rows come in the same order, those of quaternions after the n_v rows of q'. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
+#include "mbs/dynamics/tangent_internal.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,10 +44,7 @@ static double mass_of(const ggl *g, int i) { return fmax(g->run->d->eq.mass[i], 
 static void push(const lw_dynamics *d, const double *l, double *out)
 {
     memset(out, 0, (size_t)d->n_v*sizeof *out);
-    for (int k = 0; k < d->n_kept; k++)
-        for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[d->kept[k]][b] >= 0; b++)
-            for (int i = 0; i < 3; i++)
-                out[LW_BLOCK*d->row_block[d->kept[k]][b] + i] += l[k]*d->jac[d->kept[k]*LW_ROW_SIZE + LW_BLOCK*b + i];
+    lw_tangent_push(d, l, out);
 }
 
 /* Friction for the multipliers l of the kept rows counts among the forces. */
@@ -118,10 +116,7 @@ static lw_status residual(void *context, double t, const double *y, const double
         r[n + i] = d->eq.mass[i]*dy[n + i] - d->force[i] + d->bias[i];
     for (int k = 0; k < c; k++) {
         int row = d->kept[k];
-        double rate = -d->rhs[row];
-        for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[row][b] >= 0; b++)
-            for (int i = 0; i < 3; i++)
-                rate += d->jac[row*LW_ROW_SIZE + LW_BLOCK*b + i]*v[LW_BLOCK*d->row_block[row][b] + i];
+        double rate = lw_mbs_row_rate(d, row, v) - d->rhs[row];
         r[first + k] = d->phi[row];
         r[first + c + k] = rate;
         if (row >= d->n_row)
@@ -198,17 +193,18 @@ static void add_row_derivatives(ggl *g, int k, const double *y, double *jac)
     int n = g->q, c = g->c, first = n + g->v, row = d->kept[k];
     const double *v = y + n;
     double l = y[first + k], m = y[first + c + k];
-    lw_bend each[LW_BEND_MAX];
-    for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[row][b] >= 0; b++)
+    const int *block = lw_mbs_blocks(d, row);
+    const lw_bend *each = d->bend;
+    for (int b = 0; b < d->eq.n_slot && block[b] >= 0; b++)
         for (int k0 = 0; k0 < 3; k0++) {
-            int i = LW_BLOCK*d->row_block[row][b] + k0;
-            double x = d->jac[row*LW_ROW_SIZE + LW_BLOCK*b + k0];
+            int i = LW_BLOCK*block[b] + k0;
+            double x = lw_mbs_jac(d, row)[LW_BLOCK*b + k0];
             put(g, jac, i, first + c + k, x/mass_of(g, i));
             put(g, jac, n + i, first + k, x);
             put_moved(g, jac, first + k, i, x);
             put(g, jac, first + c + k, n + i, x);
         }
-    for (int e = lw_mbs_bends(d, row, each) - 1; e >= 0; e--) {
+    for (int e = lw_mbs_bends(d, row) - 1; e >= 0; e--) {
         int a = each[e].a, b = each[e].b;
         put_moved(g, jac, a, b, m*each[e].h/mass_of(g, a));
         put_moved(g, jac, n + a, b, l*each[e].h);
@@ -271,20 +267,18 @@ static lw_status find_pattern(ggl *g)
     for (int i = 0; i < g->v; i++)
         put(g, NULL, n + i, n + i, 1);
     for (int k = 0; k < g->c; k++) {
-        const int *block = d->row_block[d->kept[k]];
-        int l = first + k, m = l + g->c, coordinate[LW_ROW_SIZE], count = 0;
-        for (int b = 0; b < LW_ROW_SIZE && block[b/LW_BLOCK] >= 0; b++)
-            coordinate[count++] = LW_BLOCK*block[b/LW_BLOCK] + b%LW_BLOCK;
-        for (int b = 0; b < count; b++) {
-            int i = coordinate[b];
+        const int *block = lw_mbs_blocks(d, d->kept[k]);
+        int l = first + k, m = l + g->c;
+        for (int b = 0; b < d->row_size && block[b/LW_BLOCK] >= 0; b++) {
+            int i = LW_BLOCK*block[b/LW_BLOCK] + b%LW_BLOCK;
             put(g, NULL, i, m, 1);
             put(g, NULL, n + i, l, 1);
             put_moved(g, NULL, l, i, 1);
             put_moved(g, NULL, m, i, 1);
             put(g, NULL, m, n + i, 1);
-            for (int j = 0; j < count; j++) {
-                put_moved(g, NULL, i, coordinate[j], 1);
-                put_moved(g, NULL, n + i, coordinate[j], 1);
+            for (int c = 0; c < d->row_size && block[c/LW_BLOCK] >= 0; c++) {
+                put_moved(g, NULL, i, LW_BLOCK*block[c/LW_BLOCK] + c%LW_BLOCK, 1);
+                put_moved(g, NULL, n + i, LW_BLOCK*block[c/LW_BLOCK] + c%LW_BLOCK, 1);
             }
         }
     }

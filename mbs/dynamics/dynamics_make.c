@@ -90,9 +90,9 @@ lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
 {
     size_t inputs = (size_t)d->n_input, dense = d->large ? 0 : 1, q = (size_t)d->n_q, v = (size_t)d->n_v, c = (size_t)d->n_row + inputs + (d->n_stop || (d->space && d->n_friction) ? LW_STOP_ROW_MAX : 0)
              + (d->touch ? (size_t)d->touch->row_max : 0);
-    size_t all = 0, n_int = 0, speeds = c + inputs + LW_BLOCK*(size_t)d->n_velocity;
+    size_t all = 0, n_int = 0, row = (size_t)(d->row_size = LW_BLOCK*d->eq.n_slot), speeds = c + inputs + LW_BLOCK*(size_t)d->n_velocity;
     const piece pieces[] = {
-        { &d->phi, c }, { &d->jac, c*LW_ROW_SIZE }, { &d->jac_by_mass, c*LW_ROW_SIZE }, { &d->rhs, speeds }, { &d->by_mass, v },
+        { &d->phi, c }, { &d->jac, c*row }, { &d->jac_by_mass, c*row }, { &d->rhs, speeds }, { &d->by_mass, v },
         { &d->rank_work, dense*lw_rank_doubles((int)v, (int)speeds) }, { &d->null, dense*v*v }, { &d->mass_null, dense*v*v },
         { &d->small, 3*c + v }, { &d->force, v }, { &d->bias, v }, { &d->q_try, q }, { &d->v_try, v }, { &d->small_v, v },
         { &d->stop_v, v }, { &d->a, v }, { &d->l, c }, { &d->l_each, 3*c }, { &d->hold, v }, { &d->start_q, q }, { &d->drawn_q, q },
@@ -107,8 +107,9 @@ lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
         n_int += ints[i].n;
     d->work = calloc(all, sizeof *d->work);
     d->ints = calloc(n_int, sizeof *d->ints);
-    d->row_block = calloc(c, sizeof *d->row_block);
-    if (!d->work || !d->ints || !d->row_block)
+    d->row_block = calloc(c*(size_t)d->eq.n_slot, sizeof *d->row_block);
+    d->bend = malloc((size_t)d->eq.bend_most*sizeof *d->bend);
+    if (!d->work || !d->ints || !d->row_block || !d->bend)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     all = n_int = 0;
     for (size_t i = 0; i < sizeof pieces/sizeof *pieces; i++) {
@@ -130,7 +131,7 @@ void lw_dynamics_free(lw_dynamics *d)
 {
     if (!d)
         return;
-    void *const array[] = { d->work, d->ints, d->pair, d->weld, d->parts, d->row_block, d->frames, d->stop, d->friction, d->friction_row,
+    void *const array[] = { d->work, d->ints, d->pair, d->weld, d->parts, d->row_block, d->bend, d->frames, d->stop, d->friction, d->friction_row,
                             d->driven, d->held, d->at_rest, d->reduced, d->rule, d->response };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
@@ -700,7 +701,7 @@ void lw_mbs_system_rows(const lw_dynamics *c, const double *q)
 {
     lw_dynamics *d = (lw_dynamics *)(uintptr_t)c;
     d->eq.place(d->eq.context, q);
-    memset(d->jac, 0, (size_t)d->n_row*LW_ROW_SIZE*sizeof *d->jac);
+    memset(d->jac, 0, (size_t)d->n_row*(size_t)d->row_size*sizeof *d->jac);
     d->eq.rows(d->eq.context, d->phi, d->jac, d->row_block);
 }
 

@@ -74,7 +74,7 @@ static double missing_rates(motion *m, const double *v)
         const lw_recursive_row *row = &m->r.row[i];
         int extra = i - (m->r.n_row - m->r.n_extra);
         double rate = extra >= 0 ? m->wanted[extra][1] : 0;
-        for (int k = 0; k < 6*LW_SPACE_SIDES; k++)
+        for (int k = 0; k < 6*m->r.s->n_side; k++)
             rate -= row->body[k/6] < 0 ? 0 : row->jac[k]*v[6*row->body[k/6] + k%6];
         m->r.l[i] = rate;
         most = fmax(most, fabs(rate));

@@ -9,7 +9,7 @@
 static double gap_of(const lw_dynamics *d, int i, double *g)
 {
     const lw_rigid_stop *p = &d->stop[i];
-    lw_row_blocks block;
+    int block[LW_ROW_BLOCKS];
     double row[LW_ROW_SIZE] = { 0 };
     d->eq.measure_blocks(d->eq.context, p->measure, block);
     double value = d->eq.measure(d->eq.context, p->measure, row, block);

@@ -268,10 +268,8 @@ static bool reduce(lanczos *z, bool are_modes, bool damping, double t, const dou
         const double *x = z->found + (size_t)j*(size_t)n;
         multiply_all(z, t, still, x, k, c);
         for (int r = 0; r < z->tangent->c; r++) {
-            lw_bend bend[LW_BEND_MAX];
-            int row = d->kept[r], count = lw_mbs_bends(d, row, bend);
-            for (int b = 0; b < count; b++)
-                k[bend[b].a] += l[r]*bend[b].h*x[bend[b].b];
+            for (int b = 0, count = lw_mbs_bends(d, d->kept[r]); b < count; b++)
+                k[d->bend[b].a] += l[r]*d->bend[b].h*x[d->bend[b].b];
         }
         lw_tangent_mass(z->tangent, z->q, x, z->heavy);
         for (int i = 0; i < m; i++) {

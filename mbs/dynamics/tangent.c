@@ -39,15 +39,13 @@ lw_status lw_tangent_make(lw_dynamics *d, bool is_complex, bool consistent, lw_t
     for (int i = 0; i < first + t->c; i++)
         list(t, i, i);
     for (int k = 0; k < t->c; k++) {
-        const int *block = d->row_block[d->kept[k]];
-        int coordinate[LW_ROW_SIZE], count = 0;
-        for (int b = 0; b < LW_ROW_SIZE && block[b/LW_BLOCK] >= 0; b++)
-            coordinate[count++] = LW_BLOCK*block[b/LW_BLOCK] + b%LW_BLOCK;
-        for (int b = 0; b < count; b++) {
-            list(t, coordinate[b], first + k);
-            list(t, first + k, coordinate[b]);
-            for (int j = 0; j < count; j++)
-                list(t, coordinate[b], coordinate[j]);
+        const int *block = lw_mbs_blocks(d, d->kept[k]);
+        for (int b = 0; b < d->row_size && block[b/LW_BLOCK] >= 0; b++) {
+            int i = LW_BLOCK*block[b/LW_BLOCK] + b%LW_BLOCK;
+            list(t, i, first + k);
+            list(t, first + k, i);
+            for (int c = 0; c < d->row_size && block[c/LW_BLOCK] >= 0; c++)
+                list(t, i, LW_BLOCK*block[c/LW_BLOCK] + c%LW_BLOCK);
         }
     }
     bool ok = !t->failed && lw_columns_make(&t->columns, first + t->c, t->pair, t->n_pair);
@@ -164,15 +162,15 @@ static void put_rows(lw_tangent *t, const double *l)
     const lw_dynamics *d = t->d;
     for (int k = 0; k < t->c; k++) {
         int row = d->kept[k];
-        lw_bend bend[LW_BEND_MAX];
-        for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[row][b] >= 0; b++)
+        const int *block = lw_mbs_blocks(d, row);
+        for (int b = 0; b < d->eq.n_slot && block[b] >= 0; b++)
             for (int i = 0; i < 3; i++) {
-                double x = t->scale*d->jac[row*LW_ROW_SIZE + LW_BLOCK*b + i];
-                put(t, LW_BLOCK*d->row_block[row][b] + i, t->n + t->z + k, x, 0);
-                put(t, t->n + t->z + k, LW_BLOCK*d->row_block[row][b] + i, x, 0);
+                double x = t->scale*lw_mbs_jac(d, row)[LW_BLOCK*b + i];
+                put(t, LW_BLOCK*block[b] + i, t->n + t->z + k, x, 0);
+                put(t, t->n + t->z + k, LW_BLOCK*block[b] + i, x, 0);
             }
-        for (int e = (l ? lw_mbs_bends(d, row, bend) : 0) - 1; e >= 0; e--)
-            put(t, bend[e].a, bend[e].b, l[k]*bend[e].h, 0);
+        for (int e = (l ? lw_mbs_bends(d, row) : 0) - 1; e >= 0; e--)
+            put(t, d->bend[e].a, d->bend[e].b, l[k]*d->bend[e].h, 0);
     }
 }
 
@@ -233,10 +231,13 @@ void lw_tangent_solve(lw_tangent *t, double *b)
 
 void lw_tangent_push(const lw_dynamics *d, const double *l, double *out)
 {
-    for (int k = 0; k < d->n_kept; k++)
-        for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[d->kept[k]][b] >= 0; b++)
+    for (int k = 0; k < d->n_kept; k++) {
+        const int *block = lw_mbs_blocks(d, d->kept[k]);
+        const double *jac = lw_mbs_jac(d, d->kept[k]);
+        for (int b = 0; b < d->eq.n_slot && block[b] >= 0; b++)
             for (int i = 0; i < 3; i++)
-                out[LW_BLOCK*d->row_block[d->kept[k]][b] + i] += l[k]*d->jac[d->kept[k]*LW_ROW_SIZE + LW_BLOCK*b + i];
+                out[LW_BLOCK*block[b] + i] += l[k]*jac[LW_BLOCK*b + i];
+    }
 }
 
 void lw_tangent_spread(lw_dynamics *d, const double *l)
@@ -285,8 +286,9 @@ lw_status lw_tangent_accelerate(lw_dynamics *d, const double *q, const double *v
         }
         for (int k = 0; k < d->n_kept; k++) {
             int row = d->kept[k];
-            for (int c = 0; c < LW_ROW_SIZE && d->row_block[row][c/LW_BLOCK] >= 0; c++)
-                b[LW_BLOCK*d->row_block[row][c/LW_BLOCK] + c%LW_BLOCK] -= l[row]*d->jac[row*LW_ROW_SIZE + c];
+            const int *block = lw_mbs_blocks(d, row);
+            for (int c = 0; c < d->row_size && block[c/LW_BLOCK] >= 0; c++)
+                b[LW_BLOCK*block[c/LW_BLOCK] + c%LW_BLOCK] -= l[row]*lw_mbs_jac(d, row)[c];
             b[first + k] = d->rhs[row] - lw_mbs_row_rate(d, row, a);
         }
         lw_tangent_solve(t, b);

@@ -61,12 +61,12 @@ void lw_mbs_touch_bodies(lw_dynamics *d, int row)
 {
     for (int k = 0; k < d->touch->n_row; k++, row++) {
         const lw_touch *p = &d->touch->list.touch[d->touch->row[k].touch];
-        int n = 0;
+        int n = 0, *block = lw_mbs_blocks(d, row);
         for (int end = 0; end < 2; end++)
             if (p->body[end] >= 0)
-                d->row_block[row][n++] = p->body[end];
-        for (; n < LW_ROW_BLOCKS; n++)
-            d->row_block[row][n] = -1;
+                block[n++] = p->body[end];
+        for (; n < d->eq.n_slot; n++)
+            block[n] = -1;
     }
 }
 
@@ -78,7 +78,7 @@ void lw_mbs_touch_rows(lw_dynamics *d, int row)
         lw_touch_motion m;
         lw_touch_at(p, &d->eq, d->frames, NULL, &m);
         d->phi[row] = tangent ? m.path - p->anchor : m.gap;
-        double *to = d->jac + row*LW_ROW_SIZE;
+        double *to = lw_mbs_jac(d, row);
         for (int end = 0; end < 2; end++)
             if (p->body[end] >= 0) {
                 memcpy(to, (tangent ? m.t : m.n) + 3*end, 3*sizeof *to);

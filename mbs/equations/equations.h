@@ -3,7 +3,7 @@
  *     q' = G(q) v,   M v' = Q(t, q, v, z) - J^T l,   z' = f(t, q, v, z),   Phi(q) = 0,   J = dPhi/dq G
  *
  * The solvers know rows, blocks and numbers, and neither the plane nor space: velocities come in blocks of three, a row
- * touches at most LW_ROW_BLOCKS blocks, which never change, and a step moves q along v.  Lengths are in multiples of the
+ * touches few blocks, which never change, and a step moves q along v.  Lengths are in multiples of the
  * size of the scene, so forces are energies [J] and masses are in [kg m^2].  Two files fill this:
  *
  *     equations_planar.c    a block is a body: three coordinates, as many velocities, G is the unit matrix
@@ -23,13 +23,11 @@
 #include "grammar/functions/expression.h"
 
 #define LW_BLOCK      3                      /* velocities of a block */
-#define LW_ROW_BLOCKS 4                      /* most blocks that a row touches */
+#define LW_ROW_BLOCKS 4                      /* most blocks that a measure touches, and a row of a joint */
 #define LW_ROW_SIZE   (LW_BLOCK*LW_ROW_BLOCKS)
-typedef int lw_row_blocks[LW_ROW_BLOCKS];    /* each once, -1 after the last */
 
 /* The derivative by velocity coordinate b of entry a of a row of J, where it is not 0. */
 typedef struct lw_bend { int a, b; double h; } lw_bend;
-#define LW_BEND_MAX 288
 
 /* Takes derivatives of forces; they are sums, so an entry may come several times. */
 typedef struct lw_force_sink {
@@ -46,6 +44,8 @@ typedef struct lw_equations {
     int   n_q, n_v;              /* coordinates; velocities                                             */
     int   n_block;               /* those of block b are v[LW_BLOCK*b] ..                               */
     int   n_row;                 /* rows of the joints                                                  */
+    int   n_slot;                /* blocks for which each row has room: LW_ROW_BLOCKS, more where a coupling needs them */
+    int   bend_most;             /* second derivatives that a row or a measure has at most              */
     int   n_z;                   /* first-order states: currents, pressures, integrals                  */
     int   n_damper;              /* dampers and motors, for an estimate of how stiff they are           */
     const double *mass;          /* (n_v) diagonal of M                                                 */
@@ -58,11 +58,12 @@ typedef struct lw_equations {
     void *context;
     /* Name of the link of a block, the joint of a row, ... */
     const char *(*name)(void *context, lw_named what, int index);
+    /* block (n_slot, of a measure LW_ROW_BLOCKS): each once, -1 after the last */
     void   (*row_blocks)(void *context, int row, int *block);
     void   (*measure_blocks)(void *context, int measure, int *block);
     void   (*place)(void *context, const double *q);
-    /* Rows phi (n_row) and J in blocks: derivatives by block[r][k] at jac[LW_ROW_SIZE*r + LW_BLOCK*k], added to jac. */
-    void   (*rows)(void *context, double *phi, double *jac, lw_row_blocks *block);
+    /* Rows phi (n_row) and J in blocks: derivatives by block[n_slot*r + k] at jac[LW_BLOCK*(n_slot*r + k)], added to jac. */
+    void   (*rows)(void *context, double *phi, double *jac, int *block);
     /* A measure over its unit (1 rad, or `unit`), and its derivatives, added to row; the unit. */
     double (*measure)(void *context, int measure, double *row, const int *block);
     double (*measure_unit)(void *context, int measure);
@@ -70,8 +71,7 @@ typedef struct lw_equations {
      * (n_row).  measure_bias: this part of the second rate of a measure. */
     void   (*bias)(void *context, const double *v, double *out);
     double (*measure_bias)(void *context, int measure, const double *v);
-    /* Second derivatives of a row, or of a measure over its unit, at most LW_BEND_MAX; returns how many.  For vibrations and
-     * implicit steps. */
+    /* Second derivatives of a row, or of a measure over its unit; returns how many.  For vibrations and implicit steps. */
     int    (*bends)(void *context, int row, lw_bend *out);
     int    (*measure_bends)(void *context, int measure, lw_bend *out);
     /* Motion prescribed for an input at t: value of its measure, rate and second rate, over the unit.  LW_E_NUMERIC: a number

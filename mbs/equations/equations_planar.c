@@ -24,10 +24,10 @@ static void place(void *context, const double *q)
     lw_system_place(d->s, q, d->frames);
 }
 
-static void rows(void *context, double *phi, double *jac, lw_row_blocks *body)
+static void rows(void *context, double *phi, double *jac, int *block)
 {
     const lw_planar *d = context;
-    lw_system_fill_blocks(d->s, d->frames, phi, jac, body);
+    lw_system_fill_blocks(d->s, d->frames, phi, jac, (lw_row_bodies *)block);
 }
 
 static double measure(void *context, int joint, double *row, const int *body)
@@ -402,6 +402,7 @@ lw_equations lw_planar_equations(lw_planar *p)
         consistent = consistent || m->beam[i].consistent;
     p->n_jump = lw_timed_jumps(&(lw_timed){ .expressions = expressions, .context = p });
     return (lw_equations){ .n_q = p->s->n_q, .n_v = p->s->n_q, .n_block = p->s->n_body, .n_row = p->s->n_row,
+                           .n_slot = LW_ROW_BLOCKS, .bend_most = 24,         /* of a gear between two sliders */
                            .n_z = m->states.n_state, .z = p->f->z, .n_damper = m->n_spring + m->n_joint_spring + m->n_motor,
                            .mass = p->f->mass, .weight = p->f->weight, .unit = p->s->unit,
                            .conservative = p->f->conservative, .exact = lw_planar_exact(p), .context = p, .name = name,

@@ -89,7 +89,9 @@ lw_status lw_spatial_scene_make(const lw_spatial *m, lw_spatial_scene *c, lw_err
     c->idle = calloc(bodies, sizeof *c->idle);
     c->slots = calloc(rows, sizeof *c->slots);
     c->mass = calloc(6*bodies, sizeof *c->mass);
-    if (!c->frame || !c->idle || !c->slots || !c->mass)
+    c->sum = malloc(6*(size_t)c->s.n_side*sizeof *c->sum);
+    c->bend = malloc((size_t)c->s.n_term*LW_SPACE_BENDS*sizeof *c->bend);
+    if (!c->frame || !c->idle || !c->slots || !c->mass || !c->sum || !c->bend)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     c->n_idle = lw_space_idle(&c->s, c->idle);
     if (!every_freedom_is_driven(c))
@@ -101,12 +103,10 @@ lw_status lw_spatial_scene_make(const lw_spatial *m, lw_spatial_scene *c, lw_err
             t->joint = j;
             set_slots(t, c->s.joint[j].body, lw_space_row_turns(&c->s, j, k));
         }
+    c->n_slot = LW_ROW_BLOCKS;
     for (int i = 0; i < c->s.n_coupling; i++) {
-        const lw_space_coupling *p = &c->s.coupling[i];
-        lw_space_slots *t = &c->slots[c->s.n_joint_row + i];
-        *t = (lw_space_slots){ .joint = c->s.n_joint + i };
-        for (int k = 0; k < p->n_part; k++, t->n++)
-            t->from[k] = LW_BLOCK*p->part[k], t->block[k] = 2*p->body[p->part[k]/2] + p->part[k]%2;
+        c->slots[c->s.n_joint_row + i].joint = -1;
+        c->n_slot = c->s.coupling[i].n_part > c->n_slot ? c->s.coupling[i].n_part : c->n_slot;
     }
     for (int i = 0; i < c->n_idle; i++)
         put_spin(c, i);
@@ -133,6 +133,8 @@ void lw_spatial_scene_free(lw_spatial_scene *c)
     free(c->frame);
     free(c->idle);
     free(c->slots);
+    free(c->sum);
+    free(c->bend);
     free(c->mass);
     lw_space_forces_free(&c->f);
     lw_space_free(&c->s);
@@ -168,9 +170,17 @@ static void put_blocks(const lw_space_slots *t, int *block)
         block[k] = k < t->n ? t->block[k] : -1;
 }
 
+static int block_of_part(const lw_space_coupling *p, int k) { return 2*p->body[p->part[k]/2] + p->part[k]%2; }
+
 static void row_blocks(void *context, int row, int *block)
 {
-    put_blocks(&((const lw_spatial_scene *)context)->slots[row], block);
+    const lw_spatial_scene *c = context;
+    int i = row - c->s.n_joint_row;
+    bool couples = i >= 0 && i < c->s.n_coupling;
+    for (int k = 0; k < c->n_slot; k++)
+        block[k] = couples && k < c->s.coupling[i].n_part ? block_of_part(&c->s.coupling[i], k) : -1;
+    if (!couples)
+        put_blocks(&c->slots[row], block);
 }
 
 static void measure_blocks(void *context, int measure, int *block)
@@ -226,27 +236,32 @@ static void place(void *context, const double *q)
     lw_space_place(&c->s, q, c->frame);
 }
 
-static void rows(void *context, double *phi, double *jac, lw_row_blocks *block)
+static void rows(void *context, double *phi, double *jac, int *block)
 {
     const lw_spatial_scene *c = context;
+    int size = LW_BLOCK*c->n_slot;
     (void)block;
     _Static_assert(LW_ROW_SIZE == LW_SPACE_ROW, "rows of two bodies fill rows of the layer");
     lw_space_rows(&c->s, c->frame, phi, jac);
+    for (int r = c->s.n_joint_row - 1; size > LW_SPACE_ROW && r >= 0; r--) {     /* to where they belong, the last one first */
+        memmove(jac + r*size, jac + r*LW_SPACE_ROW, LW_SPACE_ROW*sizeof *jac);
+        memset(jac + r*size + LW_SPACE_ROW, 0, (size_t)(size - LW_SPACE_ROW)*sizeof *jac);
+    }
     for (int r = 0; r < c->s.n_joint_row; r++) {
-        double *to = jac + r*LW_ROW_SIZE;
+        double *to = jac + r*size;
         const lw_space_slots *t = &c->slots[r];
         for (int k = 0; k < t->n; k++)
             if (t->from[k] > LW_BLOCK*k)
                 memcpy(to + LW_BLOCK*k, to + t->from[k], LW_BLOCK*sizeof *to);
     }
     for (int i = 0, r = c->s.n_joint_row; i < c->s.n_coupling; i++, r++) {
-        double all[6*LW_SPACE_SIDES];
-        lw_space_coupling_row(&c->s, i, c->frame, c->f.turn, &phi[r], all);
-        for (int k = 0; k < c->slots[r].n; k++)
-            memcpy(jac + r*LW_ROW_SIZE + LW_BLOCK*k, all + c->slots[r].from[k], LW_BLOCK*sizeof *jac);
+        const lw_space_coupling *p = &c->s.coupling[i];
+        lw_space_coupling_row(&c->s, i, c->frame, c->f.turn, &phi[r], c->sum);
+        for (int k = 0; k < p->n_part; k++)
+            memcpy(jac + r*size + LW_BLOCK*k, c->sum + LW_BLOCK*p->part[k], LW_BLOCK*sizeof *jac);
     }
     for (int i = 0; i < c->n_idle; i++) {
-        double *to = jac + (c->s.n_row + i)*LW_ROW_SIZE;
+        double *to = jac + (c->s.n_row + i)*size;
         lw_vec3 axis = c->idle[i].axis;
         phi[c->s.n_row + i] = 0;
         to[0] = axis.x, to[1] = axis.y, to[2] = axis.z;
@@ -262,13 +277,10 @@ static void bias(void *context, const double *v, double *out)
 static int bends(void *context, int row, lw_bend *out)
 {
     const lw_spatial_scene *c = context;
-    lw_space_bend each[LW_BEND_MAX];
-    _Static_assert(LW_BEND_MAX == LW_COUPLING_TERMS*LW_SPACE_BENDS, "rows of couplings have the most second derivatives");
-    int joint = c->slots[row].joint, n = joint < 0 ? 0
-          : joint >= c->s.n_joint ? lw_space_coupling_bends(&c->s, c->frame, joint - c->s.n_joint, each)
-          : lw_space_row_bends(&c->s, c->frame, joint, row - c->s.joint[joint].row, each);
+    int joint = c->slots[row].joint, n = joint >= 0 ? lw_space_row_bends(&c->s, c->frame, joint, row - c->s.joint[joint].row, c->bend)
+          : row < c->s.n_row ? lw_space_coupling_bends(&c->s, c->frame, row - c->s.n_joint_row, c->bend) : 0;
     for (int i = 0; i < n; i++)
-        out[i] = (lw_bend){ each[i].a, each[i].b, each[i].h };
+        out[i] = (lw_bend){ c->bend[i].a, c->bend[i].b, c->bend[i].h };
     return n;
 }
 
@@ -520,9 +532,8 @@ static const char *name(void *context, lw_named what, int i)
     switch (what) {
     case LW_NAMED_BLOCK: return c->model->body[c->s.link_of[i/2]].name;
     case LW_NAMED_ROW:
-        return c->slots[i].joint < 0 ? c->model->body[c->s.link_of[c->idle[i - c->s.n_row].body]].name
-             : c->slots[i].joint >= c->s.n_joint ? c->model->coupling[c->slots[i].joint - c->s.n_joint].name
-             : c->model->joint[c->slots[i].joint].name;
+        return i >= c->s.n_row ? c->model->body[c->s.link_of[c->idle[i - c->s.n_row].body]].name
+             : i >= c->s.n_joint_row ? c->model->coupling[i - c->s.n_joint_row].name : c->model->joint[c->slots[i].joint].name;
     case LW_NAMED_INPUT: case LW_NAMED_MEASURE:
         return of.of < LW_OF_X ? c->model->joint[of.index].name : c->model->tracer[of.index].name;
     case LW_NAMED_STATE: return c->model->states.state[i].name;
@@ -577,6 +588,7 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
     bool flies = c->flying.n > 0 && c->n_idle == 0;
     c->n_jump = lw_timed_jumps(&(lw_timed){ .expressions = expressions, .context = c });
     return (lw_equations){ .n_q = c->s.n_q, .n_v = c->s.n_v, .n_block = 2*c->s.n_body, .n_row = c->s.n_row + c->n_idle,
+                           .n_slot = c->n_slot, .bend_most = c->s.n_term*LW_SPACE_BENDS,      /* of a measure 144 */
                            .n_damper = lw_space_dampers(&c->s), .mass = c->mass, .weight = c->f.weight, .unit = c->s.unit,
                            .conservative = c->f.conservative, .smooth = true, .exact = true, .context = c, .name = name,
                            .row_blocks = row_blocks, .measure_blocks = measure_blocks, .place = place, .rows = rows,

@@ -8,8 +8,8 @@
 #include "mbs/space/space_follow.h"
 #include "mbs/space/space_forces.h"
 
-/* Where a row of the layer finds its derivatives among the 12 of mbs/space/space.h: n groups of three. */
-typedef struct lw_space_slots { int joint /* n_joint + i: coupling i; -1: a spin */, n, from[LW_ROW_BLOCKS], block[LW_ROW_BLOCKS]; } lw_space_slots;
+/* Where the row of a joint or a measure finds its derivatives among the 12 of mbs/space/space.h: n groups of three. */
+typedef struct lw_space_slots { int joint /* -1: a coupling, or a spin */, n, from[LW_ROW_BLOCKS], block[LW_ROW_BLOCKS]; } lw_space_slots;
 
 typedef struct lw_spatial_scene {
     const lw_spatial *model;
@@ -19,6 +19,9 @@ typedef struct lw_spatial_scene {
     int             n_idle;                      /* spins of links between ball joints, which rows after the joints' hold */
     lw_space_extra *idle;                        /* (n_body) */
     lw_space_slots *slots;                       /* (n_row) */
+    int             n_slot;                      /* of the equations */
+    double         *sum;                         /* (6*s.n_side) derivatives of a coupling: scratch */
+    lw_space_bend  *bend;                        /* (s.n_term*LW_SPACE_BENDS) scratch */
     lw_flying       flying;                      /* bodies that nothing joins to the ground */
     double         *mass;                        /* (n_v) with an inertia for each spin that is held */
     lw_space_follow follow;                      /* postures along the inputs that have a motion; memory NULL: not made */

@@ -15,10 +15,10 @@ static bool turns_by_quaternion(lw_spatial_kind k) { return k == LW_SPATIAL_SPHE
 
 static lw_status reserve(const lw_space *s, lw_recursive *r, lw_error *e)
 {
-    size_t b = (size_t)s->n_body, rows = (size_t)r->n_row, u = (size_t)r->n_u, joints = (size_t)s->n_joint + 1;
-    size_t doubles = 3*u + rows*u + rows*rows + rows;
-    size_t bytes = (b + 1)*sizeof *r->body + (2*u + b)*sizeof *r->axis + rows*sizeof *r->row + (b + 1)*sizeof *r->frame
-                 + doubles*sizeof(double) + (joints + b + rows)*sizeof(int);
+    size_t b = (size_t)s->n_body, rows = (size_t)r->n_row, u = (size_t)r->n_u, joints = (size_t)s->n_joint + 1, sides = (size_t)s->n_side;
+    size_t doubles = 3*u + rows*u + rows*rows + rows + 6*rows*sides;
+    size_t bytes = (b + 1)*sizeof *r->body + (2*u + b + rows*sides)*sizeof *r->axis + rows*sizeof *r->row + (b + 1)*sizeof *r->frame
+                 + doubles*sizeof(double) + (joints + b + rows + (rows + 1)*sides)*sizeof(int);
     char *at = r->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -27,6 +27,8 @@ static lw_status reserve(const lw_space *s, lw_recursive *r, lw_error *e)
     r->axis = (lw_screw *)(void *)at, at += u*sizeof *r->axis;
     r->push = (lw_screw *)(void *)at, at += u*sizeof *r->push;
     r->pull = (lw_screw *)(void *)at, at += b*sizeof *r->pull;
+    lw_screw *pull = (lw_screw *)(void *)at;
+    at += rows*sides*sizeof *pull;
     r->row = (lw_recursive_row *)(void *)at, at += rows*sizeof *r->row;
     r->frame = (lw_space_frame *)(void *)at, at += (b + 1)*sizeof *r->frame;
     r->by_inertia = (double *)(void *)at, at += u*sizeof(double);
@@ -35,9 +37,14 @@ static lw_status reserve(const lw_space *s, lw_recursive *r, lw_error *e)
     r->half = (double *)(void *)at, at += rows*u*sizeof(double);
     r->schur = (double *)(void *)at, at += rows*rows*sizeof(double);
     r->l = (double *)(void *)at, at += rows*sizeof(double);
+    double *jac = (double *)(void *)at;
+    at += 6*rows*sides*sizeof *jac;
     r->cut = (int *)(void *)at, at += joints*sizeof(int);
     r->place = (int *)(void *)at, at += b*sizeof(int);
-    r->order = (int *)(void *)at;
+    r->order = (int *)(void *)at, at += rows*sizeof(int);
+    r->side = (int *)(void *)at, at += sides*sizeof(int);
+    for (size_t i = 0; i < rows; i++)
+        r->row[i] = (lw_recursive_row){ .body = (int *)(void *)at + i*sides, .jac = jac + 6*i*sides, .pull = pull + i*sides };
     return LW_OK;
 }
 
@@ -507,11 +514,10 @@ static lw_status factor_masses(lw_recursive *r)
 
 /* ---- loops ---------------------------------------------------------------------------------------------------- */
 
-/* The body of the sides from `first` on: none. */
-static void leave_out(lw_recursive_row *row, int first)
+static void put_bodies(const lw_recursive *r, lw_recursive_row *row, int n, const int *body)
 {
-    for (int k = first; k < LW_SPACE_SIDES; k++)
-        row->body[k] = -1;
+    for (int k = 0; k < r->s->n_side; k++)
+        row->body[k] = k < n ? body[k] : -1;
 }
 
 void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wanted)[3], const double *turn, const double *v)
@@ -525,22 +531,24 @@ void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wante
         if (v)
             lw_space_joint_bias(r->s, r->cut[i], r->frame, v, bias);
         for (int k = 0; k < rows; k++, n++) {
-            r->row[n] = (lw_recursive_row){ .body = { j->body[0], j->body[1] }, .phi = phi[k], .bias = v ? bias[k] : 0 };
-            leave_out(&r->row[n], 2);
+            put_bodies(r, &r->row[n], 2, j->body);
+            r->row[n].phi = phi[k];
+            r->row[n].bias = v ? bias[k] : 0;
             memcpy(r->row[n].jac, jac + k*LW_SPACE_ROW, LW_SPACE_ROW*sizeof *jac);
         }
     }
     for (int i = 0; i < r->s->n_coupling; i++, n++) {
         lw_recursive_row *p = &r->row[n];
-        memcpy(p->body, r->s->coupling[i].body, sizeof p->body);
+        put_bodies(r, p, r->s->coupling[i].n_side, r->s->coupling[i].body);
         lw_space_coupling_row(r->s, i, r->frame, turn, &p->phi, p->jac);
         p->bias = v ? lw_space_coupling_bias(r->s, i, r->frame, v) : 0;
     }
     for (int i = 0; i < r->n_extra; i++, n++) {
         lw_recursive_row *p = &r->row[n];
         const lw_space_extra *x = &r->extra[i];
-        *p = (lw_recursive_row){ .phi = 0 };
-        leave_out(p, 2);
+        p->phi = p->bias = 0;
+        memset(p->jac, 0, LW_SPACE_ROW*sizeof *p->jac);
+        put_bodies(r, p, 0, NULL);
         lw_space_bodies(r->s, x, p->body);
         if (x->spin)
             p->jac[3] = x->axis.x, p->jac[4] = x->axis.y, p->jac[5] = x->axis.z;
@@ -550,29 +558,30 @@ void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wante
         }
     }
     for (int i = 0; i < n; i++)
-        for (int k = 0; k < LW_SPACE_SIDES; k++) {
+        for (int k = 0; k < r->s->n_side; k++) {
             const double *j = r->row[i].jac + 6*k;
             lw_screw *pull = &r->row[i].pull[k];
-            *pull = (lw_screw){ { 0, 0, 0 }, { j[0], j[1], j[2] } };
-            if (r->row[i].body[k] >= 0)
-                pull->turn = along_axes(&r->frame[r->row[i].body[k] + 1].turn, j + 3);
+            if (r->row[i].body[k] < 0)
+                continue;
+            pull->move = lw_v3(j[0], j[1], j[2]);
+            pull->turn = along_axes(&r->frame[r->row[i].body[k] + 1].turn, j + 3);
         }
 }
 
 /* A row of Y: what the pulls of a row leave at each rate, going inwards. */
 static void halve(lw_recursive *r, const lw_recursive_row *row, double *y)
 {
-    int place[LW_SPACE_SIDES], last = -1;
+    int *place = r->side, last;
     memset(y, 0, (size_t)r->n_u*sizeof *y);
     memset(r->pull, 0, (size_t)r->s->n_body*sizeof *r->pull);
-    for (int k = 0; k < LW_SPACE_SIDES; k++) {
+    for (int k = 0; k < r->s->n_side; k++) {
         place[k] = row->body[k] < 0 ? -1 : r->place[row->body[k]];
         if (place[k] >= 0)
             r->pull[place[k]] = screw_add(r->pull[place[k]], row->pull[k]);
     }
     for (;;) {
         last = place[0] > place[1] ? place[0] : place[1];
-        for (int k = 2; k < LW_SPACE_SIDES; k++)
+        for (int k = 2; k < r->s->n_side; k++)
             last = place[k] > last ? place[k] : last;
         if (last < 0)
             return;
@@ -587,7 +596,7 @@ static void halve(lw_recursive *r, const lw_recursive_row *row, double *y)
             g.turn = lw_v3_add(g.turn, lw_v3_cross(p->from_parent, g.move));
             r->pull[p->parent] = screw_add(r->pull[p->parent], g);
         }
-        for (int k = 0; k < LW_SPACE_SIDES; k++)
+        for (int k = 0; k < r->s->n_side; k++)
             place[k] = place[k] == last ? p->parent : place[k];
     }
 }
@@ -713,7 +722,7 @@ void lw_recursive_solve(lw_recursive *r, const double *force, lw_recursive_want 
     for (int i = 0; i < r->n_row; i++) {
         const lw_recursive_row *row = &r->row[i];
         double is = 0, goal = want == LW_WANT_CLOSED ? -row->phi : want == LW_WANT_MOTION ? row->bias : r->l[i];
-        for (int k = 0; force && k < LW_SPACE_SIDES; k++)
+        for (int k = 0; force && k < r->s->n_side; k++)
             if (row->body[k] >= 0)
                 is += screw_dot(row->pull[k], r->body[r->place[row->body[k]]].a);
         r->l[i] = is - goal;

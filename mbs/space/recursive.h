@@ -39,9 +39,9 @@ typedef struct lw_recursive_body {           /* in the order of the tree, parent
 } lw_recursive_body;
 
 typedef struct lw_recursive_row {
-    int      body[LW_SPACE_SIDES];           /* -1: ground, or none */
-    double   jac[6*LW_SPACE_SIDES], phi, bias;
-    lw_screw pull[LW_SPACE_SIDES];
+    int     *body;                           /* (s->n_side) -1: ground, or none */
+    double  *jac, phi, bias;                 /* (6*s->n_side) */
+    lw_screw *pull;                          /* (s->n_side) */
 } lw_recursive_row;
 
 typedef struct lw_recursive {
@@ -59,6 +59,7 @@ typedef struct lw_recursive {
     double   *half, *schur, *l, *along;      /* Y (n_row x n_u); (n_row x n_row); (n_row); (n_u) */
     int      *order;                         /* (n_row) of elimination: the first `rank` are kept */
     lw_screw *pull;                          /* (n_body) scratch */
+    int      *side;                          /* (s->n_side) scratch */
     lw_space_frame *frame;                   /* (n_body + 1) at the posture placed last */
     double    weak;                          /* least pivot of loops over the greatest; 1: none */
     void     *memory;

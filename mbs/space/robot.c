@@ -495,7 +495,7 @@ static double inverse_of_rows(lw_robot *r)
     for (int i = 0; i < z->n_row; i++) {
         double *row = r->square + (size_t)i*n, length = 0;
         for (int c = z->at[i]; c < z->at[i + 1]; c++) {
-            int b = z->body[i][(c - z->at[i])/6];
+            int b = z->body[c/6];
             if (b >= 0)
                 row[6*b + (c - z->at[i])%6] += z->jac[c];
         }

@@ -15,8 +15,11 @@ void lw_space_free(lw_space *s)
 static lw_status reserve(const lw_spatial *m, lw_space *s, lw_error *e)
 {
     size_t links = (size_t)m->n_link, joints = (size_t)m->n_joint, tracers = (size_t)m->n_tracer;
-    size_t bytes = joints*sizeof *s->joint + (size_t)m->n_coupling*sizeof *s->coupling + (tracers + 1)*sizeof *s->tracer + links*sizeof *s->axes +
-                   links*14*sizeof(double) + 2*links*sizeof(int);
+    size_t couplings = (size_t)m->n_coupling, terms = 0;
+    for (int i = 0; i < m->n_coupling; i++)
+        terms += (size_t)m->coupling[i].n;
+    size_t bytes = joints*sizeof *s->joint + couplings*sizeof *s->coupling + terms*sizeof *s->coupling->term + (tracers + 1)*sizeof *s->tracer +
+                   links*sizeof *s->axes + links*14*sizeof(double) + (2*links + 5*terms + couplings)*sizeof(int);
     char *at = s->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -26,9 +29,17 @@ static lw_status reserve(const lw_spatial *m, lw_space *s, lw_error *e)
     s->axes = (lw_quaternion *)(void *)at, at += links*sizeof *s->axes;
     s->tracer = (lw_space_point *)(void *)at, at += (tracers + 1)*sizeof *s->tracer;
     s->joint = (lw_space_joint *)(void *)at, at += joints*sizeof *s->joint;
-    s->coupling = (lw_space_coupling *)(void *)at, at += (size_t)m->n_coupling*sizeof *s->coupling;
+    s->coupling = (lw_space_coupling *)(void *)at, at += couplings*sizeof *s->coupling;
+    for (int i = 0; i < m->n_coupling; i++) {
+        s->coupling[i].n = m->coupling[i].n;
+        s->coupling[i].term = (lw_space_term *)(void *)at, at += (size_t)m->coupling[i].n*sizeof *s->coupling->term;
+    }
     s->body_of = (int *)(void *)at, at += links*sizeof(int);
-    s->link_of = (int *)(void *)at;
+    s->link_of = (int *)(void *)at, at += links*sizeof(int);
+    for (int i = 0; i < m->n_coupling; i++) {            /* two bodies and three parts a term; one place more, which stays -1 */
+        s->coupling[i].body = (int *)(void *)at, at += (2*(size_t)m->coupling[i].n + 1)*sizeof(int);
+        s->coupling[i].part = (int *)(void *)at, at += 3*(size_t)m->coupling[i].n*sizeof(int);
+    }
     return LW_OK;
 }
 
@@ -110,16 +121,14 @@ static void make_joint(lw_space *s, int i, lw_vec3 x)
     }
 }
 
-/* Place of a body among those of a coupling; -1: the ground, or one too many. */
+/* Place of a body among those of a coupling; -1: the ground. */
 static int side_of(lw_space_coupling *c, int body)
 {
     int k = 0;
-    while (k < LW_SPACE_SIDES && c->body[k] >= 0 && c->body[k] != body)
+    while (c->body[k] >= 0 && c->body[k] != body)
         k++;
-    if (body < 0 || k == LW_SPACE_SIDES)
-        return -1;
     c->body[k] = body;
-    return k;
+    return body < 0 ? -1 : k;
 }
 
 static void add_part(lw_space_coupling *c, int side, bool turns)
@@ -127,18 +136,16 @@ static void add_part(lw_space_coupling *c, int side, bool turns)
     int i = 0, part = 2*side + turns;
     while (i < c->n_part && c->part[i] != part)
         i++;
-    if (side >= 0 && i == c->n_part && i < LW_COUPLING_PARTS)
+    if (side >= 0 && i == c->n_part)
         c->part[c->n_part++] = part;
 }
 
-static lw_status make_coupling(lw_space *s, int i, lw_error *e)
+static void make_coupling(lw_space *s, int i)
 {
     const lw_spatial_coupling *p = &s->model->coupling[i];
     lw_space_coupling *c = &s->coupling[i];
-    *c = (lw_space_coupling){ .n = p->n, .body = { -1, -1, -1, -1 } };
-    if (lw_spatial_coupling_parts(s->model, p) > LW_COUPLING_PARTS)       /* elastic links have a body for each node */
-        return lw_error_set(e, LW_E_KIND, "coupling \"%s\" depends on too many nodes of elastic links: divide it into two couplings with "
-                            "a shaft between them, a link of its own that turns in the ground", p->name);
+    for (int k = 0; k <= 2*p->n; k++)
+        c->body[k] = -1;
     for (int k = 0; k < p->n; k++) {
         lw_space_term *t = &c->term[k];
         bool turn = p->of[k].of == LW_OF_TURN;
@@ -160,7 +167,10 @@ static lw_status make_coupling(lw_space *s, int i, lw_error *e)
     }
     for (int k = 0; k < c->n; k++)
         c->term[k].factor /= c->most;
-    return LW_OK;
+    for (c->n_side = 2; c->body[c->n_side] >= 0;)
+        c->n_side++;
+    s->n_side = c->n_side > s->n_side ? c->n_side : s->n_side;
+    s->n_term = c->n > s->n_term ? c->n : s->n_term;
 }
 
 void lw_space_joints(lw_space *s, const lw_spatial_joint *drawn)
@@ -200,11 +210,10 @@ lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e)
     for (int i = 0; i < m->n_tracer; i++)
         s->tracer[i] = lw_space_point_of(s, m->tracer[i].link, m->tracer[i].at);
     s->n_joint_row = s->n_row;
-    for (; st == LW_OK && s->n_coupling < m->n_coupling; s->n_coupling++, s->n_row++)
-        st = make_coupling(s, s->n_coupling, e);
-    if (st != LW_OK)
-        lw_space_free(s);
-    return st;
+    s->n_side = s->n_term = 2;
+    for (; s->n_coupling < m->n_coupling; s->n_coupling++, s->n_row++)
+        make_coupling(s, s->n_coupling);
+    return LW_OK;
 }
 
 void lw_space_place(const lw_space *s, const double *q, lw_space_frame *frame)

@@ -4,15 +4,14 @@
  * coordinates, its centre of mass in ground axes and a quaternion w, x, y, z of any length that turns its principal axes
  * to ground axes; and 6 velocities, that of the centre in ground axes and omega [rad/s] in principal axes.  So the mass
  * matrix is diagonal and constant, m m m I1 I2 I3 [kg m^2], and forces are energies [J].  A row of a joint touches two bodies at
- * most; its derivatives by their velocities are 12 numbers.  That of a coupling touches four bodies, in 24 numbers.  Frames, points
- * and values of measures are in SI units. */
+ * most; its derivatives by their velocities are 12 numbers.  That of a coupling touches the bodies of all its joints, in 6 numbers for
+ * each.  Frames, points and values of measures are in SI units. */
 #ifndef LW_MBS_SPACE_SPACE_H
 #define LW_MBS_SPACE_SPACE_H
 
 #include "grammar/model/spatial.h"
 
-#define LW_SPACE_ROW 12          /* derivatives of a row: by 6 velocities of each of two bodies */
-#define LW_SPACE_SIDES 4         /* most bodies of a row, that of a coupling */
+#define LW_SPACE_ROW 12          /* derivatives of the row of a joint or measure: by 6 velocities of each of two bodies */
 
 /* A body's place; [0] of an array of frames is the ground, [b + 1] body b. */
 typedef struct lw_space_frame { lw_vec3 at; lw_mat3 turn; } lw_space_frame;
@@ -38,9 +37,9 @@ typedef struct lw_space_term {
 } lw_space_term;
 
 typedef struct lw_space_coupling {
-    int  n, body[LW_SPACE_SIDES];            /* bodies, -1 after the last                              */
-    int  n_part, part[LW_COUPLING_PARTS];    /* groups of three of the 24 derivatives that are not 0   */
-    lw_space_term term[LW_COUPLING_TERMS];
+    int  n, n_side, *body;       /* terms; bodies, at least two, -1 where there are fewer              */
+    int  n_part, *part;          /* groups of three of the 6*n_side derivatives that are not 0         */
+    lw_space_term *term;         /* (n)                                                                */
     double most;                             /* greatest factor, of a slide times `unit`               */
 } lw_space_coupling;
 
@@ -54,6 +53,7 @@ typedef struct lw_space {
     const lw_spatial *model;
     int     n_body, n_q, n_v, n_joint, n_coupling;
     int     n_joint_row, n_row;  /* rows of joints; and couplings, one each                           */
+    int     n_side, n_term;      /* most bodies of a row; most terms of a coupling, at least two      */
     double  unit;
     int    *body_of, *link_of;   /* (n_link) body of a link, -1: ground; (n_body)                     */
     lw_space_joint *joint;       /* (n_joint)                                                         */
@@ -67,7 +67,7 @@ typedef struct lw_space {
 } lw_space;
 
 /* The model must outlive s.  Elastic links are rigid bars of the same mass (mbs/elastic/expand_space.h).  LW_E_MEMORY;
- * LW_E_ARG: an elastic link without an axis; LW_E_KIND: a coupling of more parts of bodies than it can have. */
+ * LW_E_ARG: an elastic link without an axis. */
 lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e);
 void      lw_space_free(lw_space *s);
 
@@ -95,7 +95,7 @@ void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double 
 void lw_space_joint_rows(const lw_space *s, int joint, const lw_space_frame *frame, double *phi, double *jac);
 void lw_space_joint_bias(const lw_space *s, int joint, const lw_space_frame *frame, const double *v, double *out);
 
-/* The row of a coupling and its derivatives (24), with turns (n_joint) near which angles count. */
+/* The row of a coupling and its derivatives (6*n_side), with turns (n_joint) near which angles count. */
 void lw_space_coupling_row(const lw_space *s, int coupling, const lw_space_frame *frame, const double *turn, double *phi, double *jac);
 double lw_space_coupling_bias(const lw_space *s, int coupling, const lw_space_frame *frame, const double *v);
 
@@ -111,7 +111,7 @@ double lw_space_scale(const lw_space *s, lw_spatial_measure of);      /* 1 of tu
 
 /* Its second derivatives over the unit, by the 12 coordinates of its bodies along their motions: derivative by b of entry a
  * of the first derivatives.  And those of row k of a joint, of which there are at most LW_SPACE_BENDS, and of a coupling, at most
- * LW_COUPLING_TERMS times as many, by velocity coordinates of the model; returns how many. */
+ * that for each term, by velocity coordinates of the model; returns how many. */
 typedef struct lw_space_bend { int a, b; double h; } lw_space_bend;
 #define LW_SPACE_BENDS 72
 void lw_space_measure_bends(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double h[12][12]);

@@ -256,9 +256,9 @@ static lw_status name_redundant(search *x, lw_space_mobility *m, lw_error *e)
     lw_space_rows_fill(&x->z, m->freedom > 0 ? x->moved : s->start, NULL);
     for (int r = 0; r < rows; r++) {
         memset(row, 0, (size_t)n*sizeof *row);
-        for (int k = 0; k < LW_SPACE_SIDES; k++)
-            for (int i = 0; x->z.body[r][k] >= 0 && i < 6; i++)
-                row[6*x->z.body[r][k] + i] = x->z.jac[x->z.at[r] + 6*k + i];
+        for (int k = x->z.at[r]; k < x->z.at[r + 1]; k++)
+            if (x->z.body[k/6] >= 0)
+                row[6*x->z.body[k/6] + k%6] = x->z.jac[k];
         double before = 0, after = 0;
         for (int i = 0; i < n; i++)
             before += row[i]*row[i];

@@ -315,7 +315,7 @@ void lw_space_measured(const lw_space *s, const lw_space_frame *frame, lw_spatia
 void lw_space_coupling_row(const lw_space *s, int coupling, const lw_space_frame *frame, const double *turn, double *phi, double *jac)
 {
     const lw_space_coupling *c = &s->coupling[coupling];
-    memset(jac, 0, LW_SPACE_SIDES*6*sizeof *jac);
+    memset(jac, 0, 6*(size_t)c->n_side*sizeof *jac);
     *phi = 0;
     for (int i = 0; i < c->n; i++) {
         const lw_space_term *t = &c->term[i];

@@ -39,29 +39,24 @@ static void find_bodies(lw_space_rows_set *z)
 {
     const lw_space *s = z->s;
     for (int r = 0; r < z->n_row; r++)
-        for (int k = 0; k < LW_SPACE_SIDES; k++)
-            z->body[r][k] = -1;
-    for (int r = 0; r < z->n_row; r++)
-        z->at[r + 1] = z->at[r] + (r >= s->n_joint_row && r < s->n_row ? 6*LW_SPACE_SIDES : LW_SPACE_ROW);
+        z->at[r + 1] = z->at[r] + (r >= s->n_joint_row && r < s->n_row ? 6*s->coupling[r - s->n_joint_row].n_side : LW_SPACE_ROW);
     for (int j = 0; j < s->n_joint; j++)
         for (int k = 0; k < lw_spatial_kind_of(s->joint[j].kind)->rows; k++)
-            memcpy(z->body[s->joint[j].row + k], s->joint[j].body, sizeof s->joint[j].body);
+            memcpy(lw_space_rows_bodies(z, s->joint[j].row + k), s->joint[j].body, sizeof s->joint[j].body);
     for (int i = 0; i < s->n_coupling; i++)
-        memcpy(z->body[s->n_joint_row + i], s->coupling[i].body, sizeof z->body[0]);
+        memcpy(lw_space_rows_bodies(z, s->n_joint_row + i), s->coupling[i].body, (size_t)s->coupling[i].n_side*sizeof(int));
     for (int i = 0; i < z->n_extra; i++)
-        lw_space_bodies(s, &z->extra[i], z->body[s->n_row + i]);
+        lw_space_bodies(s, &z->extra[i], lw_space_rows_bodies(z, s->n_row + i));
 }
-
-/* How many bodies row r has derivatives for. */
-static inline int sides_of(const lw_space_rows_set *z, int r) { return z->at[r + 1] - z->at[r] == LW_SPACE_ROW ? 2 : LW_SPACE_SIDES; }
 
 /* x += f times row r of `jac` (J or J W). */
 static inline void add_row(const lw_space_rows_set *z, int r, const double *jac, double f, double *x)
 {
+    const int *body = lw_space_rows_bodies(z, r);
     jac += z->at[r];
-    for (int k = 0; k < sides_of(z, r); k++) {
-        double *to = x + 6*z->body[r][k];
-        if (z->body[r][k] < 0)
+    for (int k = 0; k < lw_space_rows_sides(z, r); k++) {
+        double *to = x + 6*body[k];
+        if (body[k] < 0)
             continue;
 #pragma GCC unroll 6
         for (int i = 0; i < 6; i++)
@@ -72,7 +67,7 @@ static inline void add_row(const lw_space_rows_set *z, int r, const double *jac,
 static int side_of(const lw_space_rows_set *z, int r, int body)
 {
     int k = 0;
-    while (z->body[r][k] != body)
+    while (lw_space_rows_bodies(z, r)[k] != body)
         k++;
     return 6*k;
 }
@@ -87,10 +82,12 @@ lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int
     z->n_row = s->n_row + n_extra;
     z->n_near = n_extra + (s->n_coupling ? s->n_joint : 0);
     size_t rows = (size_t)z->n_row + 1, v = (size_t)s->n_v, x = (size_t)n_extra + 1, near = (size_t)z->n_near + 1;
-    size_t q_size = (size_t)s->n_q, jac = (rows + (size_t)s->n_coupling)*LW_SPACE_ROW;
+    size_t q_size = (size_t)s->n_q, jac = rows*LW_SPACE_ROW;
+    for (int i = 0; i < s->n_coupling; i++)
+        jac += 6*(size_t)s->coupling[i].n_side - LW_SPACE_ROW;
     size_t doubles_all = 2*(jac + rows) + 3*v + near + 2*q_size;
     size_t bytes = doubles_all*sizeof(double) + ((size_t)s->n_body + 1)*sizeof *z->frame +
-                   x*sizeof *z->extra + rows*(sizeof *z->body + 3*sizeof(int));
+                   x*sizeof *z->extra + (jac/6 + 3*rows)*sizeof(int);
     char *at = z->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -103,7 +100,7 @@ lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int
     }
     z->frame = (lw_space_frame *)(void *)at, at += ((size_t)s->n_body + 1)*sizeof *z->frame;
     z->extra = (lw_space_extra *)(void *)at, at += x*sizeof *z->extra;
-    z->body = (int (*)[LW_SPACE_SIDES])(void *)at, at += rows*sizeof *z->body;
+    z->body = (int *)(void *)at, at += jac/6*sizeof *z->body;
     z->at = (int *)(void *)at, at += rows*sizeof(int);
     z->kept = (int *)(void *)at, at += rows*sizeof(int);
     z->place = (int *)(void *)at;
@@ -147,10 +144,11 @@ static void weigh(lw_space_rows_set *z)
 {
     for (int r = 0; r < z->n_row; r++) {
         double *jac = z->jac + z->at[r], *to = z->jac_w + z->at[r];
-        for (int k = 0; k < sides_of(z, r); k++) {
-            const double *w = z->weight + 6*z->body[r][k];
+        const int *body = lw_space_rows_bodies(z, r);
+        for (int k = 0; k < lw_space_rows_sides(z, r); k++) {
+            const double *w = z->weight + 6*body[k];
             for (int i = 6*k; i < 6*k + 6; i++)
-                to[i] = z->body[r][k] < 0 ? 0 : jac[i]*w[i - 6*k];
+                to[i] = body[k] < 0 ? 0 : jac[i]*w[i - 6*k];
         }
     }
 }
@@ -201,21 +199,21 @@ static lw_status analyse(lw_space_rows_set *z, lw_error *e)
     z->n_pair = 0;
     if (n == 0)
         return LW_OK;
-    int *first = calloc((size_t)nb + 2, sizeof *first), *list = malloc(LW_SPACE_SIDES*(size_t)n*sizeof *list + sizeof *list);
+    int *first = calloc((size_t)nb + 2, sizeof *first), *list = malloc(((size_t)z->at[z->n_row]/6 + 1)*sizeof *list);
     int *mark = malloc(((size_t)n + 1)*sizeof *mark), *near_at = malloc(((size_t)n + 1)*sizeof *near_at), *near = NULL;
     int *order = malloc((size_t)n*sizeof *order);
     bool good = first && list && mark && near_at && order;
     if (good) {                              /* kept rows of each body */
         for (int i = 0; i < n; i++)
-            for (int k = 0; k < LW_SPACE_SIDES; k++)
-                if (z->body[z->kept[i]][k] >= 0)
-                    first[z->body[z->kept[i]][k] + 2]++;
+            for (int k = 0; k < lw_space_rows_sides(z, z->kept[i]); k++)
+                if (lw_space_rows_bodies(z, z->kept[i])[k] >= 0)
+                    first[lw_space_rows_bodies(z, z->kept[i])[k] + 2]++;
         for (int b = 2; b <= nb + 1; b++)
             first[b] += first[b - 1];
         for (int i = 0; i < n; i++)
-            for (int k = 0; k < LW_SPACE_SIDES; k++)
-                if (z->body[z->kept[i]][k] >= 0)
-                    list[first[z->body[z->kept[i]][k] + 1]++] = i;
+            for (int k = 0; k < lw_space_rows_sides(z, z->kept[i]); k++)
+                if (lw_space_rows_bodies(z, z->kept[i])[k] >= 0)
+                    list[first[lw_space_rows_bodies(z, z->kept[i])[k] + 1]++] = i;
         size_t most = 0;
         for (int b = 0; b < nb; b++) {
             size_t c = (size_t)(first[b + 1] - first[b]);
@@ -233,8 +231,8 @@ static lw_status analyse(lw_space_rows_set *z, lw_error *e)
         for (int i = 0; i < n; i++) {
             near_at[i] = at;
             mark[i] = i;
-            for (int k = 0; k < LW_SPACE_SIDES; k++) {
-                int b = z->body[z->kept[i]][k];
+            for (int k = 0; k < lw_space_rows_sides(z, z->kept[i]); k++) {
+                int b = lw_space_rows_bodies(z, z->kept[i])[k];
                 for (int p = b < 0 ? 0 : first[b]; b >= 0 && p < first[b + 1]; p++)
                     if (mark[list[p]] != i) {
                         mark[list[p]] = i;
@@ -270,11 +268,12 @@ static lw_status analyse(lw_space_rows_set *z, lw_error *e)
 static void fill_dense(const lw_space_rows_set *z, lw_space_dense *d)
 {
     memset(d->rank.a, 0, (size_t)d->n_v*(size_t)d->n_row*sizeof *d->rank.a);
-    for (int r = 0; r < d->n_row; r++)
-        for (int k = 0; k < sides_of(z, r); k++)
-            for (int i = 0; z->body[r][k] >= 0 && i < 6; i++)
-                d->rank.a[6*z->body[r][k] + i + r*d->n_v] = z->jac[z->at[r] + 6*k + i]*
-                                                         sqrt(z->weight[6*z->body[r][k] + i]);
+    for (int r = 0; r < d->n_row; r++) {
+        const int *body = lw_space_rows_bodies(z, r);
+        for (int k = 0; k < lw_space_rows_sides(z, r); k++)
+            for (int i = 0; body[k] >= 0 && i < 6; i++)
+                d->rank.a[6*body[k] + i + r*d->n_v] = z->jac[z->at[r] + 6*k + i]*sqrt(z->weight[6*body[k] + i]);
+    }
 }
 
 /* Among all rows, a basis of at most n rows that are as independent as possible; rows of which less than `least` remains are left out. */
@@ -365,14 +364,13 @@ static double improve(lw_space_rows_set *z, const double *rhs, bool still, doubl
     for (int i = 0; i < z->n_kept; i++) {
         int r = z->kept[i];
         const double *jac = z->jac + z->at[r];
+        const int *body = lw_space_rows_bodies(z, r);
         b[i] = rhs ? -rhs[r] : 0;
         if (still)
             continue;
-        for (int k = 0; k < 2; k++)
-            if (z->body[r][k] >= 0)
-                b[i] += dot6(jac + 6*k, x + 6*z->body[r][k]);
-        for (int k = 2; k < sides_of(z, r) && z->body[r][k] >= 0; k++)
-            b[i] += dot6(jac + 6*k, x + 6*z->body[r][k]);
+        for (int k = 0; k < lw_space_rows_sides(z, r); k++)
+            if (body[k] >= 0)
+                b[i] += dot6(jac + 6*k, x + 6*body[k]);
     }
     if (z->n_kept)
         lw_cholesky_solve(&z->schur, b);

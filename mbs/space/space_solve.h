@@ -29,8 +29,8 @@ typedef struct lw_space_rows_set {
     double  *near;                       /* (n_near) angle near which each measure counts; turns of joints for couplings */
     lw_space_frame *frame;               /* (n_body + 1) at the posture placed last                        */
     double  *phi, *jac, *jac_w;          /* (n_row); derivatives of row r from at[r] to at[r + 1], six for each body; times W */
-    int     *at;                         /* (n_row + 1): 12 for a row, 24 for that of a coupling           */
-    int    (*body)[LW_SPACE_SIDES];      /* (n_row) -1: ground, or none                                    */
+    int     *at;                         /* (n_row + 1)                                                    */
+    int     *body;                       /* (at[n_row]/6) lw_space_rows_bodies                             */
     int      n_kept, *kept, *place;      /* a basis in the order of elimination; place in it, -1: left out */
     int      n_pair;
     lw_space_pair *pair;
@@ -40,6 +40,10 @@ typedef struct lw_space_rows_set {
     double  *small, *full, *step;                /* (n_row) (n_v) (n_v) scratch                            */
     void    *memory;
 } lw_space_rows_set;
+
+/* The bodies by which row r has derivatives; -1: ground, or none. */
+static inline int  lw_space_rows_sides(const lw_space_rows_set *z, int r) { return (z->at[r + 1] - z->at[r])/6; }
+static inline int *lw_space_rows_bodies(const lw_space_rows_set *z, int r) { return z->body + z->at[r]/6; }
 
 /* Rows of the joints and the extras (copied).  weight (n_v).  The basis is found at q.  LW_E_MEMORY. */
 lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int n_extra, const double *weight,
