@@ -165,6 +165,14 @@ TEST(volumes_and_tilts)
            "t = s < 1 ? atan2(s, sqrt(1 - s*s))*180/3.14159265358979 : 180; n += $2 - t < 1e-5 && t - $2 < 1e-5 } END { print n }'", 0, "12", "reachability index 0.57");
     expect("$P robot workspace examples/space/delta.json --volume --plot $D/edge.svg", 2, NULL, "--plot draws the edge in the level plane");
     expect("$P robot reachability examples/space/delta.json", 3, NULL, "cannot turn the tool and keep its place");
+    /* A wrist of three pins through one point, its tool beside it: the angle between the first and the last axis, 78.69 degrees, goes from the
+     * difference to the sum of the angles between neighbours, 73.30 and 86.77 degrees. */
+    expect("echo '{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\"}, {\"name\": \"b\"}, {\"name\": \"c\"}], \"joints\": [{\"name\": \"A\", "
+           "\"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, {\"name\": \"B\", \"links\": [\"a\", \"b\"], \"at\": [0, 0, 0], "
+           "\"axis\": [0, 1, 0.3]}, {\"name\": \"C\", \"links\": [\"b\", \"c\"], \"at\": [0, 0, 0], \"axis\": [1, 0, 0.2]}], \"drives\": [{\"joint\": "
+           "\"A\"}, {\"joint\": \"B\"}, {\"joint\": \"C\"}], \"tracers\": [{\"name\": \"T\", \"link\": \"c\", \"at\": [0.3, 0, 0.4]}]}' > $D/wrist.json; "
+           "$P robot reachability $D/wrist.json --rays 4 | awk -F, 'NR == 3 || NR == 5 { printf \"%.6f \", $2 } NR == 4 || NR == 6 { printf \"%g \", $2 }'",
+           0, "81.380156 180 65.221356 180", "0.5 m from its own");
     expect("$P robot workspace examples/3-rrr.json --volume", 3, NULL, "a robot in a plane has no volume");
     expect("$P robot reachability examples/3-rrr.json", 0, "the drives do not hold the tool", "reachability index");
 }

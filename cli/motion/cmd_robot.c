@@ -149,6 +149,24 @@ static lw_status move_tool(job *j, lw_error *e)
     return lw_robot_move(&j->r, place, &to, e);
 }
 
+/* The reach of directions is that about the centre of a spherical wrist, where the tool's point lies beside it. */
+static lw_status take_centre(job *j)
+{
+    lw_vec3 centre, *at = &j->adjusted.model.tracer[j->r.tool].at, given = *at;
+    lw_status st = LW_OK;
+    if (!lw_robot_centre(&j->r, &centre))
+        return LW_OK;
+    for (int k = 0; k < 2 && st == LW_OK && !j->r.only_turns; k++) {
+        *at = k ? given : centre;
+        lw_robot_free(&j->r);
+        st = lw_robot_make(j->m, j->s->tool, &j->r, &j->e);
+    }
+    if (st == LW_OK && j->r.only_turns)
+        cli_note(j->call, "the drives turn the tool about a point at rest, %.6g %s from its own: directions are those about this centre",
+                 lw_v3_norm(lw_v3_sub(centre, given))/j->metre, j->unit);
+    return st;
+}
+
 static int begin(const cli_call *call, job *j)
 {
     struct lw_model *planar = NULL;
@@ -173,6 +191,8 @@ static int begin(const cli_call *call, job *j)
     j->unit = j->m->units.length[0] ? j->m->units.length : "m";
     j->metre = j->m->units.metre;
     st = lw_robot_make(j->m, j->s->tool, &j->r, &j->e);
+    if (st == LW_OK && !j->r.turns && strcmp(call->parsed.word[0], "reachability") == 0)
+        st = take_centre(j);
     if (st == LW_OK) {
         double g = lw_v3_norm(j->m->gravity);
         if (!lw_spatial_is_planar(j->m, &j->up))

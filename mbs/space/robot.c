@@ -307,6 +307,40 @@ static void fill_masses(const lw_robot *r, double (*row)[LW_ROBOT_DRIVES], lw_ro
         out->mass[i] = 1/value[i];
 }
 
+bool lw_robot_centre(lw_robot *r, lw_vec3 *centre)
+{
+    lw_robot_pose p;
+    double tensor[6] = { 0 }, value[3], off = 0, size = 0;
+    lw_vec3 b = { 0, 0, 0 }, from = { 0, 0, 0 };
+    lw_mat3 axes;
+    if (lw_robot_measure(r, &p, NULL) != LW_OK)
+        return false;
+    const double (*j)[LW_ROBOT_DRIVES] = (const double (*)[LW_ROBOT_DRIVES])p.jacobian;
+    for (int pass = 0; pass < 2; pass++) {                   /* the least squares of v + w x from; what they leave */
+        for (int i = 0; i < r->n_drive; i++) {
+            lw_vec3 v = lw_v3(j[0][i], j[1][i], j[2][i]), w = lw_v3(j[3][i], j[4][i], j[5][i]);
+            double square = lw_v3_dot(w, w), add[6] = { square - w.x*w.x, square - w.y*w.y, square - w.z*w.z, -w.x*w.y, -w.x*w.z, -w.y*w.z };
+            for (int k = 0; k < 6 && !pass; k++)
+                tensor[k] += add[k];
+            b = lw_v3_add(b, lw_v3_cross(w, v));
+            off = fmax(off, lw_v3_norm(lw_v3_add(v, lw_v3_cross(w, from))));
+            size = fmax(size, lw_v3_norm(w));
+        }
+        if (pass)
+            break;
+        lw_m3_principal(tensor, value, &axes);
+        for (int k = 0; k < 3; k++) {
+            if (!(value[k] > 1e-9*size*size))
+                return false;
+            lw_vec3 axis = lw_m3_column(&axes, k);
+            from = lw_v3_add(from, lw_v3_scale(axis, lw_v3_dot(axis, b)/value[k]));
+        }
+        off = 0;
+    }
+    *centre = lw_v3_add(p.place, from);
+    return off <= 1e-9*size*r->space.unit;
+}
+
 lw_status lw_robot_measure(lw_robot *r, lw_robot_pose *out, lw_error *e)
 {
     double tensor[6], square[3];

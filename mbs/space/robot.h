@@ -74,6 +74,10 @@ lw_quaternion lw_robot_turn(lw_robot *r);
 /* All about the posture reached.  LW_OPEN: the drives do not hold the tool there (a singularity of the drives). */
 lw_status lw_robot_measure(lw_robot *r, lw_robot_pose *out, lw_error *e);
 
+/* The point of the tool's link that no drive moves in the posture reached, such as the centre of a spherical wrist.  false: there is none, or
+ * more than one. */
+bool lw_robot_centre(lw_robot *r, lw_vec3 *centre);
+
 /* Forward kinematics: move the drives to these values (n_drive), without a jump to another branch.  LW_OPEN with a text:
  * they cannot go there; the robot is where they stopped. */
 lw_status lw_robot_drive(lw_robot *r, const double *value, lw_error *e);
