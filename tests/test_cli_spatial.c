@@ -165,6 +165,9 @@ TEST(volumes_and_tilts)
            "t = s < 1 ? atan2(s, sqrt(1 - s*s))*180/3.14159265358979 : 180; n += $2 - t < 1e-5 && t - $2 < 1e-5 } END { print n }'", 0, "12", "reachability index 0.57");
     expect("$P robot workspace examples/space/delta.json --volume --plot $D/edge.svg", 2, NULL, "--plot draws the edge in the level plane");
     expect("$P robot reachability examples/space/delta.json", 3, NULL, "cannot turn the tool and keep its place");
+    /* Arm with seven joints: its wrist stays within 0.82 m of its shoulder, at z = 0.36 m.  After a turn of the tool, which rounds, too. */
+    expect("$P robot workspace examples/space/arm.json --drives-at 10,40,20,-70,15,60,30 --rays 3 | awk -F, 'NR > 2 { printf \"%.6f %s \", $2, $6 }'", 0,
+           "0.374179 the limit of what the drives can reach 0.644420 the limit of what the drives can reach 0.429753 the limit of what the drives can reach ", "area 0.293961 m^2");
     /* A wrist of three pins through one point, its tool beside it: the angle between the first and the last axis, 78.69 degrees, goes from the
      * difference to the sum of the angles between neighbours, 73.30 and 86.77 degrees. */
     expect("echo '{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\"}, {\"name\": \"b\"}, {\"name\": \"c\"}], \"joints\": [{\"name\": \"A\", "

@@ -484,6 +484,13 @@ static lw_status follow_ray(job *j, double angle, double *far)
     return lw_robot_reach(&j->r, direction(j, angle), 4*j->r.space.unit, far, &j->e);
 }
 
+/* What ended the last way, of the text of lw_robot_move; NULL: nothing did. */
+static const char *limit_of(const job *j)
+{
+    const char *why = strstr(j->e.text, ": ");
+    return why ? why + 2 : NULL;
+}
+
 static int draw_edge(const job *j, int n, const double *x, const double *y)
 {
     lw_error e;
@@ -548,7 +555,7 @@ static int run_rays(const cli_call *call, bool tilts)
             code = cli_fail(call, &j.e);
             break;
         }
-        const char *why = strstr(j.e.text, ": ");
+        const char *why = limit_of(&j);
         endless += !why;
         most = fmax(most, far);
         sum += !tilts ? 4*LW_PI/3*pow(far/j.metre, 3) : j.flat ? far/LW_PI : 0.5*(1 - cos(far));
@@ -561,7 +568,7 @@ static int run_rays(const cli_call *call, bool tilts)
         else {
             for (int i = 0; i < size; i++)
                 fprintf(o.f, "%.9g,", row[i]);
-            fprintf(o.f, "%s\n", why ? why + 2 : tilts ? "none" : "none found");
+            fprintf(o.f, "%s\n", why ? why : tilts ? "none" : "none found");
         }
         cli_progress_show(&progress, done, (double)n*levels, NULL);
     }
@@ -636,14 +643,14 @@ static int run_workspace(const cli_call *call)
             continue;
         least = fmin(least, far), most = fmax(most, far);
         lw_vec3 at = lw_v3_add(p.place, lw_v3_scale(direction(&j, a), far));
-        const char *why = strstr(j.e.text, "m: ");
+        const char *why = limit_of(&j);
         endless += !why;
         double row[] = { a*180/LW_PI, far/j.metre, at.x/j.metre, at.y/j.metre, at.z/j.metre };
         if (call->common.json)
             cli_json_reals(&w, NULL, row, 5);
         else
             fprintf(o.f, "%.9g,%.9g,%.9g,%.9g,%.9g,%s\n", row[0], row[1], row[2] + 0.0, row[3] + 0.0, row[4] + 0.0,
-                    why ? why + 3 : "none found");
+                    why ? why : "none found");
         cli_progress_show(&progress, i, n, NULL);
     }
     cli_progress_end(&progress);
