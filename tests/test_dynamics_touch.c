@@ -1092,6 +1092,30 @@ TEST(corner_comes_round_an_end)
     }
 }
 
+/* A growing force pushes a box that stands on two or three points: it sticks until all of them are at the limit of their friction, and slides on
+ * then.  On a second box of which it slides, too. */
+TEST(pushed_boxes_let_go)
+{
+    static const lw_formulation each[] = { LW_FORMULATION_INDEX1, LW_FORMULATION_INDEX1, LW_FORMULATION_CAPTURE };
+    for (int k = 0; k < 9; k++) {
+        bool two = k%3 == 2;
+        double limit = two ? 0.5*g : 0.4*2*g, after = 0.3, to = limit/8 + after, end = 8*after*after*after/6/(two ? 1 : 2);
+        drun_read_format(&d, two ? "{'linkwright': 1, 'links': [{'name': 'ground', 'shapes': [" FLOOR "]}, {'name': 'a', 'mass': 3, 'centre': [0, 0.05],"
+            "'inertia': 0.1, 'shapes': [{'polygon': [[-0.5, 0], [0.5, 0], [0.5, 0.1], [-0.5, 0.1]]}]}, {'name': 'b', 'mass': 1, 'centre': [0, 0.15],"
+            "'inertia': 0.02, 'shapes': [{'polygon': [[-0.2, 0.1], [0.2, 0.1], [0.2, 0.2], [-0.2, 0.2]]}]}], 'joints': [{'name': 'A', 'kind': 'n',"
+            "'links': ['ground', 'a']}, {'name': 'B', 'kind': 'n', 'links': ['ground', 'b']}], 'contacts': [{'links': ['ground', 'a'], 'friction': 0.3},"
+            "{'links': ['a', 'b'], 'friction': 0.5}], 'gravity': [0, -9.81], 'forces': [{'link': 'b', 'at': [0, 0.1], 'fx': '8*t'}], 'tracers': ["
+            "{'name': 'P', 'link': 'b', 'at': [0, 0]}]}"
+            : k%3 ? FREE(FLOOR, "'mass': 2, 'centre': [0, 0.05], 'inertia': 0.05", "{'polygon': [[-0.2, 0], [0.1, 0], [0.2, 0], [0.2, 0.1], [-0.2, 0.1]]}",
+                         "'friction': 0.4}], 'forces': [{'link': 'b', 'at': [0, 0], 'fx': '8*t'")
+            : FREE(FLOOR, "'mass': 2, 'centre': [0, 0.05], 'inertia': 0.05", "{'polygon': [[-0.2, 0], [0.2, 0], [0.2, 0.1], [-0.2, 0.1]]}",
+                   "'friction': 0.4}], 'forces': [{'link': 'b', 'at': [0, 0], 'fx': '8*t'"), 0, 0);
+        CHECK_INT(drun_to(&d, each[k/3], k < 3 ? 1e-9 : k < 6 ? 1e-5 : 1e-10, to, 4), LW_OK);
+        CHECK_NEAR(d.tracer[4].x, end, k < 6 ? 1e-6 : 2e-3, 0);
+        lw_model_free(&d.model);
+    }
+}
+
 int main(void)
 {
     check_run();

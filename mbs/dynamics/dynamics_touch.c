@@ -69,12 +69,18 @@ lw_status lw_run_touch_events(void *context, double t, const double *y, double *
     for (int k = 0; k < w->n_row; k++)
         if (!w->row[k].tangent) {
             double force = w->list.touch[w->row[k].touch].force = -l[k];
-            least(&g[PULL], fmin(force + w->least_force, w->most_force - force));
+            least(&g[PULL], fmin(w->n_spare ? INFINITY : force + w->least_force, w->most_force - force));
         }
-    for (int k = 0; k < w->n_row; k++) {
-        const lw_touch *p = &w->list.touch[w->row[k].touch];
+    if (w->n_spare) {
+        bool pulls;
+        double margin = lw_mbs_touch_share(d, v, d->l, &pulls);
+        least(&g[pulls ? PULL : STICK], margin);
+    }
+    for (int k = 0; k < w->n_row && !w->n_spare; k++) {
+        lw_touch *p = &w->list.touch[w->row[k].touch];
         if (!w->row[k].tangent)
             continue;
+        p->yields = true;
         lw_touch_motion m;
         double normal = p->force;
         if (p->state == LW_TOUCH_PRESSED) {
@@ -569,11 +575,12 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
         free(taken);
         return LW_E_MEMORY;
     }
-    for (int pass = 0; pass < 2; pass++)                 /* gaps, then slips */
+    w->n_spare = 0;
+    for (int pass = 0; pass < 3; pass++)                 /* gaps with friction, other gaps, slips */
         for (int i = 0; i < c->m; i++) {
             lw_touch *p = &w->list.touch[c->place[i]];
             bool presses = c->in[i] && c->force[2*i] > w->least_force;
-            if (pass == 0 && is_rigid(p)) {
+            if (pass == !(c->law[i].friction > 0) && is_rigid(p)) {
                 bool leaves = !c->in[i] || c->rate[2*i] > 1e-9*fastest;
                 p->state = presses ? LW_TOUCH_HELD : leaves ? LW_TOUCH_APART : LW_TOUCH_PASSIVE;
                 p->passed = fmax(0, -c->gap[i]);
@@ -581,22 +588,28 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
                     note(run, c->place[i], t, false, 0);
                 if (presses && n < w->row_max && take_row(c, factor, taken, n, most, 2*i))
                     w->row[n++] = (lw_touch_row){ c->place[i], false };
-                else if (presses)
+                else if (presses) {
                     p->state = LW_TOUCH_PASSIVE;
+                    p->spare = true;
+                    w->spare[w->n_spare++] = (lw_touch_row){ c->place[i], false };
+                }
             }
-            bool bears = p->state == LW_TOUCH_HELD || p->state == LW_TOUCH_PRESSED;
-            if (pass == 0 || !bears || !(c->law[i].friction > 0))
+            bool bears = p->state == LW_TOUCH_HELD || p->state == LW_TOUCH_PRESSED || p->spare;
+            if (pass < 2 || !bears || !(c->law[i].friction > 0))
                 continue;
             double slip = c->rate[2*i + 1], reserve = c->law[i].friction*c->force[2*i] - fabs(c->force[2*i + 1]);
-            bool at_limit = reserve <= 1e-9*top, starts = lets_go && p->stuck && at_limit && fabs(slip) <= 1e-9*fastest;
+            bool at_limit = reserve <= 1e-9*top, starts = lets_go && p->stuck && p->yields && at_limit && fabs(slip) <= 1e-9*fastest;
             bool holds = c->law[i].slips == 0 && !starts && (fabs(slip) <= 1e-9*fastest || !at_limit);
             slip = starts ? -c->force[2*i + 1] : slip;
-            if (holds && n < w->row_max && take_row(c, factor, taken, n, most, 2*i + 1)) {
+            bool own = holds && take_row(c, factor, taken, n, most, 2*i + 1);
+            if (own)
                 w->row[n++] = (lw_touch_row){ c->place[i], true };
-                p->sticks = true;
-                if (!p->stuck)
-                    set_anchor(d, p);
-            } else if (!holds)
+            else if (holds)
+                w->spare[w->n_spare++] = (lw_touch_row){ c->place[i], true };
+            p->sticks = holds;
+            if (holds && !p->stuck)
+                set_anchor(d, p);
+            if (!holds && !p->spare)
                 p->slips = c->law[i].slips != 0 ? c->law[i].slips : slip > 0 ? 1 : -1;
         }
     free(factor);
@@ -615,7 +628,7 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
     free(w->response);
     size_t rows = (size_t)(d->n_row + d->n_driven + d->n_resting + n), rubs = (size_t)(d->n_friction + slipping);
     w->response = calloc(rubs*((size_t)d->n_q + rows + 2) + lw_friction_doubles((int)rubs, 2) + 1, sizeof *w->response);
-    return w->response ? LW_OK : LW_E_MEMORY;
+    return w->response ? lw_mbs_touch_share_make(d) : LW_E_MEMORY;
 }
 
 /* Duration of the shortest bounce that begins, by the accelerations found. */
@@ -710,12 +723,13 @@ lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long even
         w->list.touch[i].sticks = false;
         w->list.touch[i].slips = 0;
         w->list.touch[i].passed = 0;
+        w->list.touch[i].spare = false;
         w->list.touch[i].held = w->list.touch[i].state == LW_TOUCH_HELD;
         if (w->list.touch[i].held)
             w->list.touch[i].state = LW_TOUCH_PASSIVE;
     }
     bool had = w->n_row > 0;
-    w->n_row = w->n_slip = 0;
+    w->n_row = w->n_slip = w->n_spare = 0;
     w->determinant = 1;
     w->sense = 0;
     if (s == LW_OK && had)

@@ -26,7 +26,8 @@ lw_status lw_mbs_touch_make(lw_dynamics *d, lw_error *e)
     }
     d->n_stop = 0;                           /* they are places too */
     w->row_max = 2*rigid;
-    w->row = calloc((size_t)w->row_max + 1, sizeof *w->row);
+    w->row = calloc(2*(size_t)w->row_max + 1, sizeof *w->row);
+    w->spare = w->row + w->row_max;
     int most = d->s.n_joint + w->row_max + 1;            /* places that slip follow the joints with friction */
     lw_friction_joint *friction = realloc(d->friction, (size_t)most*sizeof *friction);
     d->friction = friction ? friction : d->friction;
@@ -45,6 +46,7 @@ void lw_mbs_touch_free(lw_dynamics *d)
     lw_touch_free(&d->touch->list);
     free(d->touch->row);
     free(d->touch->response);
+    free(d->touch->share);
     free(d->touch);
     d->touch = NULL;
 }
