@@ -146,21 +146,24 @@ static lw_status stay_off(motion *m, lw_integrator *w, double *y)
 /* ---- friction ------------------------------------------------------------------------------------ */
 
 /* Does the size of a pin's reaction fall to nearly 0 and rise again within the step, so that the equation nearly has a kink?
- * The stages of a step may lie so that its error is not seen.  A step of length h with the change of a reaction by s has an
- * error of about s h/144 there. */
+ * The stages of a step may lie so that its error is not seen.  A step of length h in which a reaction changes p' by s has an error of
+ * about s h/144 there, of s h x^2 if the kink is at a part x of the step from its nearer end.  It grows as h^2: then w->retry is the
+ * length that is allowed. */
 static bool steps_over_dip(const motion *m)
 {
     const lw_reduced_friction *f = m->r->friction;
-    const lw_integrator *w = m->w;
-    double allowed = w->o.absolute + w->o.relative*fabs(w->y[1]), h = fabs(w->h_done)/144;
+    lw_integrator *w = m->w;
+    double allowed = w->o.absolute + w->o.relative*fabs(w->y[1]), h = fabs(w->h_done), most = 1;
     for (int i = 0; i < f->n && m->in_step; i++) {
-        lw_vec2 before = { m->x[i], m->y[i] }, now = { f->x[i], f->y[i] };
-        double change = lw_v2_norm(lw_v2_sub(now, before));
-        if (f->press[i] == 0 && f->feel[i]*change*h > 10*allowed
-            && lw_v2_segment_distance((lw_vec2){ 0, 0 }, before, now) < 0.25*change)
-            return true;
+        lw_vec2 before = { m->x[i], m->y[i] }, change = { f->x[i] - m->x[i], f->y[i] - m->y[i] };
+        double square = lw_v2_dot(change, change), x = -lw_v2_dot(before, change)/square, side = fmin(x, 1 - x);
+        double off = lw_v2_cross(before, change)/square;
+        if (f->press[i] == 0 && side > 0 && fabs(off) < 0.25)
+            most = fmax(most, f->feel[i]*sqrt(square)*h*fmin(side*side + off*off, 1/144.)/allowed);
     }
-    return false;
+    if (most > 1)
+        w->retry = h*fmin(fmax(0.9/sqrt(most), 0.1), 0.5);
+    return most > 1;
 }
 
 /* Rest, the next reversal of a joint, and where the reaction of a slide changes its sign (m->slides). */

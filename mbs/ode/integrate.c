@@ -986,7 +986,8 @@ lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, l
         }
         /* f is undefined inside the step although its end is valid: try a shorter step */
         memcpy(w->side, side, sizeof side);
-        w->h = 0.25*fabs(w->h_done);
+        w->h = w->retry > 0.0 ? w->retry : 0.25*fabs(w->h_done);
+        w->retry = 0.0;
         w->n_refused++;
     }
     if (s != LW_OK) {

@@ -64,6 +64,7 @@ typedef struct lw_integrator {
     double *y, *y_old;               /* (n) there                                                   */
     double *dy;                      /* (n) f(t, y)                                                 */
     unsigned long long events;       /* bit i: event i happened at t                                */
+    double  retry;                   /* an event function that says LW_OPEN: length of a step that suits it; 0: a quarter */
     long    n_step, n_refused, n_rate;
     /* private to the integrator */
     double *k[16], *stage, *c[8], *low, *y_step, *g_try, *g_old, *inner, *halves;
