@@ -256,7 +256,7 @@ TEST(the_front_has_no_gaps)
 }
 
 /* Two stages of one family each, a four-link mechanism whose slider drives it, and a six-bar, for an open path with default limits. */
-static void search_open_path(double max_seconds, int n_stage, double unless, lw_staged_search *s)
+static void search_open_path(bool crank_only, double max_seconds, int n_stage, double unless, lw_staged_search *s)
 {
     enum { N = 8 };
     double x[2*N], y[2*N], angle[2*N];
@@ -268,6 +268,7 @@ static void search_open_path(double max_seconds, int n_stage, double unless, lw_
     lw_fit_options o = lw_fit_options_default();
     lw_target t;
     o.spec.timing = LW_TIMING_FREE;
+    o.spec.crank_only = o.spec.exclude_drag_link = crank_only;
     o.budget = 400;
     o.max_seconds = max_seconds;
     six_bar_curve(&k, 2*N, x, y, angle);
@@ -279,11 +280,43 @@ static void search_open_path(double max_seconds, int n_stage, double unless, lw_
     lw_target_free(&t);
 }
 
+static bool holds(const lw_staged_search *s, const lw_candidate *c)
+{
+    bool found = false;
+    for (int i = 0; i < s->fit.n && !found; i++)
+        found = s->fit.candidate[i].n_dim == c->n_dim && memcmp(s->fit.candidate[i].dim, c->dim, sizeof *c->dim*(size_t)c->n_dim) == 0;
+    return found;
+}
+
+/* A search for all linkages finds all that one for cranks alone finds. */
+TEST(a_search_of_all_holds_that_of_cranks)
+{
+    lw_staged_search all, cranks;
+    search_open_path(false, 0, 2, 0, &all);
+    search_open_path(true, 0, 2, 0, &cranks);
+    CHECK(cranks.fit.n > 1 && all.stage[1].n_of[1] > 0);
+    for (int i = 0; i < cranks.fit.n; i++)
+        CHECK(holds(&all, &cranks.fit.candidate[i]));
+    lw_staged_search_free(&all);
+    lw_staged_search_free(&cranks);
+}
+
+/* A linkage whose input rocks is near enough: then cranks are searched, and only they. */
+TEST(more_links_are_left_out_if_a_crank_is_enough)
+{
+    lw_staged_search s;
+    search_open_path(false, 0, 2, 1e9, &s);
+    CHECK_INT(s.n_stage, 2);
+    CHECK(s.stage[1].n_of[0] > 0);
+    CHECK_INT(s.stage[1].n_of[1], 0);
+    lw_staged_search_free(&s);
+}
+
 /* Under a time limit reports are made during the search: when the time ends, the rows are chosen among all that was found. */
 TEST(reports_are_made_before_the_time_ends)
 {
     lw_staged_search s;
-    search_open_path(1e4, 1, 0, &s);
+    search_open_path(false, 1e4, 1, 0, &s);
     CHECK(s.fit.n > 1);
     for (int i = 0; i < s.fit.n; i++)
         CHECK(s.fit.candidate[i].report != NULL);

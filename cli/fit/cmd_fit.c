@@ -32,9 +32,10 @@ static const cli_option options[] = {
       "as RRRP (R pin, P slider); 'all' tries every type", 0, 0, NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
-      "with --dof 2, numbers from 5. Without it 4; and 6 if every four-bar leaves a path by more than 2 % of its diagonal, "
-      "or by more than --tolerance: with a third of the budget, and with the rest if that finds none nearer. Of fewer than 16 points a "
-      "four-bar that meets them to 1/1000 is near enough", 4, 10, NULL, NULL },
+      "with --dof 2, numbers from 5. Without it 4; and 6 if every four-bar whose crank turns fully leaves a path by more than 2 % of its "
+      "diagonal, or by more than --tolerance: with a third of the budget, and with the rest if that finds none nearer. Of fewer than 16 "
+      "points a four-bar that meets them to 1/1000 is near enough. If a rocking four-bar is near enough, only cranks are searched", 4, 10,
+      NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
       "degree of freedom, 1 to 3: the number of driven joints at the ground. 2 gives mechanisms of 5, 7 and 9 links, 3 "
       "of 8 links. The other inputs turn with the first in a fixed ratio (--input-ratios) and at an angle that is "
@@ -53,7 +54,8 @@ static const cli_option options[] = {
       "chain by its number of links and its own number, as 8.5; with slots or gears by number of links, number of such "
       "joints and its own number, as 5.1.3", 0, 0, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "1e6",
-      "number of evaluations of the objective, for each number of links above four; four links always have their whole search. The "
+      "number of evaluations of the objective, for each number of links above four, whose input turns fully; if it need not, half as many "
+      "again for other linkages. Four links always have their whole search. The "
       "same number again is for fits at other sizes and transmission angles, for mechanisms with sliders, and for those with slots or "
       "gears. With --time and without --budget the search goes on until the time ends; the exit code is 0 if it had the default", 1e3, 1e12, NULL, NULL },
     { "start-from", 0, CLI_INPUT, offsetof(settings, resume), "FILE", NULL,
@@ -417,7 +419,7 @@ static void begun(void *context, int links)
     shown *s = context;
     if (s->goes_on && links > 4 && s->links == 4) {
         cli_progress_end(&s->line);
-        cli_note(s->call, "%s: no four-bar found is near enough, so six links are searched, too, which takes several times as long; "
+        cli_note(s->call, "%s: no four-bar found whose crank turns is near enough, so six links are searched, too, which takes several times as long; "
                  "'--links 4' leaves them out", s->path);
         s->goes_on = false;
     }

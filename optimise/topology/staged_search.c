@@ -183,6 +183,9 @@ static lw_status take(lw_staged_search *out, lw_stage_result *r, int n_start, lw
     return st;
 }
 
+/* Was it found by a search for cranks?  Such searches do not see what others find, and are those of a search for cranks alone. */
+static bool is_of_cranks(const lw_candidate *c) { return c->part != LW_FIT_OTHERS; }
+
 /* May a search both ways find better linkages?  Of open targets it is made in later parts of a stage only: short searches lost more by
  * its time than they gained. */
 static bool can_stray(const lw_target *t, const lw_fit_spec *s, bool later)
@@ -198,7 +201,7 @@ static lw_status strays(const lw_target *t, const lw_fit_spec *s, const lw_fit *
     *out = false;
     for (int i = 0; i < all->n && can_stray(t, s, later); i++)
         if (lw_candidate_links(&all->candidate[i]) == links
-            && (!cranks || all->candidate[i].part == LW_FIT_CRANKS || all->candidate[i].part == LW_FIT_COMPACT)
+            && (!cranks || is_of_cranks(&all->candidate[i]))
             && (!best || all->candidate[i].objective < best->objective))
             best = &all->candidate[i];
     lw_fit_report *r = best ? malloc(sizeof *r) : NULL;
@@ -217,15 +220,14 @@ static bool can_be_compact(const lw_fit_options *o)
 
 /* The searches of a stage.  Of four-link types: the cranks, then the others; small cranks; then cranks and others once more, from
  * the curve to the target too, if the best curve strays.  Those of the cranks do not depend on the others: a search of all is
- * never worse than one of cranks alone.  Of families all together instead of cranks and others. */
+ * never worse than one of cranks alone.  Of families the same: all searches for cranks (run_parts), then those for others. */
 enum { CRANKS, OTHERS, COMPACT, BOTH_WAYS, OTHERS_BOTH_WAYS, SEARCHES };
 
-static lw_status run_search(const lw_target *t, const lw_fit_options *o, int search, bool whole, bool later, lw_fit *fit,
+static lw_status run_search(const lw_target *t, const lw_fit_options *o, int search, lw_fit_part part, bool later, lw_fit *fit,
                             lw_error *e)
 {
-    static const lw_fit_part part[SEARCHES] = { LW_FIT_CRANKS, LW_FIT_OTHERS, LW_FIT_COMPACT, LW_FIT_CRANKS, LW_FIT_OTHERS };
     lw_fit_options mine = *o;
-    mine.part = whole && search != COMPACT ? LW_FIT_WHOLE : part[search];
+    mine.part = search == COMPACT ? LW_FIT_COMPACT : part;
     mine.both_ways = search >= BOTH_WAYS || (search == COMPACT && o->families && can_stray(t, &o->spec, later));
     return lw_fit_run(t, &mine, fit, e);
 }
@@ -257,6 +259,7 @@ static void keep_reports(const lw_target *t, const lw_fit_options *o, double sec
 static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, double end, lw_stage_result *r,
                            lw_staged_search *out, lw_error *e)
 {
+    static const lw_fit_part part[SEARCHES] = { LW_FIT_CRANKS, LW_FIT_OTHERS, LW_FIT_COMPACT, LW_FIT_CRANKS, LW_FIT_OTHERS };
     bool whole = o->spec.exclude_drag_link, stopped = false, any = false, again = false;
     const bool both = can_stray(t, &o->spec, false), wanted[SEARCHES] = { !whole, true, can_be_compact(o), both, both && !whole };
     lw_status st = LW_OK;
@@ -269,9 +272,9 @@ static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, dou
             continue;
         o->max_seconds = seconds_until(end);
         o->whole_rounds = any_with(&out->fit, links);
-        st = run_search(t, o, i, whole, false, &fit, &why);
+        st = run_search(t, o, i, whole ? LW_FIT_WHOLE : part[i], false, &fit, &why);
         if (st == LW_E_ARG && i == OTHERS && !whole && !any)     /* no type can turn: this says it, or gives way */
-            st = run_search(t, o, i, true, false, &fit, &why);
+            st = run_search(t, o, i, LW_FIT_WHOLE, false, &fit, &why);
         bool found = st >= 0;
         double seconds = found ? fit.seconds : 0;
         if (found && take(out, r, 0, &fit, e) != LW_OK)
@@ -290,9 +293,9 @@ static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, dou
     return stopped ? LW_STOPPED : LW_OK;
 }
 
-/* The rows that a person would see of the first `of_each` candidates of every number of links, and of `mine` of those with
- * `links` links; *seen: these candidates, which belong to `all`.  LW_E_MEMORY. */
-static lw_status make_rows(const lw_target *t, const lw_fit_options *o, lw_fit *all, int of_each, int links, int mine,
+/* The rows that a person would see of the first `of_each` candidates (of cranks, or of all) of every number of links, and of `mine`
+ * of those with `links` links; *seen: these candidates, which belong to `all`.  LW_E_MEMORY. */
+static lw_status make_rows(const lw_target *t, const lw_fit_options *o, lw_fit *all, bool cranks, int of_each, int links, int mine,
                            double until, lw_fit *seen, lw_fit_results *rows)
 {
     const lw_results_effort effort = { .jobs = o->jobs, .until = until, .interrupt = o->interrupt };
@@ -304,7 +307,7 @@ static lw_status make_rows(const lw_target *t, const lw_fit_options *o, lw_fit *
     }
     for (int i = 0; i < all->n; i++) {
         int its = lw_candidate_links(&all->candidate[i]);
-        if (n[its]++ < (its == links ? mine : of_each)) {
+        if ((!cranks || is_of_cranks(&all->candidate[i])) && n[its]++ < (its == links ? mine : of_each)) {
             of[seen->n] = i;
             seen->candidate[seen->n++] = all->candidate[i];
         }
@@ -315,6 +318,11 @@ static lw_status make_rows(const lw_target *t, const lw_fit_options *o, lw_fit *
     free(of);
     return lw_fit_results_make(t, &o->spec, seen, o->spec.by_default ? ROWS : all->n, NULL, &effort, rows, NULL);
 }
+
+/* Searches for cranks have the numbers 0, 1, ..., the others those from this on: all draw starts of their own. */
+enum { FIRST_OTHER = 1 << 16 };
+
+static int number_of(lw_fit_part part, int n_before) { return (part == LW_FIT_OTHERS ? FIRST_OTHER : 0) + n_before; }
 
 /* Which search of these parts found the first row with `links` links? */
 static int best_search(const lw_fit *seen, const lw_fit_results *rows, int links, int first_part, const int *search, int n)
@@ -328,27 +336,28 @@ static int best_search(const lw_fit *seen, const lw_fit_results *rows, int links
     return OTHERS;
 }
 
-/* Search the families of a stage once, from the best linkages found before. */
-static lw_status run_families(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, bool grows,
-                              int search, bool later, double end, const lw_fit *seen, const lw_fit_results *rows, lw_stage_result *r,
-                              lw_staged_search *out, lw_error *e)
+/* Search the families of a stage once, from the best linkages found before; n_before: how often they were searched so before. */
+static lw_status run_families(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, bool grows, int n_before,
+                              int search, lw_fit_part part, bool later, double end, const lw_fit *seen, const lw_fit_results *rows,
+                              lw_stage_result *r, lw_staged_search *out, lw_error *e)
 {
     lw_fit_options mine = *o;
     lw_fit fit;
     starts *more = calloc(1, sizeof *more);
-    lw_status st = more && grows ? grow(t, o, stage, seen, rows, r->n_part, more) : more ? LW_OK : LW_E_MEMORY;
+    lw_status st = more && grows ? grow(t, o, stage, seen, rows, n_before, more) : more ? LW_OK : LW_E_MEMORY;
     if (st != LW_OK) {
         free(more);
         return lw_error_set(e, LW_E_MEMORY, "no memory for linkages to start from");
     }
     r->n_grown += more->n;
-    if (r->n_part > 0)
+    if (n_before > 0)
         start_again(t, seen, rows, stage->links, more);
     lw_families_pair pair = { stage->families, lw_families_of(more->family, more->n) };
     lw_families all = lw_families_join(&pair);
     mine.families = &all;
-    mine.part_number = r->n_part++;
-    st = run_search(t, &mine, search, true, later, &fit, e);
+    mine.part_number = number_of(part, n_before);
+    r->n_part++;
+    st = run_search(t, &mine, search, part, later, &fit, e);
     double seconds = st >= 0 ? fit.seconds : 0;
     if (st >= 0 && take(out, r, more->n, &fit, e) != LW_OK)
         st = LW_E_MEMORY;
@@ -358,32 +367,34 @@ static lw_status run_families(const lw_target *t, const lw_fit_options *o, const
     return st;
 }
 
-/* Search the families of a stage, for the first time or again, with this budget.  If small cranks are searched too, either
- * search has a quarter of the budget, and so has the search both ways if the best curve strays.  The search that found the
- * first of the rows that a person would see now has the rest. */
-static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_search_stage *stage, bool grows, bool in_part,
-                           double end, lw_stage_result *r, lw_staged_search *out, lw_error *e)
+/* Search the families of a stage, for the first time or again, with this budget: for cranks, for others, or whole; *n: how often that
+ * was done.  If small cranks are searched too, either search has a quarter of the budget, and so has the search both ways if the best
+ * curve strays.  The search that found the first of the rows that a person would see now has the rest. */
+static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_search_stage *stage, lw_fit_part kind, bool grows,
+                           bool in_part, double end, int *n, lw_stage_result *r, lw_staged_search *out, lw_error *e)
 {
-    bool compact = can_be_compact(o), again = false, stopped = false, exact = false;
+    const bool cranks = kind == LW_FIT_CRANKS, compact = can_be_compact(o) && kind != LW_FIT_OTHERS;
+    bool again = false, stopped = false, exact = false;
     long left = o->budget, part = (left + PARTS - 1)/PARTS, sweep = o->sweep;
-    int search[PARTS], first_part = r->n_part;
+    int search[PARTS], first_part = *n;
     for (int k = 0; left > 0 && !(exact && k > 1); k++) {
         lw_fit seen = { 0 };
         lw_fit_results rows = { 0 };
-        lw_status st = grows || r->n_part > 0 ? make_rows(t, o, &out->fit, NEAREST, stage->links, k < 2 ? NEAREST : out->fit.n,
-                                                          end, &seen, &rows) : LW_OK;
+        lw_status st = grows || *n > 0 ? make_rows(t, o, &out->fit, cranks, NEAREST, stage->links, k < 2 ? NEAREST : out->fit.n,
+                                                   end, &seen, &rows) : LW_OK;
         if (st == LW_OK && k == 2)
-            st = strays(t, &o->spec, &out->fit, stage->links, false, first_part > 0, &again);
+            st = strays(t, &o->spec, &out->fit, stage->links, cranks, first_part > 0, &again);
         if (st == LW_OK) {
             bool last = !compact || k > 2 || (k == 2 && !again);
             search[k] = k == 0 ? OTHERS : k == 1 ? COMPACT : !last ? BOTH_WAYS
-                      : best_search(&seen, &rows, stage->links, first_part, search, k);
+                      : best_search(&seen, &rows, stage->links, number_of(kind, first_part), search, k);
             o->budget = last || part > left ? left : part;
             o->sweep = sweep == 0 && (in_part || compact) ? o->budget/2 : sweep;
             o->max_seconds = seconds_until(end);
             o->whole_rounds = any_with(&out->fit, stage->links);
             left -= o->budget;
-            st = run_families(t, o, stage, grows, search[k], first_part > 0, end, &seen, &rows, r, out, e);
+            st = run_families(t, o, stage, grows, *n, search[k], kind, first_part > 0, end, &seen, &rows, r, out, e);
+            ++*n;
         } else
             lw_error_set(e, st, "no memory for reports");
         lw_fit_results_free(&rows);
@@ -398,13 +409,16 @@ static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_searc
     return stopped ? LW_STOPPED : LW_OK;
 }
 
-/* Is one of the linkages found near enough to the target to leave a stage out?  Those that break limits do not count. */
-static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unless, const lw_fit *all, bool *enough)
+/* Is one of the linkages found (of the cranks, or of all) near enough to the target to leave a stage out?  Those that break limits do not
+ * count. */
+static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unless, bool cranks, const lw_fit *all, bool *enough)
 {
     lw_fit_report *r = malloc(sizeof *r);
     lw_status st = r ? LW_OK : LW_E_MEMORY;
     *enough = false;
     for (int i = 0, seen = 0; i < all->n && seen < NEAREST && !*enough && st == LW_OK && all->candidate[i].beyond == 0; i++) {
+        if (cranks && !is_of_cranks(&all->candidate[i]))
+            continue;
         st = lw_fit_report_make(t, s, &all->candidate[i], r, NULL);
         bool usable = st == LW_OK && r->verified && !r->broken;
         seen += usable;
@@ -412,6 +426,27 @@ static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unle
         st = st == LW_E_MEMORY ? st : LW_OK;
     }
     free(r);
+    return st;
+}
+
+/* Search the families of a stage, with default limits for cranks first, as a search for cranks alone does; then, with half as much, for
+ * others, unless a linkage is found that is enough. */
+static lw_status run_all_families(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, bool grows, bool in_part,
+                                  double end, lw_stage_result *r, lw_staged_search *out, lw_error *e)
+{
+    bool enough = false;
+    lw_fit_options mine = *o;
+    lw_fit_part kind = o->spec.by_default ? LW_FIT_CRANKS : LW_FIT_WHOLE;
+    lw_status st = run_parts(t, &mine, stage, kind, grows, in_part, end, &r->n_of[0], r, out, e);
+    lw_stop stop = r->stop;
+    if ((st != LW_OK && st != LW_E_KIND) || kind != LW_FIT_CRANKS || o->spec.crank_only || stop == LW_STOP_F_TARGET)
+        return st;
+    if (stage->unless > 0 && (st = is_enough(t, &o->spec, stage->unless, false, &out->fit, &enough)) != LW_OK)
+        return lw_error_set(e, st, "no memory for a report");
+    mine = *o;
+    mine.budget = (o->budget + 1)/2;
+    st = enough ? LW_OK : run_parts(t, &mine, stage, LW_FIT_OTHERS, grows, in_part, end, &r->n_of[1], r, out, e);
+    r->stop = st == LW_STOPPED ? r->stop : stop;          /* an exact find of the others does not end the search for cranks */
     return st;
 }
 
@@ -425,7 +460,7 @@ static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw
     double start = lw_clock_wall();
     mine.families = NULL;
     mine.budget = budget;
-    lw_status st = stage->families.make ? run_parts(t, &mine, stage, grows, in_part, end, r, out, e)
+    lw_status st = stage->families.make ? run_all_families(t, &mine, stage, grows, in_part, end, r, out, e)
                                         : run_types(t, &mine, stage->links, end, r, out, e);
     r->n_part += stage->families.make == NULL;
     r->seconds += lw_clock_wall() - start;
@@ -446,7 +481,7 @@ static bool is_dominated(const lw_fit *f, int n, const lw_candidate *c)
     for (int k = 0; k < n && !dominated; k++) {
         const lw_candidate *a = &f->candidate[k];
         dominated = lw_candidate_links(a) == lw_candidate_links(c) && a->intended.turns >= c->intended.turns
-                 && a->longest <= NO_SMALLER*c->longest && a->gentle >= c->gentle;
+                 && is_of_cranks(a) >= is_of_cranks(c) && a->longest <= NO_SMALLER*c->longest && a->gentle >= c->gentle;
     }
     return dominated;
 }
@@ -591,7 +626,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
             st = i < 0 || c.beyond ? st : LW_STOPPED;
             break;
         }
-        if (stage[i].unless > 0 && is_enough(t, &o->spec, stage[i].unless, &out->fit, &enough) != LW_OK) {
+        if (stage[i].unless > 0 && is_enough(t, &o->spec, stage[i].unless, o->spec.by_default, &out->fit, &enough) != LW_OK) {
             lw_staged_search_free(out);
             return lw_error_set(e, LW_E_MEMORY, "no memory for a report");
         }

@@ -5,8 +5,11 @@
  *
  * Under a time limit stages are searched in parts of doubling size that start again from their best linkages; the stage that
  * gains most per evaluation has the next part.  The limit does not change the parts, and rows found are kept: more time is never
- * worse.  Without a limit each stage has its budget at once.  With default limits a stage divides its budget among a search
- * for all linkages, one for small cranks, and the better of the two.
+ * worse.  Without a limit each stage has its budget at once.
+ *
+ * With default limits a stage divides its budget among a search for cranks, one for small cranks, and the better of the two.  If the
+ * input need not turn, linkages of other kinds then have half as much again.  Searches for cranks see only what searches for cranks
+ * found: a search for all linkages makes all searches of one with `crank_only`, and finds what that finds.
  */
 #ifndef LW_OPTIMISE_TOPOLOGY_STAGED_SEARCH_H
 #define LW_OPTIMISE_TOPOLOGY_STAGED_SEARCH_H
@@ -19,8 +22,9 @@ typedef struct lw_search_stage {
     int              links;
     lw_families      families;       /* make NULL: the four-link types of lw_fit_options.types      */
     double           unless;         /* > 0: this stage and all after it end, or are left out, as soon as a linkage that keeps all
-                                      * conditions is this near to the target [m] (lw_fit_report_misses).  A third of its budget,
-                                      * or of the first part of it, is searched before it looks again */
+                                      * conditions is this near to the target [m] (lw_fit_report_misses); with default limits, a
+                                      * crank.  If another linkage is, only cranks are searched.  A third of its budget, or of the
+                                      * first part of it, is searched before it looks again */
     long             budget;         /* of the stage; 0: that of lw_fit_options                      */
     /* Write the name of a linkage with an added dyad.  LW_NOTHING: the linkage is not wanted; a failure ends the search.
      * NULL: names come from the parent. */
@@ -30,7 +34,8 @@ typedef struct lw_search_stage {
 
 typedef struct lw_stage_result {
     int        links, n_grown;       /* n_grown: starts with an added dyad                          */
-    int        n_part;               /* searches made                                               */
+    int        n_part;               /* searches made, ...                                          */
+    int        n_of[2];              /* ... of families: for cranks or of all, and for others       */
     double     best;                 /* objective; INFINITY: nothing was found                      */
     long       starts, improved, evals;
     double     seconds;              /* of the stage                                                */
