@@ -44,7 +44,7 @@ static void reflect(const double *v, double factor, double *c, int n)
 }
 
 /* The column with the longest rest goes to place k; returns that length. */
-static double bring_longest(lw_rank *r, int k)
+static double pivot_longest_column(lw_rank *r, int k)
 {
     int best = k;
     double longest = -1;
@@ -105,7 +105,7 @@ void lw_rank_factor(lw_rank *r, double least)
     for (int j = 0; j < r->n; j++)
         r->column[j] = j;
     for (int k = 0; k < most; k++) {
-        double longest = bring_longest(r, k);
+        double longest = pivot_longest_column(r, k);
         first = k == 0 ? longest : first;
         if (!(longest > least*first) || !(longest > 0) || isinf(longest) || (r->stop && *r->stop))
             break;

@@ -43,7 +43,7 @@ static bool make_room(ownership *o, int link, uint32_t *tried)
 }
 
 /* True when every condition found an owner. */
-static bool hand_out(const lw_mechanism *m, ownership *o)
+static bool assign_owners(const lw_mechanism *m, ownership *o)
 {
     *o = (ownership){ .ground = m->ground };
     for (int j = 0; j < m->n_joint; j++)
@@ -258,7 +258,7 @@ lw_status lw_assur_decompose(const lw_mechanism *m, lw_assur *a, lw_error *e)
     lw_status s = check_inputs(m, e);
     if (s != LW_OK)
         return s;
-    if (!hand_out(m, &o))
+    if (!assign_owners(m, &o))
         return lw_error_set(e, LW_E_ARG, "a part of the mechanism is overconstrained");
     depend(&o, m->n_link, reach);
     *a = (lw_assur){ 0 };

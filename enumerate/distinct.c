@@ -8,7 +8,7 @@
 
 #define ROUNDS 4           /* of colour refinement; more rounds only separate more chains */
 
-typedef struct census {
+typedef struct weighting_set {
     const lw_weighting *w;
     const lw_structure *s;
     size_t    n, capacity;           /* chains; capacity of the arrays                         */
@@ -18,7 +18,7 @@ typedef struct census {
     uint32_t *same;                  /* (n_same) chains whose number came before, or comes again */
     size_t    n_same, same_capacity;
     lw_tally *tally;
-} census;
+} weighting_set;
 
 static uint64_t scatter(uint64_t x)
 {
@@ -52,7 +52,7 @@ static uint64_t number_of(const lw_chain *c)
     return number;
 }
 
-static bool make_room(census *c)
+static bool make_room(weighting_set *c)
 {
     size_t capacity = c->capacity ? 2*c->capacity : 1024, n_line = (size_t)c->s->n_line;
     uint8_t *weight = realloc(c->weight, capacity*n_line);
@@ -78,7 +78,7 @@ static bool make_room(census *c)
     return true;
 }
 
-static bool note_same(census *c, size_t chain)
+static bool note_same(weighting_set *c, size_t chain)
 {
     if (c->n_same == c->same_capacity) {
         size_t capacity = c->same_capacity ? 2*c->same_capacity : 64;
@@ -94,7 +94,7 @@ static bool note_same(census *c, size_t chain)
 
 static lw_status add(void *context, const uint8_t *weight)
 {
-    census *c = context;
+    weighting_set *c = context;
     lw_chain chain;
     uint8_t lowest[LW_LINK_MAX];
     uint32_t rigid;
@@ -131,7 +131,7 @@ static int by_index(const void *a, const void *b)
 static int by_form(const void *a, const void *b) { return memcmp(a, b, sizeof(lw_chain)); }
 
 /* The number of different canonical forms among chains that share their number with another one. */
-static lw_status count_same(census *c, size_t *n_chain, size_t *n_form)
+static lw_status count_same(weighting_set *c, size_t *n_chain, size_t *n_form)
 {
     lw_status status = LW_OK;
     size_t n = 0;
@@ -160,7 +160,7 @@ static lw_status count_same(census *c, size_t *n_chain, size_t *n_form)
 
 lw_status lw_distinct_count(const lw_weighting *w, lw_tally *tally)
 {
-    census c = { .w = w, .s = lw_weighting_structure(w), .tally = tally };
+    weighting_set c = { .w = w, .s = lw_weighting_structure(w), .tally = tally };
     size_t n_chain = 0, n_form = 0;
     *tally = (lw_tally){ 0, 0, 0 };
     lw_status status = lw_weighting_each(w, add, &c);

@@ -6,19 +6,19 @@
 #include "enumerate/fractionated.h"
 #include "enumerate/invert.h"
 
-/* Rooted chains: link 0 is the root.  A branch has its root in one block only; a bouquet is one branch or
+/* Rooted chains: link 0 is the root.  A branch has its root in one block only; a branch set is one branch or
  * more on one root.  Sorted by p links besides the root and f freedoms. */
 typedef struct rooted { lw_chain chain; int n_bridge; } rooted;
-typedef struct shelf { size_t n, room; rooted *at; } shelf;
+typedef struct rooted_list { size_t n, room; rooted *at; } rooted_list;
 
-#define HANG_MAX (LW_LINK_MAX/2)
+#define BRANCH_LINK_MAX (LW_LINK_MAX/2)
 
-typedef struct nursery {
-    shelf branch[HANG_MAX + 1][LW_DOF_MAX + 1], bouquet[HANG_MAX + 1][LW_DOF_MAX + 1];
+typedef struct branch_table {
+    rooted_list branch[BRANCH_LINK_MAX + 1][LW_DOF_MAX + 1], branch_set[BRANCH_LINK_MAX + 1][LW_DOF_MAX + 1];
     int   most;                          /* links besides the root, at most                        */
-} nursery;
+} branch_table;
 
-static lw_status put(shelf *s, const rooted *r)
+static lw_status put(rooted_list *s, const rooted *r)
 {
     if (s->n == s->room) {
         size_t room = s->room ? 2*s->room : 4;
@@ -32,12 +32,12 @@ static lw_status put(shelf *s, const rooted *r)
     return LW_OK;
 }
 
-static void nursery_free(nursery *y)
+static void free_branch_table(branch_table *y)
 {
-    for (int p = 0; p <= HANG_MAX; p++)
+    for (int p = 0; p <= BRANCH_LINK_MAX; p++)
         for (int f = 0; f <= LW_DOF_MAX; f++) {
             free(y->branch[p][f].at);
-            free(y->bouquet[p][f].at);
+            free(y->branch_set[p][f].at);
         }
     free(y);
 }
@@ -58,30 +58,30 @@ static void glue(rooted *r, int at, const rooted *part)
     r->n_bridge += part->n_bridge;
 }
 
-/* ---- bouquets on the links of one block ---------------------------------------------------------- */
+/* ---- branch sets on the links of one block ------------------------------------------------------------ */
 
-/* A bouquet on a link; p = 0: none. */
-typedef struct hanging { uint8_t p, f; uint32_t index; } hanging;
+/* A branch set on a link; p = 0: none. */
+typedef struct set_on_link { uint8_t p, f; uint32_t index; } set_on_link;
 
 typedef lw_status take_rooted(void *context, const rooted *r);
 
-/* Distribution of bouquets with p links and f freedoms in total over the links of a block, up to the automorphisms
+/* Distribution of branch sets with p links and f freedoms in total over the links of a block, up to the automorphisms
  * that keep `root` (-1: all automorphisms). */
-typedef struct dressing {
-    const nursery  *y;
+typedef struct attaching {
+    const branch_table *y;
     const lw_chain *block;
     int             n_bridge;            /* 1 when the block is a bridge joint                     */
     int             root;                /* gets nothing; -1: no root                              */
-    int             limit;               /* links in one bouquet, at most                          */
+    int             limit;               /* links in one branch set, at most                          */
     bool            every;               /* every link but the root must get something             */
     const uint8_t (*element)[LW_GRAPH_MAX];
     size_t          n_element;
-    hanging         on[LW_LINK_MAX];
+    set_on_link         on[LW_LINK_MAX];
     take_rooted    *take;
     void           *context;
-} dressing;
+} attaching;
 
-static int compare(const hanging *a, const hanging *b)
+static int compare(const set_on_link *a, const set_on_link *b)
 {
     if (a->p != b->p)
         return a->p < b->p ? -1 : 1;
@@ -91,7 +91,7 @@ static int compare(const hanging *a, const hanging *b)
 }
 
 /* True if no image of the distribution is larger. */
-static bool largest(const dressing *d)
+static bool largest(const attaching *d)
 {
     for (size_t g = 1; g < d->n_element; g++) {
         const uint8_t *to = d->element[g];
@@ -106,40 +106,40 @@ static bool largest(const dressing *d)
     return true;
 }
 
-static lw_status finish_dressing(const dressing *d)
+static lw_status finish_attaching(const attaching *d)
 {
     if (!largest(d))
         return LW_OK;
     rooted r = { *d->block, d->n_bridge };
     for (int i = 0; i < d->block->n_link; i++)
         if (d->on[i].p)
-            glue(&r, i, &d->y->bouquet[d->on[i].p][d->on[i].f].at[d->on[i].index]);
+            glue(&r, i, &d->y->branch_set[d->on[i].p][d->on[i].f].at[d->on[i].index]);
     return d->take(d->context, &r);
 }
 
-/* Distribute bouquets with p links and f freedoms in total over the links from `link` on of the block. */
-static lw_status dress(dressing *d, int link, int p, int f)
+/* Distribute branch sets with p links and f freedoms in total over the links from `link` on of the block. */
+static lw_status attach(attaching *d, int link, int p, int f)
 {
     if (link == d->block->n_link)
-        return p == 0 && f == 0 ? finish_dressing(d) : LW_OK;
+        return p == 0 && f == 0 ? finish_attaching(d) : LW_OK;
     lw_status status = LW_OK;
-    d->on[link] = (hanging){ 0, 0, 0 };
+    d->on[link] = (set_on_link){ 0, 0, 0 };
     if (link == d->root || !d->every)
-        status = dress(d, link + 1, p, f);
+        status = attach(d, link + 1, p, f);
     if (link == d->root)
         return status;
     for (int bp = 1; bp <= p && bp <= d->limit; bp++)
         for (int bf = 1; bf <= f; bf++)
-            for (size_t k = 0; k < d->y->bouquet[bp][bf].n && status == LW_OK; k++) {
-                d->on[link] = (hanging){ (uint8_t)bp, (uint8_t)bf, (uint32_t)k };
-                status = dress(d, link + 1, p - bp, f - bf);
+            for (size_t k = 0; k < d->y->branch_set[bp][bf].n && status == LW_OK; k++) {
+                d->on[link] = (set_on_link){ (uint8_t)bp, (uint8_t)bf, (uint32_t)k };
+                status = attach(d, link + 1, p - bp, f - bf);
             }
-    d->on[link] = (hanging){ 0, 0, 0 };
+    d->on[link] = (set_on_link){ 0, 0, 0 };
     return status;
 }
 
 /* The same after computing the block's symmetry; with `rooted_too` for all roots up to symmetry. */
-static lw_status dress_block(dressing *d, bool rooted_too, int p, int f)
+static lw_status attach_to_block(attaching *d, bool rooted_too, int p, int f)
 {
     lw_graph g;
     lw_symmetry_group group;
@@ -151,11 +151,11 @@ static lw_status dress_block(dressing *d, bool rooted_too, int p, int f)
     d->element = (const uint8_t (*)[LW_GRAPH_MAX])element;
     d->root = -1;
     if (status == LW_OK && !rooted_too)
-        status = dress(d, 0, p, f);
+        status = attach(d, 0, p, f);
     for (int i = 0; i < d->block->n_link && status == LW_OK && rooted_too; i++) {
         d->root = i;
         if (group.orbit[i] == i)
-            status = dress(d, 0, p, f);
+            status = attach(d, 0, p, f);
     }
     free(element);
     lw_symmetry_group_free(&group);
@@ -163,13 +163,13 @@ static lw_status dress_block(dressing *d, bool rooted_too, int p, int f)
 }
 
 /* A bridge joint as block; each of its links must have another joint. */
-static lw_status dress_bridge(dressing *d, bool rooted_too, int p, int f)
+static lw_status attach_to_bridge(attaching *d, bool rooted_too, int p, int f)
 {
     static const lw_chain bridge = { .n_link = 2, .one = { 2, 1 } };
     d->block = &bridge;
     d->n_bridge = 1;
     d->every = true;
-    lw_status status = dress_block(d, rooted_too, p, f);
+    lw_status status = attach_to_block(d, rooted_too, p, f);
     d->n_bridge = 0;
     d->every = false;
     return status;
@@ -177,19 +177,19 @@ static lw_status dress_bridge(dressing *d, bool rooted_too, int p, int f)
 
 /* ---- all blocks of a size ------------------------------------------------------------------------- */
 
-typedef struct block_walk { dressing *d; bool rooted_too; int p, f; } block_walk;
+typedef struct block_walk { attaching *d; bool rooted_too; int p, f; } block_walk;
 
 static lw_status visit_block(void *context, const lw_chain_item *item)
 {
     block_walk *w = context;
     w->d->block = item->chain;
-    return dress_block(w->d, w->rooted_too, w->p, w->f);
+    return attach_to_block(w->d, w->rooted_too, w->p, w->f);
 }
 
 static lw_status each_block(int n_link, int dof, block_walk *w)
 {
-    bool bare = w->p == 0 && w->f == 0, dressed = w->p >= 3 && w->f > 0;     /* a four-bar adds three links */
-    if (n_link < dof + 3 || (n_link - dof - 1) % 2 != 0 || !(bare || dressed))
+    bool bare = w->p == 0 && w->f == 0, filled = w->p >= 3 && w->f > 0;     /* a four-bar adds three links */
+    if (n_link < dof + 3 || (n_link - dof - 1) % 2 != 0 || !(bare || filled))
         return LW_OK;
     lw_chains *chains;
     lw_chain_walk how = lw_chain_walk_default();
@@ -201,14 +201,14 @@ static lw_status each_block(int n_link, int dof, block_walk *w)
     return status;
 }
 
-/* ---- branches and bouquets ------------------------------------------------------------------------ */
+/* ---- branches and branch sets ---------------------------------------------------------------------- */
 
-/* Put a branch on its shelf with its root as link 0. */
-typedef struct shelving { shelf *s; dressing *d; } shelving;
+/* Append a branch to its list, with its root as link 0. */
+typedef struct list_target { rooted_list *s; attaching *d; } list_target;
 
 static lw_status put_branch(void *context, const rooted *r)
 {
-    shelving *to = context;
+    list_target *to = context;
     uint8_t place[LW_LINK_MAX];
     rooted branch = { .n_bridge = r->n_bridge };
     for (int i = 0; i < r->chain.n_link; i++)
@@ -219,12 +219,12 @@ static lw_status put_branch(void *context, const rooted *r)
     return put(to->s, &branch);
 }
 
-static lw_status grow_branches(nursery *y, int p, int f)
+static lw_status grow_branches(branch_table *y, int p, int f)
 {
-    dressing d = { .y = y, .limit = y->most, .take = put_branch };
-    shelving to = { &y->branch[p][f], &d };
+    attaching d = { .y = y, .limit = y->most, .take = put_branch };
+    list_target to = { &y->branch[p][f], &d };
     d.context = &to;
-    lw_status status = dress_bridge(&d, true, p - 1, f - 1);
+    lw_status status = attach_to_bridge(&d, true, p - 1, f - 1);
     for (int n_link = 4; n_link <= p + 1 && status == LW_OK; n_link++)
         for (int dof = 1; dof <= f && status == LW_OK; dof++) {
             block_walk w = { &d, true, p + 1 - n_link, f - dof };
@@ -235,15 +235,15 @@ static lw_status grow_branches(nursery *y, int p, int f)
 
 /* All multisets of at least `least` branches with p links and f freedoms in total, no branch larger than `limit`.
  * Branches are taken in falling order of (p, f, index); `before` is the last one taken. */
-typedef struct gathering {
-    const nursery *y;
+typedef struct composing {
+    const branch_table *y;
     int            limit, least;
     int            bridge_limit;         /* the same for branches that begin with a bridge joint   */
     take_rooted   *take;
     void          *context;
-} gathering;
+} composing;
 
-static lw_status gather(const gathering *b, const rooted *sofar, hanging before, int n, int p, int f)
+static lw_status compose(const composing *b, const rooted *sofar, set_on_link before, int n, int p, int f)
 {
     if (p == 0)
         return f == 0 && n >= b->least ? b->take(b->context, sofar) : LW_OK;
@@ -251,59 +251,59 @@ static lw_status gather(const gathering *b, const rooted *sofar, hanging before,
     for (int bp = p < b->limit ? p : b->limit; bp > 0; bp--)
         for (int bf = f; bf > 0; bf--)
             for (size_t k = b->y->branch[bp][bf].n; k-- > 0 && status == LW_OK; ) {
-                hanging next = { (uint8_t)bp, (uint8_t)bf, (uint32_t)k };
+                set_on_link next = { (uint8_t)bp, (uint8_t)bf, (uint32_t)k };
                 const rooted *branch = &b->y->branch[bp][bf].at[k];
                 bool begins_with_bridge = lw_chain_degree(&branch->chain, 0) == 1;
                 if (compare(&next, &before) > 0 || (begins_with_bridge && bp > b->bridge_limit))
                     continue;
                 rooted more = *sofar;
                 glue(&more, 0, branch);
-                status = gather(b, &more, next, n + 1, p - bp, f - bf);
+                status = compose(b, &more, next, n + 1, p - bp, f - bf);
             }
     return status;
 }
 
-static lw_status gather_all(const gathering *b, int p, int f)
+static lw_status compose_all(const composing *b, int p, int f)
 {
     rooted root = { { .n_link = 1 }, 0 };
-    return gather(b, &root, (hanging){ UINT8_MAX, 0, 0 }, 0, p, f);
+    return compose(b, &root, (set_on_link){ UINT8_MAX, 0, 0 }, 0, p, f);
 }
 
-static lw_status put_bouquet(void *context, const rooted *r) { return put(context, r); }
+static lw_status put_branch_set(void *context, const rooted *r) { return put(context, r); }
 
-static lw_status fill_nursery(nursery *y, int dof)
+static lw_status fill_branch_table(branch_table *y, int dof)
 {
     lw_status status = LW_OK;
     for (int p = 3; p <= y->most && status == LW_OK; p++)
         for (int f = 1; f < dof && status == LW_OK; f++) {
-            gathering b = { y, y->most, 1, y->most, put_bouquet, &y->bouquet[p][f] };
+            composing b = { y, y->most, 1, y->most, put_branch_set, &y->branch_set[p][f] };
             status = grow_branches(y, p, f);
             if (status == LW_OK)
-                status = gather_all(&b, p, f);
+                status = compose_all(&b, p, f);
         }
     return status;
 }
 
 /* ---- whole chains --------------------------------------------------------------------------------- */
 
-typedef struct giving { lw_fractionated_visit *visit; void *context; } giving;
+typedef struct visitor { lw_fractionated_visit *visit; void *context; } visitor;
 
-static lw_status give(void *context, const rooted *r)
+static lw_status pass_on(void *context, const rooted *r)
 {
-    giving *g = context;
+    visitor *g = context;
     return g->visit(g->context, &r->chain, r->n_bridge);
 }
 
-static lw_status walk_middles(const nursery *y, int n_link, int dof, giving *to)
+static lw_status each_middle(const branch_table *y, int n_link, int dof, visitor *to)
 {
-    gathering link = { y, n_link/2, 2, (n_link - 1)/2, give, to };
-    lw_status status = gather_all(&link, n_link - 1, dof);
-    dressing bridge = { .y = y, .limit = n_link/2 - 1, .take = give, .context = to };
+    composing link = { y, n_link/2, 2, (n_link - 1)/2, pass_on, to };
+    lw_status status = compose_all(&link, n_link - 1, dof);
+    attaching bridge = { .y = y, .limit = n_link/2 - 1, .take = pass_on, .context = to };
     if (status == LW_OK && n_link % 2 == 0)
-        status = dress_bridge(&bridge, false, n_link - 2, dof - 1);
+        status = attach_to_bridge(&bridge, false, n_link - 2, dof - 1);
     for (int size = 4; size < n_link && status == LW_OK; size++)
         for (int f = 1; f < dof && status == LW_OK; f++) {
-            dressing d = { .y = y, .limit = (n_link - 1)/2 - 1, .take = give, .context = to };
+            attaching d = { .y = y, .limit = (n_link - 1)/2 - 1, .take = pass_on, .context = to };
             block_walk w = { &d, false, n_link - size, dof - f };
             status = each_block(size, f, &w);
         }
@@ -316,14 +316,14 @@ lw_status lw_fractionated_each(int n_link, int dof, lw_fractionated_visit *visit
     lw_status status = lw_numbers_for_links(n_link, dof, 0, &numbers, e);
     if (status != LW_OK)
         return status;
-    nursery *y = calloc(1, sizeof *y);
+    branch_table *y = calloc(1, sizeof *y);
     if (!y)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    giving to = { visit, context };
+    visitor to = { visit, context };
     y->most = n_link/2;
-    status = fill_nursery(y, dof);
+    status = fill_branch_table(y, dof);
     if (status == LW_OK)
-        status = walk_middles(y, n_link, dof, &to);
-    nursery_free(y);
+        status = each_middle(y, n_link, dof, &to);
+    free_branch_table(y);
     return status;
 }

@@ -5,23 +5,23 @@
 #include "enumerate/grow.h"
 
 /* Data of the parent, computed before any ear is tried. */
-typedef struct nursery {
+typedef struct parent_data {
     const lw_structure *parent;
     uint8_t             degree[LW_CIRCLE_MAX];
     uint64_t            removable;               /* lines, as bits                                */
     uint64_t            first;                   /* first line of each set of parallel lines      */
     uint64_t            second;                  /* second line of each set                       */
     bool                once;                    /* decide ties, see lw_grow_once                 */
-} nursery;
+} parent_data;
 
 static bool same_ends(const lw_structure *s, int e, int f)
 {
     return memcmp(s->end[e], s->end[f], 2) == 0;
 }
 
-static void prepare(nursery *n, const lw_structure *parent, bool once)
+static void prepare(parent_data *n, const lw_structure *parent, bool once)
 {
-    *n = (nursery){ .parent = parent, .once = once };
+    *n = (parent_data){ .parent = parent, .once = once };
     lw_structure_degrees(parent, n->degree);
     for (int e = 0; e < parent->n_line; e++) {
         bool parallel = e > 0 && same_ends(parent, e - 1, e);
@@ -42,7 +42,7 @@ static int line_measure(int degree_a, int degree_b)
 
 /* True if a line of the parent that the ear does not touch beats a new line of the given measure.  A removable line
  * of the parent is removable from the child too, since an ear keeps the graph 2-connected. */
-static bool beaten_by_parent(const nursery *n, const uint8_t *degree, uint64_t touched, int measure)
+static bool beaten_by_parent(const parent_data *n, const uint8_t *degree, uint64_t touched, int measure)
 {
     for (uint64_t rest = n->removable & ~touched; rest; rest &= rest - 1) {
         const uint8_t *end = n->parent->end[__builtin_ctzll(rest)];
@@ -111,7 +111,7 @@ static bool best_of_child(const lw_structure *child, int a, int b, bool once, lw
     return true;
 }
 
-typedef struct growth { const nursery *n; lw_grow_visit *visit; void *context; } growth;
+typedef struct growth { const parent_data *n; lw_grow_visit *visit; void *context; } growth;
 
 /* Try one ear; degree is that of the child for the parent's circles, from and to the ends of the new line. */
 static lw_status try_ear(const growth *w, lw_ear ear, uint64_t touched, const uint8_t *degree, int from, int to)
@@ -169,7 +169,7 @@ static lw_status grow_circle_line(const growth *w)
  * of one set the first two. */
 static lw_status grow_lines(const growth *w)
 {
-    const nursery *n = w->n;
+    const parent_data *n = w->n;
     int n_circle = n->parent->n_circle;
     lw_status status = LW_OK;
     for (uint64_t rest = n->first; rest; rest &= rest - 1) {
@@ -191,7 +191,7 @@ static lw_status grow_lines(const growth *w)
 
 static lw_status grow(const lw_structure *parent, bool once, lw_grow_visit *visit, void *context)
 {
-    nursery n;
+    parent_data n;
     prepare(&n, parent, once);
     growth w = { &n, visit, context };
     lw_status status = grow_circles(&w);

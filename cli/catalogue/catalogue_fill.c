@@ -256,7 +256,7 @@ static lw_curve_maker *make_maker(const cli_call *call, lw_error *e)
 }
 
 /* A process that is not process 0. */
-static void help_out(const cli_call *call, const lw_build_control *control, bool *ran)
+static void run_as_worker(const cli_call *call, const lw_build_control *control, bool *ran)
 {
     const cli_catalogue_settings *s = call->settings;
     lw_error e = { 0 };
@@ -330,7 +330,7 @@ int cli_catalogue_curves(const cli_call *call)
     control.part = part;
     control.n_part = n_part;
     if (rank > 0)
-        help_out(call, &control, &ran);
+        run_as_worker(call, &control, &ran);
     else
         code = draw_curves(call, &control, &w, &ran);
     if (s->mpi)

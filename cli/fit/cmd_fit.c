@@ -884,7 +884,7 @@ static int fit_all(const cli_call *call, cli_side_by_side *together)
 }
 
 /* A process that is not process 0: the same search, nothing printed or written. */
-static int help_out(const cli_call *call, cli_side_by_side *together)
+static int run_as_worker(const cli_call *call, cli_side_by_side *together)
 {
     cli_call mine = *call;
     settings silent = *(const settings *)call->settings;
@@ -919,7 +919,7 @@ static int run(const cli_call *call)
     if (s->mpi && !cli_mpi_agree(code == CLI_DONE))
         code = code == CLI_DONE ? CLI_BAD_INPUT : code;
     else if (code == CLI_DONE)
-        code = rank == 0 ? fit_all(call, &together) : help_out(call, &together);
+        code = rank == 0 ? fit_all(call, &together) : run_as_worker(call, &together);
     cli_kept_close(together.kept);
     if (s->mpi)
         cli_mpi_end(true);

@@ -336,7 +336,7 @@ static bool skip_next(desk *d)
 }
 
 /* Give tasks to idle processes; end them when no task is left. Returns how many were ended. */
-static int hand_out(desk *d)
+static int send_tasks(desk *d)
 {
     int n_left = 0;
     while (d->n_idle > 0) {
@@ -360,7 +360,7 @@ static lw_status serve(const cli_mpi_work *w, int n_rank)
         MPI_Abort(MPI_COMM_WORLD, 4);
     for (int working = n_rank - 1; working > 0; ) {
         receive(&d);
-        working -= hand_out(&d);
+        working -= send_tasks(&d);
     }
     for (size_t k = 0; k < d.n_kept; k++)
         free(d.early[k].data);

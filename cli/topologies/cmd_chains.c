@@ -620,7 +620,7 @@ static int enumerate(task *t, lw_error *e)
 }
 
 /* Work of the other processes: the same structures, then tasks from process 0. */
-static void help_out(task *t)
+static void run_as_worker(task *t)
 {
     if (lw_chains_create_while(t->s->links, t->s->dof, 1, t->s->structures, NULL, NULL, &t->chains, NULL) == LW_OK)
         (void)(t->s->count ? remote_count(t) : remote_list(t));
@@ -642,7 +642,7 @@ static int run(const cli_call *call)
     if (status == LW_OK && rank == 0 && t.s->keep)
         status = lw_kept_open(t.s->keep, t.s->links, t.s->dof, t.how.filter, &t.kept, &e);
     if (rank > 0)
-        help_out(&t);
+        run_as_worker(&t);
     else
         code = status == LW_OK ? enumerate(&t, &e) : cli_fail(call, &e);
     if (t.s->mpi)

@@ -265,7 +265,7 @@ static lw_status choose_floating(balance *b, double still)
 }
 
 /* Add counterweights on floating links.  Where their masses do not converge, put them further out. */
-static lw_status let_float(balance *b, double *p, double *found, double before)
+static lw_status balance_floating_links(balance *b, double *p, double *found, double before)
 {
     int n_ground = b->n_link;
     if (is_still(b, p, before))
@@ -304,7 +304,7 @@ static lw_status find(balance *b, double *p, double *found, lw_counterweights *o
     lw_status s = factor(b);
     if (s == LW_OK) {
         solve(b, p);
-        s = let_float(b, p, found, out->deviation_before);
+        s = balance_floating_links(b, p, found, out->deviation_before);
     }
     out->weight = calloc((size_t)b->n_link, sizeof *out->weight);
     if (s != LW_OK || !out->weight)

@@ -273,7 +273,7 @@ static void choose_rows(lw_clearance_work *w)
         w->rows.input[i] = w->c->m->motion[i] != NULL;
 }
 
-static void begin_books(lw_clearance_work *w, lw_clearance_result *r)
+static void clear_result(lw_clearance_work *w, lw_clearance_result *r)
 {
     *r = (lw_clearance_result){ .n_joint = w->c->n_journal, .speed_least = INFINITY, .speed_most = -INFINITY };
     w->r = r;
@@ -479,7 +479,7 @@ lw_status lw_clearance_run(const lw_clearance_scene *scene, const lw_clearance_o
         return lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
     size_t n = 2*(size_t)w.n_u;
     double *memory = calloc(2*n + lw_integrate_work((int)n, strobe_event(scene) + 1), sizeof *memory);
-    begin_books(&w, r);
+    clear_result(&w, r);
     lw_status s = memory ? run(&w, memory, e) : lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
     if (s == LW_E_NUMERIC && w.undetermined.status != LW_OK && e)
         *e = w.undetermined;

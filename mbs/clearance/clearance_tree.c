@@ -34,7 +34,7 @@ static void hang(lw_tree *t, int body, int j, int end)
     t->order[t->n_body++] = body;
 }
 
-static void let_float(lw_tree *t, int body)
+static void add_free_body(lw_tree *t, int body)
 {
     lw_tree_joint *b = &t->hang[body];
     *b = (lw_tree_joint){ .parent = -1, .kind = LW_TREE_FREE, .joint = -1, .coordinate = t->n_u, .turn = t->n_u + 2 };
@@ -72,7 +72,7 @@ void lw_tree_make(const lw_system *s, const bool *opened, const bool *apart, lw_
         while (hangs[body])
             body++;
         hangs[body] = true;
-        let_float(t, body);
+        add_free_body(t, body);
     }
     assert(t->n_u <= LW_SYSTEM_Q_MAX);
     for (int j = 0; j < s->n_joint; j++)

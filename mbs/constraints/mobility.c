@@ -350,7 +350,7 @@ static void keep_best(search *f)
     }
 }
 
-static void stand_at(search *f, const double *q)
+static void examine_posture(search *f, const double *q)
 {
     memcpy(f->now.q, q, (size_t)f->n_q*sizeof *q);
     lw_drift_stand(&f->d, true, &f->now);
@@ -369,9 +369,9 @@ static void walk_about(search *f, uint64_t seed)
         if (way == 0)
             continue;
         done++;
-        stand_at(f, q);
+        examine_posture(f, q);
         way += lw_drift_walk(&f->d, &r, q, &residual);
-        stand_at(f, q);
+        examine_posture(f, q);
         f->m->distance = fmax(f->m->distance, way);
         f->m->residual = fmax(f->m->residual, residual*f->s->unit);
     }

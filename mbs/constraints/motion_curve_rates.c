@@ -46,7 +46,7 @@ static void taylor(int n, const double *x, const double *f, const double *df, in
 
 /* Posture and tangent at arc length `arc + away`, past the end of a closed curve if necessary; whole turns relative
  * to q. */
-static void look_beside(lw_motion_curve *b, double arc, double away, const double *q, double *p, double *tangent)
+static void posture_beside(lw_motion_curve *b, double arc, double away, const double *q, double *p, double *tangent)
 {
     double length = lw_motion_curve_length(b), at = arc + fmin(1.0, length)*away;
     if (b->end == LW_MOTION_CURVE_CLOSED)
@@ -64,7 +64,7 @@ static void series_beside(lw_motion_curve *b, double arc, const double *q, const
     int n = 0;
     for (int k = 0; k < KNOTS; k++) {
         double *p = b->a, *t = b->b, along = 0.0, distance = 0.0;
-        look_beside(b, arc, knot[k], q, p, t);
+        posture_beside(b, arc, knot[k], q, p, t);
         for (int i = 0; i < b->n; i++) {
             along += direction[i]*t[i];
             distance += direction[i]*(p[i] - q[i]);
