@@ -146,6 +146,16 @@ static inline void *new_work(const lw_problem *p)
     return work;
 }
 
+static inline double central_difference(const lw_problem *p, const double *x, int i, double h, void *work)
+{
+    double at[LW_VAR_MAX];
+    memcpy(at, x, sizeof at);
+    at[i] = x[i] + h;
+    double up = lw_problem_value(p, at, NULL, work);
+    at[i] = x[i] - h;
+    return (up - lw_problem_value(p, at, NULL, work))/(2*h);
+}
+
 /* Variables of a member; input0 and tool0 as its stations have them. */
 static inline void variables_of(const lw_problem *p, const member *m, double *x)
 {

@@ -3,7 +3,16 @@
 #define LW_TESTS_ODE_PROBLEMS_H
 
 #include <math.h>
-#include "base/status.h"
+#include "mbs/ode/sundials.h"
+
+static inline lw_status sundials_to(lw_sundials *w, double t, lw_error *e)
+{
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_status s = LW_OK;
+    while (s == LW_OK && stop != LW_ODE_END)
+        s = lw_sundials_step(w, t, &stop, e);
+    return s;
+}
 
 static inline lw_status oscillator(void *context, double t, const double *y, double *dy)
 {

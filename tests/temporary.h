@@ -38,4 +38,14 @@ static inline const char *temporary_folder(void)
     return temporary_path;
 }
 
+/* The path of a file in it; the text is overwritten at the fourth call after. */
+static inline const char *temporary_file(const char *name)
+{
+    static char path[4][1500];
+    static int k;
+    k = (k + 1)%4;
+    snprintf(path[k], sizeof path[k], "%s/%s", temporary_folder(), name);
+    return path[k];
+}
+
 #endif

@@ -18,15 +18,6 @@
 
 static const char hostile[] = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'&";
 
-static const char *path_of(const char *name)
-{
-    static char path[4][512];
-    static int next;
-    next = (next + 1) % 4;
-    snprintf(path[next], sizeof path[next], "%s/%s", temporary_folder(), name);
-    return path[next];
-}
-
 /* ---- a catalogue -------------------------------------------------------------------------------- */
 
 static void put_chain(lw_store *s, const lw_chain *c, int loops, const char *evil)
@@ -60,7 +51,7 @@ static lw_store *open_store(bool write)
     lw_store_options o = { .write = write, .create = write, .wait = 1, .command = "test" };
     lw_store *s = NULL;
     lw_error e = { 0 };
-    CHECK_INT(lw_store_open(path_of("a.db"), &o, &s, &e), LW_OK);
+    CHECK_INT(lw_store_open(temporary_file("a.db"), &o, &s, &e), LW_OK);
     return s;
 }
 
@@ -95,7 +86,7 @@ static void put_linkages(void)
         { "examples/hoeken.json", "Hoeken", true }, { "examples/hoeken.json", hostile, true },
         { "examples/jansen.json", "Jansen", false } };
     sqlite3 *db;
-    CHECK_INT(sqlite3_open(path_of("a.db"), &db), SQLITE_OK);
+    CHECK_INT(sqlite3_open(temporary_file("a.db"), &db), SQLITE_OK);
     char *evil = sqlite3_mprintf("UPDATE multiple SET assortment = %Q WHERE id = 1", hostile);
     CHECK_INT(sqlite3_exec(db, evil, NULL, NULL, NULL), SQLITE_OK);
     sqlite3_free(evil);
@@ -126,7 +117,7 @@ static char *read_page(const char *file)
     char *text = NULL, name[256];
     size_t size;
     snprintf(name, sizeof name, "atlas/%s", file);
-    CHECK_INT(lw_file_read(path_of(name), &text, &size, NULL), LW_OK);
+    CHECK_INT(lw_file_read(temporary_file(name), &text, &size, NULL), LW_OK);
     return text ? text : calloc(1, 1);
 }
 
@@ -153,7 +144,7 @@ static void check_links(const char *page)
         size_t n = strcspn(at, "\"#");
         CHECK(n < 200);
         snprintf(file + 6, sizeof file - 6, "%.*s", (int)n, at);
-        CHECK(n == 0 || access(path_of(file), R_OK) == 0);
+        CHECK(n == 0 || access(temporary_file(file), R_OK) == 0);
     }
 }
 
@@ -198,16 +189,16 @@ TEST(pages)
     lw_error e = { 0 };
     int n = 0;
     o.title = hostile;
-    CHECK_INT(write_atlas(path_of("atlas"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK_INT(write_atlas(temporary_file("atlas"), &o, &n_page, &n_byte, &e), LW_OK);
     CHECK_INT(n_page, 1 + 1 + 2 + 16 + 2 + 1 + 2);     /* the last: the slider-crank, multiple joints */
-    DIR *d = opendir(path_of("atlas"));
+    DIR *d = opendir(temporary_file("atlas"));
     for (struct dirent *f; d && (f = readdir(d)) != NULL;) {
         struct stat st;
         char name[300];
         if (f->d_name[0] == '.')
             continue;
         snprintf(name, sizeof name, "atlas/%s", f->d_name);
-        CHECK(stat(path_of(name), &st) == 0);
+        CHECK(stat(temporary_file(name), &st) == 0);
         size += (size_t)st.st_size;
         check_page(f->d_name);
         n++;
@@ -270,9 +261,9 @@ TEST(first_chains)
     CHECK_INT(lw_atlas_html_expect(s, &o, &n_chain, &bytes, &e), LW_OK);
     CHECK_INT(n_chain, 5);
     lw_store_close(s);
-    CHECK_INT(write_atlas(path_of("five"), &o, &n_page, &n_byte, &e), LW_OK);
-    CHECK(n_page >= 6 && n_page <= 7 && access(path_of("five/chain-8-1-5.html"), F_OK) == 0);
-    CHECK(access(path_of("five/chain-8-1-6.html"), F_OK) != 0);
+    CHECK_INT(write_atlas(temporary_file("five"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK(n_page >= 6 && n_page <= 7 && access(temporary_file("five/chain-8-1-5.html"), F_OK) == 0);
+    CHECK(access(temporary_file("five/chain-8-1-6.html"), F_OK) != 0);
     CHECK_NEAR((double)n_byte, bytes, 40000, 0.25);
 }
 
@@ -290,14 +281,14 @@ TEST(large_families)
     lw_error e = { 0 };
     char *text = NULL;
     o.single_pages = 1;
-    CHECK_INT(write_atlas(path_of("blocks"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK_INT(write_atlas(temporary_file("blocks"), &o, &n_page, &n_byte, &e), LW_OK);
     CHECK_INT(n_page, 1 + 2 + 2 + 1 + 3);     /* overview, four-bar and its sliders, linkages, chain.html, three blocks */
-    CHECK(access(path_of("blocks/chain-4-1-1.html"), F_OK) == 0);
-    CHECK(access(path_of("blocks/chain-6-1-1.html"), F_OK) != 0);
+    CHECK(access(temporary_file("blocks/chain-4-1-1.html"), F_OK) == 0);
+    CHECK(access(temporary_file("blocks/chain-6-1-1.html"), F_OK) != 0);
     for (int i = 0; i < 5; i++) {
         static const char *const file[] = { "blocks/index.html", "blocks/chain.html", "blocks/chain-4-1-1.html",
                                             "blocks/chains-6-1-0.js", "blocks/chains-6-1-m0.js" };
-        CHECK_INT(lw_file_read(path_of(file[i]), &text, &size, NULL), LW_OK);
+        CHECK_INT(lw_file_read(temporary_file(file[i]), &text, &size, NULL), LW_OK);
         if (i < 3)
             CHECK((strstr(text, "' 'self'\">") != NULL) == (i < 2));
         else
@@ -314,24 +305,24 @@ TEST(limits_and_faults)
     lw_error e = { 0 };
     o.n_linkage = 1;
     o.links = 4;
-    CHECK_INT(write_atlas(path_of("four"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK_INT(write_atlas(temporary_file("four"), &o, &n_page, &n_byte, &e), LW_OK);
     CHECK_INT(n_page, 5);
     o.n_linkage = 0;
     o.links = 6;
-    CHECK_INT(write_atlas(path_of("six"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK_INT(write_atlas(temporary_file("six"), &o, &n_page, &n_byte, &e), LW_OK);
     CHECK_INT(n_page, 5);
     o.links = 7;
-    CHECK_INT(write_atlas(path_of("seven"), &o, &n_page, &n_byte, &e), LW_NOTHING);
+    CHECK_INT(write_atlas(temporary_file("seven"), &o, &n_page, &n_byte, &e), LW_NOTHING);
     CHECK_HAS(e.text, "no chain");
     o.links = 0;
     o.goes_on = after_three;
-    CHECK_INT(write_atlas(path_of("three"), &o, &n_page, &n_byte, &e), LW_STOPPED);
+    CHECK_INT(write_atlas(temporary_file("three"), &o, &n_page, &n_byte, &e), LW_STOPPED);
     CHECK_INT(n_page, 4);                               /* three chains, one with sliders */
-    CHECK(access(path_of("three/index.html"), F_OK) != 0);
+    CHECK(access(temporary_file("three/index.html"), F_OK) != 0);
     o.goes_on = NULL;
-    CHECK_INT(write_atlas(path_of("none/deep"), &o, &n_page, &n_byte, &e), LW_E_IO);
+    CHECK_INT(write_atlas(temporary_file("none/deep"), &o, &n_page, &n_byte, &e), LW_E_IO);
     CHECK_HAS(e.text, "cannot be made");
-    CHECK_INT(write_atlas(path_of("a.db"), &o, &n_page, &n_byte, &e), LW_E_IO);
+    CHECK_INT(write_atlas(temporary_file("a.db"), &o, &n_page, &n_byte, &e), LW_E_IO);
 }
 
 int main(void)

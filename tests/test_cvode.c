@@ -4,15 +4,6 @@
 #include "tests/check.h"
 #include "tests/ode_problems.h"
 
-static lw_status run_to(lw_sundials *w, double t, lw_error *e)
-{
-    lw_ode_stop stop = LW_ODE_STEP;
-    lw_status s = LW_OK;
-    while (s == LW_OK && stop != LW_ODE_END)
-        s = lw_sundials_step(w, t, &stop, e);
-    return s;
-}
-
 /* Van der Pol, mu = 1e3 in scaled time (1e-6 in front): Mazzia & Magherini, Test set for IVP solvers 2.4, problem
  * VDPOL: y(2) = 1.706167732170483, -0.8928097010247975. */
 static lw_status van_der_pol(void *context, double t, const double *y, double *dy)
@@ -41,7 +32,7 @@ TEST(stiff_published)
             lw_sundials w;
             double y[2] = { 2.0, 0.0 };
             CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, NULL), LW_OK);
-            CHECK_INT(run_to(&w, 2.0, NULL), LW_OK);
+            CHECK_INT(sundials_to(&w, 2.0, NULL), LW_OK);
             CHECK_NEAR(w.y[0], 1.706167732170483, 2000.0*tolerance, 0);
             CHECK_NEAR(w.y[1], -0.8928097010247975, 2000.0*tolerance, 0);
             CHECK(w.t == 2.0 && w.n_step > 50 && w.n_step < 20000 && w.n_jacobian > 0);
@@ -91,7 +82,7 @@ TEST(events_in_order)
     while (stop == LW_ODE_STEP)
         CHECK_INT(lw_sundials_step(&w, 20.0, &stop, NULL), LW_OK);
     CHECK_NEAR(w.t, 10.0 + pi/2, 1e-8, 0);
-    CHECK_INT(run_to(&w, w.t + 1e-6, NULL), LW_OK);
+    CHECK_INT(sundials_to(&w, w.t + 1e-6, NULL), LW_OK);
     CHECK_NEAR(w.y[0], -1e-6, 1e-8, 0);
     lw_sundials_free(&w);
 }
@@ -106,7 +97,7 @@ TEST(projection)
         lw_sundials w;
         double y[4] = { 1.0, 0.0, 0.0, 0.0 };
         CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, NULL), LW_OK);
-        CHECK_INT(run_to(&w, 10.0, NULL), LW_OK);
+        CHECK_INT(sundials_to(&w, 10.0, NULL), LW_OK);
         drift[with] = fabs(hypot(w.y[0], w.y[1]) - 1.0);
         lw_sundials_free(&w);
     }
@@ -122,18 +113,18 @@ TEST(failures_are_told)
     double y[2] = { 1.0, 0.0 };
     lw_ode bad = { .n = 1, .rate = explodes };
     CHECK_INT(lw_cvode_make(&w, &bad, &o, LW_CVODE_BDF, 0.0, y, &e), LW_OK);
-    CHECK_INT(run_to(&w, 2.0, &e), LW_E_NUMERIC);
+    CHECK_INT(sundials_to(&w, 2.0, &e), LW_E_NUMERIC);
     CHECK_HAS(e.text, "CVODE gave up at t = ");
     CHECK(w.t < 1.0 + 1e-6 && w.t > 0.9);
     lw_sundials_free(&w);
     bad.rate = breaks;
     CHECK_INT(lw_cvode_make(&w, &bad, &o, LW_CVODE_BDF, 0.0, y, &e), LW_OK);
-    CHECK_INT(run_to(&w, 2.0, &e), LW_E_KIND);
+    CHECK_INT(sundials_to(&w, 2.0, &e), LW_E_KIND);
     lw_sundials_free(&w);
     lw_ode ode = { .n = 2, .rate = oscillator };
     o.max_step = 20;
     CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &e), LW_OK);
-    CHECK_INT(run_to(&w, 1e3, &e), LW_STOPPED);
+    CHECK_INT(sundials_to(&w, 1e3, &e), LW_STOPPED);
     lw_ode_stop stop;
     CHECK_INT(lw_sundials_step(&w, -1.0, &stop, &e), LW_E_ARG);
     lw_sundials_free(&w);

@@ -10,16 +10,6 @@
 #include "tests/check.h"
 #include "tests/temporary.h"
 
-
-static const char *in_folder(const char *name)
-{
-    static char path[4][1500];
-    static int k;
-    k = (k + 1)%4;
-    snprintf(path[k], sizeof path[k], "%s/%s", temporary_folder(), name);
-    return path[k];
-}
-
 static int count_files(void)
 {
     int n = 0;
@@ -51,7 +41,7 @@ static void check_refused(const char *path, const char *part)
 
 TEST(write_then_read)
 {
-    const char *path = in_folder("a.txt");
+    const char *path = temporary_file("a.txt");
     CHECK_INT(lw_file_write(path, "hello\n", 6, NULL), LW_OK);
     check_content(path, "hello\n");
     CHECK_INT(lw_file_write(path, "", 0, NULL), LW_OK);
@@ -66,18 +56,18 @@ TEST(large_file_with_zero_bytes)
     char *bytes = malloc(n), *text = NULL;
     for (size_t i = 0; i < n; i++)
         bytes[i] = (char)(i*i >> 3);
-    CHECK_INT(lw_file_write(in_folder("big"), bytes, n, NULL), LW_OK);
-    CHECK_INT(lw_file_read(in_folder("big"), &text, &size, NULL), LW_OK);
+    CHECK_INT(lw_file_write(temporary_file("big"), bytes, n, NULL), LW_OK);
+    CHECK_INT(lw_file_read(temporary_file("big"), &text, &size, NULL), LW_OK);
     CHECK_INT(size, n);
     CHECK(text && memcmp(text, bytes, n) == 0 && text[n] == '\0');
     free(text);
     free(bytes);
-    unlink(in_folder("big"));
+    unlink(temporary_file("big"));
 }
 
 TEST(unfinished_output_leaves_the_old_file)
 {
-    const char *path = in_folder("keep");
+    const char *path = temporary_file("keep");
     lw_output o;
     CHECK_INT(lw_file_write(path, "old", 3, NULL), LW_OK);
     CHECK_INT(lw_output_open(&o, path, NULL), LW_OK);
@@ -95,7 +85,7 @@ TEST(unfinished_output_leaves_the_old_file)
 TEST(rights_and_links_survive)
 {
     struct stat st;
-    const char *path = in_folder("script"), *link = in_folder("link");
+    const char *path = temporary_file("script"), *link = temporary_file("link");
     CHECK_INT(lw_file_write(path, "old", 3, NULL), LW_OK);
     CHECK_INT(chmod(path, 0750), 0);
     CHECK_INT(symlink("script", link), 0);
@@ -114,12 +104,12 @@ TEST(longest_name_the_system_allows)
     char name[257];
     memset(name, 'n', 255);
     name[255] = '\0';
-    CHECK_INT(lw_file_write(in_folder(name), "x", 1, NULL), LW_OK);
-    check_content(in_folder(name), "x");
-    unlink(in_folder(name));
+    CHECK_INT(lw_file_write(temporary_file(name), "x", 1, NULL), LW_OK);
+    check_content(temporary_file(name), "x");
+    unlink(temporary_file(name));
     name[255] = 'n';
     name[256] = '\0';
-    check_refused(in_folder(name), "too long");
+    check_refused(temporary_file(name), "too long");
 }
 
 TEST(what_cannot_be_written)
@@ -128,22 +118,22 @@ TEST(what_cannot_be_written)
     memset(longest, 'd', sizeof longest - 1);
     longest[sizeof longest - 1] = '\0';
     check_refused("/dev/full", "no space left");
-    check_refused(in_folder("no/such/folder/x"), "no such file or folder");
+    check_refused(temporary_file("no/such/folder/x"), "no such file or folder");
     check_refused(temporary_folder(), "folder");
-    check_refused(in_folder("new/"), "folder");
+    check_refused(temporary_file("new/"), "folder");
     check_refused("/proc/linkwright-test", "cannot be written");
     check_refused("", "no such file");
     check_refused(longest, "too long");
-    CHECK_INT(lw_file_write(in_folder("plain"), "x", 1, NULL), LW_OK);
-    check_refused(in_folder("plain/below"), "a part of the path is a file");
-    unlink(in_folder("plain"));
+    CHECK_INT(lw_file_write(temporary_file("plain"), "x", 1, NULL), LW_OK);
+    check_refused(temporary_file("plain/below"), "a part of the path is a file");
+    unlink(temporary_file("plain"));
     CHECK_INT(count_files(), 0);
 }
 
 /* A disk that fills up in the middle, played by a limit on the size of files. */
 TEST(a_failed_write_leaves_the_old_file)
 {
-    const char *path = in_folder("full");
+    const char *path = temporary_file("full");
     CHECK_INT(lw_file_write(path, "old", 3, NULL), LW_OK);
     fflush(stdout);
     pid_t child = fork();
@@ -184,7 +174,7 @@ static void check_unreadable(const char *path, const char *part)
 
 TEST(what_cannot_be_read)
 {
-    check_unreadable(in_folder("missing"), "no such file");
+    check_unreadable(temporary_file("missing"), "no such file");
     check_unreadable(temporary_folder(), "folder, not a file");
     check_unreadable("/dev/zero", "larger than 256 MiB");
     check_unreadable("/proc/self/mem", "cannot be read");
@@ -195,7 +185,7 @@ TEST(standard_output_is_continued)
 {
     static const char *const names[] = { "-", "/dev/stdout", "/dev/fd/1" };
     for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
-        const char *path = in_folder("out");
+        const char *path = temporary_file("out");
         fflush(stdout);
         pid_t child = fork();
         if (child == 0) {
@@ -215,7 +205,7 @@ TEST(standard_output_is_continued)
 
 TEST(standard_input_is_read)
 {
-    const char *path = in_folder("in");
+    const char *path = temporary_file("in");
     CHECK_INT(lw_file_write(path, "given", 5, NULL), LW_OK);
     fflush(stdout);
     pid_t child = fork();
@@ -235,7 +225,7 @@ TEST(standard_input_is_read)
 /* What a killed program leaves: found again, for one program at a time, and whole only after a commit. */
 TEST(partial_output_is_gone_on_with)
 {
-    const char *path = in_folder("long.txt"), *partial = in_folder("long.txt.partial");
+    const char *path = temporary_file("long.txt"), *partial = temporary_file("long.txt.partial");
     char text[8] = "";
     lw_output o, second;
     lw_error e = { 0 };
@@ -261,8 +251,8 @@ TEST(partial_output_is_gone_on_with)
 /* A link that somebody put beside the output must not lead the writing to another file. */
 TEST(partial_output_follows_no_link)
 {
-    const char *path = in_folder("linked.txt"), *partial = in_folder("linked.txt.partial");
-    const char *other = in_folder("other.txt");
+    const char *path = temporary_file("linked.txt"), *partial = temporary_file("linked.txt.partial");
+    const char *other = temporary_file("other.txt");
     lw_output o;
     CHECK_INT(lw_file_write(other, "kept\n", 5, NULL), LW_OK);
     CHECK_INT(symlink(other, partial), 0);

@@ -2,15 +2,7 @@
  * consistent starts, how failures are told. */
 #include "mbs/ode/ida.h"
 #include "tests/check.h"
-
-static lw_status run_to(lw_sundials *w, double t, lw_error *e)
-{
-    lw_ode_stop stop = LW_ODE_STEP;
-    lw_status s = LW_OK;
-    while (s == LW_OK && stop != LW_ODE_END)
-        s = lw_sundials_step(w, t, &stop, e);
-    return s;
-}
+#include "tests/ode_problems.h"
 
 /* Robertson's reactions with the sum as third equation, index 1.  End values: Mazzia & Magherini, Test set for IVP
  * solvers 2.4, problem ROBER, t = 1e11. */
@@ -47,7 +39,7 @@ TEST(robertson_published)
         lw_sundials w;
         double y[3] = { 1.0, 0.0, 0.0 }, dy[3] = { -0.04, 0.04, 0.0 };
         CHECK_INT(lw_ida_make(&w, &dae, &o, 0.0, y, dy, NULL), LW_OK);
-        CHECK_INT(run_to(&w, 1e11, NULL), LW_OK);
+        CHECK_INT(sundials_to(&w, 1e11, NULL), LW_OK);
         CHECK_NEAR(w.y[0], 0.2083340149701255e-7, 0, 1e-5);
         CHECK_NEAR(w.y[1], 0.8333360770334713e-13, 0, 1e-5);
         CHECK_NEAR(w.y[2], 0.9999999791665050, 1e-12, 0);
@@ -126,7 +118,7 @@ TEST(pendulum_of_index_two)
         double y[6], dy[6];
         ggl_start(y, dy);
         CHECK_INT(lw_ida_make(&w, &dae, &o, 0.0, y, dy, NULL), LW_OK);
-        CHECK_INT(run_to(&w, 5.0, NULL), LW_OK);
+        CHECK_INT(sundials_to(&w, 5.0, NULL), LW_OK);
         CHECK_NEAR(w.y[0], sin(angle), 3000.0*tolerance, 0);
         CHECK_NEAR(w.y[1], -cos(angle), 3000.0*tolerance, 0);
         CHECK_NEAR(w.y[2], cos(angle)*speed, 10000.0*tolerance, 0);
@@ -179,7 +171,7 @@ TEST(events_of_the_pendulum)
     lw_sundials_free(&w);
 }
 
-static lw_status breaks(void *context, double t, const double *y, const double *dy, double *r)
+static lw_status breaks_residual(void *context, double t, const double *y, const double *dy, double *r)
 {
     (void)context;
     r[0] = dy[0] - y[0];
@@ -192,21 +184,21 @@ TEST(failures_are_told)
     lw_error e;
     lw_sundials w;
     double y[6] = { 1.0 }, dy[6] = { 1.0 };
-    lw_dae dae = { .n = 1, .residual = breaks };
+    lw_dae dae = { .n = 1, .residual = breaks_residual };
     CHECK_INT(lw_ida_make(&w, &dae, &o, 0.0, y, dy, &e), LW_OK);
-    CHECK_INT(run_to(&w, 2.0, &e), LW_E_KIND);
+    CHECK_INT(sundials_to(&w, 2.0, &e), LW_E_KIND);
     CHECK_HAS(e.text, "IDA gave up at t = ");
     lw_sundials_free(&w);
     ggl_start(y, dy);
     y[0] = 2.0;                                              /* off the circle by far */
     lw_dae pendulum = { .n = 6, .residual = ggl, .algebraic = multipliers };
     CHECK_INT(lw_ida_make(&w, &pendulum, &o, 0.0, y, dy, &e), LW_OK);
-    CHECK(run_to(&w, 1.0, &e) != LW_OK || fabs(hypot(w.y[0], w.y[1]) - 1.0) < 1e-6);
+    CHECK(sundials_to(&w, 1.0, &e) != LW_OK || fabs(hypot(w.y[0], w.y[1]) - 1.0) < 1e-6);
     lw_sundials_free(&w);
     o.max_step = 20;
     ggl_start(y, dy);
     CHECK_INT(lw_ida_make(&w, &pendulum, &o, 0.0, y, dy, &e), LW_OK);
-    CHECK_INT(run_to(&w, 100.0, &e), LW_STOPPED);
+    CHECK_INT(sundials_to(&w, 100.0, &e), LW_STOPPED);
     lw_sundials_free(&w);
     lw_sundials_free(&w);
     o.fixed = 0.1;

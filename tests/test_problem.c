@@ -65,22 +65,12 @@ static bool make_case(const char *family, setting s, double shake, lw_rng *rng, 
     return status == LW_OK;
 }
 
-static double difference(const lw_problem *p, const double *x, int i, double h, void *work)
-{
-    double at[LW_VAR_MAX];
-    memcpy(at, x, sizeof at);
-    at[i] = x[i] + h;
-    double up = lw_problem_value(p, at, NULL, work);
-    at[i] = x[i] - h;
-    return (up - lw_problem_value(p, at, NULL, work))/(2*h);
-}
-
 /* Where two steps of the difference agree the point counts as smooth: a station may change its place
  * on the curve, a sample its segment.  Returns 1 for such a variable. */
 static int check_derivative(const lw_problem *p, const double *x, const double *grad, int i, double f,
                             void *work)
 {
-    double d1 = difference(p, x, i, 1e-5, work), d2 = difference(p, x, i, 4e-6, work);
+    double d1 = central_difference(p, x, i, 1e-5, work), d2 = central_difference(p, x, i, 4e-6, work);
     double scale = 1 + f + fabs(grad[i]);
     if (!(fabs(d1 - d2) <= 1e-7*scale))
         return 0;

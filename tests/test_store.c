@@ -8,20 +8,12 @@
 #include "tests/check.h"
 #include "tests/temporary.h"
 
-
-static const char *at(const char *name)
-{
-    static char path[400];
-    snprintf(path, sizeof path, "%s/%s", temporary_folder(), name);
-    return path;
-}
-
 static lw_store *open_store(const char *name, bool write, lw_status want, lw_error *e)
 {
     lw_store *s;
     lw_store_options o = { .write = write, .create = write, .command = "the test" };
     *e = (lw_error){ 0 };
-    CHECK_INT(lw_store_open(at(name), &o, &s, e), want);
+    CHECK_INT(lw_store_open(temporary_file(name), &o, &s, e), want);
     CHECK((s != NULL) == (want == LW_OK));
     return s;
 }
@@ -30,7 +22,7 @@ static void execute(const char *name, const char *sql)
 {
     sqlite3 *db;
     char *message = NULL;
-    CHECK_INT(sqlite3_open(at(name), &db), SQLITE_OK);
+    CHECK_INT(sqlite3_open(temporary_file(name), &db), SQLITE_OK);
     CHECK_INT(sqlite3_exec(db, sql, NULL, NULL, &message), SQLITE_OK);
     if (message)
         fprintf(stderr, "%s\n", message);
@@ -156,11 +148,11 @@ TEST(older_files_are_brought_up_to_date)
     CHECK_INT(lw_file_read("tests/data/catalogue-version-1.sql", &sql, &size, &e), LW_OK);
     execute("v1-only.db", sql);
     free(sql);
-    CHECK_INT(chmod(at("v1-only.db"), 0444), 0);
+    CHECK_INT(chmod(temporary_file("v1-only.db"), 0444), 0);
     open_store("v1-only.db", false, LW_E_IO, &e);
     CHECK_HAS(e.text, "read-only");
     /* a step that fails leaves version 1 behind */
-    CHECK_INT(chmod(at("v1-only.db"), 0644), 0);
+    CHECK_INT(chmod(temporary_file("v1-only.db"), 0644), 0);
     execute("v1-only.db", "CREATE TABLE sweep(in_the_way)");
     open_store("v1-only.db", true, LW_E_NOTATION, &e);
     CHECK_HAS(e.text, "brought up to date");
@@ -182,9 +174,9 @@ TEST(one_writes_at_a_time)
     CHECK_INT(count(reader, "chain"), 0);
     lw_store_close(reader);
     lw_store_close(first);
-    CHECK(stat(at("lock.db-lock"), &st) != 0);
+    CHECK(stat(temporary_file("lock.db-lock"), &st) != 0);
     /* what a killed program left behind does not lock */
-    FILE *f = fopen(at("lock.db-lock"), "w");
+    FILE *f = fopen(temporary_file("lock.db-lock"), "w");
     fputs("process 1 (dead)\n", f);
     fclose(f);
     lw_store_close(open_store("lock.db", true, LW_OK, &e));

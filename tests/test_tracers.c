@@ -248,16 +248,6 @@ TEST(gradient_is_that_of_complex_steps)
     }
 }
 
-static double slope(const lw_problem *p, const double *x, int i, double h, void *work)
-{
-    double at[LW_VAR_MAX];
-    memcpy(at, x, sizeof at);
-    at[i] = x[i] + h;
-    double up = lw_problem_value(p, at, NULL, work);
-    at[i] = x[i] - h;
-    return (up - lw_problem_value(p, at, NULL, work))/(2*h);
-}
-
 /* A six-bar whose second point lies on the coupler and whose stay turns a hand; the target is its own, shaken. */
 static void shaken_six_bar(lw_linkage *k, bool timed, lw_rng *rng, lw_target *t)
 {
@@ -307,7 +297,7 @@ TEST(gradient_of_a_six_bar_is_that_of_differences)
                 x[i] += 0.003*lw_rng_normal(&rng);
         double value = lw_problem_value(&p, x, grad, work);
         for (int i = 0; isfinite(value) && i < p.n_var; i++, all++) {
-            double a = slope(&p, x, i, 1e-5, work), b = slope(&p, x, i, 4e-6, work), scale = 1 + value + fabs(grad[i]);
+            double a = central_difference(&p, x, i, 1e-5, work), b = central_difference(&p, x, i, 4e-6, work), scale = 1 + value + fabs(grad[i]);
             if (!(fabs(a - b) <= 1e-7*scale))
                 continue;
             CHECK_NEAR(grad[i], b, 1e-6*scale, 0);
