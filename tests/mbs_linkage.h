@@ -47,6 +47,22 @@ static inline int add_gear(lw_linkage *k, int i, int j, lw_vec2 at, double ratio
     return g;
 }
 
+/* Several joints in one call: add_joints(k, JOINTS(PIN(0, 1, x, y), SLIDE(1, 2, x, y, angle), GEAR(2, 0, x, y, ratio))). */
+typedef struct joint_row { lw_joint_kind kind; int i, j; double x, y, more; } joint_row;
+#define PIN(i, j, x, y)          { LW_JOINT_REVOLUTE, i, j, x, y, 0 }
+#define SLIDE(i, j, x, y, angle) { LW_JOINT_SLIDER, i, j, x, y, angle }
+#define GEAR(i, j, x, y, ratio)  { LW_JOINT_GEAR, i, j, x, y, ratio }
+#define JOINTS(...) (const joint_row[]){ __VA_ARGS__ }, (int)(sizeof (joint_row[]){ __VA_ARGS__ }/sizeof(joint_row))
+
+static inline void add_joints(lw_linkage *k, const joint_row *row, int n)
+{
+    for (; n-- > 0; row++)
+        if (row->kind == LW_JOINT_GEAR)
+            add_gear(k, row->i, row->j, lw_v2(row->x, row->y), row->more);
+        else
+            add_joint(k, row->kind, row->i, row->j, lw_v2(row->x, row->y), row->more);
+}
+
 static inline void add_input(lw_linkage *k, int joint, double value)
 {
     k->input[k->n_input++] = (lw_input){ .joint = joint, .value = value };

@@ -121,9 +121,7 @@ static inline void points_of_several_joints(points_write *write, points_read *re
     add_pin(&k, 0, 1, lw_v2(0, 0));
     add_pin(&k, 1, 2, lw_v2(0, 1));
     add_joint(&k, LW_JOINT_SLOT, 3, 2, lw_v2(0, 1), 1.5);
-    add_pin(&k, 3, 0, lw_v2(0, -2));
-    add_pin(&k, 2, 4, lw_v2(0, 1));
-    add_slide(&k, 0, 4, lw_v2(3, 0.1), 0.7);
+    add_joints(&k, JOINTS(PIN(3, 0, 0, -2), PIN(2, 4, 0, 1), SLIDE(0, 4, 3, 0.1, 0.7)));
     add_joint(&k, LW_JOINT_FIXED, 5, 4, lw_v2(3, 0.1), 0);
     k.joint[6].along = lw_v2(0, 0);
     add_tracer(&k, 5, lw_v2(4, 4));
@@ -165,9 +163,7 @@ static inline void what_cannot_be_written(points_write *write)
     lw_linkage k;
     lw_error e = { 0 };
     blank_linkage(&k, 3);
-    add_pin(&k, 0, 1, lw_v2(0, 0));
-    add_pin(&k, 0, 2, lw_v2(3, 0));
-    add_gear(&k, 1, 2, lw_v2(1, 0), -0.5);
+    add_joints(&k, JOINTS(PIN(0, 1, 0, 0), PIN(0, 2, 3, 0), GEAR(1, 2, 1, 0, -0.5)));
     CHECK(write(LW_VIEW(&k), &e) == NULL);
     CHECK_INT(e.status, LW_E_KIND);
     CHECK_HAS(e.text, "gear");
@@ -175,9 +171,7 @@ static inline void what_cannot_be_written(points_write *write)
     CHECK(write(LW_VIEW(&k), &e) == NULL);
     CHECK_HAS(e.text, "weld");
     blank_linkage(&k, 4);
-    add_pin(&k, 0, 1, lw_v2(0, 0));
-    add_pin(&k, 1, 2, lw_v2(1, 0));
-    add_pin(&k, 2, 3, lw_v2(1, 0));
+    add_joints(&k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 1, 0), PIN(2, 3, 1, 0)));
     add_input(&k, 2, 0);
     CHECK(write(LW_VIEW(&k), &e) == NULL);
     CHECK_HAS(e.text, "two moving links");

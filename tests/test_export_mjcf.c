@@ -392,9 +392,7 @@ static void loops_closed_by_sliders(void)
 {
     lw_linkage k;
     blank_linkage(&k, 3);
-    add_slide(&k, 0, 1, lw_v2(0, 0), 0);
-    add_slide(&k, 1, 2, lw_v2(1, 1), 0.5);
-    add_slide(&k, 2, 0, lw_v2(2, 1), 1.4);
+    add_joints(&k, JOINTS(SLIDE(0, 1, 0, 0, 0), SLIDE(1, 2, 1, 1, 0.5), SLIDE(2, 0, 2, 1, 1.4)));
     add_input(&k, 0, 0.25);
     add_tracer(&k, 2, lw_v2(2, 3));
     CHECK_NEAR(apart(&k, 2, 20), 0, 1e-8, 0);

@@ -23,12 +23,8 @@ static lw_linkage geared_five_bar(void)
 {
     lw_linkage k;
     blank_linkage(&k, 5);
-    add_pin(&k, 0, 1, lw_v2(0, 0));
-    add_gear(&k, 1, 2, lw_v2(2, 0), -0.5);
-    add_pin(&k, 0, 2, lw_v2(3, 0));
-    add_pin(&k, 1, 3, lw_v2(0.6, 0.8));
-    add_pin(&k, 3, 4, lw_v2(1.4, 3.5));
-    add_pin(&k, 4, 2, lw_v2(3.5, 0.8));
+    add_joints(&k, JOINTS(PIN(0, 1, 0, 0), GEAR(1, 2, 2, 0, -0.5), PIN(0, 2, 3, 0), PIN(1, 3, 0.6, 0.8), PIN(3, 4, 1.4, 3.5),
+                          PIN(4, 2, 3.5, 0.8)));
     drive(&k, 0);
     add_tracer(&k, 3, lw_v2(1.8, 2.9));
     return k;
@@ -39,12 +35,8 @@ static lw_linkage rolling_carriage(void)
 {
     lw_linkage k;
     blank_linkage(&k, 5);
-    add_pin(&k, 0, 1, lw_v2(0, 0));
-    add_pin(&k, 1, 2, lw_v2(0.8, 0.6));
-    add_pin(&k, 2, 3, lw_v2(3.2, 0.4));
-    add_slide(&k, 0, 3, lw_v2(3.2, 0.4), 0.1);
-    add_pin(&k, 3, 4, lw_v2(3.4, 1));
-    add_gear(&k, 0, 4, lw_v2(3.4, 0.4), 1/0.65);
+    add_joints(&k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 0.8, 0.6), PIN(2, 3, 3.2, 0.4), SLIDE(0, 3, 3.2, 0.4, 0.1), PIN(3, 4, 3.4, 1),
+                          GEAR(0, 4, 3.4, 0.4, 1/0.65)));
     drive(&k, 0);
     add_tracer(&k, 4, lw_v2(3.8, 1.5));
     return k;
@@ -55,14 +47,8 @@ static lw_linkage wheel_train(void)
 {
     lw_linkage k;
     blank_linkage(&k, 6);
-    add_pin(&k, 0, 1, lw_v2(0, 0));
-    add_pin(&k, 0, 5, lw_v2(1.5, -0.5));
-    add_pin(&k, 0, 2, lw_v2(3, 0));
-    add_gear(&k, 1, 5, lw_v2(0.5, -0.2), 2);
-    add_gear(&k, 5, 2, lw_v2(2, -0.2), -1);
-    add_pin(&k, 1, 3, lw_v2(0.6, 0.8));
-    add_pin(&k, 3, 4, lw_v2(1.4, 3.5));
-    add_pin(&k, 4, 2, lw_v2(3.4, 0.5));
+    add_joints(&k, JOINTS(PIN(0, 1, 0, 0), PIN(0, 5, 1.5, -0.5), PIN(0, 2, 3, 0), GEAR(1, 5, 0.5, -0.2, 2), GEAR(5, 2, 2, -0.2, -1),
+                          PIN(1, 3, 0.6, 0.8), PIN(3, 4, 1.4, 3.5), PIN(4, 2, 3.4, 0.5)));
     drive(&k, 0);
     add_tracer(&k, 3, lw_v2(1.8, 2.9));
     return k;
@@ -74,12 +60,8 @@ static lw_linkage half_on_coupler(void)
 {
     lw_linkage k;
     blank_linkage(&k, 5);
-    add_pin(&k, 0, 1, lw_v2(0, 0));
-    add_pin(&k, 1, 2, lw_v2(0.6, 0.8));
-    add_pin(&k, 2, 3, lw_v2(2.6, 2.1));
-    add_pin(&k, 3, 0, lw_v2(3, 0));
-    add_pin(&k, 2, 4, lw_v2(1.5, 2.4));
-    add_gear(&k, 1, 4, lw_v2(1, 1.4), 0.5);
+    add_joints(&k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 0.6, 0.8), PIN(2, 3, 2.6, 2.1), PIN(3, 0, 3, 0), PIN(2, 4, 1.5, 2.4),
+                          GEAR(1, 4, 1, 1.4, 0.5)));
     drive(&k, 0);
     add_tracer(&k, 4, lw_v2(2, 2.8));
     return k;
@@ -91,14 +73,8 @@ static lw_linkage rocker_moves_rack(void)
 {
     lw_linkage k;
     blank_linkage(&k, 6);
-    add_pin(&k, 0, 1, lw_v2(0, 0));
-    add_pin(&k, 1, 2, lw_v2(0.6, 0.8));
-    add_pin(&k, 2, 3, lw_v2(2.6, 2.1));
-    add_pin(&k, 3, 0, lw_v2(3, 0));
-    add_slide(&k, 0, 4, lw_v2(4, -1), 0.2);
-    add_gear(&k, 3, 4, lw_v2(3, -0.9), 0.9);
-    add_pin(&k, 4, 5, lw_v2(4.5, -0.5));
-    add_gear(&k, 0, 5, lw_v2(4.5, -1), 1/0.7);
+    add_joints(&k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 0.6, 0.8), PIN(2, 3, 2.6, 2.1), PIN(3, 0, 3, 0), SLIDE(0, 4, 4, -1, 0.2),
+                          GEAR(3, 4, 3, -0.9, 0.9), PIN(4, 5, 4.5, -0.5), GEAR(0, 5, 4.5, -1, 1/0.7)));
     drive(&k, 0);
     add_tracer(&k, 5, lw_v2(5, 0.2));
     return k;
@@ -166,12 +142,8 @@ static lw_linkage floating(void)
 {
     lw_linkage k;
     blank_linkage(&k, 5);
-    add_pin(&k, 0, 1, lw_v2(0, 0));
-    add_gear(&k, 1, 4, lw_v2(1, 1.5), 2);
-    add_pin(&k, 0, 2, lw_v2(3, 0));
-    add_pin(&k, 1, 3, lw_v2(0.6, 0.8));
-    add_pin(&k, 3, 4, lw_v2(1.4, 3.5));
-    add_pin(&k, 4, 2, lw_v2(3.5, 0.8));
+    add_joints(&k, JOINTS(PIN(0, 1, 0, 0), GEAR(1, 4, 1, 1.5, 2), PIN(0, 2, 3, 0), PIN(1, 3, 0.6, 0.8), PIN(3, 4, 1.4, 3.5),
+                          PIN(4, 2, 3.5, 0.8)));
     drive(&k, 0);
     add_tracer(&k, 3, lw_v2(1.8, 2.9));
     return k;

@@ -154,10 +154,7 @@ TEST(triangles_and_three_bars)
 static void fold(lw_linkage *k, double stretch)
 {
     blank_linkage(k, 4);
-    add_pin(k, 0, 1, lw_v2(0, 0));
-    add_pin(k, 1, 2, lw_v2(1, 0));
-    add_pin(k, 2, 3, lw_v2(4 + stretch, 0));
-    add_pin(k, 3, 0, lw_v2(3, 0));
+    add_joints(k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 1, 0), PIN(2, 3, 4 + stretch, 0), PIN(3, 0, 3, 0)));
 }
 
 /* Parallelogram and antiparallelogram meet where it is folded: a singular posture, no special geometry. */
@@ -262,9 +259,7 @@ TEST(wedges)
 {
     lw_linkage k;
     blank_linkage(&k, 3);
-    add_slide(&k, 0, 1, lw_v2(0, 0), 0.2);
-    add_slide(&k, 1, 2, lw_v2(1, 1), 1.3);
-    add_slide(&k, 2, 0, lw_v2(2, 0), 2.2);
+    add_joints(&k, JOINTS(SLIDE(0, 1, 0, 0, 0.2), SLIDE(1, 2, 1, 1, 1.3), SLIDE(2, 0, 2, 0, 2.2)));
     expect(&k, LW_MOBILITY_MOVES, 0, 1, 1, 1);
     expect_generic(&k, 1);                                 /* whatever their directions */
     lw_mobility m = find(&k);
@@ -318,10 +313,8 @@ TEST(cusp)
     for (int side = 0; side < 2; side++) {
         double at = side ? 5 : 0, way = side ? -1 : 1;
         int first = 1 + 3*side;
-        add_pin(&k, 0, first, lw_v2(at + way*(0.4 - 2), 1));
-        add_pin(&k, first, first + 1, lw_v2(at + way*0.4, 1));
-        add_pin(&k, first + 1, first + 2, lw_v2(at - way*0.4, -1));
-        add_pin(&k, first + 2, 0, lw_v2(at + way*(2 - 0.4), -1));
+        add_joints(&k, JOINTS(PIN(0, first, at + way*(0.4 - 2), 1), PIN(first, first + 1, at + way*0.4, 1),
+                              PIN(first + 1, first + 2, at - way*0.4, -1), PIN(first + 2, 0, at + way*(2 - 0.4), -1)));
     }
     add_pin(&k, 2, 7, lw_v2(0, 0));
     add_pin(&k, 5, 7, lw_v2(5, 0));
@@ -339,9 +332,7 @@ TEST(cusp)
 static void two_bars_in_line(lw_linkage *k, double height)
 {
     blank_linkage(k, 3);
-    add_pin(k, 0, 1, lw_v2(0, 0));
-    add_pin(k, 1, 2, lw_v2(1, height));
-    add_pin(k, 2, 0, lw_v2(2.5, 0));
+    add_joints(k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 1, height), PIN(2, 0, 2.5, 0)));
 }
 
 TEST(bars_in_line)
@@ -445,9 +436,7 @@ TEST(arm_without_inputs)
 {
     lw_linkage k;
     blank_linkage(&k, 4);
-    add_pin(&k, 0, 1, lw_v2(0, 0));
-    add_pin(&k, 1, 2, lw_v2(1, 0));
-    add_pin(&k, 2, 3, lw_v2(1, 1));
+    add_joints(&k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 1, 0), PIN(2, 3, 1, 1)));
     add_tracer(&k, 3, lw_v2(2, 1));
     lw_mobility m = find(&k);
     agrees(&m);
@@ -470,9 +459,7 @@ TEST(what_stands_still)
     add_pin(&k, 2, 4, k.joint[1].at);
     add_pin(&k, 4, 5, lw_v2(3, 5));
     add_pin(&k, 5, 2, k.joint[2].at);
-    add_pin(&k, 0, 6, lw_v2(0, -1));
-    add_pin(&k, 6, 7, lw_v2(1, -2));
-    add_pin(&k, 7, 0, lw_v2(2, -1));
+    add_joints(&k, JOINTS(PIN(0, 6, 0, -1), PIN(6, 7, 1, -2), PIN(7, 0, 2, -1)));
     lw_mobility m = find(&k);
     agrees(&m);
     CHECK_INT(m.freedom, 1);
@@ -485,9 +472,7 @@ TEST(gears_and_welds)
 {
     lw_linkage k;
     blank_linkage(&k, 4);
-    add_pin(&k, 0, 1, lw_v2(0, 0));
-    add_pin(&k, 0, 2, lw_v2(3, 0));
-    add_gear(&k, 1, 2, lw_v2(1, 0), -0.5);
+    add_joints(&k, JOINTS(PIN(0, 1, 0, 0), PIN(0, 2, 3, 0), GEAR(1, 2, 1, 0, -0.5)));
     add_joint(&k, LW_JOINT_FIXED, 2, 3, lw_v2(3, 1), 0);
     k.joint[3].along = lw_v2(0, 0);
     expect(&k, LW_MOBILITY_MOVES, 1, 1, 1, 0);

@@ -22,9 +22,7 @@ TEST(a_roller_is_held)
     lw_motion_curve *b;
     double q[9];
     blank_linkage(&k, 4);
-    add_pin(&k, 0, 1, lw_v2(0, 0));
-    add_pin(&k, 1, 2, lw_v2(0.6, 0.8));
-    add_slide(&k, 3, 2, lw_v2(0.6, 0.8), 0.5*LW_PI);
+    add_joints(&k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 0.6, 0.8), SLIDE(3, 2, 0.6, 0.8, 0.5*LW_PI)));
     k.joint[2].kind = LW_JOINT_SLOT;
     add_slide(&k, 0, 3, lw_v2(2, 0), 0);
     add_input(&k, 0, atan2(0.8, 0.6));
@@ -48,13 +46,8 @@ TEST(all_that_hangs_on_it)
     lw_linkage k;
     uint64_t held;
     blank_linkage(&k, 7);
-    add_pin(&k, 0, 1, lw_v2(0, 0));
-    add_pin(&k, 1, 2, lw_v2(0.5, 1));
-    add_pin(&k, 2, 3, lw_v2(3, 1.5));
-    add_pin(&k, 3, 0, lw_v2(2.5, 0));
-    add_pin(&k, 3, 4, lw_v2(3, 2));
-    add_pin(&k, 4, 5, lw_v2(4, 2));
-    add_slide(&k, 2, 6, lw_v2(1, 2), 0.3);
+    add_joints(&k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 0.5, 1), PIN(2, 3, 3, 1.5), PIN(3, 0, 2.5, 0), PIN(3, 4, 3, 2), PIN(4, 5, 4, 2),
+                          SLIDE(2, 6, 1, 2, 0.3)));
     add_input(&k, 0, 0);
     add_tracer(&k, 2, lw_v2(1, 1));
     CHECK_INT(find(&k).idle, 3);

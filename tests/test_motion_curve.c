@@ -184,10 +184,7 @@ TEST(drawn_at_change_points)
         fourbar_linkage(&l, k, 1, turn);
         if (i%2) {                                          /* or of equal crank and rod */
             blank_linkage(&l, 4);
-            add_pin(&l, 0, 1, lw_v2(0, 0));
-            add_pin(&l, 1, 2, lw_v2(0, cos(turn)));
-            add_pin(&l, 2, 3, lw_v2(0, 0));
-            add_slide(&l, 0, 3, lw_v2(0, 0), 0);
+            add_joints(&l, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 0, cos(turn)), PIN(2, 3, 0, 0), SLIDE(0, 3, 0, 0, 0)));
             add_input(&l, 0, 0.5*LW_PI + turn);
         }
         curve *v = follow(&l, 0);
@@ -211,10 +208,7 @@ TEST(the_input_stands_still)
     lw_linkage l;
     double q[2*9];
     blank_linkage(&l, 4);
-    add_pin(&l, 0, 1, lw_v2(0, 0));
-    add_pin(&l, 1, 2, lw_v2(1, 0));
-    add_pin(&l, 2, 3, lw_v2(1, 0));
-    add_pin(&l, 3, 0, lw_v2(2, 1));
+    add_joints(&l, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 1, 0), PIN(2, 3, 1, 0), PIN(3, 0, 2, 1)));
     add_input(&l, 0, 0);
     curve *v = follow(&l, 0);
     CHECK(lw_motion_curve_rests(v->b));
@@ -278,12 +272,8 @@ TEST(gears_close_after_several_turns)
         lw_linkage l;
         double q[12];
         blank_linkage(&l, 5);
-        add_pin(&l, 0, 1, lw_v2(0, 0));
-        add_pin(&l, 0, 2, lw_v2(3, 0));
-        add_pin(&l, 1, 3, lw_v2(0.5, 0.5));
-        add_pin(&l, 3, 4, lw_v2(1.5, 3));
-        add_pin(&l, 4, 2, lw_v2(3.5, 0.8));
-        add_gear(&l, 1, 2, lw_v2(2, 0), -1.0*ratio[i][0]/ratio[i][1]);
+        add_joints(&l, JOINTS(PIN(0, 1, 0, 0), PIN(0, 2, 3, 0), PIN(1, 3, 0.5, 0.5), PIN(3, 4, 1.5, 3), PIN(4, 2, 3.5, 0.8),
+                              GEAR(1, 2, 2, 0, -1.0*ratio[i][0]/ratio[i][1])));
         add_input(&l, 0, 0);
         curve *v = follow(&l, 0);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);

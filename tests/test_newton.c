@@ -268,9 +268,7 @@ TEST(cardan_gears_draw_a_line)
 {
     lw_linkage l;
     blank_linkage(&l, 3);
-    add_pin(&l, 0, 1, lw_v2(5.0, 3.0));
-    add_pin(&l, 1, 2, lw_v2(6.0, 3.0));
-    add_gear(&l, 0, 2, lw_v2(7.0, 3.0), 2.0);
+    add_joints(&l, JOINTS(PIN(0, 1, 5.0, 3.0), PIN(1, 2, 6.0, 3.0), GEAR(0, 2, 7.0, 3.0, 2.0)));
     add_input(&l, 0, 0.0);
     add_tracer(&l, 2, lw_v2(7.0, 3.0));
     lw_newton *s = make(&l);

@@ -222,13 +222,8 @@ TEST(plans_hold_what_is_wanted)
 static void triad_linkage(lw_linkage *k)
 {
     blank_linkage(k, 6);
-    add_pin(k, 0, 1, lw_v2(0, 0));
-    add_pin(k, 1, 2, lw_v2(1, 1));
-    add_pin(k, 0, 3, lw_v2(4, 0));
-    add_pin(k, 0, 4, lw_v2(2, -2));
-    add_pin(k, 2, 5, lw_v2(2, 2));
-    add_pin(k, 3, 5, lw_v2(4, 2));
-    add_pin(k, 4, 5, lw_v2(3, 1));
+    add_joints(k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 1, 1), PIN(0, 3, 4, 0), PIN(0, 4, 2, -2), PIN(2, 5, 2, 2), PIN(3, 5, 4, 2),
+                         PIN(4, 5, 3, 1)));
     add_input(k, 0, 0);
     add_tracer(k, 5, lw_v2(3, 3));
 }
@@ -266,9 +261,7 @@ TEST(says_what_cannot_be_planned)
     q.k.n_link = 5;
     CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_ARG);
     blank_linkage(&q.k, 4);                                /* two bars more than freedom one */
-    add_pin(&q.k, 0, 1, lw_v2(0, 0));
-    add_pin(&q.k, 1, 2, lw_v2(1, 0));
-    add_pin(&q.k, 2, 3, lw_v2(2, 1));
+    add_joints(&q.k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 1, 0), PIN(2, 3, 2, 1)));
     add_input(&q.k, 0, 0);
     add_tracer(&q.k, 1, lw_v2(1, 1));
     CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);

@@ -23,12 +23,8 @@ static void drive(lw_linkage *k, int joint)
 static void five_bar(lw_linkage *k, double ratio)
 {
     blank_linkage(k, 5);
-    add_pin(k, 0, 1, lw_v2(0, 0));
-    add_gear(k, 1, 2, lw_v2(20, 0), ratio);
-    add_pin(k, 0, 2, lw_v2(60, 0));
-    add_pin(k, 1, 3, lw_v2(10, 10));
-    add_pin(k, 3, 4, lw_v2(30, 70));
-    add_pin(k, 4, 2, lw_v2(70, 16));
+    add_joints(k, JOINTS(PIN(0, 1, 0, 0), GEAR(1, 2, 20, 0, ratio), PIN(0, 2, 60, 0), PIN(1, 3, 10, 10), PIN(3, 4, 30, 70),
+                         PIN(4, 2, 70, 16)));
     drive(k, 0);
     add_tracer(k, 3, lw_v2(35, 85));
 }
@@ -37,12 +33,8 @@ static void five_bar(lw_linkage *k, double ratio)
 static void planetary(lw_linkage *k, double ratio)
 {
     blank_linkage(k, 5);
-    add_pin(k, 0, 1, lw_v2(0, 0));
-    add_pin(k, 1, 2, lw_v2(20, 10));
-    add_pin(k, 2, 3, lw_v2(28, 12));
-    add_pin(k, 3, 4, lw_v2(50, 60));
-    add_pin(k, 4, 0, lw_v2(80, 5));
-    add_gear(k, 0, 2, lw_v2(10, 5), ratio);
+    add_joints(k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 20, 10), PIN(2, 3, 28, 12), PIN(3, 4, 50, 60), PIN(4, 0, 80, 5),
+                         GEAR(0, 2, 10, 5, ratio)));
     drive(k, 0);
     add_tracer(k, 3, lw_v2(40, 20));
 }
@@ -51,9 +43,7 @@ static void planetary(lw_linkage *k, double ratio)
 static void trochoid(lw_linkage *k, double ratio)
 {
     blank_linkage(k, 3);
-    add_pin(k, 0, 1, lw_v2(2, 1));
-    add_pin(k, 1, 2, lw_v2(4, 2));
-    add_gear(k, 2, 0, lw_v2(3, 1.5), ratio);
+    add_joints(k, JOINTS(PIN(0, 1, 2, 1), PIN(1, 2, 4, 2), GEAR(2, 0, 3, 1.5, ratio)));
     drive(k, 0);
     add_tracer(k, 2, lw_v2(4.5, 1));
 }
@@ -62,12 +52,8 @@ static void trochoid(lw_linkage *k, double ratio)
 static void on_coupler(lw_linkage *k, double ratio)
 {
     blank_linkage(k, 5);
-    add_pin(k, 0, 1, lw_v2(0, 0));
-    add_pin(k, 1, 2, lw_v2(0, 20));
-    add_pin(k, 2, 3, lw_v2(40, 50));
-    add_pin(k, 3, 0, lw_v2(40, 0));
-    add_pin(k, 2, 4, lw_v2(30, 70));
-    add_gear(k, 1, 4, lw_v2(10, 30), ratio);
+    add_joints(k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 0, 20), PIN(2, 3, 40, 50), PIN(3, 0, 40, 0), PIN(2, 4, 30, 70),
+                         GEAR(1, 4, 10, 30, ratio)));
     drive(k, 0);
     add_tracer(k, 4, lw_v2(36, 75));
 }
@@ -93,14 +79,8 @@ static void driven_inside(lw_linkage *k, double ratio)
 static void train(lw_linkage *k, double ratio)
 {
     blank_linkage(k, 6);
-    add_pin(k, 0, 1, lw_v2(0, 0));
-    add_pin(k, 0, 5, lw_v2(30, -10));
-    add_pin(k, 0, 2, lw_v2(60, 0));
-    add_gear(k, 1, 5, lw_v2(10, -5), ratio);
-    add_gear(k, 5, 2, lw_v2(40, -5), -1);
-    add_pin(k, 1, 3, lw_v2(10, 10));
-    add_pin(k, 3, 4, lw_v2(30, 70));
-    add_pin(k, 4, 2, lw_v2(70, 16));
+    add_joints(k, JOINTS(PIN(0, 1, 0, 0), PIN(0, 5, 30, -10), PIN(0, 2, 60, 0), GEAR(1, 5, 10, -5, ratio), GEAR(5, 2, 40, -5, -1),
+                         PIN(1, 3, 10, 10), PIN(3, 4, 30, 70), PIN(4, 2, 70, 16)));
     drive(k, 0);
     add_tracer(k, 3, lw_v2(35, 85));
 }
@@ -110,14 +90,8 @@ static void train(lw_linkage *k, double ratio)
 static void two_floating(lw_linkage *k, double ratio)
 {
     blank_linkage(k, 6);
-    add_pin(k, 0, 1, lw_v2(0, 0));
-    add_pin(k, 1, 3, lw_v2(12, 8));
-    add_pin(k, 3, 5, lw_v2(22, 35));
-    add_pin(k, 3, 4, lw_v2(30, 70));
-    add_pin(k, 4, 2, lw_v2(70, 30));
-    add_pin(k, 2, 0, lw_v2(60, 0));
-    add_gear(k, 1, 5, lw_v2(17, 20), ratio);
-    add_gear(k, 5, 4, lw_v2(26, 50), -1);
+    add_joints(k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 3, 12, 8), PIN(3, 5, 22, 35), PIN(3, 4, 30, 70), PIN(4, 2, 70, 30), PIN(2, 0, 60, 0),
+                         GEAR(1, 5, 17, 20, ratio), GEAR(5, 4, 26, 50, -1)));
     drive(k, 0);
     add_tracer(k, 4, lw_v2(45, 60));
 }
@@ -126,9 +100,7 @@ static void two_floating(lw_linkage *k, double ratio)
 static void rolling(lw_linkage *k, double ratio)
 {
     blank_linkage(k, 3);
-    add_slide(k, 0, 1, lw_v2(3, 2), 0.4);
-    add_pin(k, 1, 2, lw_v2(5, 4));
-    add_gear(k, 0, 2, lw_v2(5, 3), 1/ratio);
+    add_joints(k, JOINTS(SLIDE(0, 1, 3, 2, 0.4), PIN(1, 2, 5, 4), GEAR(0, 2, 5, 3, 1/ratio)));
     add_input(k, 0, 0);
     add_tracer(k, 2, lw_v2(6, 7));
 }
@@ -137,12 +109,8 @@ static void rolling(lw_linkage *k, double ratio)
 static void rack_turns(lw_linkage *k, double ratio)
 {
     blank_linkage(k, 5);
-    add_pin(k, 0, 1, lw_v2(0, 0));
-    add_pin(k, 1, 2, lw_v2(20, 15));
-    add_pin(k, 2, 3, lw_v2(80, 10));
-    add_slide(k, 3, 0, lw_v2(90, 10), 0.1);
-    add_pin(k, 4, 0, lw_v2(100, 30));
-    add_gear(k, 4, 3, lw_v2(100, 12), ratio);
+    add_joints(k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 20, 15), PIN(2, 3, 80, 10), SLIDE(3, 0, 90, 10, 0.1), PIN(4, 0, 100, 30),
+                         GEAR(4, 3, 100, 12, ratio)));
     drive(k, 0);
     add_tracer(k, 4, lw_v2(120, 45));
 }
@@ -151,15 +119,8 @@ static void rack_turns(lw_linkage *k, double ratio)
 static void rack_moves(lw_linkage *k, double ratio)
 {
     blank_linkage(k, 7);
-    add_pin(k, 0, 1, lw_v2(0, 0));
-    add_pin(k, 1, 2, lw_v2(15, 12));
-    add_pin(k, 2, 3, lw_v2(60, 50));
-    add_pin(k, 3, 0, lw_v2(70, 0));
-    add_slide(k, 0, 4, lw_v2(80, -20), -0.2);
-    add_gear(k, 3, 4, lw_v2(72, -12), ratio);
-    add_pin(k, 4, 5, lw_v2(110, -26));
-    add_pin(k, 5, 6, lw_v2(130, 40));
-    add_pin(k, 6, 3, lw_v2(75, 45));
+    add_joints(k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 15, 12), PIN(2, 3, 60, 50), PIN(3, 0, 70, 0), SLIDE(0, 4, 80, -20, -0.2),
+                         GEAR(3, 4, 72, -12, ratio), PIN(4, 5, 110, -26), PIN(5, 6, 130, 40), PIN(6, 3, 75, 45)));
     drive(k, 0);
     add_tracer(k, 5, lw_v2(140, 20));
 }
@@ -168,12 +129,8 @@ static void rack_moves(lw_linkage *k, double ratio)
 static void rack_floats(lw_linkage *k, double ratio)
 {
     blank_linkage(k, 5);
-    add_pin(k, 0, 1, lw_v2(0, 0));
-    add_pin(k, 1, 4, lw_v2(16, 5));
-    add_pin(k, 4, 2, lw_v2(50, 60));
-    add_pin(k, 0, 3, lw_v2(80, 10));
-    add_slide(k, 2, 3, lw_v2(70, 40), 1.2);
-    add_gear(k, 0, 2, lw_v2(75, 30), ratio);
+    add_joints(k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 4, 16, 5), PIN(4, 2, 50, 60), PIN(0, 3, 80, 10), SLIDE(2, 3, 70, 40, 1.2),
+                         GEAR(0, 2, 75, 30, ratio)));
     drive(k, 0);
     add_tracer(k, 4, lw_v2(35, 85));
 }

@@ -183,9 +183,7 @@ TEST(cardan_gears_satisfy_the_rows)
 {
     lw_linkage k;
     blank_linkage(&k, 3);
-    add_pin(&k, 0, 1, lw_v2(0, 0));
-    add_pin(&k, 1, 2, lw_v2(1, 0));
-    add_gear(&k, 0, 2, lw_v2(2, 0), 2);
+    add_joints(&k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 1, 0), GEAR(0, 2, 2, 0, 2)));
     add_input(&k, 0, 0);
     add_tracer(&k, 2, lw_v2(2, 0));
     KEPT_SYSTEM s = make(&k);
@@ -261,12 +259,8 @@ TEST(the_carrier_is_found)
     lw_error e = { 0 };
     enum { GROUND, BEAM, ROD, ARM, SUN };
     blank_linkage(&k, 5);
-    add_pin(&k, GROUND, BEAM, lw_v2(-3, 5));
-    add_pin(&k, BEAM, ROD, lw_v2(0, 5));
-    add_pin(&k, ROD, ARM, lw_v2(1, 0));
-    add_pin(&k, GROUND, ARM, lw_v2(0, 0));
-    add_pin(&k, GROUND, SUN, lw_v2(0, 0));
-    add_gear(&k, ROD, SUN, lw_v2(0.5, 0), -1);
+    add_joints(&k, JOINTS(PIN(GROUND, BEAM, -3, 5), PIN(BEAM, ROD, 0, 5), PIN(ROD, ARM, 1, 0), PIN(GROUND, ARM, 0, 0),
+                          PIN(GROUND, SUN, 0, 0), GEAR(ROD, SUN, 0.5, 0, -1)));
     CHECK_INT(lw_linkage_gear(&k, 5, &g, &e), LW_OK);
     CHECK_INT(g.carrier, ARM);
     CHECK(g.slider[0] < 0 && g.slider[1] < 0);
@@ -360,9 +354,7 @@ TEST(scale_and_references_may_be_given)
     CHECK_INT(lw_system_make(&k, NULL, 1, &s, &e), LW_E_ARG);
     CHECK_HAS(e.text, "J1");
     blank_linkage(&k, 3);
-    add_pin(&k, 0, 1, lw_v2(1, 1));
-    add_pin(&k, 1, 2, lw_v2(2, 1));
-    add_gear(&k, 1, 2, lw_v2(3, 1), 2);
+    add_joints(&k, JOINTS(PIN(0, 1, 1, 1), PIN(1, 2, 2, 1), GEAR(1, 2, 3, 1, 2)));
     lw_system_free(&s);
     CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_E_KIND);
     CHECK_HAS(e.text, "no link carries both");

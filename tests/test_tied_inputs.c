@@ -36,10 +36,7 @@ static void five_bar(lw_linkage *k, double ratio, bool geared)
     add_pin(k, 0, 1, lw_v2(0, 0));
     if (geared)
         add_gear(k, 1, 2, lw_v2(20, 0), ratio);
-    add_pin(k, 0, 2, lw_v2(60, 0));
-    add_pin(k, 1, 3, lw_v2(10, 10));
-    add_pin(k, 3, 4, lw_v2(30, 70));
-    add_pin(k, 4, 2, lw_v2(70, 16));
+    add_joints(k, JOINTS(PIN(0, 2, 60, 0), PIN(1, 3, 10, 10), PIN(3, 4, 30, 70), PIN(4, 2, 70, 16)));
     tie(k, 0, 0);
     if (!geared)
         tie(k, 1, ratio);
@@ -50,11 +47,7 @@ static void five_bar(lw_linkage *k, double ratio, bool geared)
 static void crank_and_slide(lw_linkage *k)
 {
     blank_linkage(k, 5);
-    add_pin(k, 0, 1, lw_v2(0, 0));
-    add_pin(k, 1, 2, lw_v2(10, 10));
-    add_pin(k, 2, 3, lw_v2(30, 70));
-    add_pin(k, 3, 4, lw_v2(70, 16));
-    add_slide(k, 0, 4, lw_v2(70, 16), 0.3);
+    add_joints(k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 10, 10), PIN(2, 3, 30, 70), PIN(3, 4, 70, 16), SLIDE(0, 4, 70, 16, 0.3)));
     tie(k, 0, 0);
     tie(k, 4, 5);
     add_tracer(k, 2, lw_v2(35, 85));
