@@ -7,4 +7,7 @@
  * from four letters on.  Of equally near words, the first. */
 const char *lw_suggest(const char *word, const char *const *words, int n);
 
+/* The three arguments of "%s%s%s" for `; did you mean "word"?`; nothing if it is NULL. */
+#define LW_DID_YOU_MEAN(word) (word) ? "; did you mean \"" : "", (word) ? (word) : "", (word) ? "\"?" : ""
+
 #endif

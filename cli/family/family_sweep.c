@@ -55,9 +55,7 @@ static lw_status read_vary(const lw_master *m, char *item, bool ranges, vary *y,
             n++;
         }
         const char *near = lw_suggest(item, names, n);
-        return lw_error_set(e, LW_E_ARG, "--vary: there is no parameter \"%.60s\"%s%s%s", item, near ?
-                            "; did you mean \"" : "",
-                            near ? near : "", near ? "\"?" : "");
+        return lw_error_set(e, LW_E_ARG, "--vary: there is no parameter \"%.60s\"%s%s%s", item, LW_DID_YOU_MEAN(near));
     }
     const lw_parameter *p = lw_master_parameter(m, y->parameter);
     y->name = p->name;

@@ -235,9 +235,7 @@ static lw_status find_drive(const lw_loads *l, const char *name, lw_error *e)
             names[n++] = l->load[i].name;
     }
     const char *near = lw_suggest(name, names, n);
-    return lw_error_set(e, LW_E_ARG, "--drive: the model has no drive \"%.60s\"%s%s%s", name, near ?
-                        "; did you mean \"" : "",
-                        near ? near : "", near ? "\"?" : "");
+    return lw_error_set(e, LW_E_ARG, "--drive: the model has no drive \"%.60s\"%s%s%s", name, LW_DID_YOU_MEAN(near));
 }
 
 typedef struct selection { size_t n; lw_drive_choice *choice; bool *front; } selection;

@@ -261,9 +261,7 @@ static lw_status choose(const cli_spatial_trace *o, const char *file, rows *r, l
         for (int k = 0; k < n; k++)
             names[k] = m->tracer[k].name;
         const char *near = lw_suggest(o->tracer, names, n);
-        return lw_error_at(e, LW_E_ARG, file, 0, 0, "there is no tracer \"%.40s\"%s%s%s", o->tracer, near ?
-                           "; did you mean \"" : "",
-                           near ? near : "", near ? "\"?" : "");
+        return lw_error_at(e, LW_E_ARG, file, 0, 0, "there is no tracer \"%.40s\"%s%s%s", o->tracer, LW_DID_YOU_MEAN(near));
     }
     if (o->plot && printed(r) > 2)
         return lw_error_set(e, LW_E_ARG, "%d tracers are too many lines for one plot; --tracer NAME draws one", m->n_tracer);

@@ -558,9 +558,7 @@ static lw_status find_part(const lw_master *m, const lw_template *t, int *out, l
     for (int i = 0; names && i < m->n_part; i++)
         names[i] = m->part[i].name;
     const char *near = names ? lw_suggest(name, names, m->n_part) : NULL;
-    s = lw_json_fault(&t->json, e, "there is no part \"%.60s\"%s%s%s", name, near ? "; did you mean \"" : "", near
-                      ? near : "",
-                      near ? "\"?" : "");
+    s = lw_json_fault(&t->json, e, "there is no part \"%.60s\"%s%s%s", name, LW_DID_YOU_MEAN(near));
     free(names);
     return s;
 }
@@ -582,8 +580,7 @@ static lw_status read_with(const place *p, lw_use *u, lw_template *with, lw_erro
                 if (!scope->symbol[k].let && scope->symbol[k].visible)
                     names[n++] = scope->symbol[k].name;
             const char *near = names ? lw_suggest(t->json.key, names, n) : NULL;
-            s = lw_json_fault(&t->json, e, "part \"%s\" has no parameter of this name%s%s%s", p->m->part[u->part].name,
-                              near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+            s = lw_json_fault(&t->json, e, "part \"%s\" has no parameter of this name%s%s%s", p->m->part[u->part].name, LW_DID_YOU_MEAN(near));
             free(names);
         } else
             s = compile(p, t, NULL, NULL, e);
@@ -786,8 +783,7 @@ static lw_status read_set(const lw_master *m, lw_setting *setting, lw_template *
             for (int k = 0; names && k < m->n_parameter; k++)
                 names[k] = m->scope.symbol[1 + k].name;
             const char *near = names ? lw_suggest(t->json.key, names, m->n_parameter) : NULL;
-            s = lw_json_fault(&t->json, e, "there is no parameter of this name%s%s%s", near ? "; did you mean \"" : "",
-                              near ? near : "", near ? "\"?" : "");
+            s = lw_json_fault(&t->json, e, "there is no parameter of this name%s%s%s", LW_DID_YOU_MEAN(near));
             free(names);
             return s;
         }
@@ -837,9 +833,7 @@ static lw_status no_setting(const char *what, const lw_setting *list, int n, con
     for (int i = 0; names && i < n; i++)
         names[i] = list[i].name;
     const char *near = names ? lw_suggest(name, names, n) : NULL;
-    snprintf(text, size, "there is no %s \"%.60s\"%s%s%s", what, name, near ? "; did you mean \"" : "", near ? near :
-             "",
-             near ? "\"?" : "");
+    snprintf(text, size, "there is no %s \"%.60s\"%s%s%s", what, name, LW_DID_YOU_MEAN(near));
     free(names);
     return LW_E_ARG;
 }
@@ -1190,8 +1184,7 @@ lw_status lw_variant_set(lw_variant *v, const char *name, const char *value, lw_
         for (int k = 0; names && k < v->m->n_parameter; k++)
             names[k] = v->m->scope.symbol[1 + k].name;
         const char *near = names ? lw_suggest(name, names, v->m->n_parameter) : NULL;
-        lw_error_at(e, LW_E_ARG, v->m->file, 0, 0, "there is no parameter \"%.60s\"%s%s%s", name,
-                    near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+        lw_error_at(e, LW_E_ARG, v->m->file, 0, 0, "there is no parameter \"%.60s\"%s%s%s", name, LW_DID_YOU_MEAN(near));
         free(names);
         return LW_E_ARG;
     }

@@ -464,9 +464,7 @@ static lw_status find_port(writer *w, const lw_template *t, frame *out)
         for (int i = 0; names && i < k; i++)
             names[i] = of->part->port[i].node->json.key;
         const char *near = names ? lw_suggest(dot + 1, names, k) : NULL;
-        s = fault(w, t, "part \"%s\" has no port \"%.60s\"%s%s%s", of->part->name, dot + 1, near ? "; did you mean \""
-                  : "",
-                  near ? near : "", near ? "\"?" : "");
+        s = fault(w, t, "part \"%s\" has no port \"%.60s\"%s%s%s", of->part->name, dot + 1, LW_DID_YOU_MEAN(near));
         free(names);
         return s;
     }

@@ -133,9 +133,7 @@ static lw_status read_header(const field *f, int n, const char *file, long line,
         if (!h->of[i])
             return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column,
                                "there is no column \"%s\" of a %s%s%s%s; columns of your "
-                               "own begin with x-", text, kinds[h->kind], near ? "; did you mean \"" : "", near ? near
-                                   : "",
-                               near ? "\"?" : "");
+                               "own begin with x-", text, kinds[h->kind], LW_DID_YOU_MEAN(near));
         lw_amount si;
         lw_error inner = { 0 };
         lw_unit_parse(h->of[i]->unit, strlen(h->of[i]->unit), &si, NULL);

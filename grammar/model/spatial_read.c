@@ -342,9 +342,7 @@ static lw_status read_kind(const lw_json_node *joint, lw_spatial_kind *kind, lw_
     const char *near = lw_suggest(text, names, COUNT(names));
     return lw_json_fault(&n, e, "there is no joint kind \"%.40s\"%s%s%s; known are r revolute, t prismatic, c "
                                 "cylindrical, b spherical, u universal, h screw, e planar, f fixed, o "
-                                "free", text, near ?
-                             "; did you mean \"" : "",
-                         near ? near : "", near ? "\"?" : "");
+                                "free", text, LW_DID_YOU_MEAN(near));
 }
 
 /* The axes of a joint. */

@@ -316,7 +316,7 @@ lw_status lw_json_known_keys(const lw_json_node *object, const char *const *know
             char list[400];
             list_keys(known, n_known, list, sizeof list);
             return key_fault(&n, e, "this key is not known%s%s%s; known here: %s; keys of your own begin with \"x-\"",
-                             near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "", list);
+                             LW_DID_YOU_MEAN(near), list);
         }
         index++;
     }

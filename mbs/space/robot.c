@@ -33,8 +33,7 @@ static lw_status find_tool(const lw_spatial *m, const char *name, int *tool, lw_
     for (int i = 0; i < n; i++)
         names[i] = m->tracer[i].name;
     const char *near = lw_suggest(name, names, n);
-    return lw_error_set(e, LW_E_ARG, "there is no tracer \"%.40s\"%s%s%s", name, near ? "; did you mean \"" : "",
-                        near ? near : "", near ? "\"?" : "");
+    return lw_error_set(e, LW_E_ARG, "there is no tracer \"%.40s\"%s%s%s", name, LW_DID_YOU_MEAN(near));
 }
 
 static bool drive_turns(const lw_robot *r, int i)
