@@ -1116,6 +1116,23 @@ TEST(pushed_boxes_let_go)
     }
 }
 
+/* A box that is pressed against a wall is lifted at that side by a growing force.  It turns about its other corner on the floor, whose friction is at
+ * its limit, though it hardly slips: at every tolerance alike. */
+TEST(box_lifted_along_a_wall)
+{
+    double want = 0;
+    for (int k = 0; k < 2; k++) {
+        free_model(FREE("{'polygon': [[-2, -2], [2, -2], [2, 0], [0, 0], [0, 2], [-2, 2]]}", "'mass': 2, 'centre': [0.25, 0.05], 'inertia': 0.05",
+                        "{'polygon': [[0, 0], [0.5, 0], [0.5, 0.1], [0, 0.1]]}", "'friction': 0.7}], 'forces': [{'link': 'b', 'at': [0.25, 0.05], 'fx':"
+                        "'-30'}, {'link': 'b', 'at': [0, 0.05], 'fy': '20*t'"), 0, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, k ? 1e-5 : 1e-10, 1.75, 2), LW_OK);
+        CHECK(d.q[2] < -0.03);
+        CHECK_NEAR(d.q[2], k ? want : d.q[2], 1e-4, 0);
+        want = d.q[2];
+        lw_model_free(&d.model);
+    }
+}
+
 int main(void)
 {
     check_run();

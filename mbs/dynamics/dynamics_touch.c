@@ -553,6 +553,22 @@ static void set_anchor(const lw_dynamics *d, lw_touch *p)
     p->anchor = m.path;
 }
 
+/* Does row k, which take_row refused, share its force with the normal force of a place that slips? */
+static bool shares_with_slip(const struct lw_touching *w, const closed *c, const double *factor, const int *taken, int n, int most)
+{
+    const double *left = factor + (size_t)n*(size_t)most;        /* the first half of the solution is there */
+    bool shares = false;
+    double *x = c->sub;                                          /* not in use here */
+    for (int i = n - 1; i >= 0; i--) {
+        x[i] = left[i];
+        for (int j = i + 1; j < n; j++)
+            x[i] -= factor[(size_t)j*(size_t)most + (size_t)i]*x[j];
+        x[i] /= factor[(size_t)i*(size_t)most + (size_t)i];
+        shares = shares || (taken[i]%2 == 0 && fabs(x[i]) > 1e-9 && w->list.touch[c->place[taken[i]/2]].slips != 0);
+    }
+    return shares;
+}
+
 /* States of the places from forces and rates; the rows that are held.  lets_go: friction no longer holds a place that
  * stuck, at which the slip has no acceleration yet. */
 static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go)
@@ -568,7 +584,7 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
     }
     w->least_force = 1e-11*top;
     w->most_force = 100*top;
-    double *factor = calloc((size_t)most*(size_t)most + 1, sizeof *factor);
+    double *factor = calloc((size_t)(most + 1)*(size_t)most + 1, sizeof *factor);
     int *taken = calloc((size_t)most + 1, sizeof *taken);
     if (!factor || !taken) {
         free(factor);
@@ -576,7 +592,7 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
         return LW_E_MEMORY;
     }
     w->n_spare = 0;
-    for (int pass = 0; pass < 3; pass++)                 /* gaps with friction, other gaps, slips */
+    for (int pass = 0; pass < 4; pass++)                 /* gaps with friction, other gaps, slips, what sticks */
         for (int i = 0; i < c->m; i++) {
             lw_touch *p = &w->list.touch[c->place[i]];
             bool presses = c->in[i] && c->force[2*i] > w->least_force;
@@ -586,7 +602,7 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
                 p->passed = fmax(0, -c->gap[i]);
                 if (p->held && !presses)
                     note(run, c->place[i], t, false, 0);
-                if (presses && n < w->row_max && take_row(c, factor, taken, n, most, 2*i))
+                if (presses && take_row(c, factor, taken, n, most, 2*i))
                     w->row[n++] = (lw_touch_row){ c->place[i], false };
                 else if (presses) {
                     p->state = LW_TOUCH_PASSIVE;
@@ -597,20 +613,23 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
             bool bears = p->state == LW_TOUCH_HELD || p->state == LW_TOUCH_PRESSED || p->spare;
             if (pass < 2 || !bears || !(c->law[i].friction > 0))
                 continue;
-            double slip = c->rate[2*i + 1], reserve = c->law[i].friction*c->force[2*i] - fabs(c->force[2*i + 1]);
+            double slip = c->rate[2*i + 1], across = c->force[2*i + 1], reserve = c->law[i].friction*c->force[2*i] - fabs(across);
             bool at_limit = reserve <= 1e-9*top, starts = lets_go && p->stuck && p->yields && at_limit && fabs(slip) <= 1e-9*fastest;
             bool holds = c->law[i].slips == 0 && !starts && (fabs(slip) <= 1e-9*fastest || !at_limit);
-            slip = starts ? -c->force[2*i + 1] : slip;
-            bool own = holds && take_row(c, factor, taken, n, most, 2*i + 1);
-            if (own)
+            if (pass == 2 && !holds && !p->spare)
+                p->slips = c->law[i].slips != 0 ? c->law[i].slips : (starts ? -across : slip) > 0 ? 1 : -1;
+            if (pass == 2 || !holds)
+                continue;
+            p->sticks = true;
+            if (take_row(c, factor, taken, n, most, 2*i + 1))
                 w->row[n++] = (lw_touch_row){ c->place[i], true };
-            else if (holds)
+            else if (at_limit && !p->spare && shares_with_slip(w, c, factor, taken, n, most)) {
+                p->sticks = false;                       /* its limit is part of the motion, though it does not slip yet */
+                p->slips = across > 0 ? -1 : 1;
+            } else
                 w->spare[w->n_spare++] = (lw_touch_row){ c->place[i], true };
-            p->sticks = holds;
-            if (holds && !p->stuck)
+            if (p->sticks && !p->stuck)
                 set_anchor(d, p);
-            if (!holds && !p->spare)
-                p->slips = c->law[i].slips != 0 ? c->law[i].slips : slip > 0 ? 1 : -1;
         }
     free(factor);
     free(taken);
