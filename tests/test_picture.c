@@ -519,6 +519,29 @@ TEST(the_ground_is_seen)
     CHECK_INT(parts_of("examples/dynamics/hook.json").links, 3);        /* the hook, the wheel and the bar from it to its mass */
 }
 
+/* In the panel of Evans' straight line, which its other assembly modes leave, no curve runs through the legend. */
+TEST(legends_are_free_of_curves)
+{
+    lw_linkage k;
+    lw_scene s;
+    lw_error e;
+    double lowest = 0, legend = INFINITY;
+    CHECK_INT(model_read("gallery/evans", &k), LW_OK);
+    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    lw_drawing d = draw(&s, 1000, 750);
+    CHECK_INT(d.n_view, 2);
+    for (size_t i = 0; i < d.n_shape; i++) {
+        const lw_shape *a = &d.shape[i];
+        for (size_t p = 0; a->role == LW_ROLE_OTHER_CURVE && a->panel == 1 && p < a->n; p++)
+            lowest = fmax(lowest, d.point[a->first + p].y);
+        if (a->role == LW_ROLE_LEGEND && a->kind == LW_SHAPE_TEXT)
+            legend = fmin(legend, a->at.y - a->width);
+    }
+    CHECK(lowest > 600 && lowest < legend);
+    lw_drawing_free(&d);
+    lw_scene_free(&s);
+}
+
 TEST(unfit_sizes_are_refused)
 {
     lw_scene s;

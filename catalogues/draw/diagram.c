@@ -801,12 +801,13 @@ static void curve_ink(sketch *k, int panel, lw_shape *s, const lw_curve *c)
     s->dashed = !c->shown_branch;
 }
 
-/* Draw a curve. Parts far outside the page are cut off. */
+/* Draw a curve. Parts far outside the page are cut off, and what would run through the legend and the scale bar. */
 static void draw_curve(sketch *k, int panel, const lw_curve *c)
 {
     enum { PIECE = 2048 };
     /* A few pages around the picture, so that no number is too large for an output format. */
-    const lw_box near = { -2*k->d->width, -2*k->d->height, 3*k->d->width, 3*k->d->height };
+    const lw_view *v = &k->d->view[panel];
+    const lw_box near = { -2*k->d->width, -2*k->d->height, 3*k->d->width, v->y + v->h - foot_height(k, v->w) };
     lw_vec2 piece[PIECE];
     size_t n = 0, n_side = c->n < 2 ? 0 : c->n - (c->closed ? 0 : 1);
     lw_role role = c->shown_branch && !c->compared ? LW_ROLE_CURVE : LW_ROLE_OTHER_CURVE;
