@@ -567,11 +567,13 @@ TEST(faults)
         { lw_target_read_svg, "<svg><path d='M 1 1L1e999 0'/></svg>", 1, 21, "a number is expected" },
         { lw_target_read_svg, "<svg><path d='M 1 1L1e200 0'/></svg>", 1, 1, "too far away" },
         { lw_target_read_svg, "<svg><path d='M 1 1L2 0", 1, 15, "has no end" },
+        { lw_target_read_svg, "<svg><g><path d='M 1 1L2 0'/></g>", 1, 34, "ends before the end of its elements" },
         { lw_target_read_svg, "<svg><g transform='turn(3)'>", 1, 20, "a transform is" },
         { lw_target_read_svg, "<svg><path d=3/></svg>", 1, 15, "a quote is expected" },
         { lw_target_read_dxf, "", 1, 1, "no visible line, arc" },
         { lw_target_read_dxf, "x,y\n1,2\n", 1, 1, "no DXF text" },
-        { lw_target_read_dxf, HEAD "0\nLINE\n10\nab\n", 8, 1, "a number is expected" },
+        { lw_target_read_dxf, HEAD "0\nLINE\n10\nab\n" TAIL, 8, 1, "a number is expected" },
+        { lw_target_read_dxf, HEAD "0\nLINE\n10\n0\n11\n1\n", 11, 1, "ends within its ENTITIES" },
         { lw_target_read_dxf, HEAD "0\nLINE\n10\n0\n11\n1\n0\nLINE\n10\n5\n11\n6\n" TAIL, 12, 1,
           "has 2 curves: 1 open 1 mm, 2 open 1 mm" }
     };

@@ -783,6 +783,9 @@ static lw_status read_sections(reader *r)
             return s;
         section = g.code == 0 && is(&g, "SECTION");
     }
+    if (s == LW_OK && in == ENTITIES)
+        s = lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, r->c.line, 1, "the drawing ends within its ENTITIES, without ENDSEC: a part of the "
+                        "file is missing; save or copy it again");
     return s;
 }
 

@@ -859,6 +859,8 @@ static lw_status read_tree(reader *r, lw_cursor c, bool one, const level *in)
         bool more;
         level l = depth > 0 ? open[depth - 1] : *in;
         lw_status s = take_element(&c, &el, &more);
+        if (s == LW_OK && !more && depth > 0)
+            return lw_cursor_fail(&c, "the drawing ends before the end of its elements (</svg>): a part of the file is missing; save or copy it again");
         if (s != LW_OK || !more)
             return s;
         if (el.ends) {
