@@ -26,7 +26,8 @@ static const double longest = 0.5;           /* step of Newton's method, in radi
 static const double settled = 1e-13;         /* the same when it has converged, over the greatest coordinate */
 static const double rounded = 1e-10;         /* the same when steps no longer become shorter */
 static const double drifts = 1e-5;           /* the same along a motion that nothing resists, by the rounding of forces */
-static const double slow = 1e-2;             /* rate of such a motion, by rounding, over that of buckling */
+static const double slow = 1e-2;             /* rate of such a motion, by rounding, over that of buckling, */
+static const double slowest = 1e-6;          /* and over that of falling */
 
 static double greatest(const double *x, int n)
 {
@@ -160,21 +161,28 @@ static double work_of_step(search *s, double size)
     return size < 1e-9 || fabs(work) < 1e-12*all ? 0 : work;
 }
 
+/* The greatest acceleration of a part that falls, over the size of the model [1/s^2]; 0: without weight. */
+static double falling(const lw_dynamics *d)
+{
+    double most = 0;
+    for (int i = 0; i < d->n_v; i++)
+        most = fmax(most, d->eq.mass[i] > 0 ? fabs(d->eq.weight[i])/d->eq.mass[i] : 0);
+    return most;
+}
+
 /* Downhill, the way the forces do work, with masses in the matrix.  The start of each step lies on the constraints. */
 static lw_status downhill(search *s, lw_rest *r)
 {
     lw_dynamics *d = s->d;
-    double mass = 0, unit = 0, before = INFINITY;
+    double unit = falling(d) > 0 ? falling(d) : 1, mass = 100*unit, before = INFINITY, last = INFINITY;
     int good = 0;
-    for (int i = 0; i < s->n; i++)
-        unit = fmax(unit, d->eq.mass[i] > 0 ? fabs(d->eq.weight[i])/d->eq.mass[i] : 0);
-    unit = unit > 0 ? unit : 1;
-    mass = 100*unit;
     for (int k = 0; k < most_downhill; k++) {
         if (look_at_limits(s) != LW_OK)
             return LW_STOPPED;
         if (lw_mbs_rows(d, s->t, s->q) != LW_OK || find_residual(s, (loads){ 0, 0 }) != LW_OK)
             return LW_E_NUMERIC;
+        if (d->eq.accept)                        /* a part that falls may turn far */
+            d->eq.accept(d->eq.context, s->q);
         keep(s);
         double size = newton_step(s, mass);
         r->iterations++;
@@ -182,8 +190,10 @@ static lw_status downhill(search *s, lw_rest *r)
             return s->factored;
         if (size < longest) {
             move(s);
-            if (mass < 1e-6*unit && is_last(s, size, rounded, before))
+            bool free = mass > 0 && mass < 1e-8*unit && size < drifts && size > 0.3*last;       /* only along a motion that nothing resists */
+            if ((mass < 1e-6*unit && is_last(s, size, rounded, before)) || free)
                 return LW_OK;
+            last = size;
             before = mass > 0 ? INFINITY : size;
             if (lw_mbs_project_q(d, s->t, s->q, longest) == LW_OK && work_of_step(s, size) >= 0) {
                 good++;                          /* slowly down: with too little mass Newton's step leads to a saddle */
@@ -219,8 +229,8 @@ static lw_status prepare(search *s, lw_dynamics *d, double t, double *q)
 }
 
 /* From an equilibrium that is not stable along a mode that grows: the path from the start under an additional load that pushes
- * along the mode, which is taken away at the end; or downhill. */
-static lw_status leave_saddle(search *s, const lw_mode *mode, lw_rest *r)
+ * along the mode, which is taken away at the end; or downhill, `falls`: at once. */
+static lw_status leave_saddle(search *s, const lw_mode *mode, bool falls, lw_rest *r)
 {
     lw_dynamics *d = s->d;
     double most = 0, *saddle = calloc((size_t)s->n_q + (size_t)s->n + 1, sizeof *saddle), *away = saddle + s->n_q;
@@ -233,7 +243,7 @@ static lw_status leave_saddle(search *s, const lw_mode *mode, lw_rest *r)
         s->aside[i] = d->eq.mass[i]*away[i];
         most = fmax(most, fabs(s->aside[i]));
     }
-    for (double share = 0.1; st == LW_OPEN && share > 1e-4; share *= 0.3) {
+    for (double share = 0.1; st == LW_OPEN && share > 1e-4 && !falls; share *= 0.3) {
         double scale = share*greatest(s->load, s->n)/most, moved = 0;
         for (int i = 0; i < s->n; i++)
             s->aside[i] *= scale;
@@ -269,11 +279,13 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
     search s;
     lw_modes modes = { 0 };
     lw_error ignored = { 0 };
-    double still = 0;                                         /* slower modes are still */
+    bool falls = false;                                       /* the path of the loads has led to a saddle, or to nothing */
+    double still = slowest*sqrt(falling(d));                 /* slower modes are still */
     memcpy(q, d->start_q, (size_t)d->n_q*sizeof *q);
     lw_status st = prepare(&s, d, t, q);
     if (st == LW_OK && (st = load_steps(&s, (loads){ 1, 0 }, (loads){ 0, 0 }, r)) != LW_OK && st != LW_E_MEMORY) {
         put_back(&s);
+        falls = true;
         st = downhill(&s, r);
     }
     for (int k = 0; st == LW_OK; k++) {                       /* off an equilibrium that is not stable */
@@ -293,8 +305,9 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
         r->stable = worst < 0 && !r->neutral && modes.mode[0].natural > 0;
         if (worst < 0 || k == 3)
             break;
-        still = slow*modes.mode[worst].re;
-        st = leave_saddle(&s, &modes.mode[worst], r);
+        still = fmax(still, slow*modes.mode[worst].re);
+        st = leave_saddle(&s, &modes.mode[worst], falls, r);
+        falls = true;
         lw_modes_free(&modes);
     }
     lw_modes_free(&modes);
