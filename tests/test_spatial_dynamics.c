@@ -1069,11 +1069,11 @@ TEST(a_wound_spring_comes_to_rest)
     for (int i = 0; i < 4; i++) {
         char text[700];
         lw_spatial m;
-        snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [0.3, 0, 0], \"inertia\": "
-                 "[0.01, 0.02, 0.03]}], \"joints\": [{\"name\": \"J\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 1, 0]}], "
-                 "\"springs\": [{\"joint\": \"J\", \"stiffness\": 5, \"free\": %g}], \"gravity\": [0, 0, -9.81], \"tracers\": [{\"name\": "
-                 "\"P\", \"link\": \"a\", \"at\": [1, 0, 0]}]}", wound[i]);
-        read_spatial(text, strlen(text), "wound", &m);
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0.3, 0, 0], 'inertia': "
+                 "[0.01, 0.02, 0.03]}], 'joints': [{'name': 'J', 'links': ['ground', 'a'], 'at': [0, 0, 0], 'axis': [0, 1, 0]}], "
+                 "'springs': [{'joint': 'J', 'stiffness': 5, 'free': %g}], 'gravity': [0, 0, -9.81], 'tracers': [{'name': "
+                 "'P', 'link': 'a', 'at': [1, 0, 0]}]}", wound[i]);
+        read_spatial(text, "wound", &m);
         run(&m, LW_ANALYSIS_STATIC, 1, 1, 1e-10);
         double turn = atan2(-k.at[0].tracer.z, k.at[0].tracer.x), want = wound[i] + 9.81*0.3*k.at[0].tracer.x/5;
         CHECK(k.rest.stable);
@@ -1089,15 +1089,15 @@ TEST(arms_fall_from_saddles)
     for (int aside = 0; aside < 2; aside++) {
         char text[1500], *at = text;
         lw_spatial m;
-        at += sprintf(at, "{\"linkwright\": 1, \"links\": [\"ground\"");
+        at += sprintf(at, "{'linkwright': 1, 'links': ['ground'");
         for (int i = 0; i < 3; i++)
-            at += sprintf(at, ", {\"name\": \"l%d\", \"mass\": %g, \"centre\": [%g, %g, %g], \"inertia\": [0.01, 0.012, 0.013]}", i, 1 - 0.1*i,
+            at += sprintf(at, ", {'name': 'l%d', 'mass': %g, 'centre': [%g, %g, %g], 'inertia': [0.01, 0.012, 0.013]}", i, 1 - 0.1*i,
                           0.15 + 0.3*i, i == 2 ? 0.1 : 0.025*i, i == 2 ? 0.1 : 0.05*i);
-        at += sprintf(at, "], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"l0\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, {\"name\": \"B\", "
-                      "\"links\": [\"l0\", \"l1\"], \"at\": [0.3, 0, 0], \"axis\": [0, 1, 0]}, {\"name\": \"C\", \"links\": [\"l1\", \"l2\"], "
-                      "\"at\": [0.6, 0.05, 0.1], \"axis\": [0, 0, 1]}], \"gravity\": [%g, %g, -9.81], \"tracers\": [{\"name\": \"P\", \"link\": "
-                      "\"l2\", \"at\": [0.9, 0.15, 0.1]}]}", 0.3*aside, 0.2*aside);
-        read_spatial(text, (size_t)(at - text), "arms", &m);
+        at += sprintf(at, "], 'joints': [{'name': 'A', 'links': ['ground', 'l0'], 'at': [0, 0, 0], 'axis': [0, 0, 1]}, {'name': 'B', "
+                      "'links': ['l0', 'l1'], 'at': [0.3, 0, 0], 'axis': [0, 1, 0]}, {'name': 'C', 'links': ['l1', 'l2'], "
+                      "'at': [0.6, 0.05, 0.1], 'axis': [0, 0, 1]}], 'gravity': [%g, %g, -9.81], 'tracers': [{'name': 'P', 'link': "
+                      "'l2', 'at': [0.9, 0.15, 0.1]}]}", 0.3*aside, 0.2*aside);
+        read_spatial(text, "arms", &m);
         run(&m, LW_ANALYSIS_STATIC, 1, 1, 1e-10);
         CHECK(aside ? k.rest.stable : k.rest.neutral);
         CHECK(k.at[0].tracer.z < -0.6);
