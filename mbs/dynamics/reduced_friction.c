@@ -231,7 +231,7 @@ static void react(const lw_reduced *r, balance *z, int joint, int slot, const wr
     put(z, slot, x, y);
 }
 
-/* Add the reaction of an outer joint of dyad k to the link before it. */
+/* Add the reaction of an outer joint of a dyad to the link before it. */
 static void hand_on(balance *z, const lw_reduced_group *g, int side, const wrenches *w)
 {
     if (g->before[side] >= 0)
