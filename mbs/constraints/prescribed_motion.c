@@ -7,15 +7,20 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/number.h"
+#include "base/rng.h"
 #include "grammar/model/model.h"
 #include "mbs/constraints/continuation_internal.h"
 
 #define TRACK 64                            /* stored postures, from which branch points are crossed   */
 #define ORDER LW_SYSTEM_ORDER_MAX
+#define N_CURVE 9                           /* postures from which rates beside a singular one follow    */
 #define PARTS 12                            /* moments of a step at which the inputs are looked at      */
 
 static const double longest_change = 0.1;   /* of the value of one input in a step in time, scaled      */
-static const double by_lines = 0.02;        /* of the values of several inputs in a step by lines, scaled */
+static const double singular = 0.02;        /* radius of the certified ball, 1/kappa, of a posture beside a singular one */
+static const double beside_step = 0.02;     /* change of the values of several inputs in a step beside one, scaled */
+static const double negligible = 1e-11;     /* last term of a series that has converged, scaled         */
+static const double ample = 1e-14;          /* the same if it converges in half as much again, too       */
 static const double same_value = 1e-10;     /* values of one input that are no more apart, scaled, are the same */
 
 typedef struct line { double at[LW_INPUT_MAX], direction[LW_INPUT_MAX]; } line;
@@ -45,6 +50,10 @@ struct lw_prescribed_motion {
     double          *posture;               /* differ from those where the next step starts            */
     lw_prescribed_motion *place;            /* one input in time: the linkage along its value          */
     double           away_t, away;          /* last moment that was not in a branch point, and its value */
+    bool             has_beside;            /* several inputs: there is a regular posture beside singular ones */
+    double          *beside, at_beside[LW_INPUT_MAX];     /* that posture and its inputs               */
+    bool             creeping;              /* the motion stays near singular postures                 */
+    double          *curve;                 /* N_CURVE x n: postures for places of a curve of the inputs */
 };
 
 /* Series of the inputs at t, relative to the posture; false if a motion is not a number. */
@@ -110,6 +119,7 @@ static void arrive(lw_prescribed_motion *d, double t, const double *q)
     remember(d);
     memcpy(d->q, q, (size_t)d->n*sizeof *q);
     d->t = t;
+    d->has_beside = d->creeping = false;
 }
 
 /* ---- branch points ----------------------------------------------------------------------------- */
@@ -335,6 +345,12 @@ static void values_of(const lw_prescribed_motion *d, const double *q, double *u)
     }
 }
 
+/* Is q near a singular posture?  Overwrites the factors. */
+static bool is_singular(lw_prescribed_motion *d, const double *q)
+{
+    return !(hold(d, d->t) && lw_continuation_factor(&d->f, q) > 1e-12) || !(lw_continuation_bound(&d->f, q)*singular < 1);
+}
+
 /* Move posture q straight until its inputs are `to` (n_input), into `out`. */
 static bool go_straight(const lw_prescribed_motion *d, const double *q, const double *to, double *out)
 {
@@ -350,14 +366,70 @@ static bool go_straight(const lw_prescribed_motion *d, const double *q, const do
     return good;
 }
 
-/* No series in time leads on where an input rests or turns back in a branch point.  The posture is a function of the values there,
- * too: go to it straight from a posture beside, which keeps its distance.  One step towards `last`; false: none is left. */
-static bool go_by_lines(lw_prescribed_motion *d, double last)
+/* The posture for the values u of the inputs, into `out`, from the series on a straight line of values that begins at the posture beside,
+ * whose factors are known.  Returns the last term. */
+static double from_beside(lw_prescribed_motion *d, const double *u, double *out)
 {
-    double u[LW_INPUT_MAX], now[LW_INPUT_MAX], to[LW_INPUT_MAX], aside[LW_INPUT_MAX], h = last - d->t, t = last;
-    const double *from = look_back(d, LW_CONTINUATION_BACK);
-    if (!from)
-        return false;
+    double straight_there[LW_INPUT_MAX*(ORDER + 1)] = { 0 }, last = 0;
+    for (int i = 0; i < d->s->n_input; i++)
+        straight_there[i*(ORDER + 1) + 1] = (u[i] - d->at_beside[i])/lw_system_joint_unit(d->s, d->s->input_joint[i]);
+    memcpy(d->series, d->beside, (size_t)d->n*sizeof *d->series);
+    lw_continuation_series(&d->f, ORDER, straight_there, d->series);
+    for (int i = 0; i < 2*d->n; i++)
+        last = fmax(last, fabs(d->series[(ORDER - 1)*d->n + i])*(i < d->n ? 0.1 : 1));
+    lw_continuation_sum(&d->f, ORDER, d->series, 1, out);
+    return last;
+}
+
+static bool factor_beside(lw_prescribed_motion *d)
+{
+    hold(d, d->t);
+    return lw_continuation_factor(&d->f, d->beside) > 1e-12;
+}
+
+/* Find a posture beside those for the values u, straight from posture q: the one of some directions whose series converges best. */
+static bool find_beside(lw_prescribed_motion *d, const double *q, const double *u, double *out)
+{
+    enum { N_DIRECTION = 6, N = 3*N_DIRECTION };
+    static const double size[] = { 0.04, 0.02, 0.01 };
+    double last = INFINITY, least = negligible, best[LW_INPUT_MAX];
+    lw_rng rng;
+    lw_rng_seed(&rng, 5, 0);
+    for (int k = 0; k <= N && last > ample; k++) {        /* at last the best of them again */
+        if (k == N && !(least < negligible))
+            break;
+        for (int i = 0; i < d->s->n_input; i++) {
+            double by = lw_rng_range(&rng, -0.2, 0.2), unit = lw_system_joint_unit(d->s, d->s->input_joint[i]);
+            d->at_beside[i] = k == N ? best[i] : u[i] + size[k/N_DIRECTION % 3]*unit*(by + copysign(0.8, by));
+        }
+        last = go_straight(d, q, d->at_beside, d->beside) && factor_beside(d) ? from_beside(d, u, out) : INFINITY;
+        if (last < least) {
+            least = last;
+            memcpy(best, d->at_beside, sizeof best);
+        }
+    }
+    return d->has_beside = last <= negligible;
+}
+
+/* The posture for the values u, from the posture beside if the last term is at most `most`, or from a new one. */
+static bool reach_from_beside(lw_prescribed_motion *d, const double *u, double most, double *out)
+{
+    if (d->has_beside && factor_beside(d) && from_beside(d, u, out) <= most)
+        return true;
+    const double *from = d->has_beside ? d->beside : d->q;
+    if (!d->has_beside && !(hold(d, d->t) && lw_continuation_factor(&d->f, d->q) > 1e-9))
+        from = d->n_track > 0 ? look_back(d, LW_CONTINUATION_BACK) + 1 : NULL;
+    double *start = d->series + (ORDER + 1)*d->n;         /* `beside` is overwritten */
+    if (from)
+        memcpy(start, from, (size_t)d->n*sizeof *start);
+    return from && find_beside(d, start, u, out);
+}
+
+/* Where an input rests, turns back or creeps in a singular posture no series in time leads on, and steps grow short.  The posture is a
+ * function of the values of the inputs there, too: it follows from a posture beside.  One step towards `last`; false: none is left. */
+static bool go_beside(lw_prescribed_motion *d, double last)
+{
+    double now[LW_INPUT_MAX], to[LW_INPUT_MAX], h = last - d->t, t = last;
     d->motion(d->context, d->t, 0, now);
     for (bool near = false; !near; h *= near ? 1 : 0.5) {
         near = true;
@@ -365,36 +437,33 @@ static bool go_by_lines(lw_prescribed_motion *d, double last)
         for (int k = 1; k <= PARTS; k++) {
             d->motion(d->context, k == PARTS ? t : d->t + h*k/PARTS, 0, to);
             for (int i = 0; i < d->s->n_input; i++)
-                near = near && fabs(to[i] - now[i]) <= by_lines*lw_system_joint_unit(d->s, d->s->input_joint[i]);
+                near = near && fabs(to[i] - now[i]) <= beside_step*lw_system_joint_unit(d->s, d->s->input_joint[i]);
         }
         if (!near && !(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
             return false;
     }
-    values_of(d, from + 1, u);
-    for (int i = 0; i < d->s->n_input; i++)
-        aside[i] = to[i] + u[i] - now[i];
-    double *beside = d->series;
-    if (!go_straight(d, from + 1, aside, beside) || !go_straight(d, beside, to, d->q)) {
-        memcpy(beside, from + 1, (size_t)d->n*sizeof *beside);
-        if (!go_straight(d, beside, to, d->q))
-            return false;
-    }
-    d->track[0] = d->t = t;
-    memcpy(d->track + 1, beside, (size_t)d->n*sizeof *beside);
-    d->n_track = 1;
+    if (!reach_from_beside(d, to, negligible, d->next))
+        return false;
+    memcpy(d->q, d->next, (size_t)d->n*sizeof *d->q);
+    d->t = t;
+    d->n_track = 0;
     d->leapt = false;
-    d->step = 0;
+    d->step = d->weight[1][1] = 0;
+    d->creeping = is_singular(d, d->q);
     return true;
 }
 
-lw_status lw_prescribed_motion_line(const lw_prescribed_motion *d, const double *at, const double *direction, double x,
-                                    lw_prescribed_motion **out)
+const double *lw_prescribed_motion_beside(const lw_prescribed_motion *d) { return d->has_beside ? d->at_beside : NULL; }
+
+bool lw_prescribed_motion_near(lw_prescribed_motion *d, const double *u, double *q)
 {
-    line l = { { 0 }, { 0 } };
-    const double *from = look_back(d, LW_CONTINUATION_BACK);
-    memcpy(l.at, at, (size_t)d->s->n_input*sizeof *at);
-    memcpy(l.direction, direction, (size_t)d->s->n_input*sizeof *direction);
-    return make(d->s, from ? from + 1 : d->q, on_line, NULL, x, x, &l, out, NULL);
+    static const double predicted = 1e-7;
+    if (!d->has_beside || !factor_beside(d) || !(from_beside(d, u, q) <= predicted))
+        return false;
+    memcpy(d->next, q, (size_t)d->n*sizeof *q);
+    for (int i = 0; i < d->s->n_input; i++)
+        d->f.value[i] = (u[i] - d->s->input_value[i])/lw_system_joint_unit(d->s, d->s->input_joint[i]);
+    return lw_continuation_correct(&d->f, q) && lw_continuation_distance(&d->f, q, d->next) < 10*predicted;
 }
 
 static lw_status to_by_value(lw_prescribed_motion *d, double t)
@@ -469,6 +538,13 @@ static outcome advance(lw_prescribed_motion *d, double last)
     return LOST;
 }
 
+/* Does the motion stay near a singular posture, rather than cross it or leave it? */
+static bool creeps(const lw_prescribed_motion *d)
+{
+    double before = d->weight[0][1], now = d->weight[1][1];
+    return d->creeping || (now < singular*singular && now > 0.5*before && now < 2*before);
+}
+
 /* Return from a limit to a stored posture before it. */
 static void come_free(lw_prescribed_motion *d)
 {
@@ -502,9 +578,12 @@ lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t)
         return to_by_value(d, t);
     if (d->stuck && d->t != t)
         come_free(d);
+    bool several = d->s->n_input > 1 && d->motion != straight && d->motion != on_line;
     while (d->t != t && !leapt_over(d, t)) {
+        if (several && creeps(d) && go_beside(d, t))
+            continue;
         outcome o = advance(d, t);
-        if (o != MOVED && !(d->s->n_input > 1 && d->motion != straight && d->motion != on_line && go_by_lines(d, t))) {
+        if (o != MOVED && !(several && go_beside(d, t))) {
             hold(d, d->t);
             tell(d, d->t, d->q);
             find_limit(d, t);
@@ -593,7 +672,7 @@ static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error
     d->t = t;
     d->step = 0.0;
     d->n_track = d->crossings = 0;
-    d->leapt = false;
+    d->leapt = d->has_beside = d->creeping = false;
     hold(d, t);
     tell(d, t, d->q);
     return LW_OK;
@@ -619,7 +698,7 @@ static lw_status make(const lw_system *s, const double *q, lw_input_function *mo
         d->context = l ? d : context;
         if (l)
             d->line = *l;
-        size_t vectors = 1 + (ORDER + 2) + (by_value ? 0 : 2 + (ORDER + 1)), stored = by_value ? 0 : TRACK*(size_t)(1 + d->n);
+        size_t vectors = 1 + (ORDER + 2) + (by_value ? 0 : 3 + N_CURVE + (ORDER + 1)), stored = by_value ? 0 : TRACK*(size_t)(1 + d->n);
         d->series = calloc(vectors*(size_t)d->n + stored, sizeof *d->series);
     }
     if (!d || !d->series || (!by_value && !lw_continuation_create(s, all, s->n_input, false, &d->f))) {
@@ -638,7 +717,9 @@ static lw_status make(const lw_system *s, const double *q, lw_input_function *mo
         d->q = d->posture + d->n;
         d->next = d->q + d->n;
         d->over = d->next + d->n;
-        d->track = d->over + (ORDER + 1)*d->n;
+        d->beside = d->over + (ORDER + 1)*d->n;
+        d->curve = d->beside + d->n;
+        d->track = d->curve + N_CURVE*d->n;
         if (q)
             memcpy(d->q, q, (size_t)d->n*sizeof *q);
         else
@@ -693,8 +774,64 @@ void lw_prescribed_motion_free(lw_prescribed_motion *d)
 double        lw_prescribed_motion_time(const lw_prescribed_motion *d) { return d->stuck ? d->limit : d->asked; }
 const double *lw_prescribed_motion_posture(const lw_prescribed_motion *d) { return d->posture; }
 
+/* Coefficients of the posture while the inputs move by the series u: beside a singular posture from postures for places of that curve,
+ * through which a polynomial is laid (Newton's divided differences). */
+static bool along_beside(lw_prescribed_motion *d, int order, const double *u, double *q)
+{
+    enum { N = N_CURVE };
+    double x[N], at[LW_INPUT_MAX], reach = 1, spread = 0, *c = d->curve;
+    int n = d->n;
+    for (int i = 0; i < d->s->n_input; i++)
+        at[i] = u[i*(order + 1)];
+    if (!reach_from_beside(d, at, ample, d->next))
+        return false;
+    for (int i = 0; i < d->s->n_input; i++)
+        spread = fmax(spread, 0.5*fabs(at[i] - d->at_beside[i])/lw_system_joint_unit(d->s, d->s->input_joint[i]));
+    for (int i = 0; i < d->s->n_input; i++)
+        for (int k = 1; k <= order; k++)
+            reach = fmin(reach, pow(spread*lw_system_joint_unit(d->s, d->s->input_joint[i])/fabs(u[i*(order + 1) + k]), 1.0/k));
+    for (int j = 0; j < N; j++) {
+        x[j] = reach*cos((2*j + 1)*LW_PI/(2*N));
+        for (int i = 0; i < d->s->n_input; i++) {
+            at[i] = 0;
+            for (int k = order; k >= 0; k--)
+                at[i] = at[i]*x[j] + u[i*(order + 1) + k];
+        }
+        if (!(from_beside(d, at, c + j*n) <= negligible))
+            return false;
+    }
+    for (int k = 1; k < N; k++)
+        for (int j = N - 1; j >= k; j--)
+            for (int i = 0; i < n; i++)
+                c[j*n + i] = (c[j*n + i] - c[(j - 1)*n + i])/(x[j] - x[j - k]);
+    for (int k = N - 1; k > 0; k--)                        /* to powers */
+        for (int j = k - 1; j < N - 1; j++)
+            for (int i = 0; i < n; i++)
+                c[j*n + i] -= x[k - 1]*c[(j + 1)*n + i];
+    memcpy(q, d->next, (size_t)n*sizeof *q);
+    memcpy(q + n, c + n, (size_t)(order*n)*sizeof *q);
+    return true;
+}
+
+bool lw_prescribed_motion_along(lw_prescribed_motion *d, int order, const double *u, double *q)
+{
+    double scaled[LW_INPUT_MAX*(ORDER + 1)];
+    bool unsure = d->s->n_input > 1 && d->motion != on_line && is_singular(d, d->posture);
+    if (unsure && along_beside(d, order, u, q))
+        return true;
+    for (int i = 0; i < d->s->n_input; i++)
+        for (int k = 0; k <= order; k++)
+            scaled[i*(order + 1) + k] = u[i*(order + 1) + k]/lw_system_joint_unit(d->s, d->s->input_joint[i]);
+    if (!(lw_continuation_factor(&d->f, d->posture) > (unsure ? 1e-4 : 1e-14)))
+        return false;
+    memcpy(q, d->posture, (size_t)d->n*sizeof *q);
+    lw_continuation_series(&d->f, order, scaled, q);
+    return true;
+}
+
 bool lw_prescribed_motion_rates(lw_prescribed_motion *d, int order, double *q)
 {
+    double u[LW_INPUT_MAX*(ORDER + 1)];
     memcpy(q, d->posture, (size_t)d->n*sizeof *q);
     if (d->place)
         return series_by_value(d, order, q);
@@ -708,10 +845,8 @@ bool lw_prescribed_motion_rates(lw_prescribed_motion *d, int order, double *q)
         }
         return true;
     }
-    if (!make_series(d, d->asked, d->posture, order))
-        return false;
-    memcpy(q, d->series, (size_t)(order + 1)*(size_t)d->n*sizeof *q);
-    return true;
+    d->motion(d->context, d->asked, order, u);
+    return hold(d, d->asked) && lw_prescribed_motion_along(d, order, u, q);
 }
 
 int lw_prescribed_motion_crossings(const lw_prescribed_motion *d, double *last)

@@ -3,8 +3,9 @@
  * Every step is so short that the posture provably stays on its branch, for any path of the inputs within their change
  * over the step (mbs/constraints/continuation_internal.h).  Whether several inputs stay within that change is checked at a
  * dozen times inside the step.  The posture of a linkage with one input follows the value of the input, which may rest or turn back
- * anywhere, in a branch point too; where it turns back is looked for at a dozen times in each tenth of a radian.  If one of several
- * inputs does so, the posture is reached along straight lines of their values. */
+ * anywhere, in a branch point too; where it turns back is looked for at a dozen times in each tenth of a radian.  Near a branch point
+ * that several inputs do not simply cross, postures and rates follow from the series of a regular posture beside, whose last terms are
+ * negligible: there the posture is a smooth function of their values. */
 #ifndef LW_MBS_CONSTRAINTS_PRESCRIBED_MOTION_H
 #define LW_MBS_CONSTRAINTS_PRESCRIBED_MOTION_H
 
@@ -42,11 +43,6 @@ lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t);
  * posture and time.  d owns them.  NULL unless there is one input. */
 lw_prescribed_motion *lw_prescribed_motion_by_value(lw_prescribed_motion *d);
 
-/* Several inputs: *out (free it) gives the postures near d on the straight line on which the inputs are at[i] + x direction[i], where x
- * takes the place of the time; it begins at x.  Failures as lw_prescribed_motion_create. */
-lw_status lw_prescribed_motion_line(const lw_prescribed_motion *d, const double *at, const double *direction, double x,
-                                    lw_prescribed_motion **out);
-
 double        lw_prescribed_motion_time(const lw_prescribed_motion *d);
 const double *lw_prescribed_motion_posture(const lw_prescribed_motion *d);   /* coordinates (n_q) */
 
@@ -54,6 +50,15 @@ const double *lw_prescribed_motion_posture(const lw_prescribed_motion *d);   /* 
  * point they are those of the motion straight on, the third accurate to 1e-6.  Just before a branch point digits are
  * lost until the step across it is known. */
 bool          lw_prescribed_motion_rates(lw_prescribed_motion *d, int order, double *q);
+
+/* The same while the inputs move by other series u, as lw_input_function gives them, from their present values. */
+bool          lw_prescribed_motion_along(lw_prescribed_motion *d, int order, const double *u, double *q);
+
+/* Several inputs, near a singular posture, after rates or `along`: the values of the inputs (n_input) in a regular posture beside; NULL: none. */
+const double *lw_prescribed_motion_beside(const lw_prescribed_motion *d);
+
+/* The posture q for values u of the inputs around these.  false: it is not found, or it is singular. */
+bool          lw_prescribed_motion_near(lw_prescribed_motion *d, const double *u, double *q);
 
 /* Number of branch points passed, and the time of the last one (to 1e-10). */
 int           lw_prescribed_motion_crossings(const lw_prescribed_motion *d, double *last);

@@ -4,11 +4,12 @@
  *
  * Near a branch point these lose digits: at the distance x [rad] from it rounding is magnified by 1/x^4.  There all
  * quantities are interpolated from places on both sides: with one input along its value, with the speed and acceleration
- * that it has at the moment asked for, since in time the input may turn back close to the branch point; with several
- * inputs on a straight line of their values, likewise.  Postures are analytic, and multipliers have at most a simple pole, so the product of multiplier and
+ * that it has at the moment asked for, since in time the input may turn back close to the branch point.  Postures are analytic,
+ * and multipliers have at most a simple pole, so the product of multiplier and
  * distance from the branch point is analytic too.  Its value there is the strength of the pole; where that is 0, its
  * derivative is the limit of the multiplier.  The power of a moving input is finite, so its drive has a limit; reactions
- * often have none. */
+ * often have none.  With several inputs rates follow from a posture beside (mbs/constraints/prescribed_motion.h), drives from them by virtual
+ * work, and reactions likewise from a straight line of values of the inputs. */
 #include "base/number.h"
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
@@ -28,16 +29,17 @@ enum { N_SIDE = 6, N_NODE = 2*N_SIDE };
 static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };
 static const double longest_half = 0.3;        /* half of a window, scaled: about radians */
 static const double beside = 0.1;            /* weakest pivot at which a branch point is looked for */
-static const double line_half = 0.1;         /* the same on a line of several inputs, scaled */
+static const double line_half = 0.05;        /* half of a line of values of several inputs, scaled */
 static const double few_digits = 0.03;       /* pivot below which such a line is looked at */
-static const double no_digits = 1e-6;        /* pivot below which forces are rounding */
+static const double no_digits = 1e-3;        /* pivot below which reactions from the factors alone have no digits */
 static const double agreed = 1e-6;           /* greatest difference of two interpolations of a window, relative */
 static const double enough = 1e-9;           /* such a difference that a shorter window need not improve */
 static const double no_pole = 1e-8;          /* strength of a pole that counts as 0, relative */
+static const double far_from_pole = 1e-3;    /* distance, over half a line, at which the quotient keeps its digits */
 static const double at_pole = 1e-7;          /* distance from a pole, over half the window, without a value */
 
 /* Samples around one branch point: q, v, a, then the distance from it times the multipliers.  A place is the value of the
- * input, or with several inputs the parameter of a line of their values. */
+ * input.  On a line of values of several inputs: the multipliers, then the product of all pivots, at parameters of the line. */
 typedef struct window {
     double at, half;                         /* place of the branch point; half the length; 0: no window */
     double off;                              /* difference of two interpolations */
@@ -49,7 +51,7 @@ typedef struct driven {
     lw_dynamics *d;
     lw_system   system;                      /* with the driven inputs only */
     lw_prescribed_motion *motion;
-    lw_prescribed_motion *by_place;          /* postures by the place; NULL unless one input moves, or a line is looked at */
+    lw_prescribed_motion *by_place;          /* postures by the place; NULL unless one input moves */
     int         width;
     window      found, tried;
     double     *gap;                         /* gaps and rates of the places that may touch, at the moment looked at last */
@@ -59,6 +61,7 @@ typedef struct driven {
     double      clear_from, clear_to;        /* no branch point between these places */
     double      middle[2*LW_SYSTEM_Q_MAX + LW_SYSTEM_Q_MAX + LW_MBS_ROW_MAX];
     double      rough[3*LW_SYSTEM_Q_MAX + LW_MBS_ROW_MAX];
+    double      pole[LW_MBS_ROW_MAX + 1], moved[LW_INPUT_MAX*LW_SYSTEM_Q_MAX];
 } driven;
 
 /* ---- one moment ---------------------------------------------------------------------------------------- */
@@ -305,30 +308,124 @@ static bool from_crossing(driven *z, double t, double *y)
     return true;
 }
 
-/* With several inputs, of which one may rest or turn back in the branch point: the moment at t from a window on a straight line of
- * their values, with the speeds and accelerations that they have at t.  Input `alone` moves along it; -1: all move. */
-static bool from_line(driven *z, double t, int alone, double *y)
+/* Multipliers and distance from dependence (the product of all pivots) at the places of a straight line of values of the inputs through
+ * those at t, towards the posture beside.  Width: n_c + 1. */
+static bool fill_line(driven *z, double t, const double *u, window *w)
 {
     lw_dynamics *d = z->d;
-    double u[LW_INPUT_MAX], direction[LW_INPUT_MAX], at;
-    lw_prescribed_motion *line;
-    bool good = false;
-    lw_mbs_driven_inputs(d, t, 0, u);
-    for (int i = 0; i < d->n_driven; i++)
-        direction[i] = alone < 0 || i == alone ? lw_system_joint_unit(&z->system, z->system.input_joint[i]) : 0;
-    if (lw_prescribed_motion_line(z->motion, u, direction, 0.5*line_half, &line) != LW_OK)
-        return false;
-    z->by_place = line;
-    if (look_around(z, 0, line_half, &at)) {
-        make_window(z, at, line_half, t);
-        if ((good = within(&z->found, 0)))
-            from_window(z, 0, y);
+    const double *regular = lw_prescribed_motion_beside(z->motion);
+    double direction[LW_INPUT_MAX], at[LW_INPUT_MAX], longest = 0, *q = z->middle, *v = q + d->n_q;
+    for (int i = 0; i < d->n_driven && regular; i++) {
+        direction[i] = regular[i] - u[i];
+        longest = fmax(longest, fabs(direction[i])/lw_system_joint_unit(&z->system, z->system.input_joint[i]));
     }
-    for (int i = 0; i < d->n_q && good; i++)
-        good = fabs(lw_prescribed_motion_posture(z->motion)[i] - y[i]) < 1e-4;
-    z->by_place = NULL;
-    lw_prescribed_motion_free(line);
-    return good;
+    if (!(longest > 0))
+        return false;
+    int rank = 0;
+    for (int k = 0; k < N_NODE; k++) {
+        double *to = w->values + k*(d->n_c + 1), *pivots = to + d->n_c;
+        w->x[k] = k < N_SIDE ? -node[N_SIDE - 1 - k] : node[k - N_SIDE];
+        for (int i = 0; i < d->n_driven; i++)
+            at[i] = u[i] + w->x[k]*line_half/longest*direction[i];
+        if (!lw_prescribed_motion_near(z->motion, at, q) || velocities_at(d, t, q, v) != LW_OK || forces_at(d, t, q, v) != LW_OK)
+            return false;
+        memcpy(to, d->l, (size_t)d->n_c*sizeof *to);
+        apart(d, t, q);
+        if (k > 0 && d->rank_of.rank != rank)
+            return false;
+        rank = d->rank_of.rank;
+        *pivots = 1;
+        for (int i = 0; i < rank; i++)
+            *pivots *= fabs(d->rank_of.a[i + d->rank_of.m*i]/d->rank_of.a[0]);
+    }
+    return true;
+}
+
+/* Multipliers d->l at the middle of the line: the root of order `rank lost` of the product of pivots is 0 where the posture is singular, and changes its
+ * sign there; times it multipliers are smooth.  false: they are not. */
+static bool from_line(driven *z, const window *line, int lost)
+{
+    lw_dynamics *d = z->d;
+    int n = d->n_c, width = n + 1;
+    double *value = z->middle, *other = z->rough, most = 0, size = 0, noise = 0;
+    window *w = &z->found;
+    memcpy(w->x, line->x, sizeof w->x);
+    for (int k = 0; k < N_NODE; k++) {
+        const double *l = line->values + k*width;
+        double *to = w->values + k*width;
+        to[n] = copysign(pow(l[n], 1.0/lost), w->x[k]);
+        for (int c = 0; c < n; c++)
+            most = fmax(most, fabs(to[c] = l[c]*to[n]));
+        size = fmax(size, fabs(to[n]));
+    }
+    noise = no_pole*most;
+    for (int slope = 0; slope < 2; slope++) {
+        interpolate(w, width, N_SIDE, 0, slope, value);
+        interpolate(w, width, N_SIDE - 1, 0, slope, other);
+        for (int c = 0; c <= n; c++) {
+            if (!(fabs(value[c] - other[c]) <= agreed*(c < n ? most : size)))
+                return false;
+            noise = fmax(noise, c < n ? fabs(value[c] - other[c]) : 0);
+        }
+    }
+    interpolate(w, width, N_SIDE, 0, false, other);
+    double away = other[n], x = -away/value[n];           /* the pole is at x */
+    interpolate(w, width, N_SIDE, x, false, z->pole);
+    if (fabs(x) < far_from_pole)
+        interpolate(w, width, N_SIDE, 0.5*x, true, value);
+    for (int c = 0; c < n; c++) {
+        double strength = fabs(z->pole[c]);               /* small beside the noise, or large, or unknown */
+        d->l[c] = fabs(x) >= far_from_pole ? other[c]/away : strength <= noise ? value[c]/value[n]
+                : strength > 1e3*noise && fabs(x) > at_pole ? other[c]/away : NAN;
+    }
+    return true;
+}
+
+/* With several inputs the posture is a smooth function of their values in a singular posture, too: posture and velocities y, accelerations,
+ * and by virtual work the drives.  Reactions follow from a line of their values; those without a limit, or that are not found, are NaN, and so is
+ * what friction by them asks of the drives. */
+static bool from_values(driven *z, double t, double off, double *y)
+{
+    static const double still[LW_SYSTEM_Q_MAX];
+    lw_dynamics *d = z->d;
+    int n = d->n_q;
+    double u[LW_INPUT_MAX], way[2*LW_INPUT_MAX], series[3*LW_SYSTEM_Q_MAX], one[2*LW_SYSTEM_Q_MAX];
+    bool slow = d->o.analysis == LW_ANALYSIS_QUASISTATIC, found = false, known = true;
+    if (!lw_prescribed_motion_rates(z->motion, 2, series))
+        return false;
+    memcpy(y, series, 2*(size_t)n*sizeof *y);
+    lw_mbs_driven_inputs(d, t, 0, u);
+    for (int k = 0; k < d->n_driven && known; k++) {      /* now the directions in which inputs move it, below their work */
+        for (int i = 0; i < d->n_driven; i++) {
+            way[2*i] = u[i];
+            way[2*i + 1] = i == k ? lw_system_joint_unit(&z->system, z->system.input_joint[i]) : 0;
+        }
+        known = lw_prescribed_motion_along(z->motion, 1, way, one);
+        memcpy(z->moved + k*n, one + n, (size_t)n*sizeof *one);
+        for (int i = 0; i < n; i++)
+            known = known && fabs(one[i] - y[i]) < 1e-6;
+    }
+    if (known && !lw_prescribed_motion_beside(z->motion))            /* the posture is regular enough */
+        return false;
+    bool filled = known && fill_line(z, t, u, &z->tried);
+    for (int lost = 1; lost <= d->n_driven && filled && !found; lost++)
+        found = from_line(z, &z->tried, lost);
+    found = found || (off > no_digits && lw_prescribed_motion_near(z->motion, u, z->middle) && velocities_at(d, t, z->middle, z->rough) == LW_OK
+                      && forces_at(d, t, z->middle, z->rough) == LW_OK);
+    for (int c = 0; c < d->n_c && !found; c++)
+        d->l[c] = NAN;
+    for (int i = 0; i < n; i++)
+        d->a[i] = 2*series[2*n + i];
+    lw_forces_apply(&d->f, t, y, slow ? still : y + n, d->force, NULL, NULL, NULL);
+    if (d->touch)
+        lw_mbs_touch_forces(d, slow ? still : y + n, d->force, NULL);
+    for (int k = 0; k < d->n_driven && known && !d->n_friction; k++) {
+        double work = 0;
+        for (int i = 0; i < n; i++)
+            work += (d->force[i] - (slow ? 0 : d->f.mass[i]*d->a[i]))*z->moved[k*n + i];
+        d->l[d->n_row + k] = work;
+    }
+    return true;
 }
 
 /* Posture and velocities y, accelerations and multipliers at t.  LW_OPEN: the forces are not known. */
@@ -341,14 +438,8 @@ static lw_status moment_at(driven *z, double t, double *y)
         return s;
     memcpy(y, lw_prescribed_motion_posture(z->motion), (size_t)n*sizeof *y);
     double off = apart(d, t, y);
-    bool several = d->n_driven > 1, filled = d->n_driven == 1 && off < beside && from_crossing(z, t, y);
-    for (int i = -1; several && off < few_digits && i < d->n_driven && !filled; i++)
-        filled = from_line(z, t, i, y);
-    if (filled)
+    if (d->n_driven == 1 ? off < beside && from_crossing(z, t, y) : off < few_digits && from_values(z, t, off, y))
         return LW_OK;
-    if (several && off < no_digits)
-        return lw_error_set(z->run->e, LW_E_NUMERIC, "velocities and forces are not determined at t = %.9g s: the posture is singular "
-                            "whichever input moves", t);
     double series[2*LW_SYSTEM_Q_MAX];
     s = velocities_at(d, t, y, y + n);
     if (s == LW_OPEN && lw_prescribed_motion_rates(z->motion, 1, series))
