@@ -413,7 +413,8 @@ static lw_status solve_densely(capture *g, double h, int m)
 {
     const lw_dynamics *d = g->d;
     size_t r = 2*(size_t)m;
-    double *w = calloc(r*r + 3*r + (size_t)d->n_v + 1, sizeof *w), *b = w + r*r, *impulse = b + r, *rate = impulse + r, *v = rate + r;
+    double *w = calloc(r*r + 3*r + (size_t)d->n_v + 1, sizeof *w), *b = w ? w + r*r : NULL, *impulse = w ? b + r : NULL,
+           *rate = w ? impulse + r : NULL, *v = w ? rate + r : NULL;
     lw_touch_law *law = calloc((size_t)m + 1, sizeof *law);
     int *row = malloc((r + 1)*sizeof *row), n = 0;
     lw_status s = w && law && row ? LW_OK : LW_E_MEMORY;
