@@ -332,7 +332,7 @@ TEST(a_greater_angle_is_worth_no_huge_linkage)
 TEST(rows_of_a_function_end_too)
 {
     json_t *root = json_of("awk 'BEGIN {print \"angle [deg],theta [deg]\"; for (i = 0; i <= 18; i++) print 5*i \",\" 0.02*(5*i - 45)^2}' |"
-                           " $P fit --open - --json -q"), *rows = json_object_get(root, "results"), *r;
+                           " $P fit --open --links 4 - --json -q"), *rows = json_object_get(root, "results"), *r;
     size_t i;
     double least[2] = { INFINITY, INFINITY };
     json_array_foreach(rows, i, r) {
@@ -369,7 +369,7 @@ TEST(a_fine_row_ends_larger_ones)
 TEST(tables_of_functions_say_where_angles_begin)
 {
     ran r = run("awk 'BEGIN {print \"angle [deg],theta [deg]\"; for (i = 0; i <= 12; i++) printf \"%.9g,%.9g\\n\", 7.5*i, -80*i*i/144}' |"
-                " $P fit --open - --rounds 2 --save $D/output");
+                " $P fit --open --links 4 - --rounds 2 --save $D/output");
     double got[6], deg = 3.14159265358979/180;
     const char *row = strstr(r.out, "\n  1  four-bar"), *from = row ? strstr(row, "r1=") : NULL;
     bool other_way = row && strchr(row, '<') && strchr(row, '<') < from;
@@ -604,6 +604,6 @@ TEST(wanted_and_reached)
     CHECK(pixels > 0.5 && most < pixels + 1.5);           /* half the greatest distance of the points of the curve */
     ran_free(&json);
     ran_free(&svg);
-    expect("$P fit examples/function-log.csv --rounds 1 --starts 20 --save $D/log -q > /dev/null && "
+    expect("$P fit examples/function-log.csv --links 4 --rounds 1 --starts 20 --save $D/log -q > /dev/null && "
            "grep -c 'class=\"curves\"' $D/log/index.html && test -s $D/log/function-log-curve.svg", 0, "1", NULL);
 }

@@ -12,7 +12,7 @@ static const char *const rows[] = {
     "$C trace examples/klann.json -n 24",
     "$C trace examples/jansen.json -n 24 --json",
     "$C fit examples/film-advance.csv --starts 5 --rounds 1 --json | grep -v seconds",
-    "$C fit examples/function-log.csv --starts 5 --rounds 1 --json | grep -v seconds",
+    "$C fit examples/function-log.csv --links 4 --starts 5 --rounds 1 --json | grep -v seconds",
     "$C fit examples/jobs/noisy-oval.csv --smooth auto --starts 5 --rounds 1 --tolerances 0.1,0.05 --json | grep -v seconds",
     "$C trace examples/trammel.json -n 12 --geometry",
     "$C trace examples/geared-five-bar.json -n 12",

@@ -303,6 +303,7 @@ TEST(the_page_of_a_function)
     char *page = NULL;
     size_t size = 0;
     lw_fit_request o = lw_fit_request_default();
+    o.links = 4;
     o.rounds = 1;
     o.results = 1;
     for (int i = 0; i < 7; i++) {

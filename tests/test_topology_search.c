@@ -169,6 +169,39 @@ TEST(rows_are_never_worse_than_those_of_cranks)
     }
 }
 
+/* Stops a search as soon as it begins with six links. */
+static void stop_at_six(void *stop, int links) { *(int *)stop = links == 6; }
+
+/* Six links are searched if no four-bar stays within 2 % of the range of a function: a rise with two dwells, but no small sine. */
+TEST(functions_go_on_to_six_links)
+{
+    enum { N = 12 };
+    for (int dwells = 0; dwells < 2; dwells++) {
+        double input[N], output[N];
+        for (int i = 0; i < N; i++) {
+            input[i] = 2*LW_PI*i/N;
+            output[i] = dwells ? fmin(1, fmax(-1, 2*sin(input[i]))) : 0.1*sin(input[i]);
+        }
+        lw_topology_search_options o = lw_topology_search_options_default();
+        lw_topology_search found;
+        lw_target t;
+        CHECK_INT(lw_target_make(N, NULL, NULL, output, input, NULL, 1, &t, NULL), LW_OK);
+        int stop = 0;
+        o.more = true;
+        o.fit.spec.task = LW_TASK_FUNCTION;
+        o.fit.begun = stop_at_six;
+        o.fit.context = &stop;
+        o.fit.interrupt = &stop;
+        o.fit.starts = 40;
+        o.fit.max_rounds = 1;
+        lw_fit_spec_set_limits(&o.fit.spec, &t, 0);
+        CHECK_INT(lw_topology_search_run(&t, &o, &found, NULL), dwells ? LW_STOPPED : LW_OK);
+        CHECK_INT(stop, dwells);
+        lw_topology_search_free(&found);
+        lw_target_free(&t);
+    }
+}
+
 typedef struct watcher { int calls, stop; bool in_range; } watcher;
 
 static void watch(void *context, double done, double seconds, double best)

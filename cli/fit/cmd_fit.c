@@ -33,7 +33,7 @@ static const cli_option options[] = {
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
       "with --dof 2, numbers from 5. Without it 4; and 6 if every four-bar whose crank turns fully leaves a path by more than 2 % of its "
-      "diagonal, or by more than --tolerance: with a third of the budget, and with the rest if that finds none nearer. Of fewer than 16 "
+      "diagonal, or a function by more than 2 % of its range, or by more than --tolerance: with a third of the budget, and with the rest if that finds none nearer. Of fewer than 16 "
       "points a four-bar that meets them to 1/1000 is near enough. If a rocking four-bar is near enough, only cranks are searched", 4, 10,
       NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
@@ -621,6 +621,13 @@ static void warn(const cli_call *call, const cli_fit_set *set)
         else
             cli_note(call, "%s: no linkage found follows the target well: the first row misses it by %.3g %s, %.2g %% of its "
                      "diagonal; %s", set->path, misses/m, unit, 100*misses/set->target.extent, advice);
+    }
+    const double swing = lw_target_swing(&set->target);
+    if (found->n > 0 && set->spec.by_default && !lw_task_has_place(set->spec.task) && r->angle_max > LW_NEAR*swing) {
+        char advice[128];
+        advise(call, set, advice, sizeof advice);
+        cli_note(call, "%s: no linkage found follows the function well: the first row misses it by %.3g degrees, %.2g %% of its range; %s",
+                 set->path, r->angle_max*180/LW_PI, 100*r->angle_max/swing, advice);
     }
     if (found->n > 0 && set->spec.timing == LW_TIMING_FREE && set->target.n >= 8 && r->curve_max > 3*r->error_max
         && r->curve_max > 0.05*set->target.size)

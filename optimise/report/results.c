@@ -85,17 +85,6 @@ static bool covers(const lw_target *t, double factor, const lw_candidate *ca, co
         && (a->transmission_min >= ENOUGH || !(b->transmission_min > a->transmission_min + GENTLER));
 }
 
-/* The range of the output of a function, a full turn at most [rad]. */
-static double swing_of(const lw_target *t)
-{
-    double least = INFINITY, most = -INFINITY;
-    for (size_t i = 0; t->theta && i < t->n; i++) {
-        least = fmin(least, t->theta[i]);
-        most = fmax(most, t->theta[i]);
-    }
-    return fmin(most - least, 2*LW_PI);
-}
-
 /* Is c, with report r, so much worse than the candidate with the least error and no more links (of inputs that turn, if its turns)
  * that nobody wants it? */
 static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, int least, const lw_candidate *c,
@@ -103,7 +92,7 @@ static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report 
 {
     const lw_candidate *first = &fit->candidate[least];
     const lw_fit_report *best = &all[least];
-    bool far = t->extent > 0 ? lw_fit_report_misses(t, r) > FAR*t->extent : r->angle_max > FAR*swing_of(t);
+    bool far = t->extent > 0 ? lw_fit_report_misses(t, r) > FAR*t->extent : r->angle_max > FAR*lw_target_swing(t);
     double worse = far ? FAR_WORSE : WORSE, less = far ? MUCH_SMALLER : 1;
     return c->objective > worse*worse*first->objective && !(lw_fit_report_stray(r) < less*lw_fit_report_stray(best))
         && (lw_fit_report_distance(t, r) > ROUGH*t->size || r->angle_max > ROUGH_ANGLE);

@@ -304,6 +304,16 @@ double lw_target_straight(const lw_target *t)
     return (most - least)/2;
 }
 
+double lw_target_swing(const lw_target *t)
+{
+    double least = INFINITY, most = -INFINITY;
+    for (size_t i = 0; t->theta && i < t->n; i++) {
+        least = fmin(least, t->theta[i]);
+        most = fmax(most, t->theta[i]);
+    }
+    return fmax(0, fmin(most - least, 2*LW_PI));
+}
+
 enum { PARTS_MOST = 12, TURNED = 200 };      /* stations that are turned, at most */
 
 int lw_target_parts(const lw_target *t, double off)

@@ -86,6 +86,9 @@ double    lw_target_pivot(const lw_target *t, lw_vec2 *pivot);
 /* Greatest distance of a point of the path from one straight line [m]; INFINITY: no path. */
 double    lw_target_straight(const lw_target *t);
 
+/* The range of the angles of a motion or function, a full turn at most [rad]; 0: it has none. */
+double    lw_target_swing(const lw_target *t);
+
 /* Of how many equal parts round a centre the closed path consists, 3 to 12, as a star of five rays has 5: turned by one part, no station
  * leaves the polygon of the stations by more than `off` [m].  1: none. */
 int       lw_target_parts(const lw_target *t, double off);

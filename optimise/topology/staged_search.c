@@ -422,7 +422,8 @@ static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unle
         st = lw_fit_report_make(t, s, &all->candidate[i], r, NULL);
         bool usable = st == LW_OK && r->verified && !r->broken;
         seen += usable;
-        *enough = usable && (s->tolerance > 0 ? lw_fit_report_misses(t, r) : lw_fit_report_distance(t, r)) <= unless;
+        *enough = usable && (!lw_task_has_place(s->task) ? r->angle_max : s->tolerance > 0 ? lw_fit_report_misses(t, r)
+                             : lw_fit_report_distance(t, r)) <= unless;
         st = st == LW_E_MEMORY ? st : LW_OK;
     }
     free(r);
@@ -430,16 +431,16 @@ static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unle
 }
 
 /* Search the families of a stage, with default limits for cranks first, as a search for cranks alone does; then, with half as much, for
- * others, unless a linkage is found that is enough. */
+ * others, unless a linkage is found that is enough, or only cranks can run through a closed function. */
 static lw_status run_all_families(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, bool grows, bool in_part,
                                   double end, lw_stage_result *r, lw_staged_search *out, lw_error *e)
 {
-    bool enough = false;
+    bool enough = false, must_turn = o->spec.crank_only || (t->closed && !lw_task_has_place(o->spec.task));
     lw_fit_options mine = *o;
     lw_fit_part kind = o->spec.by_default ? LW_FIT_CRANKS : LW_FIT_WHOLE;
     lw_status st = run_parts(t, &mine, stage, kind, grows, in_part, end, &r->n_of[0], r, out, e);
     lw_stop stop = r->stop;
-    if ((st != LW_OK && st != LW_E_KIND) || kind != LW_FIT_CRANKS || o->spec.crank_only || stop == LW_STOP_F_TARGET)
+    if ((st != LW_OK && st != LW_E_KIND) || kind != LW_FIT_CRANKS || must_turn || stop == LW_STOP_F_TARGET)
         return st;
     if (stage->unless > 0 && (st = is_enough(t, &o->spec, stage->unless, false, &out->fit, &enough)) != LW_OK)
         return lw_error_set(e, st, "no memory for a report");

@@ -22,7 +22,7 @@ typedef struct lw_search_stage {
     int              links;
     lw_families      families;       /* make NULL: the four-link types of lw_fit_options.types      */
     double           unless;         /* > 0: this stage and all after it end, or are left out, as soon as a linkage that keeps all
-                                      * conditions is this near to the target [m] (lw_fit_report_misses); with default limits, a
+                                      * conditions is this near to the target [m], of a function [rad] (lw_fit_report_misses); with default limits, a
                                       * crank.  If another linkage is, only cranks are searched.  A third of its budget, or of the
                                       * first part of it, is searched before it looks again */
     long             budget;         /* of the stage; 0: that of lw_fit_options                      */

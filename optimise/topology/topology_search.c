@@ -172,7 +172,7 @@ static lw_status make_set(const lw_topology_search_options *o, int links, double
 static bool may_go_on(const lw_topology_search_options *o)
 {
     const lw_fit_spec *s = &o->fit.spec;
-    return o->more && o->links == 0 && o->freedoms == 1 && s->by_default && lw_task_has_place(s->task)
+    return o->more && o->links == 0 && o->freedoms == 1 && s->by_default
         && strcmp(o->joints, "r") == 0 && strcmp(o->topologies, "all") == 0 && strcmp(o->fit.types, "fourbar") == 0;
 }
 
@@ -194,7 +194,8 @@ static lw_status make_plan(const lw_target *t, const lw_topology_search_options 
     if (p->n_stage == 0 && p->set.uncounted > 0)
         return lw_error_set(e, LW_NOTHING, "the time ended while mechanisms were still counted: none was searched; give it longer, or fewer links");
     for (int i = 1; i < p->n_stage && may_go_on(o); i++)
-        p->stage[i].unless = o->fit.spec.tolerance > 0 ? o->fit.spec.tolerance : LW_NEAR*t->extent;
+        p->stage[i].unless = o->fit.spec.tolerance > 0 ? o->fit.spec.tolerance
+                           : LW_NEAR*(lw_task_has_place(o->fit.spec.task) ? t->extent : lw_target_swing(t));
     return choose_point_links(t, &o->fit.spec, p, e);
 }
 
