@@ -786,7 +786,7 @@ static bool along_beside(lw_prescribed_motion *d, int order, const double *u, do
     if (!reach_from_beside(d, at, ample, d->next))
         return false;
     for (int i = 0; i < d->s->n_input; i++)
-        spread = fmax(spread, 0.5*fabs(at[i] - d->at_beside[i])/lw_system_joint_unit(d->s, d->s->input_joint[i]));
+        spread = fmax(spread, 0.25*fabs(at[i] - d->at_beside[i])/lw_system_joint_unit(d->s, d->s->input_joint[i]));
     for (int i = 0; i < d->s->n_input; i++)
         for (int k = 1; k <= order; k++)
             reach = fmin(reach, pow(spread*lw_system_joint_unit(d->s, d->s->input_joint[i])/fabs(u[i*(order + 1) + k]), 1.0/k));
