@@ -20,6 +20,7 @@ static const double longest_change = 0.1;   /* of the value of one input in a st
 static const double singular = 0.02;        /* radius of the certified ball, 1/kappa, of a posture beside a singular one */
 static const double beside_step = 0.02;     /* change of the values of several inputs in a step beside one, scaled */
 static const double negligible = 1e-11;     /* last term of a series that has converged, scaled         */
+static const double smooth = 1e-13;         /* the same for rates, which divide by small changes            */
 static const double ample = 1e-14;          /* the same if it converges in half as much again, too       */
 static const double same_value = 1e-10;     /* values of one input that are no more apart, scaled, are the same */
 
@@ -783,7 +784,7 @@ static bool along_beside(lw_prescribed_motion *d, int order, const double *u, do
     int n = d->n;
     for (int i = 0; i < d->s->n_input; i++)
         at[i] = u[i*(order + 1)];
-    if (!reach_from_beside(d, at, ample, d->next))
+    if (!reach_from_beside(d, at, smooth, d->next))
         return false;
     for (int i = 0; i < d->s->n_input; i++)
         spread = fmax(spread, 0.25*fabs(at[i] - d->at_beside[i])/lw_system_joint_unit(d->s, d->s->input_joint[i]));
