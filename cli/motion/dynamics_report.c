@@ -143,8 +143,8 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
         cli_note(c, "the posture of the file violates the constraints by %.3g of its size and was closed", r->moved);
     lw_dynamics_redundant(d, text, sizeof text);
     if (r->redundant)
-        cli_note(c, "%d constraint%s redundant: reactions at%s are not unique, those of least norm are given",
-                 r->redundant, r->redundant == 1 ? " is" : "s are", text);
+        cli_note(c, "%d constraint%s redundant: %s reactions%s%s are not unique, those of least norm are given", r->redundant,
+                 r->redundant == 1 ? " is" : "s are", *text ? "the" : "some", *text ? " at" : "", text);
     if (r->redundant && r->freedom == 0 && !lw_dynamics_model(d))
         cli_note(c, "no freedom is left, so nothing moves; if the linkage should move, its numbers are rounded: \"mobility --tolerance 1e-4\" "
                  "tells, and more digits help");

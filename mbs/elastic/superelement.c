@@ -50,8 +50,6 @@ static lw_mid_frame frame_of(const lw_super *s, const lw_beam_node *node)
     return lw_mid_frame_of(&a, &b);
 }
 
-lw_mat3 lw_super_frame(const lw_super *s, const lw_beam_node *node) { return frame_of(s, node).turn; }
-
 /* p_i and g_i. */
 static void place(const lw_super *s, const lw_mid_frame *z, const lw_beam_node *node, int i, lw_vec3 *p, lw_vec3 *g)
 {

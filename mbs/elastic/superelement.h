@@ -29,9 +29,6 @@ void      lw_super_free(lw_super *s);
  * wanted.  node is as it was afterwards.  Returns the energy with that of the weight [J]; *power of the damping [W]. */
 double lw_super_at(const lw_super *s, lw_beam_node *node, double *force, double *by_x, double *by_v, double *power);
 
-/* The frame's axes. */
-lw_mat3 lw_super_frame(const lw_super *s, const lw_beam_node *node);
-
 /* Inertia with which the superelement moves: force (6n): force and moment on each node that its motion takes, ground axes, for the
  * accelerations and angular accelerations rate (2n), ground axes; momentum (6n): derivatives of the kinetic energy by velocities and
  * angular velocities of the nodes.  Either may be NULL, and rate without force.  Returns the kinetic energy [J]. */
