@@ -346,6 +346,32 @@ TEST(one_of_two_inputs_turns_back_in_a_flat_posture)
         }
 }
 
+/* A five-bar is longest in one place of its two inputs alone, where its rods are in line.  The motion goes straight on through it, also if a row
+ * lies there: it ends in the mirror image of its start. */
+TEST(straight_on_where_a_five_bar_is_longest)
+{
+    for (int n = 9; n <= 20; n += 11) {
+        char text[2000];
+        lw_vec2 b = lw_v2_polar(1, LW_PI - 0.5), e = lw_v2_add(lw_v2(2, 0), lw_v2_polar(1, -0.3)), half = lw_v2_scale(lw_v2_sub(e, b), 0.5);
+        double high = sqrt(4 - lw_v2_dot(half, half))/lw_v2_norm(half);
+        lw_vec2 c = lw_v2_add(lw_v2_add(b, half), lw_v2(-high*half.y, high*half.x));
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'r', 's'], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]},"
+                 "{'name': 'E', 'links': ['ground', 'b'], 'at': [2, 0]}, {'name': 'B', 'links': ['a', 'r'], 'at': [%.17g, %.17g]}, {'name': 'D', 'links': "
+                 "['b', 's'], 'at': [%.17g, %.17g]}, {'name': 'C', 'links': ['r', 's'], 'at': [%.17g, %.17g]}], 'inputs': [{'joint': 'A', 'value': %.17g, "
+                 "'motion': 'pi + 0.5*(t - 1)'}, {'joint': 'E', 'value': -0.3, 'motion': '0.3*(t - 1)'}], 'tracers': [{'name': 'P', 'link': 'r', 'at': "
+                 "[%.17g, %.17g]}]}", b.x, b.y, e.x, e.y, c.x, c.y, LW_PI - 0.5, c.x, c.y);
+        drun_read_format(&d, text, 0, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 2, n), LW_OK);
+        CHECK_INT(d.n_moment, n + 1);
+        for (int i = 0; i < d.n_moment; i++) {
+            CHECK_NEAR(d.tracer[i].x, d.tracer[n - i].x, 1e-9, 0);
+            CHECK_NEAR(d.tracer[i].y, -d.tracer[n - i].y, 1e-9, 0);
+        }
+        CHECK_NEAR(d.tracer[0].y, c.y, 1e-9, 0);
+        lw_model_free(&d.model);
+    }
+}
+
 /* Ten parallelograms in a row, whose change points all have to be found as one; the motion is that of one crank, s''
  * = -g 15.5/(11/3 + 10) cos s. */
 static lw_status rate_of_ten(void *context, double t, const double *y, double *dy)

@@ -447,7 +447,6 @@ static bool go_beside(lw_prescribed_motion *d, double last)
         return false;
     memcpy(d->q, d->next, (size_t)d->n*sizeof *d->q);
     d->t = t;
-    d->n_track = 0;
     d->leapt = false;
     d->step = d->weight[1][1] = 0;
     d->creeping = is_singular(d, d->q);
