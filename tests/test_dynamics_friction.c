@@ -341,6 +341,7 @@ TEST(reactions_that_fall_to_nearly_0)
         for (int j = 0; j < d.model.linkage.n_joint; j++)
             if (j == 0 || j%3 == 1)
                 d.model.friction[j] = (lw_friction){ 0.05, 0.1, 0 };
+        free(d.model.motor);
         d.model.motor = calloc(1, sizeof *d.model.motor);
         d.model.motor[d.model.n_motor++] = (lw_motor){ .name = "motor", .joint = 0, .stall = 15, .free_speed = 20 };
         for (int p = 11; p >= 7; p -= p > 8 ? 3 : 1) {

@@ -197,11 +197,8 @@ TEST(mixed_agree)
         "'at': [1, 1]}, {'name': 'F', 'links': ['c', 'bar'], 'at': [2, 1]}], 'input': {'joint': 'A', 'speed': 1}}",
     };
     for (int i = 0; i < 2; i++) {
-        text t = { 0 };
+        text t = { .at = strdup(format[i]), .n = strlen(format[i]) };
         lw_model m;
-        put(&t, "%s", "");
-        t.at = realloc(t.at, t.capacity = strlen(format[i]) + 1);
-        memcpy(t.at, format[i], t.n = strlen(format[i]));
         read_text(&t, &m);
         if (i == 0) {
             agree(&m, 0.5, 1e-8);
@@ -607,10 +604,7 @@ TEST(mobility_agrees)
         "'links': ['ground', 'b'], 'at': [1, 0]}, {'name': 'C', 'links': ['ground', 'c'], 'at': [2.5, 0.1]}, {'name': 'D', 'links': ['a', 'bar'], 'at': "
         "[0.3, 1]}, {'name': 'E', 'links': ['b', 'bar'], 'at': [1.3, 1]}, {'name': 'F', 'links': ['c', 'bar'], 'at': [2.9, 1]}]}" };
     for (size_t i = 0; i < sizeof special/sizeof *special; i++) {
-        text t = { 0 };
-        put(&t, "%s", "");
-        t.at = realloc(t.at, t.capacity = strlen(special[i]) + 1);
-        memcpy(t.at, special[i], t.n = strlen(special[i]));
+        text t = { .at = strdup(special[i]), .n = strlen(special[i]) };
         read_text(&t, &m);
         lw_mobility_options o = lw_mobility_options_default();
         CHECK_INT(lw_mobility_find(m.small, &o, &want, &e), LW_OK);
