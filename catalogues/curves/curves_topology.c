@@ -77,6 +77,20 @@ static size_t rounded(size_t size) { return (size + 63)/64*64; }
 
 /* ---- making ------------------------------------------------------------------------------------------- */
 
+/* Does the point move with all dyads?  The links of others would have no dimensions. */
+static bool moves_with_all(const lw_plan *p)
+{
+    bool moves[LW_DYAD_MAX] = { false };
+    int n = 0;
+    for (int i = 0; i < p->n_output_step[0]; i++) {
+        int dyad = p->step[p->output_step[0][i]].dyad;
+        n += dyad >= 0 && !moves[dyad];
+        if (dyad >= 0)
+            moves[dyad] = true;
+    }
+    return n >= p->n_dyad;
+}
+
 /* Drawing needs a problem. Its target is the unit circle, so that scaling changes nothing. */
 static lw_status make_problem(lw_curve_topology *t, lw_error *e)
 {
@@ -92,9 +106,11 @@ static lw_status make_problem(lw_curve_topology *t, lw_error *e)
         return s;
     s = lw_problem_make(&circle, &spec, &t->family, 1, 1, &t->problem, e);
     lw_target_free(&circle);
-    if (s == LW_OK && t->problem.plan.n_higher > 0) {
+    const char *wrong = s != LW_OK ? NULL : t->problem.plan.n_higher > 0 ? "more than dyads"
+                      : !moves_with_all(&t->problem.plan) ? "its point moves without some of the links" : NULL;
+    if (wrong) {
         lw_problem_free(&t->problem);
-        s = lw_error_set(e, LW_E_KIND, "%s: more than dyads", t->name);
+        s = lw_error_set(e, LW_E_KIND, "%s: %s", t->name, wrong);
     }
     return s;
 }
