@@ -13,6 +13,8 @@ TEST(pages)
     expect("$P draw $D/c.g6 --grid 4x2 -f pdf | head -c 4", 0, "%PDF", NULL);
     expect("$P draw - < $D/c.g6 | cmp - $D/a.svg && $P draw examples/hoeken.json > $D/h.svg", 0, "", NULL);
     expect("cat examples/hoeken.json | $P draw | cmp - $D/h.svg && $P draw - < examples/hoeken.json | cmp - $D/h.svg", 0, "", NULL);
+    expect("(printf '\\357\\273\\277' && cat examples/hoeken.json) > $D/mark.json && $P draw - < $D/mark.json | cmp - $D/h.svg", 0, "", NULL);
+    expect("$P draw $D/mark.json | cmp - $D/h.svg", 0, "", NULL);
     expect("$P mechanisms --links 4 --input ground | $P draw --numbers --grid 1x1 --caption joints | grep '@1'", 0, "@1",
            NULL);
     expect("$P mechanisms --links 4 --joints r,t > $D/m.jsonl && $P draw $D/m.jsonl | grep -c '\"slider\"' > $D/n && "

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include "cli/draw/draw.h"
@@ -179,7 +180,7 @@ static bool holds_topologies(const char *path)
     lw_mechanism m;
     if (lw_file_read(path, &text, &size, NULL) != LW_OK)
         return false;                                              /* the reader of linkages then reports the error */
-    size_t blank = strspn(text, " \t\r\n");
+    size_t mark = strncmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0, blank = mark + strspn(text + mark, " \t\r\n");       /* byte order mark */
     lw_topologies t = lw_topologies_open(text, size, path);
     bool yes = text[blank] && (text[blank] != '{' || lw_topologies_next(&t, &m, NULL) == LW_OK);
     size_t n = strlen(path);
@@ -189,8 +190,8 @@ static bool holds_topologies(const char *path)
     return yes;
 }
 
-/* Does standard input hold topologies?  A first byte that begins no JSON says so, and they are read on from there.  JSON may be both: all
- * of it is kept in a temporary file, which takes the place of standard input and is read again. */
+/* Does standard input hold topologies?  If it does not begin as JSON, it does, and they are read from it as they come.  JSON may hold either: all
+ * of it is read into a file in memory, which replaces standard input. */
 static lw_status look_at_input(bool *topologies, lw_error *e)
 {
     char c = 0, *text = NULL;
@@ -198,17 +199,17 @@ static lw_status look_at_input(bool *topologies, lw_error *e)
     ssize_t n;
     while ((n = read(STDIN_FILENO, &c, 1)) == 1 && c && strchr(" \t\r\n", c))
         ;
-    *topologies = true;
-    if (n == 1 && c != '{')
+    *topologies = n != 1 || (c != '{' && c != '\xef');                  /* or a byte order mark */
+    if (*topologies && n == 1)
         ungetc((unsigned char)c, stdin);
-    if (n != 1 || c != '{')
+    if (*topologies)
         return LW_OK;
     lw_status s = cli_read_file("-", "a linkage, chains or mechanisms", &text, &size, e);
-    FILE *f = s == LW_OK ? tmpfile() : NULL;
+    FILE *f = s == LW_OK ? fdopen(memfd_create("standard input", MFD_CLOEXEC), "w+") : NULL;
     bool kept = f && fputc(c, f) != EOF && fwrite(text, 1, size, f) == size && fflush(f) == 0 && dup2(fileno(f), STDIN_FILENO) >= 0
              && lseek(STDIN_FILENO, 0, SEEK_SET) == 0;
     if (s == LW_OK && !kept)
-        s = lw_error_at(e, LW_E_IO, "-", 0, 0, "cannot be kept in a temporary file: %s", strerror(errno));
+        s = lw_error_at(e, LW_E_IO, "-", 0, 0, "cannot be kept in memory: %s", strerror(errno));
     if (f)
         fclose(f);
     free(text);
