@@ -13,12 +13,12 @@
 
 #define TRACK 64                            /* stored postures, from which branch points are crossed   */
 #define ORDER LW_SYSTEM_ORDER_MAX
-#define N_CURVE 9                           /* postures from which rates beside a singular one follow    */
+#define N_CURVE 9                           /* postures from which rates near a singular one follow      */
 #define PARTS 12                            /* moments of a step at which the inputs are looked at      */
 
 static const double longest_change = 0.1;   /* of the value of one input in a step in time, scaled      */
-static const double singular = 0.02;        /* radius of the certified ball, 1/kappa, of a posture beside a singular one */
-static const double beside_step = 0.02;     /* change of the values of several inputs in a step beside one, scaled */
+static const double singular = 0.02;        /* radius of the certified ball, 1/kappa, below which a posture counts as near a singular one */
+static const double singular_step = 0.02;     /* change of the values of several inputs in a step near one, scaled */
 static const double negligible = 1e-11;     /* last term of a series that has converged, scaled         */
 static const double smooth = 1e-13;         /* the same for rates, which divide by small changes            */
 static const double ample = 1e-14;          /* the same if it converges in half as much again, too       */
@@ -51,8 +51,8 @@ struct lw_prescribed_motion {
     double          *posture;               /* differ from those where the next step starts            */
     lw_prescribed_motion *place;            /* one input in time: the linkage along its value          */
     double           away_t, away;          /* last moment that was not in a branch point, and its value */
-    bool             has_beside;            /* several inputs: there is a regular posture beside singular ones */
-    double          *beside, at_beside[LW_INPUT_MAX];     /* that posture and its inputs               */
+    bool             has_regular;            /* several inputs: a regular posture near the singular one is known */
+    double          *regular, at_regular[LW_INPUT_MAX];   /* that posture and its inputs               */
     bool             creeping;              /* the motion stays near singular postures                 */
     double          *curve;                 /* N_CURVE x n: postures for places of a curve of the inputs */
 };
@@ -120,7 +120,7 @@ static void arrive(lw_prescribed_motion *d, double t, const double *q)
     remember(d);
     memcpy(d->q, q, (size_t)d->n*sizeof *q);
     d->t = t;
-    d->has_beside = d->creeping = false;
+    d->has_regular = d->creeping = false;
 }
 
 /* ---- branch points ----------------------------------------------------------------------------- */
@@ -367,14 +367,14 @@ static bool go_straight(const lw_prescribed_motion *d, const double *q, const do
     return good;
 }
 
-/* The posture for the values u of the inputs, into `out`, from the series on a straight line of values that begins at the posture beside,
- * whose factors are known.  Returns the last term. */
-static double from_beside(lw_prescribed_motion *d, const double *u, double *out)
+/* The posture for the values u of the inputs, into `out`, from the series along a straight line of values that begins at the regular
+ * posture, whose factors are known.  Returns the last term. */
+static double from_regular(lw_prescribed_motion *d, const double *u, double *out)
 {
     double straight_there[LW_INPUT_MAX*(ORDER + 1)] = { 0 }, last = 0;
     for (int i = 0; i < d->s->n_input; i++)
-        straight_there[i*(ORDER + 1) + 1] = (u[i] - d->at_beside[i])/lw_system_joint_unit(d->s, d->s->input_joint[i]);
-    memcpy(d->series, d->beside, (size_t)d->n*sizeof *d->series);
+        straight_there[i*(ORDER + 1) + 1] = (u[i] - d->at_regular[i])/lw_system_joint_unit(d->s, d->s->input_joint[i]);
+    memcpy(d->series, d->regular, (size_t)d->n*sizeof *d->series);
     lw_continuation_series(&d->f, ORDER, straight_there, d->series);
     for (int i = 0; i < 2*d->n; i++)
         last = fmax(last, fabs(d->series[(ORDER - 1)*d->n + i])*(i < d->n ? 0.1 : 1));
@@ -382,14 +382,14 @@ static double from_beside(lw_prescribed_motion *d, const double *u, double *out)
     return last;
 }
 
-static bool factor_beside(lw_prescribed_motion *d)
+static bool factor_regular(lw_prescribed_motion *d)
 {
     hold(d, d->t);
-    return lw_continuation_factor(&d->f, d->beside) > 1e-12;
+    return lw_continuation_factor(&d->f, d->regular) > 1e-12;
 }
 
-/* Find a posture beside those for the values u, straight from posture q: the one of some directions whose series converges best. */
-static bool find_beside(lw_prescribed_motion *d, const double *q, const double *u, double *out)
+/* Find a regular posture near the values u, starting from posture q: of some directions, the one whose series to u converges best. */
+static bool find_regular(lw_prescribed_motion *d, const double *q, const double *u, double *out)
 {
     enum { N_DIRECTION = 6, N = 3*N_DIRECTION };
     static const double size[] = { 0.04, 0.02, 0.01 };
@@ -401,34 +401,34 @@ static bool find_beside(lw_prescribed_motion *d, const double *q, const double *
             break;
         for (int i = 0; i < d->s->n_input; i++) {
             double by = lw_rng_range(&rng, -0.2, 0.2), unit = lw_system_joint_unit(d->s, d->s->input_joint[i]);
-            d->at_beside[i] = k == N ? best[i] : u[i] + size[k/N_DIRECTION % 3]*unit*(by + copysign(0.8, by));
+            d->at_regular[i] = k == N ? best[i] : u[i] + size[k/N_DIRECTION % 3]*unit*(by + copysign(0.8, by));
         }
-        last = go_straight(d, q, d->at_beside, d->beside) && factor_beside(d) ? from_beside(d, u, out) : INFINITY;
+        last = go_straight(d, q, d->at_regular, d->regular) && factor_regular(d) ? from_regular(d, u, out) : INFINITY;
         if (last < least) {
             least = last;
-            memcpy(best, d->at_beside, sizeof best);
+            memcpy(best, d->at_regular, sizeof best);
         }
     }
-    return d->has_beside = last <= negligible;
+    return d->has_regular = last <= negligible;
 }
 
-/* The posture for the values u, from the posture beside if the last term is at most `most`, or from a new one. */
-static bool reach_from_beside(lw_prescribed_motion *d, const double *u, double most, double *out)
+/* The posture for the values u, from the regular posture if the last term of its series is at most `most`, else from a new one. */
+static bool reach_from_regular(lw_prescribed_motion *d, const double *u, double most, double *out)
 {
-    if (d->has_beside && factor_beside(d) && from_beside(d, u, out) <= most)
+    if (d->has_regular && factor_regular(d) && from_regular(d, u, out) <= most)
         return true;
-    const double *from = d->has_beside ? d->beside : d->q;
-    if (!d->has_beside && !(hold(d, d->t) && lw_continuation_factor(&d->f, d->q) > 1e-9))
+    const double *from = d->has_regular ? d->regular : d->q;
+    if (!d->has_regular && !(hold(d, d->t) && lw_continuation_factor(&d->f, d->q) > 1e-9))
         from = d->n_track > 0 ? look_back(d, LW_CONTINUATION_BACK) + 1 : NULL;
-    double *start = d->series + (ORDER + 1)*d->n;         /* `beside` is overwritten */
+    double *start = d->series + (ORDER + 1)*d->n;         /* `regular` is overwritten */
     if (from)
         memcpy(start, from, (size_t)d->n*sizeof *start);
-    return from && find_beside(d, start, u, out);
+    return from && find_regular(d, start, u, out);
 }
 
-/* Where an input rests, turns back or creeps in a singular posture no series in time leads on, and steps grow short.  The posture is a
- * function of the values of the inputs there, too: it follows from a posture beside.  One step towards `last`; false: none is left. */
-static bool go_beside(lw_prescribed_motion *d, double last)
+/* Where an input rests, turns back or creeps in a singular posture, no series in time continues the motion.  But the posture is a smooth function
+ * of the values of the inputs: it follows from a regular posture nearby.  Makes one step towards `last`; false: none is possible. */
+static bool go_from_regular(lw_prescribed_motion *d, double last)
 {
     double now[LW_INPUT_MAX], to[LW_INPUT_MAX], h = last - d->t, t = last;
     d->motion(d->context, d->t, 0, now);
@@ -438,12 +438,12 @@ static bool go_beside(lw_prescribed_motion *d, double last)
         for (int k = 1; k <= PARTS; k++) {
             d->motion(d->context, k == PARTS ? t : d->t + h*k/PARTS, 0, to);
             for (int i = 0; i < d->s->n_input; i++)
-                near = near && fabs(to[i] - now[i]) <= beside_step*lw_system_joint_unit(d->s, d->s->input_joint[i]);
+                near = near && fabs(to[i] - now[i]) <= singular_step*lw_system_joint_unit(d->s, d->s->input_joint[i]);
         }
         if (!near && !(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
             return false;
     }
-    if (!reach_from_beside(d, to, negligible, d->next))
+    if (!reach_from_regular(d, to, negligible, d->next))
         return false;
     memcpy(d->q, d->next, (size_t)d->n*sizeof *d->q);
     d->t = t;
@@ -453,12 +453,12 @@ static bool go_beside(lw_prescribed_motion *d, double last)
     return true;
 }
 
-const double *lw_prescribed_motion_beside(const lw_prescribed_motion *d) { return d->has_beside ? d->at_beside : NULL; }
+const double *lw_prescribed_motion_regular(const lw_prescribed_motion *d) { return d->has_regular ? d->at_regular : NULL; }
 
 bool lw_prescribed_motion_near(lw_prescribed_motion *d, const double *u, double *q)
 {
     static const double predicted = 1e-7;
-    if (!d->has_beside || !factor_beside(d) || !(from_beside(d, u, q) <= predicted))
+    if (!d->has_regular || !factor_regular(d) || !(from_regular(d, u, q) <= predicted))
         return false;
     memcpy(d->next, q, (size_t)d->n*sizeof *q);
     for (int i = 0; i < d->s->n_input; i++)
@@ -580,10 +580,10 @@ lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t)
         come_free(d);
     bool several = d->s->n_input > 1 && d->motion != straight && d->motion != on_line;
     while (d->t != t && !leapt_over(d, t)) {
-        if (several && creeps(d) && go_beside(d, t))
+        if (several && creeps(d) && go_from_regular(d, t))
             continue;
         outcome o = advance(d, t);
-        if (o != MOVED && !(several && go_beside(d, t))) {
+        if (o != MOVED && !(several && go_from_regular(d, t))) {
             hold(d, d->t);
             tell(d, d->t, d->q);
             find_limit(d, t);
@@ -672,7 +672,7 @@ static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error
     d->t = t;
     d->step = 0.0;
     d->n_track = d->crossings = 0;
-    d->leapt = d->has_beside = d->creeping = false;
+    d->leapt = d->has_regular = d->creeping = false;
     hold(d, t);
     tell(d, t, d->q);
     return LW_OK;
@@ -717,8 +717,8 @@ static lw_status make(const lw_system *s, const double *q, lw_input_function *mo
         d->q = d->posture + d->n;
         d->next = d->q + d->n;
         d->over = d->next + d->n;
-        d->beside = d->over + (ORDER + 1)*d->n;
-        d->curve = d->beside + d->n;
+        d->regular = d->over + (ORDER + 1)*d->n;
+        d->curve = d->regular + d->n;
         d->track = d->curve + N_CURVE*d->n;
         if (q)
             memcpy(d->q, q, (size_t)d->n*sizeof *q);
@@ -774,19 +774,19 @@ void lw_prescribed_motion_free(lw_prescribed_motion *d)
 double        lw_prescribed_motion_time(const lw_prescribed_motion *d) { return d->stuck ? d->limit : d->asked; }
 const double *lw_prescribed_motion_posture(const lw_prescribed_motion *d) { return d->posture; }
 
-/* Coefficients of the posture while the inputs move by the series u: beside a singular posture from postures for places of that curve,
+/* Coefficients of the posture while the inputs move by the series u: near a singular posture from postures at points of that curve,
  * through which a polynomial is laid (Newton's divided differences). */
-static bool along_beside(lw_prescribed_motion *d, int order, const double *u, double *q)
+static bool along_from_regular(lw_prescribed_motion *d, int order, const double *u, double *q)
 {
     enum { N = N_CURVE };
     double x[N], at[LW_INPUT_MAX], reach = 1, spread = 0, *c = d->curve;
     int n = d->n;
     for (int i = 0; i < d->s->n_input; i++)
         at[i] = u[i*(order + 1)];
-    if (!reach_from_beside(d, at, smooth, d->next))
+    if (!reach_from_regular(d, at, smooth, d->next))
         return false;
     for (int i = 0; i < d->s->n_input; i++)
-        spread = fmax(spread, 0.25*fabs(at[i] - d->at_beside[i])/lw_system_joint_unit(d->s, d->s->input_joint[i]));
+        spread = fmax(spread, 0.25*fabs(at[i] - d->at_regular[i])/lw_system_joint_unit(d->s, d->s->input_joint[i]));
     for (int i = 0; i < d->s->n_input; i++)
         for (int k = 1; k <= order; k++)
             reach = fmin(reach, pow(spread*lw_system_joint_unit(d->s, d->s->input_joint[i])/fabs(u[i*(order + 1) + k]), 1.0/k));
@@ -797,7 +797,7 @@ static bool along_beside(lw_prescribed_motion *d, int order, const double *u, do
             for (int k = order; k >= 0; k--)
                 at[i] = at[i]*x[j] + u[i*(order + 1) + k];
         }
-        if (!(from_beside(d, at, c + j*n) <= negligible))
+        if (!(from_regular(d, at, c + j*n) <= negligible))
             return false;
     }
     for (int k = 1; k < N; k++)
@@ -817,7 +817,7 @@ bool lw_prescribed_motion_along(lw_prescribed_motion *d, int order, const double
 {
     double scaled[LW_INPUT_MAX*(ORDER + 1)];
     bool unsure = d->s->n_input > 1 && d->motion != on_line && is_singular(d, d->posture);
-    if (unsure && along_beside(d, order, u, q))
+    if (unsure && along_from_regular(d, order, u, q))
         return true;
     for (int i = 0; i < d->s->n_input; i++)
         for (int k = 0; k <= order; k++)

@@ -4,8 +4,8 @@
  * over the step (mbs/constraints/continuation_internal.h).  Whether several inputs stay within that change is checked at a
  * dozen times inside the step.  The posture of a linkage with one input follows the value of the input, which may rest or turn back
  * anywhere, in a branch point too; where it turns back is looked for at a dozen times in each tenth of a radian.  Near a branch point
- * that several inputs do not simply cross, postures and rates follow from the series of a regular posture beside, whose last terms are
- * negligible: there the posture is a smooth function of their values. */
+ * that several inputs do not simply cross, the posture is still a smooth function of their values.  There postures and rates follow from the
+ * Taylor series about a regular posture nearby, if its last terms are negligible. */
 #ifndef LW_MBS_CONSTRAINTS_PRESCRIBED_MOTION_H
 #define LW_MBS_CONSTRAINTS_PRESCRIBED_MOTION_H
 
@@ -54,8 +54,8 @@ bool          lw_prescribed_motion_rates(lw_prescribed_motion *d, int order, dou
 /* The same while the inputs move by other series u, as lw_input_function gives them, from their present values. */
 bool          lw_prescribed_motion_along(lw_prescribed_motion *d, int order, const double *u, double *q);
 
-/* Several inputs, near a singular posture, after rates or `along`: the values of the inputs (n_input) in a regular posture beside; NULL: none. */
-const double *lw_prescribed_motion_beside(const lw_prescribed_motion *d);
+/* Several inputs, near a singular posture, after rates or `along`: the values of the inputs (n_input) in the regular posture used; NULL: none. */
+const double *lw_prescribed_motion_regular(const lw_prescribed_motion *d);
 
 /* The posture q for values u of the inputs around these.  false: it is not found, or it is singular. */
 bool          lw_prescribed_motion_near(lw_prescribed_motion *d, const double *u, double *q);

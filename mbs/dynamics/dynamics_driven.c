@@ -8,8 +8,8 @@
  * and multipliers have at most a simple pole, so the product of multiplier and
  * distance from the branch point is analytic too.  Its value there is the strength of the pole; where that is 0, its
  * derivative is the limit of the multiplier.  The power of a moving input is finite, so its drive has a limit; reactions
- * often have none.  With several inputs rates follow from a posture beside (mbs/constraints/prescribed_motion.h), drives from them by virtual
- * work, and reactions likewise from a straight line of values of the inputs. */
+ * often have none.  With several inputs, rates follow from a regular posture nearby (mbs/constraints/prescribed_motion.h), drives from the rates by
+ * virtual work, and reactions by interpolation along a straight line of values of the inputs. */
 #include "base/number.h"
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
@@ -309,11 +309,11 @@ static bool from_crossing(driven *z, double t, double *y)
 }
 
 /* Multipliers and distance from dependence (the product of all pivots) at the places of a straight line of values of the inputs through
- * those at t, towards the posture beside.  Width: n_c + 1. */
+ * those at t, towards the regular posture.  Width: n_c + 1. */
 static bool fill_line(driven *z, double t, const double *u, window *w)
 {
     lw_dynamics *d = z->d;
-    const double *regular = lw_prescribed_motion_beside(z->motion);
+    const double *regular = lw_prescribed_motion_regular(z->motion);
     double direction[LW_INPUT_MAX], at[LW_INPUT_MAX], longest = 0, *q = z->middle, *v = q + d->n_q;
     for (int i = 0; i < d->n_driven && regular; i++) {
         direction[i] = regular[i] - u[i];
@@ -382,8 +382,8 @@ static bool from_line(driven *z, const window *line, int lost)
 }
 
 /* With several inputs the posture is a smooth function of their values in a singular posture, too: posture and velocities y, accelerations,
- * and by virtual work the drives.  Reactions follow from a line of their values; those without a limit, or that are not found, are NaN, and so is
- * what friction by them asks of the drives. */
+ * and by virtual work the drives.  Reactions follow from a line of their values; those without a limit, or not found, are NaN, and so are the
+ * drives if joints have friction. */
 static bool from_values(driven *z, double t, double off, double *y)
 {
     static const double still[LW_SYSTEM_Q_MAX];
@@ -405,7 +405,7 @@ static bool from_values(driven *z, double t, double off, double *y)
         for (int i = 0; i < n; i++)
             known = known && fabs(one[i] - y[i]) < 1e-6;
     }
-    if (known && !lw_prescribed_motion_beside(z->motion))            /* the posture is regular enough */
+    if (known && !lw_prescribed_motion_regular(z->motion))            /* the posture is regular enough */
         return false;
     bool filled = known && fill_line(z, t, u, &z->tried);
     for (int lost = 1; lost <= d->n_driven && filled && !found; lost++)

@@ -69,14 +69,14 @@ lw_status lw_run_touch_events(void *context, double t, const double *y, double *
     for (int k = 0; k < w->n_row; k++)
         if (!w->row[k].tangent) {
             double force = w->list.touch[w->row[k].touch].force = -l[k];
-            least(&g[PULL], fmin(w->n_spare ? INFINITY : force + w->least_force, w->most_force - force));
+            least(&g[PULL], fmin(w->n_redundant ? INFINITY : force + w->least_force, w->most_force - force));
         }
-    if (w->n_spare) {
+    if (w->n_redundant) {
         bool pulls;
         double margin = lw_mbs_touch_share(d, v, d->l, &pulls);
         least(&g[pulls ? PULL : STICK], margin);
     }
-    for (int k = 0; k < w->n_row && !w->n_spare; k++) {
+    for (int k = 0; k < w->n_row && !w->n_redundant; k++) {
         lw_touch *p = &w->list.touch[w->row[k].touch];
         if (!w->row[k].tangent)
             continue;
@@ -591,7 +591,7 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
         free(taken);
         return LW_E_MEMORY;
     }
-    w->n_spare = 0;
+    w->n_redundant = 0;
     for (int pass = 0; pass < 4; pass++)                 /* gaps with friction, other gaps, slips, what sticks */
         for (int i = 0; i < c->m; i++) {
             lw_touch *p = &w->list.touch[c->place[i]];
@@ -606,28 +606,28 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
                     w->row[n++] = (lw_touch_row){ c->place[i], false };
                 else if (presses) {
                     p->state = LW_TOUCH_PASSIVE;
-                    p->spare = true;
-                    w->spare[w->n_spare++] = (lw_touch_row){ c->place[i], false };
+                    p->redundant = true;
+                    w->redundant[w->n_redundant++] = (lw_touch_row){ c->place[i], false };
                 }
             }
-            bool bears = p->state == LW_TOUCH_HELD || p->state == LW_TOUCH_PRESSED || p->spare;
+            bool bears = p->state == LW_TOUCH_HELD || p->state == LW_TOUCH_PRESSED || p->redundant;
             if (pass < 2 || !bears || !(c->law[i].friction > 0))
                 continue;
             double slip = c->rate[2*i + 1], across = c->force[2*i + 1], reserve = c->law[i].friction*c->force[2*i] - fabs(across);
             bool at_limit = reserve <= 1e-9*top, starts = lets_go && p->stuck && p->yields && at_limit && fabs(slip) <= 1e-9*fastest;
             bool holds = c->law[i].slips == 0 && !starts && (fabs(slip) <= 1e-9*fastest || !at_limit);
-            if (pass == 2 && !holds && !p->spare)
+            if (pass == 2 && !holds && !p->redundant)
                 p->slips = c->law[i].slips != 0 ? c->law[i].slips : (starts ? -across : slip) > 0 ? 1 : -1;
             if (pass == 2 || !holds)
                 continue;
             p->sticks = true;
             if (take_row(c, factor, taken, n, most, 2*i + 1))
                 w->row[n++] = (lw_touch_row){ c->place[i], true };
-            else if (at_limit && !p->spare && shares_with_slip(w, c, factor, taken, n, most)) {
+            else if (at_limit && !p->redundant && shares_with_slip(w, c, factor, taken, n, most)) {
                 p->sticks = false;                       /* its limit is part of the motion, though it does not slip yet */
                 p->slips = across > 0 ? -1 : 1;
             } else
-                w->spare[w->n_spare++] = (lw_touch_row){ c->place[i], true };
+                w->redundant[w->n_redundant++] = (lw_touch_row){ c->place[i], true };
             if (p->sticks && !p->stuck)
                 set_anchor(d, p);
         }
@@ -742,13 +742,13 @@ lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long even
         w->list.touch[i].sticks = false;
         w->list.touch[i].slips = 0;
         w->list.touch[i].passed = 0;
-        w->list.touch[i].spare = false;
+        w->list.touch[i].redundant = false;
         w->list.touch[i].held = w->list.touch[i].state == LW_TOUCH_HELD;
         if (w->list.touch[i].held)
             w->list.touch[i].state = LW_TOUCH_PASSIVE;
     }
     bool had = w->n_row > 0;
-    w->n_row = w->n_slip = w->n_spare = 0;
+    w->n_row = w->n_slip = w->n_redundant = 0;
     w->determinant = 1;
     w->sense = 0;
     if (s == LW_OK && had)

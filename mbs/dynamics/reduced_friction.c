@@ -11,8 +11,8 @@
  *
  * N = |R(N)| is solved by Newton's method, from the reactions that the last evaluations predict: with n the direction of a reaction,
  * N = n.R, and everything is linear.  Friction F N of an outer joint then adds F n to the translation of t, and friction g N of the inner
- * joint adds (n.e) g to either e: the dyads with friction are solved as those without.  The last equation, of the input's link, gives s''.  Where friction changes a
- * determinant much, the reactions may not be determined: see mbs/equations/friction.h. */
+ * joint adds (n.e) g to either e: the dyads with friction are solved as those without.  The last equation, of the
+ * input's link, gives s''.  Where friction changes a determinant much, the reactions may not be determined: see mbs/equations/friction.h. */
 #include "base/real.h"
 #include "mbs/dynamics/reduced_internal.h"
 
@@ -219,7 +219,7 @@ static void put(balance *z, int slot, columns x, columns y)
     z->y[0][slot] = y[0], z->y[1][slot] = y[1];
 }
 
-/* Put down the reaction of a joint on the side of w, as far as friction depends on it. */
+/* Store the part of a joint's reaction on the side of w that its friction depends on. */
 static void react(const lw_reduced *r, balance *z, int joint, int slot, const wrenches *w)
 {
     columns x = w->x, y = w->y;
@@ -257,7 +257,7 @@ static void carry(const lw_reduced *r, balance *z, int k, const group_now *now)
     hand_on(z, g, 1, &w2);
 }
 
-/* rub and carry of a dyad of three pins in fewer operations.  false: friction changes its determinant much. */
+/* add_friction and carry of a dyad of three pins in fewer operations.  false: friction changes its determinant much. */
 static bool carry_pins(balance *z, const lw_reduced_group *g, const group_now *plain)
 {
     wrenches w1 = z->carried[g->body[0]], w2 = z->carried[g->body[1]];
@@ -334,7 +334,7 @@ static lw_status by_newton(const lw_reduced *r, balance *z, double *size)
 }
 
 /* Directions of the reactions last found or predicted, and the friction along them. */
-static void point(const lw_reduced *r, balance *z)
+static void set_directions(const lw_reduced *r, balance *z)
 {
     const lw_reduced_friction *f = r->friction;
     for (int i = 0; i < f->n; i++) {
@@ -352,8 +352,8 @@ static void point(const lw_reduced *r, balance *z)
     }
 }
 
-/* Dyad k with friction that is linear in the reactions.  false: it changes the determinant much. */
-static bool rub(const lw_reduced *r, const balance *z, int k, group_now *now)
+/* The equations of dyad k with friction linear in its reactions.  false: friction changes the determinant much. */
+static bool add_friction(const lw_reduced *r, const balance *z, int k, group_now *now)
 {
     const lw_reduced_group *g = &r->friction->group[k];
     const group_now *plain = &z->group[k];
@@ -377,11 +377,11 @@ static bool linear_reactions(const lw_reduced *r, balance *z)
     twist t = allowed(r, z, input);
     double size = rate_between(r, z, input, -1, body), side = r->joint[input].body[1] == body ? 1 : -1;
     group_now now;
-    point(r, z);
+    set_directions(r, z);
     memcpy(z->carried, z->load, (size_t)r->dynamics->s.n_body*sizeof *z->load);
     for (int k = f->n_group - 1; k >= 0; k--) {
         bool pins = f->group[k].pins;
-        if (!(pins ? carry_pins(z, &f->group[k], &z->group[k]) : rub(r, z, k, &now)))
+        if (!(pins ? carry_pins(z, &f->group[k], &z->group[k]) : add_friction(r, z, k, &now)))
             return false;
         if (!pins)
             carry(r, z, k, &now);

@@ -58,7 +58,7 @@ static void put_memory(const lw_stepping *s)
         p->state = (lw_touch_state)m->state, p->sticks = m->sticks, p->slips = m->slips, p->side = m->side;
     }
     if (d->touch) {                          /* which places are rows is decided at the start of the piece */
-        d->touch->n_row = d->touch->n_slip = d->touch->n_spare = 0;
+        d->touch->n_row = d->touch->n_slip = d->touch->n_redundant = 0;
         d->touch->stalled = 0;
         d->touch->last = -INFINITY;
     }

@@ -15,8 +15,8 @@ struct lw_touching {
     lw_touch_list list;
     int     n_row, row_max;
     lw_touch_row *row;                   /* (row_max)                                                  */
-    int     n_spare;                     /* forces beside those of the rows, on which they depend: touch_shares.c */
-    lw_touch_row *spare;                 /* (row_max)                                                  */
+    int     n_redundant;                 /* forces whose rows depend on those in `row`: touch_shares.c */
+    lw_touch_row *redundant;             /* (row_max)                                                  */
     double *share;                       /* memory for them                                            */
     int     n_slip;                      /* rigid places that slip; they follow the joints in d->friction */
     double *response;                    /* as that of lw_dynamics, n_slip more                         */
@@ -34,10 +34,11 @@ struct lw_touching {
 lw_status lw_mbs_touch_make(lw_dynamics *d, lw_error *e);
 void      lw_mbs_touch_free(lw_dynamics *d);
 
-/* Memory for the shares of the rows and spare forces that are set.  LW_E_MEMORY. */
+/* Memory for the shares of the rows and redundant forces that are set.  LW_E_MEMORY. */
 lw_status lw_mbs_touch_share_make(lw_dynamics *d);
 
-/* How far from their limits the forces of held and spare places stay if they share the load best, scaled; below 0: no sharing is possible.
+/* The margin of the forces of all these places to their limits, scaled, when they share the load so that it is greatest; below 0: no sharing keeps
+ * to the limits.
  * l: multipliers (n_c); the rows and their factors are those of lw_mbs_accelerate.  *pulls: a normal force is at its limit, not friction; places
  * whose friction is get `yields`. */
 double lw_mbs_touch_share(lw_dynamics *d, const double *v, const double *l, bool *pulls);

@@ -27,7 +27,7 @@ lw_status lw_mbs_touch_make(lw_dynamics *d, lw_error *e)
     d->n_stop = 0;                           /* they are places too */
     w->row_max = 2*rigid;
     w->row = calloc(2*(size_t)w->row_max + 1, sizeof *w->row);
-    w->spare = w->row + w->row_max;
+    w->redundant = w->row + w->row_max;
     int most = d->s.n_joint + w->row_max + 1;            /* places that slip follow the joints with friction */
     lw_friction_joint *friction = realloc(d->friction, (size_t)most*sizeof *friction);
     d->friction = friction ? friction : d->friction;

@@ -6,7 +6,7 @@
  *
  *     x_k = held force k by its row - sum over j of s_j c_kj,   N_k >= 0,  |T_k| <= mu N_k,
  *
- * with the spare forces s_j, of which c_j are the multipliers that a unit of s_j takes from the rows.  The sharing that stays farthest from the
+ * with the redundant forces s_j, of which c_j are the multipliers that a unit of s_j takes from the rows.  The sharing that stays farthest from the
  * limits is a linear program. */
 #include "base/real.h"
 #include "mbs/dynamics/touch_internal.h"
@@ -16,42 +16,42 @@
 #include "base/lcp.h"
 
 /* Conditions, each  a.s + b >= margin : one of a normal force, two of a tangential one; and the bound of the margin. */
-static int condition_max(const struct lw_touching *w) { return 2*(w->n_row + w->n_spare) + 1; }
+static int condition_max(const struct lw_touching *w) { return 2*(w->n_row + w->n_redundant) + 1; }
 
-static int unknown_max(const struct lw_touching *w) { return 2*w->n_spare + 1 + condition_max(w); }
+static int unknown_max(const struct lw_touching *w) { return 2*w->n_redundant + 1 + condition_max(w); }
 
 lw_status lw_mbs_touch_share_make(lw_dynamics *d)
 {
     struct lw_touching *w = d->touch;
-    size_t n = (size_t)unknown_max(w), forces = (size_t)(w->n_row + w->n_spare);
+    size_t n = (size_t)unknown_max(w), forces = (size_t)(w->n_row + w->n_redundant);
     free(w->share);
     w->share = NULL;
-    if (w->n_spare == 0)
+    if (w->n_redundant == 0)
         return LW_OK;
-    w->share = calloc((size_t)w->n_spare + n*n + 2*n + lw_lcp_work((int)n) + (forces + (size_t)condition_max(w))*((size_t)w->n_spare + 2) + 2*(size_t)d->n_v, sizeof *w->share);
+    w->share = calloc((size_t)w->n_redundant + n*n + 2*n + lw_lcp_work((int)n) + (forces + (size_t)condition_max(w))*((size_t)w->n_redundant + 2) + 2*(size_t)d->n_v, sizeof *w->share);
     return w->share ? LW_OK : LW_E_MEMORY;
 }
 
-static lw_touch_row force_at(const struct lw_touching *w, int k) { return k < w->n_row ? w->row[k] : w->spare[k - w->n_row]; }
+static lw_touch_row force_at(const struct lw_touching *w, int k) { return k < w->n_row ? w->row[k] : w->redundant[k - w->n_row]; }
 
-/* Forces (rows of 1 + n_spare numbers): by the rows, and per unit of each spare force.  A spare force that would change the friction of a place
+/* Forces (rows of 1 + n_redundant numbers): by the rows, and per unit of each redundant force.  A redundant force that would change the friction of a place
  * that slips is left 0. */
 static void find_forces(lw_dynamics *d, const double *v, const double *l, double *force, double *row, double *change)
 {
     struct lw_touching *w = d->touch;
-    int first = d->n_c - w->n_row, width = 1 + w->n_spare;
-    memset(force, 0, (size_t)((w->n_row + w->n_spare)*width)*sizeof *force);
+    int first = d->n_c - w->n_row, width = 1 + w->n_redundant;
+    memset(force, 0, (size_t)((w->n_row + w->n_redundant)*width)*sizeof *force);
     for (int k = 0; k < w->n_row; k++)
         force[k*width] = -l[first + k];
-    for (int j = 0; j < w->n_spare; j++) {
-        const lw_touch *p = &w->list.touch[w->spare[j].touch];
+    for (int j = 0; j < w->n_redundant; j++) {
+        const lw_touch *p = &w->list.touch[w->redundant[j].touch];
         lw_touch_motion m;
         bool slips = d->by_rank;                         /* then there are no multipliers */
         lw_touch_at(p, &d->eq, d->frames, v, &m);
         memset(row, 0, (size_t)d->n_v*sizeof *row);
         for (int i = 0; i < 6; i++)
             if (p->body[i/3] >= 0)
-                row[3*p->body[i/3] + i%3] += (w->spare[j].tangent ? m.t : m.n)[i];
+                row[3*p->body[i/3] + i%3] += (w->redundant[j].tangent ? m.t : m.n)[i];
         if (!slips)
             lw_mbs_impulse(d, row, change);
         for (int k = 0; k < w->n_row && !slips; k++)
@@ -65,18 +65,18 @@ static void find_forces(lw_dynamics *d, const double *v, const double *l, double
 /* The number of the normal force at the place; -1: it has none. */
 static int normal_at(const struct lw_touching *w, int touch)
 {
-    for (int k = 0; k < w->n_row + w->n_spare; k++)
+    for (int k = 0; k < w->n_row + w->n_redundant; k++)
         if (force_at(w, k).touch == touch && !force_at(w, k).tangent)
             return k;
     return -1;
 }
 
-/* Conditions (rows of 2 + n_spare numbers): b, a, and the number of the force.  Returns how many. */
+/* Conditions (rows of 2 + n_redundant numbers): b, a, and the number of the force.  Returns how many. */
 static int list_conditions(lw_dynamics *d, const double *v, const double *force, double *to)
 {
     const struct lw_touching *w = d->touch;
-    int width = 1 + w->n_spare, n = 0;
-    for (int k = 0; k < w->n_row + w->n_spare; k++) {
+    int width = 1 + w->n_redundant, n = 0;
+    for (int k = 0; k < w->n_row + w->n_redundant; k++) {
         lw_touch_row own = force_at(w, k);
         const lw_touch *p = &w->list.touch[own.touch];
         int normal = own.tangent ? normal_at(w, own.touch) : -1;
@@ -97,11 +97,11 @@ static int list_conditions(lw_dynamics *d, const double *v, const double *force,
     return n;
 }
 
-/* The greatest margin, not above `scale`, from n conditions; `least` is that without further spare forces.  As a complementarity problem with
- * z = (spare forces upwards, downwards, margin beyond `least`, multipliers of the conditions). */
+/* The greatest margin, not above `scale`, from n conditions; `least` is that without further redundant forces.  As a complementarity problem with
+ * z = (redundant forces upwards, downwards, margin beyond `least`, multipliers of the conditions). */
 static double solve_program(const struct lw_touching *w, int n, const double *c, double least, double scale, double *m, double *q, double *z, double *work)
 {
-    int r = w->n_spare, x = 2*r + 1, all = x + n + 1;
+    int r = w->n_redundant, x = 2*r + 1, all = x + n + 1;
     memset(m, 0, (size_t)all*(size_t)all*sizeof *m);
     memset(q, 0, (size_t)all*sizeof *q);
     q[2*r] = -1;
@@ -120,14 +120,14 @@ static double solve_program(const struct lw_touching *w, int n, const double *c,
 double lw_mbs_touch_share(lw_dynamics *d, const double *v, const double *l, bool *pulls)
 {
     struct lw_touching *w = d->touch;
-    int r = w->n_spare, width = 1 + r, all = unknown_max(w), forces = w->n_row + r;
-    double *spare = w->share, *m = spare + r, *q = m + all*all, *z = q + all, *work = z + all, *force = work + lw_lcp_work(all);
+    int r = w->n_redundant, width = 1 + r, all = unknown_max(w), forces = w->n_row + r;
+    double *redundant = w->share, *m = redundant + r, *q = m + (size_t)all*(size_t)all, *z = q + all, *work = z + all, *force = work + lw_lcp_work(all);
     double *c = force + forces*width, *row = c + condition_max(w)*(width + 1), least = INFINITY, scale = 0;
     find_forces(d, v, l, force, row, row + d->n_v);
     int n = list_conditions(d, v, force, c), first = 2*r + 1;
     for (int i = 0; i < n; i++) {
-        for (int j = 0; j < r; j++)                      /* the spare forces found last often do */
-            c[i*(width + 1)] += spare[j]*c[i*(width + 1) + 1 + j];
+        for (int j = 0; j < r; j++)                      /* the redundant forces found last often do */
+            c[i*(width + 1)] += redundant[j]*c[i*(width + 1) + 1 + j];
         least = fmin(least, c[i*(width + 1)]);
         scale = fmax(scale, fabs(c[i*(width + 1)]));
     }
@@ -136,7 +136,7 @@ double lw_mbs_touch_share(lw_dynamics *d, const double *v, const double *l, bool
         return least;
     double margin = solve_program(w, n, c, least, scale, m, q, z, work);
     for (int j = 0; margin > 0 && j < r; j++)
-        spare[j] += scale*(z[j] - z[r + j]);
+        redundant[j] += scale*(z[j] - z[r + j]);
     if (margin > 0)
         return margin;
     *pulls = true;

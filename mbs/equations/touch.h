@@ -23,7 +23,7 @@ typedef struct lw_touch {
     lw_touch_state state;
     bool    held, stuck;                 /* state and `sticks` before the current event                 */
     bool    sticks;                      /* its slip is a row of the constraints, or depends on such rows */
-    bool    spare;                       /* PASSIVE: it presses, but its gap depends on the rows that are held */
+    bool    redundant;                   /* PASSIVE: it presses, but its gap depends on the rows that are held */
     bool    yields;                      /* its friction reached its limit when the events were last evaluated */
     double  anchor, anchor_angle;        /* `path` and, of discs, direction of the normal where it began to stick */
     double  passed;                      /* APART: how far the gap was below 0 at the last event because of rounding */
