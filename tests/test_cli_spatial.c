@@ -163,6 +163,10 @@ TEST(volumes_and_tilts)
            "z = z < 0 ? -z : z; m = x > y ? x : y; m = m > z ? m : z; n += m > 0.999999 && m < 1.000001 } END { print n }'", 0, "50", "volume");
     expect("$P robot reachability $D/box.json --rays 12 | awk -F, 'NR > 2 { c = cos($1*3.14159265358979/180); c = c < 0 ? -c : c; s = sin(0.7)/c; "
            "t = s < 1 ? atan2(s, sqrt(1 - s*s))*180/3.14159265358979 : 180; n += $2 - t < 1e-5 && t - $2 < 1e-5 } END { print n }'", 0, "12", "reachability index 0.57");
+    /* a name with a comma and a quote is one field of a row */
+    expect("sed 's/\"shoulder\"/\"left, \\\\\"high\\\\\"\"/g' examples/scara.json > $D/names.json; "
+           "$P robot workspace $D/names.json --rays 6 | sed -n 6p; $P simulate $D/names.json --to 0.1 -n 1 | sed -n 3p | cut -c1-34", 0,
+           ",\"the stop of joint \"\"left, \"\"high\"\"\"\"\"\nt,\"left, \"\"high\"\".input\",\"left,", NULL);
     expect("$P robot workspace examples/space/delta.json --volume --plot $D/edge.svg", 2, NULL, "--plot draws the edge in the level plane");
     expect("$P robot reachability examples/space/delta.json", 3, NULL, "cannot turn the tool and keep its place");
     /* Arm with seven joints: its wrist stays within 0.82 m of its shoulder, at z = 0.36 m.  After a turn of the tool, which rounds, too. */

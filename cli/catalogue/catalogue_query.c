@@ -143,23 +143,6 @@ static lw_status json_row(job *j, const char *const *name, const lw_value *v)
     return LW_OK;
 }
 
-/* Quote a field that holds a comma, a quote or a line end; inner quotes are doubled (RFC 4180). */
-static void csv_text(FILE *f, const char *text, size_t n)
-{
-    bool quoted = false;
-    for (size_t i = 0; i < n; i++)
-        quoted = quoted || strchr(",\"\r\n", text[i]);
-    if (quoted)
-        fputc('"', f);
-    for (size_t i = 0; i < n; i++) {
-        if (text[i] == '"')
-            fputc('"', f);
-        fputc(text[i], f);
-    }
-    if (quoted)
-        fputc('"', f);
-}
-
 static lw_status csv_row(job *j, const lw_value *v)
 {
     for (int i = 0; i < j->n_column; i++) {
@@ -167,7 +150,7 @@ static lw_status csv_row(job *j, const lw_value *v)
         if (i > 0)
             fputc(',', j->out.f);
         if (v[i].kind == LW_VALUE_TEXT)
-            csv_text(j->out.f, v[i].text, v[i].size);
+            cli_csv_field(j->out.f, v[i].text, v[i].size);
         else if (v[i].kind == LW_VALUE_INTEGER)
             fprintf(j->out.f, "%lld", v[i].integer);
         else if (v[i].kind == LW_VALUE_REAL) {

@@ -215,17 +215,6 @@ static void put_cell(FILE *f, double x)
     fputs(isfinite(x) ? text : "", f);
 }
 
-static void put_quoted(FILE *f, const char *text)
-{
-    bool quote = strpbrk(text, ",\"") != NULL;
-    if (quote)
-        fputc('"', f);
-    for (const char *c = text; *c; c++)
-        fputs(*c == '"' ? "\"\"" : (char[]){ *c, 0 }, f);
-    if (quote)
-        fputc('"', f);
-}
-
 static void write_csv(const sweep *s, FILE *f)
 {
     bool failed = false;
@@ -238,10 +227,10 @@ static void write_csv(const sweep *s, FILE *f)
         fprintf(f, ",%s", s->measure[i].unit);
     fputc('\n', f);
     for (int i = 0; i < s->n_vary; i++)
-        fprintf(f, "%s%s", i ? "," : "", s->vary[i].name);
+        fputs(i ? "," : "", f), cli_csv_text(f, s->vary[i].name);
     for (int i = 0; i < s->n_measure; i++) {
         fputc(',', f);
-        put_quoted(f, s->measure[i].text);
+        cli_csv_text(f, s->measure[i].text);
     }
     fputs(failed ? ",failure\n" : "\n", f);
     for (size_t k = 0; k < s->n; k++) {
@@ -257,7 +246,7 @@ static void write_csv(const sweep *s, FILE *f)
         }
         if (failed) {
             fputc(',', f);
-            put_quoted(f, s->why[k]);
+            cli_csv_text(f, s->why[k]);
         }
         fputc('\n', f);
     }
@@ -404,7 +393,7 @@ static void write_sensitivities(const sweep *s, FILE *f, cli_json j, const doubl
         fputs("# percent of change of a figure for one percent of change of a parameter\nparameter,base,unit", f);
         for (int i = 0; i < s->n_measure; i++) {
             fputc(',', f);
-            put_quoted(f, s->measure[i].text);
+            cli_csv_text(f, s->measure[i].text);
         }
         fputc('\n', f);
     }
@@ -424,7 +413,8 @@ static void write_sensitivities(const sweep *s, FILE *f, cli_json j, const doubl
             cli_json_end(&j);
             continue;
         }
-        fprintf(f, "%s,%.10g,%s", s->vary[i].name, base_point[i], s->vary[i].unit);
+        cli_csv_text(f, s->vary[i].name);
+        fprintf(f, ",%.10g,%s", base_point[i], s->vary[i].unit);
         for (int k = 0; k < s->n_measure; k++)
             fprintf(f, isfinite(values[k]) ? ",%.6g" : ",", values[k]);
         fputc('\n', f);

@@ -36,7 +36,8 @@ void cli_clearance_csv(const cli_clearance *c, FILE *f)
         const lw_sweep_law *l = &c->sweep.law[r->law];
         for (int j = 0; r->done && j < r->r.n_joint; j++) {
             const lw_clearance_outcome *o = &r->r.joint[j];
-            fprintf(f, "%s,%s", joint_name(c, o->joint), lw_clearance_name(l->model));
+            cli_csv_text(f, joint_name(c, o->joint));
+            fprintf(f, ",%s", lw_clearance_name(l->model));
             cell(f, l->stiffness), cell(f, l->damping), cell(f, r->speed);
             fprintf(f, ",%s", contact_word(r, j));
             cell(f, o->first);

@@ -475,20 +475,12 @@ static void go_back(job *j)
 {
     memcpy(j->r.follow.q, j->q, (size_t)j->r.space.n_q*sizeof *j->q);
     memcpy(j->r.follow.z.near, j->near, (size_t)j->r.follow.z.n_near*sizeof *j->near);
-    j->e.text[0] = 0;
 }
 
 static lw_status follow_ray(job *j, double angle, double *far)
 {
     go_back(j);
     return lw_robot_reach(&j->r, direction(j, angle), 4*j->r.space.unit, far, &j->e);
-}
-
-/* What ended the last way, of the text of lw_robot_move; NULL: nothing did. */
-static const char *limit_of(const job *j)
-{
-    const char *why = strstr(j->e.text, ": ");
-    return why ? why + 2 : NULL;
 }
 
 static int draw_edge(const job *j, int n, const double *x, const double *y)
@@ -555,8 +547,8 @@ static int run_rays(const cli_call *call, bool tilts)
             code = cli_fail(call, &j.e);
             break;
         }
-        const char *why = limit_of(&j);
-        endless += !why;
+        const char *limit = j.r.limit;
+        endless += !limit[0];
         most = fmax(most, far);
         sum += !tilts ? 4*LW_PI/3*pow(far/j.metre, 3) : j.flat ? far/LW_PI : 0.5*(1 - cos(far));
         lw_vec3 at = lw_v3_add(p.place, lw_v3_scale(way, far));
@@ -568,7 +560,8 @@ static int run_rays(const cli_call *call, bool tilts)
         else {
             for (int i = 0; i < size; i++)
                 fprintf(o.f, "%.9g,", row[i]);
-            fprintf(o.f, "%s\n", why ? why : tilts ? "none" : "none found");
+            cli_csv_text(o.f, limit[0] ? limit : tilts ? "none" : "none found");
+            fputc('\n', o.f);
         }
         cli_progress_show(&progress, done, (double)n*levels, NULL);
     }
@@ -643,14 +636,16 @@ static int run_workspace(const cli_call *call)
             continue;
         least = fmin(least, far), most = fmax(most, far);
         lw_vec3 at = lw_v3_add(p.place, lw_v3_scale(direction(&j, a), far));
-        const char *why = limit_of(&j);
-        endless += !why;
+        const char *limit = j.r.limit;
+        endless += !limit[0];
         double row[] = { a*180/LW_PI, far/j.metre, at.x/j.metre, at.y/j.metre, at.z/j.metre };
         if (call->common.json)
             cli_json_reals(&w, NULL, row, 5);
-        else
-            fprintf(o.f, "%.9g,%.9g,%.9g,%.9g,%.9g,%s\n", row[0], row[1], row[2] + 0.0, row[3] + 0.0, row[4] + 0.0,
-                    why ? why : "none found");
+        else {
+            fprintf(o.f, "%.9g,%.9g,%.9g,%.9g,%.9g,", row[0], row[1], row[2] + 0.0, row[3] + 0.0, row[4] + 0.0);
+            cli_csv_text(o.f, limit[0] ? limit : "none found");
+            fputc('\n', o.f);
+        }
         cli_progress_show(&progress, i, n, NULL);
     }
     cli_progress_end(&progress);
@@ -769,8 +764,10 @@ static void put_place(const job *j, cli_json *w, FILE *f, lw_vec3 at, const lw_r
         cli_json_real(w, "error_worst", budget->worst/j->metre);
         cli_json_real(w, "error_rms", budget->rms/j->metre);
         cli_json_text(w, "contributor", by);
-    } else if (budget)
-        fprintf(f, ",%.9g,%.9g,%s", budget->worst/j->metre, budget->rms/j->metre, by);
+    } else if (budget) {
+        fprintf(f, ",%.9g,%.9g,", budget->worst/j->metre, budget->rms/j->metre);
+        cli_csv_text(f, by);
+    }
     w ? cli_json_end(w) : (void)fputc('\n', f);
 }
 

@@ -41,10 +41,13 @@ static void write_text(const lw_work_cycle *c, FILE *f)
 
 static void write_rows(const lw_work_cycle *c, FILE *f, int n)
 {
-    char text[LW_NUMBER_SIZE];
+    char text[LW_NUMBER_SIZE], name[sizeof c->axis[0].name + 2];
     fputs("t", f);
     for (int k = 0; k < c->n_axis; k++)
-        fprintf(f, ",%s,%s.v,%s.a,%s.j", c->axis[k].name, c->axis[k].name, c->axis[k].name, c->axis[k].name);
+        for (int d = 0; d < 4; d++) {
+            snprintf(name, sizeof name, "%s%s", c->axis[k].name, (const char *const[]){ "", ".v", ".a", ".j" }[d]);
+            fputc(',', f), cli_csv_text(f, name);
+        }
     fputs(",payload\n", f);
     for (int r = 0; r <= n && !cli_interrupted(); r++) {
         double t = c->end*r/n;

@@ -357,7 +357,7 @@ void cli_simulate_head(cli_simulate *s)
         fprintf(s->f, "%c%s", c ? ',' : ' ', s->column[c].unit);
     fputc('\n', s->f);
     for (int c = 0; c < s->n_column; c++)
-        fprintf(s->f, "%s%s", c ? "," : "", s->column[c].name);
+        fputs(c ? "," : "", s->f), cli_csv_text(s->f, s->column[c].name);
     fputc('\n', s->f);
 }
 

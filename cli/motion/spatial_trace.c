@@ -130,7 +130,7 @@ static lw_status put_row(void *context, double u, const double *input, const lw_
         for (size_t i = 0; i < n; i++)
             number(r->f, r->flat[i]), fputc(',', r->f);
         if (r->only < 0 && r->m->n_tracer > 1)
-            fprintf(r->f, "%s,", r->m->tracer[k].name);
+            cli_csv_text(r->f, r->m->tracer[k].name), fputc(',', r->f);
         for (int i = 0; i < r->values; i++)
             number(r->f, value[i]), fputc(i + 1 < r->values ? ',' : '\n', r->f);
     }

@@ -120,7 +120,7 @@ static void put_csv(cli_rows *r, const cli_row *row)
             cli_row_number(r->f, row->lead[i]);
         }
         if (several(r))
-            fprintf(r->f, ",%s", r->k.tracer[k].name);
+            fputc(',', r->f), cli_csv_text(r->f, r->k.tracer[k].name);
         for (int v = 0; v < n_value(r); v++) {
             fputc(',', r->f);
             if ((row->rates || !is_rate(v)) && isfinite(row->value[k][v]))

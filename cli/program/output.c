@@ -187,6 +187,24 @@ static const char *option_text(const cli_call *call, int i)
     return *(const char *const *)((const char *)call->settings + call->command->options[i].place);
 }
 
+void cli_csv_field(FILE *f, const char *text, size_t n)
+{
+    bool quoted = false;
+    for (size_t i = 0; i < n; i++)
+        quoted = quoted || strchr(",\"\r\n", text[i]);
+    if (quoted)
+        fputc('"', f);
+    for (size_t i = 0; i < n; i++) {
+        if (text[i] == '"')
+            fputc('"', f);
+        fputc(text[i], f);
+    }
+    if (quoted)
+        fputc('"', f);
+}
+
+void cli_csv_text(FILE *f, const char *text) { cli_csv_field(f, text, strlen(text)); }
+
 lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e)
 {
     bool picture = false;

@@ -43,6 +43,12 @@ int cli_add_input(const cli_call *call, const char *path);
 /* The same where no call is at hand, after cli_check_outputs. LW_E_ARG: the file is an output of this run. */
 lw_status cli_name_input(const char *path, lw_error *e);
 
+/* Write n bytes of text as one field of a CSV row: quoted if it holds a comma, a quote or a line end, inner quotes doubled (RFC 4180). */
+void cli_csv_field(FILE *f, const char *text, size_t n);
+
+/* The same of a text that ends with a zero. */
+void cli_csv_text(FILE *f, const char *text);
+
 /* Make the folder and those above it. CLI_BAD_INPUT with a message: this failed, or the folder cannot be written. */
 int cli_make_folder(const cli_call *call, const char *folder);
 

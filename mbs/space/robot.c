@@ -404,8 +404,8 @@ lw_status lw_robot_drive(lw_robot *r, const double *value, lw_error *e)
     return go(r, e);
 }
 
-/* Which stop or cone is passed in this posture?  NULL: none. */
-static const char *passed(const lw_robot *r, char text[120])
+/* Is a stop or a cone passed in this posture?  r->limit names it. */
+static bool passed(lw_robot *r)
 {
     const lw_spatial *m = r->model;
     double drive[LW_ROBOT_DRIVES];
@@ -417,8 +417,8 @@ static const char *passed(const lw_robot *r, char text[120])
             lw_vec3 first = carried(r, q->body[0], p->cone_axis), second = carried(r, q->body[1], p->cone_axis);
             double tilt = atan2(lw_v3_norm(lw_v3_cross(first, second)), lw_v3_dot(first, second));
             if (tilt > p->cone) {
-                snprintf(text, 120, "the cone of joint \"%s\"", p->name);
-                return text;
+                snprintf(r->limit, sizeof r->limit, "the cone of joint \"%s\"", p->name);
+                return true;
             }
         }
         if (!p->stop.has_least && !p->stop.has_greatest)
@@ -430,11 +430,11 @@ static const char *passed(const lw_robot *r, char text[120])
                 near = drive[i];
         value = lw_space_scale(&r->space, of)*lw_space_measure(&r->space, r->follow.z.frame, of, near, NULL);
         if ((p->stop.has_least && value < p->stop.least) || (p->stop.has_greatest && value > p->stop.greatest)) {
-            snprintf(text, 120, "the stop of joint \"%s\"", p->name);
-            return text;
+            snprintf(r->limit, sizeof r->limit, "the stop of joint \"%s\"", p->name);
+            return true;
         }
     }
-    return NULL;
+    return false;
 }
 
 /* Change of the drives that brings the tool nearer by `error` (place, and turn): least squares, the least change. */
@@ -590,23 +590,23 @@ static bool drives_were_lost(lw_robot *r, double det)
 }
 
 /* Is the posture reached one in which the robot may be? */
-static bool may_be_there(lw_robot *r, char why[120])
+static bool may_be_there(lw_robot *r)
 {
     lw_robot_pose now;
     if (r->free)
         return true;
     if (lw_robot_measure(r, &now, NULL) != LW_OK) {
-        snprintf(why, 120, not_held);
+        snprintf(r->limit, sizeof r->limit, not_held);
         return false;
     }
     if (r->condition_limit > 0 && now.condition > r->condition_limit) {
-        snprintf(why, 120, "the limit of the condition number");
+        snprintf(r->limit, sizeof r->limit, "the limit of the condition number");
         return false;
     }
-    if (passed(r, why))
+    if (passed(r))
         return false;
     if (drives_were_lost(r, determinant(r, &now))) {
-        snprintf(why, 120, r->condition_limit > 0 ? "the limit of the condition number" : not_held);
+        snprintf(r->limit, sizeof r->limit, r->condition_limit > 0 ? "the limit of the condition number" : not_held);
         return false;
     }
     return true;
@@ -622,7 +622,7 @@ static lw_status watched(lw_robot *r, lw_status s)
 
 /* As many drives as the tool's place has freedoms: the tool itself is moved, and the drives follow.  *end: the links reach no farther, the tool is where
  * they do. */
-static bool pull_tool(lw_robot *r, lw_vec3 place, bool *end, char why[120])
+static bool pull_tool(lw_robot *r, lw_vec3 place, bool *end)
 {
     lw_space_follow *f = &r->by_tool;
     lw_quaternion turn;
@@ -640,29 +640,29 @@ static bool pull_tool(lw_robot *r, lw_vec3 place, bool *end, char why[120])
     lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
     if (r->space.n_coupling)
         memcpy(r->follow.z.near + r->follow.z.n_extra, f->z.near + f->z.n_extra, (size_t)r->space.n_joint*sizeof *f->z.near);
-    if (!may_be_there(r, why)) {
+    if (!may_be_there(r)) {
         *end = false;
         return false;
     }
     if (*end)
-        snprintf(why, 120, "the limit of what the links can reach");
+        snprintf(r->limit, sizeof r->limit, "the limit of what the links can reach");
     return !*end;
 }
 
 /* Bring the tool to a near pose by Newton's method on the drives. */
-static bool close_tool(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, char why[120])
+static bool close_tool(lw_robot *r, lw_vec3 place, const lw_quaternion *turn)
 {
     lw_robot_pose now;
     double error[6], change[LW_ROBOT_DRIVES], before = INFINITY;
     for (int round = 0; round < 12; round++) {
         if (lw_robot_measure(r, &now, NULL) != LW_OK) {
-            snprintf(why, 120, not_held);
+            snprintf(r->limit, sizeof r->limit, not_held);
             return false;
         }
         double far = pose_error(r, place, turn, error);
         if (far < CLOSE)
-            return may_be_there(r, why);
-        snprintf(why, 120, out_of_reach);
+            return may_be_there(r);
+        snprintf(r->limit, sizeof r->limit, out_of_reach);
         if (far > 0.7*before)
             return false;
         before = far;
@@ -685,7 +685,6 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
     const lw_space *s = &r->space;
     lw_vec3 first;
     lw_quaternion from, to;
-    char why[120] = "";
     lw_space_place(s, r->follow.q, r->follow.z.frame);
     tool_pose(r, &first, &from);
     to = turn ? *turn : from;
@@ -713,7 +712,7 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_near*sizeof *near);
         lw_vec3 to_go = lw_v3_add(first, lw_v3_scale(way, part));
         bool end = false;
-        if (r->by_tool.memory ? pull_tool(r, to_go, &end, why) : close_tool(r, to_go, &now, why)) {
+        if (r->by_tool.memory ? pull_tool(r, to_go, &end) : close_tool(r, to_go, &now)) {
             h = fmin(2*h, wary(r, before, next - at));
             at = next;
             continue;
@@ -740,9 +739,9 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         if (h < r->least) {
             lw_robot_pose pose;
             if (at == 0 && lw_robot_measure(r, &pose, NULL) == LW_OK && pose.freedoms < r->freedoms)
-                snprintf(why, sizeof why, "the posture is singular, and the drives cannot move it this way; begin from another one");
-            else if (strcmp(why, out_of_reach) == 0 && first_determinant > 0 && fabs(r->determinant) > 100*first_determinant)
-                snprintf(why, sizeof why, not_held);           /* it grows without limit there, and falls to 0 at the end of a reach */
+                snprintf(r->limit, sizeof r->limit, "the posture is singular, and the drives cannot move it this way; begin from another one");
+            else if (strcmp(r->limit, out_of_reach) == 0 && first_determinant > 0 && fabs(r->determinant) > 100*first_determinant)
+                snprintf(r->limit, sizeof r->limit, not_held);           /* it grows without limit there, and falls to 0 at the end of a reach */
             tool_pose(r, &first, &to);
             free(kept);
             free(near);
@@ -750,35 +749,36 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
             if (lw_v3_norm(spin) > 1e-12)
                 snprintf(turned, sizeof turned, ", turned by %.6g of %.6g degrees",
                          lw_v3_norm(lw_quaternion_vector(lw_quaternion_times(to, lw_quaternion_inverse(from))))*180/LW_PI, lw_v3_norm(spin)*180/LW_PI);
-            return lw_error_set(e, LW_OPEN, "the tool stops at (%.9g, %.9g, %.9g) m%s: %s", first.x, first.y, first.z, turned, why);
+            return lw_error_set(e, LW_OPEN, "the tool stops at (%.9g, %.9g, %.9g) m%s: %s", first.x, first.y, first.z, turned, r->limit);
         }
     }
     free(kept);
     free(near);
+    r->limit[0] = 0;
     return LW_OK;
 }
 
-lw_status lw_robot_reach(lw_robot *r, lw_vec3 direction, double most, double *far, lw_error *limit)
+lw_status lw_robot_reach(lw_robot *r, lw_vec3 direction, double most, double *far, lw_error *e)
 {
     lw_vec3 first, last;
     lw_quaternion turn;
     lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
     tool_pose(r, &first, &turn);
-    lw_status s = lw_robot_move(r, lw_v3_add(first, lw_v3_scale(direction, most)), NULL, limit);
+    lw_status s = lw_robot_move(r, lw_v3_add(first, lw_v3_scale(direction, most)), NULL, e);
     lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
     tool_pose(r, &last, &turn);
     *far = lw_v3_norm(lw_v3_sub(last, first));
     return s == LW_OPEN ? LW_OK : s;
 }
 
-lw_status lw_robot_tilt(lw_robot *r, lw_vec3 axis, double most, double *far, lw_error *limit)
+lw_status lw_robot_tilt(lw_robot *r, lw_vec3 axis, double most, double *far, lw_error *e)
 {
     lw_vec3 place;
     lw_quaternion first, last;
     lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
     tool_pose(r, &place, &first);
     lw_quaternion to = lw_quaternion_times(lw_quaternion_of_vector(lw_v3_scale(axis, most)), first);
-    lw_status s = lw_robot_move(r, place, &to, limit);
+    lw_status s = lw_robot_move(r, place, &to, e);
     last = lw_robot_turn(r);
     *far = lw_v3_norm(lw_quaternion_vector(lw_quaternion_times(last, lw_quaternion_inverse(first))));
     return s == LW_OPEN ? LW_OK : s;

@@ -34,6 +34,7 @@ typedef struct lw_robot {
     double *column, *start;                      /* (n_drive x n_v) velocities of unit drive rates; (n_q) posture of the file */
     double *square;                              /* (n_v * (n_v + 1)) scratch; NULL: an open chain        */
     double determinant, jump;                    /* of the Jacobian at the last posture of a way, where it is square; its change beyond */
+    char   limit[120];                           /* of the last move: what ended it; empty: it came to its end */
     lw_status broken;                            /* of the last move: what went wrong besides a limit, such as LW_E_MEMORY */
     double condition_limit;                      /* going ends where the condition number exceeds it; 0: no limit (0) */
     double least;                                /* of the size: a limit is found so well (1e-8) */
@@ -87,10 +88,11 @@ lw_status lw_robot_drive(lw_robot *r, const double *value, lw_error *e);
  * before; the robot is at it, to `least`.  LW_E_MEMORY, LW_E_NUMERIC. */
 lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, lw_error *e);
 
-/* How far the tool gets from where it is in a direction, at most `most` [m]; the robot is there then.  *limit: why. */
-lw_status lw_robot_reach(lw_robot *r, lw_vec3 direction, double most, double *far, lw_error *limit);
+/* How far the tool gets from where it is in a direction, at most `most` [m]; the robot is there then, and r->limit says
+ * what ended the way, if anything did.  LW_E_MEMORY, LW_E_NUMERIC. */
+lw_status lw_robot_reach(lw_robot *r, lw_vec3 direction, double most, double *far, lw_error *e);
 
 /* The same of a turn about `axis` (ground axes, a unit vector) in its place, for robots whose `turns` is set: most below pi, far [rad]. */
-lw_status lw_robot_tilt(lw_robot *r, lw_vec3 axis, double most, double *far, lw_error *limit);
+lw_status lw_robot_tilt(lw_robot *r, lw_vec3 axis, double most, double *far, lw_error *e);
 
 #endif
