@@ -676,7 +676,20 @@ static int run_workspace(const cli_call *call)
 
 #define BANDS 6
 
-typedef struct map { double *x, *y, *value; int n; bool frequency, budget; } map;
+typedef struct map {
+    bool   frequency, budget;                    /* asked for: --eigenfrequency, --errors                 */
+    double *x, *y, *value;                       /* (grid * grid) places and what the plot shows of them  */
+    int    n, lost;                              /* places measured; places that the tool does not reach  */
+    lw_held held;
+    lw_budget_options how;
+    lw_budget_stiffness stiff;
+    lw_robot_pose pose;                          /* of the last place, with what is asked for             */
+    double hertz;
+    lw_budget errors;
+    double worst;                                /* greatest error of the tool [m], where, by which source */
+    lw_vec3 worst_at;
+    char   worst_by[96];
+} map;
 
 /* Edges of bands for frequencies: even steps of 1, 2, 2.5 or 5 times a power of ten. */
 static void even_edges(const map *m, double edge[BANDS + 1])
@@ -744,10 +757,66 @@ static int draw_map(const job *j, const map *m, const char *path, int code)
     return st < 0 ? cli_fail(j->call, &e) : code;
 }
 
-/* A place of the map as an object of w, or as a line if w is NULL.  frequency, budget: NULL, not asked for. */
-static void put_place(const job *j, cli_json *w, FILE *f, lw_vec3 at, const lw_robot_pose *p, const double *frequency,
-                      const lw_budget *budget, const char *by)
+static void map_free(map *m)
 {
+    lw_budget_free(&m->errors);
+    lw_budget_stiffness_free(&m->stiff);
+    lw_held_free(&m->held);
+}
+
+/* Whatever the places need beside the posture itself. */
+static int map_begin(job *j, map *m)
+{
+    *m = (map){ .frequency = j->s->frequency, .budget = j->s->budget };
+    bool ready = (!m->frequency || lw_held_make(j->m, &m->held, &j->e) == LW_OK) &&
+                 (!m->budget || (budget_options(j, &m->how, &j->e) == LW_OK && lw_budget_stiffness_make(j->m, &m->how, &m->stiff, &j->e) == LW_OK));
+    return ready ? CLI_DONE : cli_fail(j->call, &j->e);
+}
+
+/* Half the width of the grid: how far the tool gets in twelve directions, and a little more. */
+static double map_reach(job *j)
+{
+    double reach = 0;
+    for (int i = 0; i < 12 && !cli_interrupted(); i++) {
+        double far = 0;
+        if (follow_ray(j, 2*LW_PI*i/12, &far) == LW_OK)
+            reach = fmax(reach, far);
+    }
+    return 1.02*reach;
+}
+
+/* Move the tool to a place and measure it there.  LW_OPEN: it is not reached, or the drives lose the tool there. */
+static lw_status map_measure(job *j, map *m, lw_vec3 to)
+{
+    go_back(j);
+    lw_status st = lw_robot_move(&j->r, to, NULL, &j->e);
+    if (st == LW_OK)
+        st = lw_robot_measure(&j->r, &m->pose, &j->e);
+    if (st == LW_OK && m->frequency && (st = lw_held_frequency(&m->held, &j->r, &m->hertz, &j->e)) == LW_OPEN)
+        st = LW_E_NUMERIC;
+    if (st == LW_OK && m->budget) {
+        lw_budget_free(&m->errors);
+        st = lw_budget_make(&j->r, &m->stiff, &m->how, &m->errors, &j->e);
+    }
+    return st;
+}
+
+static void map_head(const job *j, const map *m, cli_json *w, FILE *f)
+{
+    if (w) {
+        cli_json_head(w, j->call->line);
+        cli_json_text(w, "length_unit", j->unit);
+        cli_json_array(w, "places");
+    } else
+        fprintf(f, "# units: x y z %s; singular values m/rad or m/m%s%s%s\nx,y,z,condition,greatest,least,manipulability%s%s\n", j->unit,
+                m->frequency ? "; frequency Hz" : "", m->budget ? "; error_worst error_rms " : "", m->budget ? j->unit : "",
+                m->frequency ? ",frequency" : "", m->budget ? ",error_worst,error_rms,contributor" : "");
+}
+
+/* A place as an object of w, or as a line if w is NULL. */
+static void put_place(const job *j, const map *m, cli_json *w, FILE *f, lw_vec3 at, const char *by)
+{
+    const lw_robot_pose *p = &m->pose;
     double place[] = { at.x/j->metre + 0.0, at.y/j->metre + 0.0, at.z/j->metre + 0.0 };
     double value[] = { p->condition, p->singular[0], p->singular[p->rank - 1], p->manipulability };
     static const char *const key[] = { "condition", "greatest", "least", "manipulability" };
@@ -758,120 +827,103 @@ static void put_place(const job *j, cli_json *w, FILE *f, lw_vec3 at, const lw_r
         fprintf(f, "%.9g,%.9g,%.9g", place[0], place[1], place[2]);
     for (int i = 0; i < 4; i++)
         w ? cli_json_real(w, key[i], value[i]) : (void)fprintf(f, ",%.9g", value[i]);
-    if (frequency)
-        w ? cli_json_real(w, "frequency", *frequency) : (void)fprintf(f, ",%.9g", *frequency);
-    if (budget && w) {
-        cli_json_real(w, "error_worst", budget->worst/j->metre);
-        cli_json_real(w, "error_rms", budget->rms/j->metre);
+    if (m->frequency)
+        w ? cli_json_real(w, "frequency", m->hertz) : (void)fprintf(f, ",%.9g", m->hertz);
+    if (m->budget && w) {
+        cli_json_real(w, "error_worst", m->errors.worst/j->metre);
+        cli_json_real(w, "error_rms", m->errors.rms/j->metre);
         cli_json_text(w, "contributor", by);
-    } else if (budget) {
-        fprintf(f, ",%.9g,%.9g,", budget->worst/j->metre, budget->rms/j->metre);
+    } else if (m->budget) {
+        fprintf(f, ",%.9g,%.9g,", m->errors.worst/j->metre, m->errors.rms/j->metre);
         cli_csv_text(f, by);
     }
     w ? cli_json_end(w) : (void)fputc('\n', f);
 }
 
-static int run_map(const cli_call *call)
+/* The place of the grid at (a, b) to the right and ahead of `centre`: measured, written and kept for the plot. */
+static lw_status map_visit(job *j, map *m, lw_vec3 centre, double a, double b, cli_json *w, FILE *f)
 {
-    job j;
-    lw_robot_pose p, here;
-    lw_output o;
-    int n = ((const settings *)call->settings)->grid, lost = 0;
-    size_t most = (size_t)n*(size_t)n;
-    int code = begin_ways(call, &j, &p, 3*most);
-    double reach = 0;
-    map m = { .frequency = j.s->frequency, .budget = j.s->budget };
-    lw_held held = { .q = NULL };
-    lw_budget_options how;
-    lw_budget_stiffness stiff = { 0 };
-    lw_budget budget = { 0 };
-    double frequency = 0, worst = 0;
-    lw_vec3 worst_at = { 0, 0, 0 };
-    char name[96], worst_by[96] = "";
-    if (code == CLI_DONE && m.frequency && lw_held_make(j.m, &held, &j.e) != LW_OK)
-        code = cli_fail(call, &j.e);
-    if (code == CLI_DONE && j.s->budget && (budget_options(&j, &how, &j.e) != LW_OK ||
-                                            lw_budget_stiffness_make(j.m, &how, &stiff, &j.e) != LW_OK))
-        code = cli_fail(call, &j.e);
-    if (code == CLI_DONE && cli_open(call, &o, &j.e) != LW_OK)
-        code = cli_fail(call, &j.e);
-    if (code != CLI_DONE) {
-        lw_budget_stiffness_free(&stiff);
-        lw_held_free(&held);
-        end(&j);
-        return code;
+    char name[96];
+    lw_vec3 to = lw_v3_add(centre, lw_v3_add(lw_v3_scale(j->right, a), lw_v3_scale(j->ahead, b)));
+    lw_status st = map_measure(j, m, to);
+    m->lost += st == LW_OPEN;
+    if (st != LW_OK)
+        return st == LW_OPEN ? LW_OK : st;
+    const char *by = m->errors.n ? source_name(&m->errors.source[0], name, sizeof name) : "";
+    put_place(j, m, w, f, to, by);
+    if (m->budget && m->errors.worst > m->worst) {
+        m->worst = m->errors.worst, m->worst_at = to;
+        snprintf(m->worst_by, sizeof m->worst_by, "%s", by);
     }
-    m.x = j.more, m.y = m.x + most, m.value = m.y + most;
-    for (int i = 0; i < 12 && !cli_interrupted(); i++) {        /* how far the grid has to go */
-        double far = 0;
-        if (follow_ray(&j, 2*LW_PI*i/12, &far) == LW_OK)
-            reach = fmax(reach, far);
-    }
-    if (gets_nowhere(&j, &p, reach) && !cli_interrupted())
-        code = cannot_move(&j, &p), n = 0;
-    reach *= 1.02;
-    j.r.least = 1e-4;                        /* where ways end is not shown */
+    m->x[m->n] = a/j->metre;
+    m->y[m->n] = b/j->metre;
+    m->value[m->n++] = m->budget ? m->errors.worst/j->metre : m->frequency ? m->hertz : m->pose.condition;
+    return LW_OK;
+}
+
+static void map_notes(const job *j, const map *m)
+{
+    cli_note(j->call, "%d place%s; %d of the grid %s not reached on a straight way from the tool", m->n, lw_plural(m->n), m->lost,
+             m->lost == 1 ? "is" : "are");
+    if (m->worst > 0)
+        cli_note(j->call, "error of the tool at most %.4g %s, at (%.6g, %.6g, %.6g) %s, where the greatest contributor is the %s", m->worst/j->metre,
+                 j->unit, m->worst_at.x/j->metre, m->worst_at.y/j->metre, m->worst_at.z/j->metre, j->unit, m->worst_by);
+}
+
+/* The places of the map, and its notes. */
+static int write_map(job *j, map *m, const lw_robot_pose *p, FILE *f)
+{
+    const cli_call *call = j->call;
+    int n = j->s->grid, code = CLI_DONE;
+    double reach = map_reach(j);
+    if (gets_nowhere(j, p, reach) && !cli_interrupted())
+        code = cannot_move(j, p), n = 0;
+    j->r.least = 1e-4;                           /* where ways end is not shown */
     cli_progress progress = cli_progress_begin(call, "map", "places");
-    cli_json w = cli_json_begin(o.f, 2);
-    if (call->common.json) {
-        cli_json_head(&w, call->line);
-        cli_json_text(&w, "length_unit", j.unit);
-        cli_json_array(&w, "places");
-    } else
-        fprintf(o.f, "# units: x y z %s; singular values m/rad or m/m%s%s%s\nx,y,z,condition,greatest,least,manipulability%s%s\n", j.unit,
-            m.frequency ? "; frequency Hz" : "", j.s->budget ? "; error_worst error_rms " : "", j.s->budget ? j.unit : "",
-            m.frequency ? ",frequency" : "", j.s->budget ? ",error_worst,error_rms,contributor" : "");
+    cli_json json = cli_json_begin(f, 2), *w = call->common.json ? &json : NULL;
+    map_head(j, m, w, f);
     for (int i = 0; i < n*n && !cli_interrupted(); i++) {
         double a = reach*(2.0*(i % n)/(n - 1) - 1), b = reach*(2.0*(i/n)/(n - 1) - 1);
-        lw_vec3 to = lw_v3_add(p.place, lw_v3_add(lw_v3_scale(j.right, a), lw_v3_scale(j.ahead, b)));
-        go_back(&j);
-        lw_status st = lw_robot_move(&j.r, to, NULL, &j.e);
-        if (st == LW_OK)
-            st = lw_robot_measure(&j.r, &here, &j.e);
-        if (st == LW_OK && m.frequency && (st = lw_held_frequency(&held, &j.r, &frequency, &j.e)) == LW_OPEN)
-            st = LW_E_NUMERIC;
-        if (st == LW_OK && j.s->budget) {
-            lw_budget_free(&budget);
-            st = lw_budget_make(&j.r, &stiff, &how, &budget, &j.e);
-        }
-        if (st == LW_OPEN) {
-            lost++;
-            continue;
-        }
-        if (st != LW_OK) {
-            code = cli_fail(call, &j.e);
+        if (map_visit(j, m, p->place, a, b, w, f) != LW_OK) {
+            code = cli_fail(call, &j->e);
             break;
         }
-        const char *by = budget.n ? source_name(&budget.source[0], name, sizeof name) : "";
-        put_place(&j, call->common.json ? &w : NULL, o.f, to, &here, m.frequency ? &frequency : NULL, j.s->budget ? &budget : NULL, by);
-        if (j.s->budget && budget.worst > worst) {
-            worst = budget.worst, worst_at = to;
-            snprintf(worst_by, sizeof worst_by, "%s", by);
-        }
-        m.x[m.n] = a/j.metre;
-        m.y[m.n] = b/j.metre;
-        m.value[m.n++] = j.s->budget ? budget.worst/j.metre : m.frequency ? frequency : here.condition;
         cli_progress_show(&progress, i, (double)n*n, NULL);
     }
     cli_progress_end(&progress);
-    if (call->common.json) {
-        cli_json_end(&w);
-        cli_json_bool(&w, "complete", code == CLI_DONE && !cli_interrupted());
-        cli_json_end(&w);
+    if (w) {
+        cli_json_end(w);
+        cli_json_bool(w, "complete", code == CLI_DONE && !cli_interrupted());
+        cli_json_end(w);
     }
     if (n > 0)
-        cli_note(call, "%d place%s; %d of the grid %s not reached on a straight way from the tool", m.n, lw_plural(m.n), lost, lost == 1 ? "is" : "are");
-    if (worst > 0)
-        cli_note(call, "error of the tool at most %.4g %s, at (%.6g, %.6g, %.6g) %s, where the greatest contributor is the %s", worst/j.metre,
-                 j.unit, worst_at.x/j.metre, worst_at.y/j.metre, worst_at.z/j.metre, j.unit, worst_by);
-    code = cli_close(call, &o, code == CLI_DONE && m.n == 0 ? CLI_NOTHING : code);
-    char partial[LW_PATH_SIZE + 16];
-    const char *to = j.s->plot && m.n > 0 ? cli_picture_path(call, j.s->plot, code, partial) : NULL;
-    if (to)
-        code = draw_map(&j, &m, to, code);
-    lw_budget_free(&budget);
-    lw_budget_stiffness_free(&stiff);
-    lw_held_free(&held);
+        map_notes(j, m);
+    return code;
+}
+
+static int run_map(const cli_call *call)
+{
+    job j;
+    map m = { .n = 0 };
+    lw_robot_pose p;
+    lw_output o;
+    size_t most = (size_t)((const settings *)call->settings)->grid;
+    most *= most;
+    int code = begin_ways(call, &j, &p, 3*most);
+    if (code == CLI_DONE)
+        code = map_begin(&j, &m);
+    if (code == CLI_DONE && cli_open(call, &o, &j.e) != LW_OK)
+        code = cli_fail(call, &j.e);
+    if (code == CLI_DONE) {
+        m.x = j.more, m.y = m.x + most, m.value = m.y + most;
+        code = write_map(&j, &m, &p, o.f);
+        code = cli_close(call, &o, code == CLI_DONE && m.n == 0 ? CLI_NOTHING : code);
+        char partial[LW_PATH_SIZE + 16];
+        const char *to = j.s->plot && m.n > 0 ? cli_picture_path(call, j.s->plot, code, partial) : NULL;
+        if (to)
+            code = draw_map(&j, &m, to, code);
+    }
+    map_free(&m);
     end(&j);
     return code;
 }
