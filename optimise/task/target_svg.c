@@ -532,48 +532,61 @@ static void copy_value(const element *el, int key, char *out, size_t size)
              : "");
 }
 
-/* Size of the drawing's unit from width="120mm" height="80mm" viewBox="0 0 120 80" of the root: it is scaled evenly
- * until it fits, unless preserveAspectRatio is "none". Files of Illustrator count in points, those of Inkscape before
- * 0.92 in 1/90 inch, unless they say another size. */
+/* A view box in a window of size[0] x size[1] (SVG 1.1, 7.8): how each axis is scaled, and how far the corner of the box then lies
+ * from that of the window. */
+static void fit_view(const element *el, const double size[2], const double view[4], double scale[2], double offset[2])
+{
+    static const char *const first[] = { "xMin", "YMin" }, *const last[] = { "xMax", "YMax" };
+    double x = size[0]/view[2], y = size[1]/view[3], even = value_has(el, ATTRIBUTE_ASPECT, "slice") ? fmax(x, y) : fmin(x, y);
+    bool uneven = value_has(el, ATTRIBUTE_ASPECT, "none");
+    scale[0] = uneven ? x : even;
+    scale[1] = uneven ? y : even;
+    for (int i = 0; i < 2; i++) {
+        double part = value_has(el, ATTRIBUTE_ASPECT, first[i]) ? 0 : value_has(el, ATTRIBUTE_ASPECT, last[i]) ? 1 : 0.5;
+        offset[i] = part*(size[i] - scale[i]*view[2+i]);
+    }
+}
+
+/* Size of the drawing's unit from width="120mm" height="80mm" viewBox="0 0 120 80" of the root, and where the drawing lies on the
+ * page, whose corner keeps the coordinates of that of the view box. Files of Illustrator count in points, those of Inkscape
+ * before 0.92 in 1/90 inch, unless they say another size. */
 static void read_scale(reader *r, const element *el, matrix *m)
 {
     lw_error quiet;
-    double v[2] = { 0, 0 }, unit[2] = { 0, 0 }, view[4] = { 0 };
+    double v[2] = { 0, 0 }, unit[2] = { 0, 0 }, view[4] = { 0 }, scale[2] = { 0, 0 }, offset[2] = { 0, 0 };
     lw_cursor c;
     for (int i = 0; i < 2; i++) {
         c = el->value[i ? ATTRIBUTE_HEIGHT : ATTRIBUTE_WIDTH];
         c.e = &quiet;
         if (!c.text || take_length(&c, &v[i], &unit[i]) != LW_OK || !(v[i] > 0))
-            unit[i] = 0;
+            v[i] = unit[i] = 0;
     }
+    for (int i = 0; i < 2; i++)
+        if (v[i] > 0 && unit[i] == 0 && unit[1-i] > 0)
+            unit[i] = PIXEL;
     c = el->value[ATTRIBUTE_VIEW];
     c.e = &quiet;
-    bool boxed = c.text && take_numbers(&c, view, 4) == LW_OK && view[2] > 0 && view[3] > 0;
+    bool boxed = c.text && take_numbers(&c, view, 4) == LW_OK && view[2] > 0 && view[3] > 0, sized = unit[0] > 0 || unit[1] > 0;
     bool old = value_has(el, ATTRIBUTE_VERSION, "0.91") || value_has(el, ATTRIBUTE_VERSION, "0.48");
-    double pixel = old ? 25.4/90 : r->illustrator ? 25.4/72 : PIXEL, x = 0, y = 0;
+    double pixel = old ? 25.4/90 : r->illustrator ? 25.4/72 : PIXEL;
     for (int i = 0; i < 2; i++)
-        if (unit[i] == PIXEL)
-            unit[i] = pixel;
-    if (boxed && (unit[0] > 0 || unit[1] > 0)) {
-        x = unit[0] > 0 ? v[0]*unit[0]/view[2] : INFINITY;
-        y = unit[1] > 0 ? v[1]*unit[1]/view[3] : INFINITY;
-        if (!value_has(el, ATTRIBUTE_ASPECT, "none") || !isfinite(x) || !isfinite(y))
-            x = y = fmin(x, y);
-    } else if (!boxed && (unit[0] > 0 || unit[1] > 0)) {
-        x = y = pixel;
-    } else if (old || r->illustrator) {
-        x = y = pixel;
+        v[i] *= unit[i] == PIXEL ? pixel : unit[i];
+    if (boxed && sized) {
+        double size[2] = { unit[0] > 0 ? v[0] : v[1]*view[2]/view[3], unit[1] > 0 ? v[1] : v[0]*view[3]/view[2] };
+        fit_view(el, size, view, scale, offset);
+    } else if (sized || old || r->illustrator) {
+        scale[0] = scale[1] = pixel;
     }
-    r->out.unit_given = x > 0;
-    r->out.scale = x > 0 ? x : 1;
-    if (x > 0)
-        m->d = y/x;
+    r->out.unit_given = scale[0] > 0;
+    r->out.scale = scale[0] > 0 ? scale[0] : 1;
+    if (scale[0] > 0)
+        *m = (matrix){ 1, 0, 0, scale[1]/scale[0], offset[0]/scale[0], offset[1]/scale[0] };
 }
 
 /* A drawing in a drawing is moved, and scaled to its width and height. */
 static lw_status enter_inner(const element *el, matrix *m)
 {
-    double x, y, w, h, view[4] = { 0 };
+    double x, y, size[2], view[4] = { 0 }, scale[2] = { 1, 1 }, offset[2] = { 0, 0 };
     lw_cursor c = el->value[ATTRIBUTE_VIEW];
     if (value_has(el, ATTRIBUTE_WIDTH, "%") || value_has(el, ATTRIBUTE_HEIGHT, "%"))
         return LW_OK;
@@ -581,19 +594,17 @@ static lw_status enter_inner(const element *el, matrix *m)
     if (s == LW_OK)
         s = take_value(el, ATTRIBUTE_Y, 0, &y);
     if (s == LW_OK)
-        s = take_value(el, ATTRIBUTE_WIDTH, 0, &w);
+        s = take_value(el, ATTRIBUTE_WIDTH, 0, &size[0]);
     if (s == LW_OK)
-        s = take_value(el, ATTRIBUTE_HEIGHT, 0, &h);
+        s = take_value(el, ATTRIBUTE_HEIGHT, 0, &size[1]);
     if (s == LW_OK && c.text)
         s = take_numbers(&c, view, 4);
     if (s != LW_OK)
         return s;
-    bool fits = view[2] > 0 && view[3] > 0 && w > 0 && h > 0;
-    double sx = fits ? w/view[2] : 1, sy = fits ? h/view[3] : 1;
-    if (!value_has(el, ATTRIBUTE_ASPECT, "none"))
-        sx = sy = fmin(sx, sy);
-    double left = fits ? (w - sx*view[2])/2 - sx*view[0] : 0, top = fits ? (h - sy*view[3])/2 - sy*view[1] : 0;
-    matrix own = { sx, 0, 0, sy, x + left, y + top };
+    bool fits = view[2] > 0 && view[3] > 0 && size[0] > 0 && size[1] > 0;
+    if (fits)
+        fit_view(el, size, view, scale, offset);
+    matrix own = { scale[0], 0, 0, scale[1], x + offset[0] - (fits ? scale[0]*view[0] : 0), y + offset[1] - (fits ? scale[1]*view[1] : 0) };
     *m = lw_affine_product(m, &own);
     return LW_OK;
 }
