@@ -28,6 +28,8 @@ TEST(faults)
     expect("printf '1-2 2-3 3-4 4-1\\n1-2 3-4\\n' | $P draw", 3, NULL, "2:1: the links do not hang together");
     expect("printf '1-2 2-3 3-4 4-1\\n1-2 3-4\\n' | $P draw -k", 3, "</svg>", "hang together");
     expect("printf '1-2 2-3 3-4 4-1\\n1-2x\\n' | $P draw", 3, NULL, "2:");
+    expect("printf '\\n\\n1-2 2-3 3-4 4-1\\n1-2x\\n' | $P draw", 3, NULL, "standard input:4:");
+    expect("printf '\\n\\n{\"joints\": }\\n' | $P draw -", 3, NULL, "standard input:3:12");
     expect("printf '' | $P draw", 1, NULL, NULL);
     expect("$P chains --links 6 | $P draw -o $D/x.gif", 2, NULL, "does not move");
     expect("$P chains --links 6 | $P draw --target examples/ellipse.csv", 2, NULL, "--target is for linkages");

@@ -194,29 +194,36 @@ static bool holds_topologies(const char *path)
  * of it is read into a file in memory, which replaces standard input. */
 static lw_status look_at_input(bool *topologies, lw_error *e)
 {
+    lw_bytes begin = { 0 };                      /* blank lines count in the places of errors */
     char c = 0, *text = NULL;
     size_t size = 0;
     ssize_t n;
-    while ((n = read(STDIN_FILENO, &c, 1)) == 1 && c && strchr(" \t\r\n", c))
-        ;
-    *topologies = n != 1 || (c != '{' && c != '\xef');                  /* or a byte order mark */
-    if (*topologies && n == 1)
-        ungetc((unsigned char)c, stdin);
-    if (*topologies)
-        return LW_OK;
-    lw_status s = cli_read_file("-", "a linkage, chains or mechanisms", &text, &size, e);
-    FILE *f = s == LW_OK ? fdopen(memfd_create("standard input", MFD_CLOEXEC), "w+") : NULL;
-    bool kept = f && fputc(c, f) != EOF && fwrite(text, 1, size, f) == size && fflush(f) == 0 && dup2(fileno(f), STDIN_FILENO) >= 0
-             && lseek(STDIN_FILENO, 0, SEEK_SET) == 0;
-    if (s == LW_OK && !kept)
-        s = lw_error_at(e, LW_E_IO, "-", 0, 0, "cannot be kept in memory: %s", strerror(errno));
-    if (f)
-        fclose(f);
-    free(text);
-    if (s == LW_OK) {
-        *topologies = holds_topologies("-");
-        lseek(STDIN_FILENO, 0, SEEK_SET);
+    while ((n = read(STDIN_FILENO, &c, 1)) == 1) {
+        lw_bytes_add(&begin, &c, 1);
+        if (!c || !strchr(" \t\r\n", c))
+            break;
     }
+    *topologies = n != 1 || (c != '{' && c != '\xef');                  /* or a byte order mark */
+    lw_status s = lw_bytes_end(&begin, e);
+    while (*topologies && s == LW_OK && begin.size > 0)
+        ungetc((unsigned char)begin.data[--begin.size], stdin);
+    if (!*topologies && s == LW_OK)
+        s = cli_read_file("-", "a linkage, chains or mechanisms", &text, &size, e);
+    if (!*topologies && s == LW_OK) {
+        FILE *f = fdopen(memfd_create("standard input", MFD_CLOEXEC), "w+");
+        bool kept = f && fwrite(begin.data, 1, begin.size, f) == begin.size && fwrite(text, 1, size, f) == size && fflush(f) == 0
+                 && dup2(fileno(f), STDIN_FILENO) >= 0 && lseek(STDIN_FILENO, 0, SEEK_SET) == 0;
+        if (!kept)
+            s = lw_error_at(e, LW_E_IO, "-", 0, 0, "cannot be kept in memory: %s", strerror(errno));
+        if (f)
+            fclose(f);
+        if (kept) {
+            *topologies = holds_topologies("-");
+            lseek(STDIN_FILENO, 0, SEEK_SET);
+        }
+    }
+    free(text);
+    lw_bytes_free(&begin);
     return s;
 }
 
