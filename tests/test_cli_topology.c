@@ -54,6 +54,7 @@ TEST(derive)
            "2465\n2465\n", NULL);
     expect("$P grammar derive --links 6 --joints rp", 3, NULL, "takes r, t or r,t");
     expect("$P grammar derive --links 6 --rules 5", 2, NULL, "numbers 1 to 4");
+    expect("$P grammar derive --links 6 --rules ,", 2, NULL, "numbers 1 to 4");
     expect("$P grammar derive", 2, NULL, "--links N");
     expect("$P grammar derive x", 2, NULL, "one word too many");
     expect("$P grammar diagram", 2, NULL, "there is no action 'diagram'");

@@ -269,7 +269,7 @@ static int derive_all(const cli_call *call)
     how.max_bytes = cli_memory(call);
     for (int r = 1; r <= 4; r++)
         how.rule[r] = strchr(j.s->rules, '0' + r) != NULL;
-    if (strspn(j.s->rules, "1234,") != strlen(j.s->rules))
+    if (strspn(j.s->rules, "1234,") != strlen(j.s->rules) || !strpbrk(j.s->rules, "1234"))
         return cli_usage(call, "--rules takes numbers 1 to 4 with commas, not '%s'", j.s->rules);
     if (cli_open(call, &j.out, &j.e) != LW_OK)
         return cli_fail(call, &j.e);
