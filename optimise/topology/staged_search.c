@@ -35,6 +35,19 @@ typedef struct starts {
     lw_family      family[CHILDREN + AGAIN];
 } starts;
 
+/* One part of the search: a stage, for the first time or again. */
+typedef struct stage_part {
+    const lw_target       *t;
+    const lw_fit_options  *o;        /* budget and rounds are those of the part                     */
+    const lw_search_stage *stage;
+    double                 end;      /* wall clock; 0: no limit                                     */
+    bool                   grows;    /* from the best linkages with two links fewer, with a dyad added */
+    bool                   in_part;  /* the stage has a larger budget than this part                */
+    lw_stage_result       *r;
+    lw_staged_search      *out;
+    lw_error              *e;
+} stage_part;
+
 /* ---- the starts of a stage ------------------------------------------------------------------------ */
 
 /* The range of the inputs at the stations. */
@@ -164,8 +177,9 @@ static lw_status merge(lw_fit *all, lw_fit *more)
 /* ---- stages ------------------------------------------------------------------------------------------ */
 
 /* Keep the results of one search of a stage, n_start of whose families are linkages to start from. */
-static lw_status take(lw_staged_search *out, lw_stage_result *r, int n_start, lw_fit *fit, lw_error *e)
+static lw_status take(const stage_part *p, int n_start, lw_fit *fit)
 {
+    lw_stage_result *r = p->r;
     r->starts += fit->starts;
     r->improved += fit->improved;
     r->evals += fit->evals;
@@ -178,7 +192,7 @@ static lw_status take(lw_staged_search *out, lw_stage_result *r, int n_start, lw
         r->n_state = fit->n_state > 0 ? fit->n_state - n_start : 0;
         fit->state = NULL;
     }
-    lw_status st = merge(&out->fit, fit) == LW_OK ? LW_OK : lw_error_set(e, LW_E_MEMORY, "no memory for the results");
+    lw_status st = merge(&p->out->fit, fit) == LW_OK ? LW_OK : lw_error_set(p->e, LW_E_MEMORY, "no memory for the results");
     lw_fit_free(fit);
     return st;
 }
@@ -188,25 +202,28 @@ static bool is_of_cranks(const lw_candidate *c) { return c->part != LW_FIT_OTHER
 
 /* May a search both ways find better linkages?  Of open targets it is made in later parts of a stage only: short searches lost more by
  * its time than they gained. */
-static bool can_stray(const lw_target *t, const lw_fit_spec *s, bool later)
+static bool can_stray(const stage_part *p, bool later)
 {
+    const lw_target *t = p->t;
+    const lw_fit_spec *s = &p->o->spec;
     return (t->closed || later) && s->by_default & LW_LIMIT_MOTION && lw_task_has_place(s->task) && s->timing == LW_TIMING_FREE;
 }
 
-/* Does the curve of the linkage (of those found by the searches for cranks, or of all) with `links` links and the least error leave
- * the target between the stations?  Then a search without timing, which compares both ways, finds better ones. */
-static lw_status strays(const lw_target *t, const lw_fit_spec *s, const lw_fit *all, int links, bool cranks, bool later, bool *out)
+/* Does the curve of the linkage of the stage with the least error (of those found by the searches for cranks, or of all) leave the
+ * target between the stations?  Then a search without timing, which compares both ways, finds better ones. */
+static lw_status strays(const stage_part *p, bool cranks, bool later, bool *out)
 {
     const lw_candidate *best = NULL;
+    const lw_fit *all = &p->out->fit;
     *out = false;
-    for (int i = 0; i < all->n && can_stray(t, s, later); i++)
-        if (lw_candidate_links(&all->candidate[i]) == links
+    for (int i = 0; i < all->n && can_stray(p, later); i++)
+        if (lw_candidate_links(&all->candidate[i]) == p->stage->links
             && (!cranks || is_of_cranks(&all->candidate[i]))
             && (!best || all->candidate[i].objective < best->objective))
             best = &all->candidate[i];
     lw_fit_report *r = best ? malloc(sizeof *r) : NULL;
-    lw_status st = !best ? LW_OK : r ? lw_fit_report_make(t, s, best, r, NULL) : LW_E_MEMORY;
-    *out = best && st == LW_OK && r->stray.to_target > 1.5*r->error_max + STRAY*t->size;
+    lw_status st = !best ? LW_OK : r ? lw_fit_report_make(p->t, &p->o->spec, best, r, NULL) : LW_E_MEMORY;
+    *out = best && st == LW_OK && r->stray.to_target > 1.5*r->error_max + STRAY*p->t->size;
     free(r);
     return st;
 }
@@ -223,13 +240,13 @@ static bool can_be_compact(const lw_fit_options *o)
  * never worse than one of cranks alone.  Of families the same: all searches for cranks (run_parts), then those for others. */
 enum { CRANKS, OTHERS, COMPACT, BOTH_WAYS, OTHERS_BOTH_WAYS, SEARCHES };
 
-static lw_status run_search(const lw_target *t, const lw_fit_options *o, int search, lw_fit_part part, bool later, lw_fit *fit,
+static lw_status run_search(const stage_part *p, const lw_fit_options *o, int search, lw_fit_part part, bool later, lw_fit *fit,
                             lw_error *e)
 {
     lw_fit_options mine = *o;
     mine.part = search == COMPACT ? LW_FIT_COMPACT : part;
-    mine.both_ways = search >= BOTH_WAYS || (search == COMPACT && o->families && can_stray(t, &o->spec, later));
-    return lw_fit_run(t, &mine, fit, e);
+    mine.both_ways = search >= BOTH_WAYS || (search == COMPACT && o->families && can_stray(p, later));
+    return lw_fit_run(p->t, &mine, fit, e);
 }
 
 static bool any_with(const lw_fit *f, int links)
@@ -248,43 +265,44 @@ static double seconds_until(double end)
 
 /* Make the reports of what a search found now, so that rows are chosen among all of it when the time ends.  They take no longer than the
  * search took. */
-static void keep_reports(const lw_target *t, const lw_fit_options *o, double seconds, double end, lw_fit *all)
+static void keep_reports(const stage_part *p, double seconds)
 {
-    const lw_results_effort effort = { .jobs = o->jobs, .until = fmin(end, lw_clock_wall() + seconds), .interrupt = o->interrupt };
-    if (end > 0 && o->spec.by_default)
-        lw_fit_results_keep(t, &o->spec, all, &effort);
+    const lw_fit_options *o = p->o;
+    const lw_results_effort effort = { .jobs = o->jobs, .until = fmin(p->end, lw_clock_wall() + seconds), .interrupt = o->interrupt };
+    if (p->end > 0 && o->spec.by_default)
+        lw_fit_results_keep(p->t, &o->spec, &p->out->fit, &effort);
 }
 
-/* Run the searches of four-link types, until `end` at most. */
-static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, double end, lw_stage_result *r,
-                           lw_staged_search *out, lw_error *e)
+/* Run the searches of four-link types. */
+static lw_status run_types(const stage_part *p)
 {
     static const lw_fit_part part[SEARCHES] = { LW_FIT_CRANKS, LW_FIT_OTHERS, LW_FIT_COMPACT, LW_FIT_CRANKS, LW_FIT_OTHERS };
-    bool whole = o->spec.exclude_drag_link, stopped = false, any = false, again = false;
-    const bool both = can_stray(t, &o->spec, false), wanted[SEARCHES] = { !whole, true, can_be_compact(o), both, both && !whole };
+    lw_fit_options mine = *p->o;
+    bool whole = mine.spec.exclude_drag_link, stopped = false, any = false, again = false;
+    const bool both = can_stray(p, false), wanted[SEARCHES] = { !whole, true, can_be_compact(&mine), both, both && !whole };
     lw_status st = LW_OK;
     for (int i = CRANKS; i < SEARCHES; i++) {
         lw_fit fit;
         lw_error why = { .text = "" };
-        if (i >= BOTH_WAYS && wanted[i] && (st = strays(t, &o->spec, &out->fit, links, i == BOTH_WAYS && !whole, false, &again)) != LW_OK)
+        if (i >= BOTH_WAYS && wanted[i] && (st = strays(p, i == BOTH_WAYS && !whole, false, &again)) != LW_OK)
             return st;
         if (!wanted[i] || (i >= BOTH_WAYS && !again))
             continue;
-        o->max_seconds = seconds_until(end);
-        o->whole_rounds = any_with(&out->fit, links);
-        st = run_search(t, o, i, whole ? LW_FIT_WHOLE : part[i], false, &fit, &why);
+        mine.max_seconds = seconds_until(p->end);
+        mine.whole_rounds = any_with(&p->out->fit, p->stage->links);
+        st = run_search(p, &mine, i, whole ? LW_FIT_WHOLE : part[i], false, &fit, &why);
         if (st == LW_E_ARG && i == OTHERS && !whole && !any)     /* no type can turn: this says it, or gives way */
-            st = run_search(t, o, i, LW_FIT_WHOLE, false, &fit, &why);
+            st = run_search(p, &mine, i, LW_FIT_WHOLE, false, &fit, &why);
         bool found = st >= 0;
         double seconds = found ? fit.seconds : 0;
-        if (found && take(out, r, 0, &fit, e) != LW_OK)
+        if (found && take(p, 0, &fit) != LW_OK)
             return LW_E_MEMORY;
-        keep_reports(t, o, seconds, end, &out->fit);
+        keep_reports(p, seconds);
         stopped |= st == LW_STOPPED;
         any |= found;
         if (!found && !(st == LW_E_ARG && (i >= COMPACT || (!whole && (i == CRANKS || any))))) {
-            if (e)
-                *e = why;
+            if (p->e)
+                *p->e = why;
             return st;
         }
         if (st == LW_STOPPED)
@@ -293,12 +311,13 @@ static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, dou
     return stopped ? LW_STOPPED : LW_OK;
 }
 
-/* The rows that a person would see of the first `of_each` candidates (of cranks, or of all) of every number of links, and of `mine`
- * of those with `links` links; *seen: these candidates, which belong to `all`.  LW_E_MEMORY. */
-static lw_status make_rows(const lw_target *t, const lw_fit_options *o, lw_fit *all, bool cranks, int of_each, int links, int mine,
-                           double until, lw_fit *seen, lw_fit_results *rows)
+/* The rows that a person would see of the first NEAREST candidates (of cranks, or of all) of every number of links, and of `mine`
+ * of those of the stage; *seen: these candidates, which belong to p->out.  LW_E_MEMORY. */
+static lw_status make_rows(const stage_part *p, bool cranks, int mine, lw_fit *seen, lw_fit_results *rows)
 {
-    const lw_results_effort effort = { .jobs = o->jobs, .until = until, .interrupt = o->interrupt };
+    const lw_fit_options *o = p->o;
+    const lw_results_effort effort = { .jobs = o->jobs, .until = p->end, .interrupt = o->interrupt };
+    lw_fit *all = &p->out->fit;
     int n[LW_LINK_MAX + 1] = { 0 }, *of = malloc(sizeof *of*((size_t)all->n + 1));
     *seen = (lw_fit){ .candidate = malloc(sizeof *seen->candidate*((size_t)all->n + 1)) };
     if (!of || !seen->candidate) {
@@ -307,16 +326,16 @@ static lw_status make_rows(const lw_target *t, const lw_fit_options *o, lw_fit *
     }
     for (int i = 0; i < all->n; i++) {
         int its = lw_candidate_links(&all->candidate[i]);
-        if ((!cranks || is_of_cranks(&all->candidate[i])) && n[its]++ < (its == links ? mine : of_each)) {
+        if ((!cranks || is_of_cranks(&all->candidate[i])) && n[its]++ < (its == p->stage->links ? mine : NEAREST)) {
             of[seen->n] = i;
             seen->candidate[seen->n++] = all->candidate[i];
         }
     }
-    lw_fit_results_keep(t, &o->spec, seen, &effort);
+    lw_fit_results_keep(p->t, &o->spec, seen, &effort);
     for (int i = 0; i < seen->n; i++)
         all->candidate[of[i]].report = seen->candidate[i].report;
     free(of);
-    return lw_fit_results_make(t, &o->spec, seen, o->spec.by_default ? ROWS : all->n, NULL, &effort, rows, NULL);
+    return lw_fit_results_make(p->t, &o->spec, seen, o->spec.by_default ? ROWS : all->n, NULL, &effort, rows, NULL);
 }
 
 /* Searches for cranks have the numbers 0, 1, ..., the others those from this on: all draw starts of their own. */
@@ -336,73 +355,81 @@ static int best_search(const lw_fit *seen, const lw_fit_results *rows, int links
     return OTHERS;
 }
 
-/* Search the families of a stage once, from the best linkages found before; n_before: how often they were searched so before. */
-static lw_status run_families(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, bool grows, int n_before,
-                              int search, lw_fit_part part, bool later, double end, const lw_fit *seen, const lw_fit_results *rows,
-                              lw_stage_result *r, lw_staged_search *out, lw_error *e)
+/* A search of the families of a stage, one of the searches that a part consists of. */
+typedef struct family_search {
+    lw_fit_part kind;                /* of cranks, of others, or of all                             */
+    int         search;              /* COMPACT, ...                                                */
+    int         n_before;            /* how often the stage was searched for this kind before       */
+    bool        later;               /* an earlier part has searched the stage for this kind        */
+    long        budget, sweep;       /* as in lw_fit_options                                        */
+} family_search;
+
+/* Search the families of a stage once, from the best linkages found before. */
+static lw_status run_families(const stage_part *p, const family_search *f, const lw_fit *seen, const lw_fit_results *rows)
 {
-    lw_fit_options mine = *o;
+    lw_fit_options mine = *p->o;
     lw_fit fit;
     starts *more = calloc(1, sizeof *more);
-    lw_status st = more && grows ? grow(t, o, stage, seen, rows, n_before, more) : more ? LW_OK : LW_E_MEMORY;
+    lw_status st = more && p->grows ? grow(p->t, p->o, p->stage, seen, rows, f->n_before, more) : more ? LW_OK : LW_E_MEMORY;
     if (st != LW_OK) {
         free(more);
-        return lw_error_set(e, LW_E_MEMORY, "no memory for linkages to start from");
+        return lw_error_set(p->e, LW_E_MEMORY, "no memory for linkages to start from");
     }
-    r->n_grown += more->n;
-    if (n_before > 0)
-        start_again(t, seen, rows, stage->links, more);
-    lw_families_pair pair = { stage->families, lw_families_of(more->family, more->n) };
+    p->r->n_grown += more->n;
+    if (f->n_before > 0)
+        start_again(p->t, seen, rows, p->stage->links, more);
+    lw_families_pair pair = { p->stage->families, lw_families_of(more->family, more->n) };
     lw_families all = lw_families_join(&pair);
     mine.families = &all;
-    mine.part_number = number_of(part, n_before);
-    r->n_part++;
-    st = run_search(t, &mine, search, part, later, &fit, e);
+    mine.part_number = number_of(f->kind, f->n_before);
+    mine.budget = f->budget;
+    mine.sweep = f->sweep;
+    mine.max_seconds = seconds_until(p->end);
+    mine.whole_rounds = any_with(&p->out->fit, p->stage->links);
+    p->r->n_part++;
+    st = run_search(p, &mine, f->search, f->kind, f->later, &fit, p->e);
     double seconds = st >= 0 ? fit.seconds : 0;
-    if (st >= 0 && take(out, r, more->n, &fit, e) != LW_OK)
+    if (st >= 0 && take(p, more->n, &fit) != LW_OK)
         st = LW_E_MEMORY;
     if (st >= 0)
-        keep_reports(t, o, seconds, end, &out->fit);
+        keep_reports(p, seconds);
     free(more);
     return st;
 }
 
-/* Search the families of a stage, for the first time or again, with this budget: for cranks, for others, or whole; *n: how often that
- * was done.  If small cranks are searched too, either search has a quarter of the budget, and so has the search both ways if the best
- * curve strays.  The search that found the first of the rows that a person would see now has the rest. */
-static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_search_stage *stage, lw_fit_part kind, bool grows,
-                           bool in_part, double end, int *n, lw_stage_result *r, lw_staged_search *out, lw_error *e)
+/* Search the families of a stage for cranks, for others, or whole, with this budget; *n: how often that was done.  If small cranks are
+ * searched too, either search has a quarter of the budget, and so has the search both ways if the best curve strays.  The search that
+ * found the first of the rows that a person would see now has the rest. */
+static lw_status run_searches(const stage_part *p, lw_fit_part kind, long budget, int *n)
 {
-    const bool cranks = kind == LW_FIT_CRANKS, compact = can_be_compact(o) && kind != LW_FIT_OTHERS;
+    const bool cranks = kind == LW_FIT_CRANKS, compact = can_be_compact(p->o) && kind != LW_FIT_OTHERS;
     bool again = false, stopped = false, exact = false;
-    long left = o->budget, part = (left + PARTS - 1)/PARTS, sweep = o->sweep;
-    int search[PARTS], first_part = *n;
+    long left = budget, quarter = (left + PARTS - 1)/PARTS;
+    int search[PARTS], n_first = *n;
     for (int k = 0; left > 0 && !(exact && k > 1); k++) {
         lw_fit seen = { 0 };
         lw_fit_results rows = { 0 };
-        lw_status st = grows || *n > 0 ? make_rows(t, o, &out->fit, cranks, NEAREST, stage->links, k < 2 ? NEAREST : out->fit.n,
-                                                   end, &seen, &rows) : LW_OK;
+        lw_status st = p->grows || *n > 0 ? make_rows(p, cranks, k < 2 ? NEAREST : p->out->fit.n, &seen, &rows) : LW_OK;
         if (st == LW_OK && k == 2)
-            st = strays(t, &o->spec, &out->fit, stage->links, cranks, first_part > 0, &again);
+            st = strays(p, cranks, n_first > 0, &again);
         if (st == LW_OK) {
             bool last = !compact || k > 2 || (k == 2 && !again);
             search[k] = k == 0 ? OTHERS : k == 1 ? COMPACT : !last ? BOTH_WAYS
-                      : best_search(&seen, &rows, stage->links, number_of(kind, first_part), search, k);
-            o->budget = last || part > left ? left : part;
-            o->sweep = sweep == 0 && (in_part || compact) ? o->budget/2 : sweep;
-            o->max_seconds = seconds_until(end);
-            o->whole_rounds = any_with(&out->fit, stage->links);
-            left -= o->budget;
-            st = run_families(t, o, stage, grows, *n, search[k], kind, first_part > 0, end, &seen, &rows, r, out, e);
+                      : best_search(&seen, &rows, p->stage->links, number_of(kind, n_first), search, k);
+            family_search f = { kind, search[k], *n, n_first > 0, last || quarter > left ? left : quarter, p->o->sweep };
+            if (f.sweep == 0 && (p->in_part || compact))
+                f.sweep = f.budget/2;
+            left -= f.budget;
+            st = run_families(p, &f, &seen, &rows);
             ++*n;
         } else
-            lw_error_set(e, st, "no memory for reports");
+            lw_error_set(p->e, st, "no memory for reports");
         lw_fit_results_free(&rows);
         free(seen.candidate);
         if (st < 0 && !(st == LW_E_ARG && search[k] >= COMPACT))
             return st;
         stopped |= st == LW_STOPPED;
-        exact |= r->stop == LW_STOP_F_TARGET;
+        exact |= p->r->stop == LW_STOP_F_TARGET;
         if (st == LW_STOPPED)
             break;
     }
@@ -432,39 +459,19 @@ static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unle
 
 /* Search the families of a stage, with default limits for cranks first, as a search for cranks alone does; then, with half as much, for
  * others, unless a linkage is found that is enough, or only cranks can run through a closed function. */
-static lw_status run_all_families(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, bool grows, bool in_part,
-                                  double end, lw_stage_result *r, lw_staged_search *out, lw_error *e)
+static lw_status run_all_families(const stage_part *p)
 {
-    bool enough = false, must_turn = o->spec.crank_only || (t->closed && !lw_task_has_place(o->spec.task));
-    lw_fit_options mine = *o;
+    const lw_fit_options *o = p->o;
+    bool enough = false, must_turn = o->spec.crank_only || (p->t->closed && !lw_task_has_place(o->spec.task));
     lw_fit_part kind = o->spec.by_default ? LW_FIT_CRANKS : LW_FIT_WHOLE;
-    lw_status st = run_parts(t, &mine, stage, kind, grows, in_part, end, &r->n_of[0], r, out, e);
-    lw_stop stop = r->stop;
+    lw_status st = run_searches(p, kind, o->budget, &p->r->n_of[0]);
+    lw_stop stop = p->r->stop;
     if ((st != LW_OK && st != LW_E_KIND) || kind != LW_FIT_CRANKS || must_turn || stop == LW_STOP_F_TARGET)
         return st;
-    if (stage->unless > 0 && (st = is_enough(t, &o->spec, stage->unless, false, &out->fit, &enough)) != LW_OK)
-        return lw_error_set(e, st, "no memory for a report");
-    mine = *o;
-    mine.budget = (o->budget + 1)/2;
-    st = enough ? LW_OK : run_parts(t, &mine, stage, LW_FIT_OTHERS, grows, in_part, end, &r->n_of[1], r, out, e);
-    r->stop = st == LW_STOPPED ? r->stop : stop;          /* an exact find of the others does not end the search for cranks */
-    return st;
-}
-
-/* Search a stage, for the first time or again, with this budget and until `end` at most. */
-static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int before,
-                           long budget, bool in_part, double end, lw_stage_result *r,
-                           lw_staged_search *out, lw_error *e)
-{
-    lw_fit_options mine = *o;
-    bool grows = before > 0 && !lw_task_has_angle(o->spec.task);
-    double start = lw_clock_wall();
-    mine.families = NULL;
-    mine.budget = budget;
-    lw_status st = stage->families.make ? run_all_families(t, &mine, stage, grows, in_part, end, r, out, e)
-                                        : run_types(t, &mine, stage->links, end, r, out, e);
-    r->n_part += stage->families.make == NULL;
-    r->seconds += lw_clock_wall() - start;
+    if (p->stage->unless > 0 && (st = is_enough(p->t, &o->spec, p->stage->unless, false, &p->out->fit, &enough)) != LW_OK)
+        return lw_error_set(p->e, st, "no memory for a report");
+    st = enough ? LW_OK : run_searches(p, LW_FIT_OTHERS, (o->budget + 1)/2, &p->r->n_of[1]);
+    p->r->stop = st == LW_STOPPED ? p->r->stop : stop;    /* an exact find of the others does not end the search for cranks */
     return st;
 }
 
@@ -581,22 +588,29 @@ static bool go_beyond(contest *c, const lw_search_stage *stage, const lw_staged_
     return c->beyond;
 }
 
-/* Search stage i, and see what it gained.  Of four-link types the budget is a part of the rounds. */
+/* Search stage i with this budget and until `end` at most, and see what it gained.  Of four-link types the budget is a part of the
+ * rounds. */
 static lw_status run_part(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int i, long budget,
                           double end, contest *c, lw_staged_search *out, lw_error *e)
 {
     lw_stage_result *r = &out->stage[i];
     lw_fit_options mine = *o;
+    const stage_part p = { .t = t, .o = &mine, .stage = &stage[i], .end = end, .grows = i > 0 && !lw_task_has_angle(o->spec.task),
+                           .in_part = budget < c->whole[i], .r = r, .out = out, .e = e };
     double before = least_of(&out->fit, stage[i].links), whole = (double)c->whole[i];
     long spent = r->evals;
+    mine.families = NULL;
+    mine.budget = budget;
     if (!stage[i].families.make) {
         mine.rounds_from = (whole - (double)c->left[i])/whole;
         mine.rounds_to = (whole - (double)(c->left[i] - budget))/whole;
     }
     if (o->begun)
         o->begun(o->context, stage[i].links);
-    lw_status st = run_stage(t, &mine, &stage[i], i > 0 ? stage[i].links - 2 : 0, budget, budget < c->whole[i], end, r,
-                             out, e);
+    double start = lw_clock_wall();
+    lw_status st = stage[i].families.make ? run_all_families(&p) : run_types(&p);
+    r->n_part += stage[i].families.make == NULL;
+    r->seconds += lw_clock_wall() - start;
     double after = least_of(&out->fit, stage[i].links);
     spent = r->evals - spent;
     c->part[i] = budget;
