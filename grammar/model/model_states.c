@@ -365,90 +365,119 @@ static lw_status read_state(const lw_json_node *object, size_t index, const lw_r
 
 /* ---- controllers -------------------------------------------------------------------------------------------- */
 
+typedef struct controller {
+    double proportional, integral, derivative, filter, least, greatest, unwind;
+    bool   has_least, has_greatest;
+    lw_expression *wanted, *measured, *feed;     /* feed NULL: none */
+    int    sum, slow;                            /* states: the integral, the filtered measure; -1: none */
+} controller;
+
+static lw_status read_controller_numbers(const lw_json_node *object, controller *c, lw_error *e)
+{
+    static const char *const known[] = { "name", "wanted", "measured", "proportional", "integral", "derivative",
+                                         "filter", "feed_forward", "least", "greatest", "unwind" };
+    *c = (controller){ .least = -INFINITY, .greatest = INFINITY, .sum = -1, .slow = -1 };
+    const lw_number_key numbers[] = {
+        { "proportional", 1, LW_ANY, &c->proportional, NULL }, { "integral", 1, LW_ANY, &c->integral, NULL },
+        { "derivative", 1, LW_ANY, &c->derivative, NULL }, { "filter", 1, LW_POSITIVE, &c->filter, NULL },
+        { "least", 1, LW_ANY, &c->least, &c->has_least }, { "greatest", 1, LW_ANY, &c->greatest, &c->has_greatest },
+        { "unwind", 1, LW_POSITIVE, &c->unwind, NULL },
+    };
+    lw_json_node n;
+    lw_status s = lw_json_known_keys(object, known, COUNT(known), e);
+    if (s == LW_OK && (s = lw_read_need(object, "wanted", &n, e)) == LW_OK && (s = lw_read_need(object, "measured", &n, e)) == LW_OK)
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+    if (s != LW_OK)
+        return s;
+    if (c->has_least && c->has_greatest && !(c->least < c->greatest))
+        return lw_json_fault(object, e, "\"least\" must be less than \"greatest\"");
+    if (c->derivative != 0 && !(c->filter > 0))
+        return lw_json_fault(object, e, "\"derivative\" needs a \"filter\": the time of its lag [s]");
+    if (c->integral != 0 && (c->has_least || c->has_greatest) && c->unwind == 0 && !(c->proportional/c->integral > 0))
+        return lw_json_fault(object, e, "limits with \"integral\" alone need \"unwind\": the time [s] in which the integral "
+                             "follows the limited output");
+    c->unwind = c->unwind > 0 ? c->unwind : c->proportional/c->integral;
+    return LW_OK;
+}
+
+static lw_status name_controller_states(const lw_json_node *object, lw_states *states, const char *name, controller *c, lw_error *e)
+{
+    lw_status s = LW_OK;
+    if (c->integral != 0 && (s = name_state(object, states, name, "integral", "1", 1, e)) == LW_OK)
+        c->sum = states->n_state - 1;
+    if (s == LW_OK && c->derivative != 0 && (s = name_state(object, states, name, "filtered", "1", 1, e)) == LW_OK)
+        c->slow = states->n_state - 1;
+    return s;
+}
+
+/* The output without limits (*all) and within them, and the rates of the states. */
+static lw_status generate_controller(const lw_json_node *object, const controller *c, lw_state *state, lw_expression **all,
+                                     lw_expression **limited, lw_error *e)
+{
+    lw_generated word[] = {
+        { "w", c->wanted, 0 }, { "y", c->measured, 0 }, { "sum", NULL, c->sum < 0 ? 0 : variable_of_state(c->sum) },
+        { "slow", NULL, c->slow < 0 ? 0 : variable_of_state(c->slow) }, { "feed", c->feed, 0 }, { "u", NULL, 0 }, { "all", NULL, 0 },
+    };
+    char text[400];
+    int used = snprintf(text, sizeof text, "%.17g*(w - y)", c->proportional);
+    if (c->sum >= 0)
+        used += snprintf(text + used, sizeof text - (size_t)used, " + sum");
+    if (c->slow >= 0)
+        used += snprintf(text + used, sizeof text - (size_t)used, " - %.17g*(y - slow)/%.17g", c->derivative, c->filter);
+    if (c->feed)
+        snprintf(text + used, sizeof text - (size_t)used, " + feed");
+    lw_status s = generate(object, word, COUNT(word), all, e, text);
+    word[6].expression = *all;
+    used = snprintf(text, sizeof text, "%s%sall", c->has_greatest ? "min(" : "", c->has_least ? "max(" : "");
+    if (c->has_least)
+        used += snprintf(text + used, sizeof text - (size_t)used, ", %.17g)", c->least);
+    if (c->has_greatest)
+        snprintf(text + used, sizeof text - (size_t)used, ", %.17g)", c->greatest);
+    if (s == LW_OK)
+        s = generate(object, word, COUNT(word), limited, e, text);
+    word[5].expression = *limited;
+    used = snprintf(text, sizeof text, "%.17g*(w - y)", c->integral);
+    if (c->has_least || c->has_greatest)
+        snprintf(text + used, sizeof text - (size_t)used, " + (u - all)/%.17g", c->unwind);
+    if (s == LW_OK && c->sum >= 0)
+        s = generate(object, word, COUNT(word), &state[c->sum].rate, e, text);
+    snprintf(text, sizeof text, "(y - slow)/%.17g", c->filter);
+    if (s == LW_OK && c->slow >= 0)
+        s = generate(object, word, COUNT(word), &state[c->slow].rate, e, text);
+    if (s == LW_OK && c->slow >= 0)
+        s = generate(object, word, COUNT(word), &state[c->slow].start_at, e, "y");
+    return s;
+}
+
 /* u = limit(p e + I - d y' + feed), e = wanted - measured, I' = i e + (u - unlimited u)/unwind; y' is that of measured
  * behind a lag of time "filter". */
 static lw_status read_controller(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
 {
-    static const char *const known[] = { "name", "wanted", "measured", "proportional", "integral", "derivative",
-                                         "filter", "feed_forward", "least", "greatest", "unwind" };
-    char name[LW_NAME_SIZE], text[400];
-    double p = 0, i = 0, d = 0, filter = 0, least = -INFINITY, greatest = INFINITY, unwind = 0;
-    bool has_least, has_greatest;
-    const lw_number_key numbers[] = {
-        { "proportional", 1, LW_ANY, &p, NULL }, { "integral", 1, LW_ANY, &i, NULL },
-        { "derivative", 1, LW_ANY, &d, NULL }, { "filter", 1, LW_POSITIVE, &filter, NULL },
-        { "least", 1, LW_ANY, &least, &has_least }, { "greatest", 1, LW_ANY, &greatest, &has_greatest },
-        { "unwind", 1, LW_POSITIVE, &unwind, NULL },
-    };
-    enum { WANTED, MEASURED, FEED, FREE, LIMITED, N_PART };
-    lw_expression *part[N_PART] = { NULL };
-    lw_json_node n;
+    controller c;
+    char name[LW_NAME_SIZE];
+    lw_expression *all = NULL, *limited = NULL;
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
-    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_read_own_name(object, "controller", index, name, e)) == LW_OK &&
-        (s = lw_read_need(object, "wanted", &n, e)) == LW_OK && (s = lw_read_need(object, "measured", &n, e)) == LW_OK)
-        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+    if (s == LW_OK && (s = lw_read_own_name(object, "controller", index, name, e)) == LW_OK)
+        s = read_controller_numbers(object, &c, e);
     if (s != LW_OK)
         return s;
     for (int k = 0; k < r->states->n_signal; k++)
         if (strncmp(r->states->signal[k].name, name, strlen(name)) == 0 && strcmp(r->states->signal[k].name + strlen(name), ".output") == 0)
             return lw_json_fault(object, e, "there are two controllers with the name \"%s\"", name);
-    if (has_least && has_greatest && !(least < greatest))
-        return lw_json_fault(object, e, "\"least\" must be less than \"greatest\"");
-    if (d != 0 && !(filter > 0))
-        return lw_json_fault(object, e, "\"derivative\" needs a \"filter\": the time of its lag [s]");
-    if (i != 0 && (has_least || has_greatest) && unwind == 0 && !(p/i > 0))
-        return lw_json_fault(object, e, "limits with \"integral\" alone need \"unwind\": the time [s] in which the integral "
-                             "follows the limited output");
-    unwind = unwind > 0 ? unwind : p/i;
-    if ((s = lw_read_expression(object, "wanted", r, LW_OF_STATE, &part[WANTED], e)) == LW_OK &&
-        (s = lw_read_expression(object, "measured", r, LW_OF_STATE, &part[MEASURED], e)) == LW_OK)
-        s = lw_read_expression(object, "feed_forward", r, LW_OF_STATE, &part[FEED], e);
-    int sum = -1, slow = -1;
-    if (s == LW_OK && i != 0 && (s = name_state(object, r->states, name, "integral", "1", 1, e)) == LW_OK)
-        sum = r->states->n_state - 1;
-    if (s == LW_OK && d != 0 && (s = name_state(object, r->states, name, "filtered", "1", 1, e)) == LW_OK)
-        slow = r->states->n_state - 1;
-    lw_generated word[] = {
-        { "w", part[WANTED], 0 }, { "y", part[MEASURED], 0 }, { "sum", NULL, sum < 0 ? 0 : variable_of_state(sum) },
-        { "slow", NULL, slow < 0 ? 0 : variable_of_state(slow) }, { "feed", part[FEED], 0 }, { "u", NULL, 0 },
-        { "all", NULL, 0 },
-    };
-    int used = snprintf(text, sizeof text, "%.17g*(w - y)", p);
-    if (sum >= 0)
-        used += snprintf(text + used, sizeof text - (size_t)used, " + sum");
-    if (slow >= 0)
-        used += snprintf(text + used, sizeof text - (size_t)used, " - %.17g*(y - slow)/%.17g", d, filter);
-    if (part[FEED])
-        snprintf(text + used, sizeof text - (size_t)used, " + feed");
-    if (s == LW_OK)
-        s = generate(object, word, COUNT(word), &part[FREE], e, text);
-    word[6].expression = part[FREE];
-    used = snprintf(text, sizeof text, has_least && has_greatest ? "min(max(all" : has_least ? "max(all"
-                    : has_greatest ? "min(all" : "all");
-    if (has_least)
-        used += snprintf(text + used, sizeof text - (size_t)used, ", %.17g)", least);
-    if (has_greatest)
-        snprintf(text + used, sizeof text - (size_t)used, ", %.17g)", greatest);
-    if (s == LW_OK)
-        s = generate(object, word, COUNT(word), &part[LIMITED], e, text);
-    word[5].expression = part[LIMITED];
-    used = snprintf(text, sizeof text, "%.17g*(w - y)", i);
-    if (has_least || has_greatest)
-        snprintf(text + used, sizeof text - (size_t)used, " + (u - all)/%.17g", unwind);
-    if (s == LW_OK && sum >= 0)
-        s = generate(object, word, COUNT(word), &r->states->state[sum].rate, e, text);
-    snprintf(text, sizeof text, "(y - slow)/%.17g", filter);
-    if (s == LW_OK && slow >= 0)
-        s = generate(object, word, COUNT(word), &r->states->state[slow].rate, e, text);
-    if (s == LW_OK && slow >= 0)
-        s = generate(object, word, COUNT(word), &r->states->state[slow].start_at, e, "y");
+    if ((s = lw_read_expression(object, "wanted", r, LW_OF_STATE, &c.wanted, e)) == LW_OK &&
+        (s = lw_read_expression(object, "measured", r, LW_OF_STATE, &c.measured, e)) == LW_OK)
+        s = lw_read_expression(object, "feed_forward", r, LW_OF_STATE, &c.feed, e);
+    if (s == LW_OK && (s = name_controller_states(object, r->states, name, &c, e)) == LW_OK)
+        s = generate_controller(object, &c, r->states->state, &all, &limited, e);
     if (s == LW_OK) {
-        s = add_signal(r->states, name, "output", "1", part[LIMITED], e);
-        part[LIMITED] = NULL;
+        s = add_signal(r->states, name, "output", "1", limited, e);
+        limited = NULL;
     }
-    for (int k = 0; k < N_PART; k++)
-        lw_expression_free(part[k]);
+    lw_expression_free(c.wanted);
+    lw_expression_free(c.measured);
+    lw_expression_free(c.feed);
+    lw_expression_free(all);
+    lw_expression_free(limited);
     return s;
 }
 
@@ -566,103 +595,147 @@ static lw_status read_cylinder_ends(const lw_json_node *object, size_t index, co
     return s == LW_OK ? r->ends(object, name, r->model, e) : s;
 }
 
+/* Lengths [m], pressures [Pa], flows [m^3/s]; [0]: the chamber at the blank end of the bore, [1]: that around the rod. */
+typedef struct cylinder {
+    double bore, rod, retracted, stroke, dead, bulk, flow, drop, supply, tank, leakage, relief, relief_flow, friction, slow, damping, stop,
+           stop_damping;
+    double start[2];                             /* pressures */
+    bool   has_relief, has_flow, has_supply;
+} cylinder;
+
+static lw_status read_cylinder_pressures(const lw_json_node *object, double start[2], lw_error *e)
+{
+    lw_json_node n;
+    if (!lw_json_member(object, "pressures", &n))
+        return LW_OK;
+    lw_status s = lw_read_list(&n, 2, 2, e);
+    for (size_t end = 0; s == LW_OK && end < 2; end++) {
+        lw_json_node one = lw_json_element(&n, end);
+        s = lw_json_number(&one, &start[end], e);
+        if (s == LW_OK && start[end] < 0)
+            s = lw_json_fault(&one, e, "a pressure must not be negative");
+    }
+    return s;
+}
+
+static lw_status read_cylinder_numbers(const lw_json_node *object, double metre, cylinder *c, lw_error *e)
+{
+    static const char *const known[] = { "name", "links", "at", "bore", "rod", "retracted", "stroke", "dead_volume",
+                                         "bulk_modulus", "pressures", "valve", "flow", "drop", "supply", "tank",
+                                         "leakage", "relief", "relief_flow", "friction", "friction_speed", "damping",
+                                         "stop_stiffness", "stop_damping" };
+    static const char *const needed[] = { "bore", "retracted", "stroke", "dead_volume" };
+    *c = (cylinder){ .bulk = 1.4e9, .drop = 3.5e6, .relief = INFINITY, .slow = 1e-3, .stop = 1e8 };
+    const lw_number_key numbers[] = {
+        { "bore", metre, LW_POSITIVE, &c->bore, NULL }, { "rod", metre, 0, INFINITY, &c->rod, NULL },
+        { "retracted", metre, 0, INFINITY, &c->retracted, NULL }, { "stroke", metre, LW_POSITIVE, &c->stroke, NULL },
+        { "dead_volume", 1, LW_POSITIVE, &c->dead, NULL }, { "bulk_modulus", 1, LW_POSITIVE, &c->bulk, NULL },
+        { "flow", 1, LW_POSITIVE, &c->flow, &c->has_flow }, { "drop", 1, LW_POSITIVE, &c->drop, NULL },
+        { "supply", 1, 0, INFINITY, &c->supply, &c->has_supply }, { "tank", 1, 0, INFINITY, &c->tank, NULL },
+        { "leakage", 1, 0, INFINITY, &c->leakage, NULL }, { "relief", 1, 0, INFINITY, &c->relief, &c->has_relief },
+        { "relief_flow", 1, LW_POSITIVE, &c->relief_flow, NULL }, { "friction", 1, 0, INFINITY, &c->friction, NULL },
+        { "friction_speed", 1, LW_POSITIVE, &c->slow, NULL }, { "damping", 1, 0, INFINITY, &c->damping, NULL },
+        { "stop_stiffness", 1, LW_POSITIVE, &c->stop, NULL }, { "stop_damping", 1, 0, INFINITY, &c->stop_damping, NULL },
+    };
+    lw_json_node n;
+    lw_status s = lw_json_known_keys(object, known, COUNT(known), e);
+    for (int i = 0; s == LW_OK && i < COUNT(needed); i++)
+        s = lw_read_need(object, needed[i], &n, e);
+    if (s == LW_OK && (s = lw_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK)
+        s = read_cylinder_pressures(object, c->start, e);
+    if (s != LW_OK)
+        return s;
+    if (lw_json_member(object, "valve", &n) && !(c->has_flow && c->has_supply))
+        return lw_json_fault(&n, e, "a valve needs its \"flow\" [m^3/s] at the pressure \"drop\", and the \"supply\" pressure");
+    if (!(c->rod < c->bore))
+        return lw_json_fault(object, e, "\"rod\" must be less than \"bore\"");
+    if (c->has_relief && !(c->relief_flow > 0))
+        return lw_json_fault(object, e, "\"relief\" needs a \"relief_flow\": flow over the pressure above it [m^3/s per Pa]");
+    return LW_OK;
+}
+
+/* Oil that flows into the chamber `end`, whose pressure is the state `own`, over leaks, the relief and the valve (NULL: none). */
+static lw_status cylinder_flow(const lw_json_node *object, const cylinder *c, int end, int own, int other, lw_expression *valve,
+                               lw_expression **flow, lw_error *e)
+{
+    const lw_generated word[] = { { "u", valve, 0 }, { "p", NULL, variable_of_state(own) }, { "other", NULL, variable_of_state(other) } };
+    double least_opening = c->drop/1e4*c->drop/1e4;
+    char text[1024];
+    int used = snprintf(text, sizeof text, "%.17g*(other - p)", c->leakage);
+    if (c->has_relief)
+        used += snprintf(text + used, sizeof text - (size_t)used, " - %.17g*max(p - %.17g, 0)", c->relief_flow, c->relief);
+    if (valve)
+        snprintf(text + used, sizeof text - (size_t)used, " + %.17g*(max(%su, 0)*(%.17g - p)/((%.17g - p)^2 + %.17g)^0.25"
+                 " - max(%su, 0)*(p - %.17g)/((p - %.17g)^2 + %.17g)^0.25)", c->flow/sqrt(c->drop), end ? "-" : "", c->supply,
+                 c->supply, least_opening, end ? "" : "-", c->tank, c->tank, least_opening);
+    return generate(object, word, COUNT(word), flow, e, text);
+}
+
+static double cylinder_area(const cylinder *c, int end)
+{
+    return end ? LW_PI/4*(c->bore*c->bore - c->rod*c->rod) : LW_PI/4*c->bore*c->bore;
+}
+
+/* The rate of the pressure at `end`, from the oil that flows there and the motion of the piston. */
+static lw_status cylinder_pressure(const lw_json_node *object, const cylinder *c, int end, lw_expression *flow, int spring,
+                                   lw_expression **rate, lw_error *e)
+{
+    const lw_generated word[] = { { "q", flow, 0 }, { "l", NULL, lw_variable(LW_QUANTITY_SPRING_LENGTH, spring) },
+                                  { "v", NULL, lw_variable(LW_QUANTITY_SPRING_RATE, spring) } };
+    double area = cylinder_area(c, end)*(end ? -1 : 1), zero = end ? c->retracted + c->stroke : c->retracted;
+    char text[400];
+    snprintf(text, sizeof text, "%.17g*(q - %.17g*v)/(%.17g + %.17g*(l - %.17g))", c->bulk, area, c->dead, area, zero);
+    return generate(object, word, COUNT(word), rate, e, text);
+}
+
+/* The pull of the cylinder over its length and its rate. */
+static lw_status cylinder_law(const lw_json_node *object, const cylinder *c, int p, lw_expression **law, lw_error *e)
+{
+    const lw_generated word[] = { { "p1", NULL, variable_of_state(p) }, { "p2", NULL, variable_of_state(p + 1) },
+                                  { "l", NULL, lw_variable(LW_QUANTITY_LENGTH, 0) }, { "v", NULL, lw_variable(LW_QUANTITY_RATE, 0) } };
+    double extended = c->retracted + c->stroke;
+    char text[1024];
+    int used = snprintf(text, sizeof text, "%.17g*p2 - %.17g*p1 + %.17g*v", cylinder_area(c, 1), cylinder_area(c, 0), c->damping);
+    if (c->friction > 0)
+        used += snprintf(text + used, sizeof text - (size_t)used, " + %.17g*tanh(v/%.17g)", c->friction, c->slow);
+    used += snprintf(text + used, sizeof text - (size_t)used, " + %.17g*(max(l - %.17g, 0) - max(%.17g - l, 0))", c->stop, extended,
+                     c->retracted);
+    if (c->stop_damping > 0)
+        snprintf(text + used, sizeof text - (size_t)used, " + %.17g*v*(1 - sign(l - %.17g)*sign(%.17g - l))/2", c->stop_damping,
+                 c->retracted, extended);
+    return generate(object, word, COUNT(word), law, e, text);
+}
+
 /* With x = length - retracted, areas A and volumes V0 at the ends of the stroke s:
  *     p1' = K (Q1 - A1 x')/(V0 + A1 x),   p2' = K (Q2 + A2 x')/(V0 + A2 (s - x)),   push  p1 A1 - p2 A2 - friction.
  * An edge of the valve that is open by u passes u flow sqrt(dp/drop); near dp = 0, where the root has no slope, it is
  * replaced by dp/(dp^2 + (drop/1e4)^2)^(1/4).  Beyond the stroke a spring and a damper hold. */
 static lw_status read_cylinder(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
 {
-    static const char *const known[] = { "name", "links", "at", "bore", "rod", "retracted", "stroke", "dead_volume",
-                                         "bulk_modulus", "pressures", "valve", "flow", "drop", "supply", "tank",
-                                         "leakage", "relief", "relief_flow", "friction", "friction_speed", "damping",
-                                         "stop_stiffness", "stop_damping" };
-    double metre = r->units->metre, bore = 0, rod = 0, retracted = 0, stroke = 0, dead = 0, bulk = 1.4e9, flow = 0,
-           drop = 3.5e6, supply = 0, tank = 0, leakage = 0, relief = INFINITY, relief_flow = 0, friction = 0, slow = 1e-3,
-           damping = 0, stop = 1e8, stop_damping = 0, start[2] = { 0, 0 };
-    bool has_relief, has_flow, has_supply;
-    const lw_number_key numbers[] = {
-        { "bore", metre, LW_POSITIVE, &bore, NULL }, { "rod", metre, 0, INFINITY, &rod, NULL },
-        { "retracted", metre, 0, INFINITY, &retracted, NULL }, { "stroke", metre, LW_POSITIVE, &stroke, NULL },
-        { "dead_volume", 1, LW_POSITIVE, &dead, NULL }, { "bulk_modulus", 1, LW_POSITIVE, &bulk, NULL },
-        { "flow", 1, LW_POSITIVE, &flow, &has_flow }, { "drop", 1, LW_POSITIVE, &drop, NULL },
-        { "supply", 1, 0, INFINITY, &supply, &has_supply }, { "tank", 1, 0, INFINITY, &tank, NULL },
-        { "leakage", 1, 0, INFINITY, &leakage, NULL }, { "relief", 1, 0, INFINITY, &relief, &has_relief },
-        { "relief_flow", 1, LW_POSITIVE, &relief_flow, NULL }, { "friction", 1, 0, INFINITY, &friction, NULL },
-        { "friction_speed", 1, LW_POSITIVE, &slow, NULL }, { "damping", 1, 0, INFINITY, &damping, NULL },
-        { "stop_stiffness", 1, LW_POSITIVE, &stop, NULL }, { "stop_damping", 1, 0, INFINITY, &stop_damping, NULL },
-    };
-    static const char *const needed[] = { "bore", "retracted", "stroke", "dead_volume" };
-    char name[LW_NAME_SIZE], text[1024];
-    lw_json_node n;
-    lw_expression *valve = NULL, *q[2] = { NULL, NULL };
-    lw_status s = lw_json_known_keys(object, known, COUNT(known), e);
-    for (int i = 0; s == LW_OK && i < COUNT(needed); i++)
-        s = lw_read_need(object, needed[i], &n, e);
-    if (s == LW_OK && (s = lw_read_own_name(object, "cylinder", index, name, e)) == LW_OK)
-        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    if (s == LW_OK && lw_json_member(object, "pressures", &n) && (s = lw_read_list(&n, 2, 2, e)) == LW_OK)
-        for (size_t end = 0; s == LW_OK && end < 2; end++) {
-            lw_json_node one = lw_json_element(&n, end);
-            s = lw_json_number(&one, &start[end], e);
-            if (s == LW_OK && start[end] < 0)
-                s = lw_json_fault(&one, e, "a pressure must not be negative");
-        }
-    if (s == LW_OK && lw_json_member(object, "valve", &n) && !(has_flow && has_supply))
-        s = lw_json_fault(&n, e, "a valve needs its \"flow\" [m^3/s] at the pressure \"drop\", and the \"supply\" pressure");
-    if (s == LW_OK && !(rod < bore))
-        s = lw_json_fault(object, e, "\"rod\" must be less than \"bore\"");
-    if (s == LW_OK && has_relief && !(relief_flow > 0))
-        s = lw_json_fault(object, e, "\"relief\" needs a \"relief_flow\": flow over the pressure above it [m^3/s per Pa]");
-    if (s == LW_OK)
+    cylinder c;
+    char name[LW_NAME_SIZE];
+    lw_expression *valve = NULL, *flow[2] = { NULL, NULL };
+    lw_status s = lw_read_own_name(object, "cylinder", index, name, e);
+    if (s == LW_OK && (s = read_cylinder_numbers(object, r->units->metre, &c, e)) == LW_OK)
         s = lw_read_expression(object, "valve", r, LW_OF_STATE, &valve, e);
     if (s != LW_OK)
         return s;
     int spring, p = find_state(r->states, name, "p1");
     double length;
     lw_expression **law = r->cylinder(r->model, object->json, name, &spring, &length);
-    if (length < retracted || length > retracted + stroke) {
-        lw_expression_free(valve);
-        return lw_json_fault(object, e, "the cylinder is %.6g m long in the posture, which is not within %.6g .. %.6g m",
-                             length, retracted, retracted + stroke);
-    }
-    double least_opening = drop/1e4*drop/1e4, area[2] = { LW_PI/4*bore*bore, LW_PI/4*(bore*bore - rod*rod) };
+    if (length < c.retracted || length > c.retracted + c.stroke)
+        s = lw_json_fault(object, e, "the cylinder is %.6g m long in the posture, which is not within %.6g .. %.6g m", length,
+                          c.retracted, c.retracted + c.stroke);
     for (int end = 0; s == LW_OK && end < 2; end++) {
-        const lw_generated word[] = { { "u", valve, 0 }, { "p", NULL, variable_of_state(p + end) },
-                                      { "other", NULL, variable_of_state(p + !end) } };
-        int used = snprintf(text, sizeof text, "%.17g*(other - p)", leakage);
-        if (has_relief)
-            used += snprintf(text + used, sizeof text - (size_t)used, " - %.17g*max(p - %.17g, 0)", relief_flow, relief);
-        if (valve)
-            snprintf(text + used, sizeof text - (size_t)used, " + %.17g*(max(%su, 0)*(%.17g - p)/((%.17g - p)^2 + %.17g)^0.25"
-                     " - max(%su, 0)*(p - %.17g)/((p - %.17g)^2 + %.17g)^0.25)", flow/sqrt(drop), end ? "-" : "", supply,
-                     supply, least_opening, end ? "" : "-", tank, tank, least_opening);
-        s = generate(object, word, COUNT(word), &q[end], e, text);
-        r->states->state[p + end].start = start[end];
+        r->states->state[p + end].start = c.start[end];
+        s = cylinder_flow(object, &c, end, p + end, p + !end, valve, &flow[end], e);
+        if (s == LW_OK)
+            s = cylinder_pressure(object, &c, end, flow[end], spring, &r->states->state[p + end].rate, e);
     }
-    for (int end = 0; s == LW_OK && end < 2; end++) {
-        const lw_generated word[] = { { "q", q[end], 0 }, { "l", NULL, lw_variable(LW_QUANTITY_SPRING_LENGTH, spring) },
-                                      { "v", NULL, lw_variable(LW_QUANTITY_SPRING_RATE, spring) } };
-        double sign = end ? -1 : 1, zero = end ? retracted + stroke : retracted;
-        snprintf(text, sizeof text, "%.17g*(q - %.17g*v)/(%.17g + %.17g*(l - %.17g))", bulk, sign*area[end], dead,
-                 sign*area[end], zero);
-        s = generate(object, word, COUNT(word), &r->states->state[p + end].rate, e, text);
-    }
-    if (s == LW_OK) {
-        const lw_generated word[] = { { "p1", NULL, variable_of_state(p) }, { "p2", NULL, variable_of_state(p + 1) },
-                                      { "l", NULL, lw_variable(LW_QUANTITY_LENGTH, 0) },
-                                      { "v", NULL, lw_variable(LW_QUANTITY_RATE, 0) } };
-        int used = snprintf(text, sizeof text, "%.17g*p2 - %.17g*p1 + %.17g*v", area[1], area[0], damping);
-        if (friction > 0)
-            used += snprintf(text + used, sizeof text - (size_t)used, " + %.17g*tanh(v/%.17g)", friction, slow);
-        used += snprintf(text + used, sizeof text - (size_t)used, " + %.17g*(max(l - %.17g, 0) - max(%.17g - l, 0))", stop,
-                         retracted + stroke, retracted);
-        if (stop_damping > 0)
-            snprintf(text + used, sizeof text - (size_t)used, " + %.17g*v*(1 - sign(l - %.17g)*sign(%.17g - l))/2",
-                     stop_damping, retracted, retracted + stroke);
-        s = generate(object, word, COUNT(word), law, e, text);
-    }
-    lw_expression_free(q[0]);
-    lw_expression_free(q[1]);
+    if (s == LW_OK)
+        s = cylinder_law(object, &c, p, law, e);
+    lw_expression_free(flow[0]);
+    lw_expression_free(flow[1]);
     if (valve && s == LW_OK)
         return add_signal(r->states, name, "valve", "1", valve, e);
     lw_expression_free(valve);
