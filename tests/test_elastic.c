@@ -457,6 +457,34 @@ TEST(elastica)
     }
 }
 
+/* Where shear and stretch do not count, strips of steel under the load 10 EI/L^2 bend alike, however thin, and their frequencies are
+ * proportional to the thickness; of the thinner one, whose lowest rate is 2e-8 of the greatest, rounding leaves four digits. */
+TEST(thin_strips)
+{
+    lw_vec2 tip[2];
+    double f[2][2];
+    for (int thin = 0; thin < 2; thin++) {
+        scene s;
+        lw_rest r;
+        double h = thin ? 1e-5 : 1e-3;
+        CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'elastic': {'section': {'shape': 'rectangle', 'width': %.17g, "
+                             "'height': %.17g}, 'material': 'steel', 'segments': 16}}], 'joints': [{'name': 'A', 'kind': 'f', 'links': ['ground', "
+                             "'b'], 'at': [0, 0]}], 'tracers': [{'name': 'P', 'link': 'b', 'at': [1, 0]}], 'forces': [{'link': 'b', 'at': [1, 0], "
+                             "'fy': %.17g}]}", h, h, 10*210e9*pow(h, 4)/12), LW_OK);
+        CHECK_INT(open_scene(&s, LW_ANALYSIS_STATIC), LW_OK);
+        CHECK_INT(lw_statics_rest(s.d, 0, s.q, &r, &s.e), LW_OK);
+        CHECK(r.stable && !r.neutral);
+        tip[thin] = tracer(&s, 0, s.q);
+        lw_dynamics_free(s.d), free(s.q);
+        frequencies(&s, 2, true, f[thin]);
+        close_scene(&s);
+    }
+    CHECK_NEAR(tip[1].x, tip[0].x, 1e-4, 0);
+    CHECK_NEAR(tip[1].y, tip[0].y, 1e-4, 0);
+    CHECK_NEAR(100*f[1][0], f[0][0], 0, 2e-3);
+    CHECK_NEAR(100*f[1][1], f[0][1], 0, 2e-4);
+}
+
 /* A column beyond its buckling load pi^2/4, which damping does not change: P/P_cr = (2 K(k)/pi)^2, tip at 2 k/sqrt(P), k = sin(half the
  * angle at the tip). */
 TEST(buckling)

@@ -1283,6 +1283,24 @@ TEST(refused)
     lw_spatial_free(&m);
 }
 
+/* A thin strip under the load EI/L^2 bends in space as in the plane: the elastica, with 16 elements. */
+TEST(a_thin_strip)
+{
+    static record r;
+    lw_spatial m;
+    lw_error e;
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.analysis = LW_ANALYSIS_STATIC;
+    CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'elastic': {'section': {'shape': 'rectangle', 'width': 1e-5, "
+                        "'height': 1e-5}, 'material': 'steel', 'height': [0, 1, 0], 'segments': 16}}], 'joints': [{'name': 'A', 'kind': 'fixed', "
+                        "'links': ['ground', 'b'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'b', 'at': [1, 0, 0]}], 'forces': [{"
+                        "'link': 'b', 'at': [1, 0, 0], 'fy': %.17g}]}", 210e9*1e-20/12), LW_OK);
+    run(&m, o, &r);
+    CHECK(r.rest.stable);
+    CHECK_NEAR(r.at[0].y, 0.301720774, 1e-4, 0);
+    CHECK_NEAR(r.at[0].x, 1 - 0.056433236, 1e-4, 0);
+}
+
 /* A strut in any direction under a load along it: the square of its first frequency falls to 0 at Euler's load pi^2 EI/(4 L^2), less
  * by the shear (1 in 1e4); beyond it the end stands aside as Timoshenko & Gere (1961, section 2.7) have it, by 2 k L/K(k) where
  * P L^2/EI = K(k)^2 and the end turns by 2 asin k.  It stands so on every side, whether the section is round or square. */

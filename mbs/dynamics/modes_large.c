@@ -1,7 +1,7 @@
 /* mbs/dynamics/modes_large.c - the slowest modes of models of any size: Lanczos's method on the inverse.
  *
  * (K + s M) z + J^T l = M x, J z = 0 gives z from x; the eigenvalues of this map are 1/(w^2 + s) (Ericsson & Ruhe 1980).  The
- * shift s makes the matrix regular where motions are free.  Vectors stay orthogonal in the metric of the masses by full
+ * shift s makes the matrix regular where motions are free; a smaller one is taken where modes are so slow that it hides them.  Vectors stay orthogonal in the metric of the masses by full
  * orthogonalisation.  A run that starts anew, orthogonal to the modes found, finds the further ones of equal frequency;
  * it is repeated until it finds none below the greatest.  Models with few freedoms and no elastic links are reduced to all their
  * motions instead, which accelerations under random forces span, and solved as matrices.  Damped modes are those of the equations reduced to twice as many
@@ -20,12 +20,14 @@
 #include "mbs/equations/limits_internal.h"
 
 static const double shift_part = 1e-9;   /* of the greatest stiffness over mass */
+static const double least_part = 1e-15;  /* the same, for modes that are slower still */
+static const double hidden = 1e-15;      /* the same for squares of rates that rounding may have made */
 
 typedef struct lanczos {
     lw_dynamics *d;
     lw_tangent  *tangent;
     int     n, most;                 /* velocities; vectors */
-    double  shift;
+    double  scale, shift;            /* greatest stiffness over mass; s */
     double t;
     const double *q;
     double *basis, *heavy;           /* (most + 1 vectors of n) vectors, and M times these */
@@ -182,6 +184,64 @@ static lw_status find_modes(lanczos *z, int wanted, int room)
     return z->n_found > 0 ? LW_OK : LW_NOTHING;
 }
 
+static lw_status factor(lanczos *z, const double *q, double part, const double *l, double *still)
+{
+    z->shift = part*z->scale;
+    lw_status s = lw_mbs_rows(z->d, z->t, q);
+    return s == LW_OK ? lw_tangent_factor(z->tangent, z->t, q, still, l, (double[]){ z->shift, 0 }, (double[]){ 0, 0 }) : s;
+}
+
+static bool is_hidden(const lanczos *z, int i) { return fabs(z->value[i]) < hidden*z->scale; }
+
+/* Rounding may make a slow mode of a free motion.  Hidden modes which a posture that is moved by as much as rounding does not have, too,
+ * to 5 %, are free: their value becomes 0.  *slow: how many are not. */
+static lw_status tell_free(lanczos *z, const double *l, double *still, int *slow)
+{
+    size_t n = (size_t)z->n, n_q = (size_t)z->d->n_q;
+    lw_rng rng;
+    lw_rng_seed(&rng, 2, 0);
+    double *q = calloc(n_q + 2*n, sizeof *q), *by = q + n_q, *x = by + n;
+    if (!q)
+        return LW_E_MEMORY;
+    memcpy(q, z->q, n_q*sizeof *q);
+    for (size_t i = 0; i < n; i++)
+        by[i] = 4*DBL_EPSILON*(lw_rng_uniform(&rng) - 0.5);
+    z->d->eq.move(z->d->eq.context, q, by);
+    lw_status s = factor(z, q, least_part, l, still);
+    for (int i = 0; i < z->n_found; i++) {
+        const double *heavy = z->found_heavy + (size_t)i*n;
+        if (!is_hidden(z, i))
+            continue;
+        if (s == LW_OK)
+            apply(z, heavy, x);
+        double other = s == LW_OK ? 1/dot(z->n, x, heavy) - z->shift : 0;
+        z->value[i] = fabs(other - z->value[i]) < 0.05*fabs(z->value[i]) ? z->value[i] : 0;
+        *slow += z->value[i] != 0;
+    }
+    free(q);
+    return s == LW_E_NUMERIC ? LW_OK : s;
+}
+
+/* The slowest modes, with a shift that the squares of most rates exceed; where some hide below it, with a smaller one. */
+static lw_status find_slow(lanczos *z, int wanted, int room, const double *l, double *still)
+{
+    const double part[2] = { shift_part, least_part };
+    lw_status s = LW_NOTHING;
+    for (int pass = 0, slow = 1; pass < 2 && slow > 0 && (s == LW_OK || s == LW_NOTHING); pass++) {
+        int n_hidden = 0;
+        if ((s = factor(z, z->q, part[pass], l, still)) != LW_OK)
+            break;
+        z->n_found = 0;
+        s = find_modes(z, wanted, room);
+        for (int i = 0; i < z->n_found; i++)
+            n_hidden += is_hidden(z, i);
+        slow = s == LW_NOTHING;
+        if (s == LW_OK && n_hidden > 0 && (s = tell_free(z, l, still, &slow)) == LW_OK)
+            s = factor(z, z->q, part[pass], l, still);
+    }
+    return s;
+}
+
 static void see_damping(void *context, int row, int column, double by_q, double by_v)
 {
     (void)row, (void)column, (void)by_q;
@@ -284,7 +344,7 @@ static bool reduce(lanczos *z, bool are_modes, bool damping, double t, const dou
     if (damping && !are_modes && !d->eq.conservative)
         return true;
     /* stiffness of a potential is symmetric, in the modes diagonal and 0 between them and what is orthogonal to them, but for rounding */
-    double rounding = 64*DBL_EPSILON*z->shift/shift_part;
+    double rounding = 64*DBL_EPSILON*z->scale;
     for (int i = 0; i < m*m && !d->eq.conservative; i++) {
         int row = i/m, column = i%m;
         double size = sqrt(fabs(v->stiffness[row*m + row]*v->stiffness[column*m + column]));
@@ -333,7 +393,7 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, bool damping, lw_tangent *k
         v.mass = z.b + n + c, v.damping = v.mass + square, v.stiffness = v.damping + square;
         s = lw_tangent_at_rest(d, t, q, still, d->a, l);
         static const double rounding = 4*DBL_EPSILON, tiny = 1e-8;        /* a force left over counts against that of a displacement this small, too */
-        double left = 0, force = 0, ratio = 0, scale = 0, stiffest = 0;
+        double left = 0, force = 0, ratio = 0, stiffest = 0;
         for (size_t i = 0; s == LW_OK && i < n; i++) {
             left = fmax(left, fabs(d->eq.mass[i]*d->a[i]));
             force = fmax(force, fabs(d->force[i]));
@@ -349,21 +409,18 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, bool damping, lw_tangent *k
         force = fmax(force, tiny*stiffest);
         /* what rounding of places leaves of the stiffness is no force */
         modes->unbalanced = force > 0 && left > rounding*stiffest ? left/force : 0;
-        scale = ratio > 0 ? ratio : 1;
-        z.shift = shift_part*scale;
-        lw_status factored = s == LW_OK && !small ? lw_tangent_factor(z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) : s;
-        if (factored != s)
-            s = lw_error_set(e, factored, factored == LW_E_MEMORY ? "out of memory" : "the stiffness is singular in this posture");
-        if (s == LW_OK)
-            s = small ? find_basis(&z, room) : find_modes(&z, aim < room ? aim : room, room);
+        z.scale = ratio > 0 ? ratio : 1;
+        lw_status found = s != LW_OK ? s : small ? find_basis(&z, room) : find_slow(&z, aim < room ? aim : room, room, l, still);
+        if (found != s && found == LW_E_MEMORY)
+            lw_error_set(e, found, "out of memory");
+        if (found != s && found == LW_E_NUMERIC && !small)
+            lw_error_set(e, found, "the stiffness is singular in this posture");
+        s = found;
         if (s == LW_STOPPED)
             s = lw_limits_check(d->o.stop, d->o.until, true, t, e);
         if (s == LW_NOTHING)
             s = lw_error_set(e, LW_E_NUMERIC, "no mode was found: Lanczos's method does not converge here");
         if (s == LW_OK) {
-            for (int i = 0; i < z.n_found && !small; i++)
-                if (fabs(z.value[i]) < 1e-6*z.shift)                       /* a free motion, but for rounding */
-                    z.value[i] = 0;
             z.n_mode = z.n_found;
             if (damped && !small)
                 add_responses(&z, all, t, still, k, damp);
