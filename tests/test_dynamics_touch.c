@@ -1133,6 +1133,61 @@ TEST(box_lifted_along_a_wall)
     }
 }
 
+/* A triangle spins above the floor without gravity.  Only the longest of its corners strikes, for which it would be out again a moment later. */
+TEST(spinning_triangle_strikes)
+{
+    double w = 40, high = 0.4995, part = LW_PI/1.5;
+    for (int k = 0; k < 12; k++) {
+        double early = 0.5*k + 0.2, angle = early - acos(high/0.5) - 0.5*LW_PI;      /* of the longest corner, which turns clockwise */
+        char text[1000];
+        snprintf(text, sizeof text, FREE(FLOOR, "'mass': 1, 'centre': [0, %.17g], 'inertia': 0.03, 'omega': %.17g", "{'polygon': [[%.17g, %.17g], [%.17g, %.17g], [%.17g, %.17g]]}",
+                 "'friction': 0"), high, -w, 0.5*cos(angle), high + 0.5*sin(angle), 0.499*cos(angle + part), high + 0.499*sin(angle + part),
+                 0.499*cos(angle - part), high + 0.499*sin(angle - part));
+        drun_read_format(&d, text, 0, 0);
+        d.model.gravity = lw_v2(0, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-8, 0.3, 1), LW_OK);
+        CHECK(d.report.n_event > 0);
+        CHECK_NEAR(d.report.event[0].t, (early - 2*acos(high/0.5))/w, 1e-9, 0);
+        lw_model_free(&d.model);
+    }
+}
+
+/* A corner flies at the tip of a wedge, 20 degrees sharp, so near its end that it would be out again within 10 us to 1 ms. */
+TEST(corner_meets_a_sharp_tip)
+{
+    for (int k = 0; k < 5; k++) {
+        char text[1000];
+        double x = 0.5 - 0.03*pow(0.3, k);
+        snprintf(text, sizeof text, FREE("{'polygon': [[-0.5, 0], [0.5, 0], [-0.5, -0.36397]]}", "'mass': 1, 'centre': [%.17g, 1.2], 'inertia': 0.03, 'velocity': [0, -8]",
+                 "{'polygon': [[%.17g, 1], [%.17g, 1.2], [%.17g, 1.4], [%.17g, 1.2]]}", "'restitution': 0.5"), x, x, x + 0.2, x, x - 0.2);
+        drun_read_format(&d, text, 0, 0);
+        d.model.gravity = lw_v2(0, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-8, 0.2, 1), LW_OK);
+        CHECK_NEAR(d.v[1]*d.system.unit, 4, 1e-9, 0);
+        lw_model_free(&d.model);
+    }
+}
+
+/* Two wedges slide towards each other on one floor, sharp corner against sharp corner: their corners are on the plane of the other's lower face
+ * when they meet.  Without friction the one pushes the other, and momentum stays. */
+TEST(wedges_meet_on_a_floor)
+{
+    for (int k = 0; k < 2; k++) {                        /* a steep one is pushed off, a flat one slides over a block or under it */
+        double slope = k ? 2 : 0.5, back = k ? 0.1 : 0;
+        char text[2000];
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': [{'name': 'ground', 'shapes': [" FLOOR "]}, {'name': 'a', 'mass': 1, 'centre': [-0.5, 0.1], 'inertia': 0.02,"
+            "'velocity': [2, 0], 'shapes': [{'polygon': [[-0.7, 0], [-0.3, 0], [%.17g, 0.3], [-0.7, 0.3]]}]}, {'name': 'b', 'mass': 3, 'centre': [0.3, 0.1], 'inertia': 0.1, "
+            "'shapes': [{'polygon': [[0, 0], [0.8, 0], [0.8, %.17g]]}]}], 'joints': [{'name': 'A', 'kind': 'n', 'links': ['ground', 'a']}, {'name': 'B', 'kind': 'n',"
+            "'links': ['ground', 'b']}], 'contacts': [{'links': ['ground', 'a']}, {'links': ['ground', 'b']}, {'links': ['a', 'b']}], 'gravity': [0, -9.81]}",
+            -0.3 - back, 0.8*slope);
+        drun_read_format(&d, text, 0, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-8, 0.2, 1), LW_OK);
+        CHECK_NEAR((d.v[0] + 3*d.v[3])*d.system.unit, 2, 1e-9, 0);
+        CHECK(d.v[3]*d.system.unit > 0.1);
+        lw_model_free(&d.model);
+    }
+}
+
 int main(void)
 {
     check_run();

@@ -32,6 +32,7 @@ static const double still = 1e-12, no_slip = 1e-10;
 static const double trace = 1e-11;           /* share of the speed that free accelerations may change          */
 static const double least_share = 1e-6;      /* pivot of a row that depends on others, over its diagonal       */
 static const double undetermined = 2e-6;     /* the friction equations below this determinant have no use      */
+static const double resolved_turn = 0.4;     /* angle of a body in a step while one of its discs may touch [rad] */
 enum { PASSES = 400, TOGETHER = 100, STALLED_MOST = 5000 };
 
 static bool is_rigid(const lw_touch *p) { return !(p->surface->stiffness > 0); }
@@ -133,8 +134,15 @@ lw_status lw_run_touch_accept(lw_run *run, double t, const double *y)
     return LW_OK;
 }
 
-/* Events are looked for at four points of a step.  Between two of them a disc must neither jump over a thin body nor into
- * and out of one. */
+/* Time in which a disc with this speed and acceleration goes the way. */
+static double time_over(double way, double speed, double pull)
+{
+    double root = speed + sqrt(speed*speed + 2*pull*way);
+    return way < INFINITY && root > 0 ? 2*way/root : INFINITY;
+}
+
+/* Events are looked for at four points of a step.  Between two of them a disc must neither jump over a thin body, nor into and out of
+ * one because its body turns. */
 double lw_run_touch_step(lw_run *run, const double *y)
 {
     lw_dynamics *d = run->d;
@@ -144,15 +152,20 @@ double lw_run_touch_step(lw_run *run, const double *y)
     for (int i = 0; i < d->touch->list.n; i++) {
         const lw_touch *p = &d->touch->list.touch[i];
         lw_touch_motion m;
-        if (p->state != LW_TOUCH_APART || p->kind == LW_TOUCH_STOP || !(p->size < INFINITY))
+        if (p->state != LW_TOUCH_APART || p->kind == LW_TOUCH_STOP)
             continue;
         lw_touch_at(p, &d->eq, d->frames, v, &m);
-        double speed = hypot(m.rate, m.slip), pull = 0, way = fmax(0.5*p->size, 0.5*m.gap);
-        for (int end = 0; end < 2; end++)
-            for (int k = 0; p->body[end] >= 0 && k < 3; k++)
-                pull += fabs(d->a[3*p->body[end] + k]);
-        double root = speed + sqrt(speed*speed + 2*pull*way);
-        longest = root > 0 ? fmin(longest, 2*way/root) : longest;
+        double speed = hypot(m.rate, m.slip), pull = 0, turn = 0, size = lw_touch_size(p, &m);
+        for (int end = 0; end < 2; end++) {
+            const int b = 3*p->body[end];
+            double lever = end ? 1 : lw_v2_norm(p->arm[0]);
+            if (b < 0 || lever == 0)
+                continue;
+            pull += fabs(d->a[b]) + fabs(d->a[b + 1]) + fabs(d->a[b + 2]) + v[b + 2]*v[b + 2]*lever;
+            turn = fmax(turn, fabs(v[b + 2]));
+        }
+        double arrival = time_over(0.5*fmax(m.gap, 0), speed, pull);
+        longest = fmin(longest, fmin(time_over(fmax(0.5*size, 0.5*m.gap), speed, pull), fmax(arrival, resolved_turn/turn)));
     }
     return longest;
 }

@@ -12,7 +12,7 @@
 /* ---- discs and faces of a shape ------------------------------------------------------------------ */
 
 typedef struct disc { lw_vec2 at, edge[2], into; double radius, size; } disc;
-typedef struct face { lw_vec2 from, to; double radius, deepest, slope[2]; bool infinite, two_sided; } face;
+typedef struct face { lw_vec2 from, to, next[2]; double radius, deepest, slope[2]; bool infinite, two_sided; } face;
 
 static int disc_count(const lw_contour *p)
 {
@@ -32,15 +32,16 @@ static double extent(const lw_contour *p)
     return most;
 }
 
+static lw_vec2 unit_vector(lw_vec2 v) { return lw_v2_scale(v, 1/fmax(lw_v2_norm(v), 1e-300)); }
+
 static disc disc_of(const lw_contour *p, int i)
 {
     disc d = { .at = p->at[i], .radius = p->radius, .size = extent(p) };
-    for (int k = 0; p->kind == LW_CONTOUR_POLYGON && k < 2; k++) {
-        lw_vec2 u = lw_v2_sub(p->at[(i + (k ? 1 : p->n - 1))%p->n], p->at[i]);
-        d.edge[k] = lw_v2_scale(u, 1/lw_v2_norm(u));
-    }
-    d.into = p->kind == LW_CONTOUR_SEGMENT ? lw_v2_sub(p->at[1 - i], p->at[i]) : lw_v2_add(d.edge[0], d.edge[1]);
-    d.into = lw_v2_scale(d.into, 1/fmax(lw_v2_norm(d.into), 1e-300));
+    bool sharp = p->kind == LW_CONTOUR_POLYGON || (p->kind == LW_CONTOUR_SEGMENT && !(p->radius > 0));
+    for (int k = 0; sharp && k < 2; k++)
+        d.edge[k] = lw_v2_sub(p->at[(i + (k ? 1 : p->n - 1))%p->n], p->at[i]);
+    d.into = p->kind == LW_CONTOUR_SEGMENT ? lw_v2_sub(p->at[1 - i], p->at[i]) : lw_v2_add(unit_vector(d.edge[0]), unit_vector(d.edge[1]));
+    d.into = unit_vector(d.into);
     return d;
 }
 
@@ -87,6 +88,13 @@ static double half_thickness(const lw_contour *p, int i)
     return 0.5*(least < INFINITY ? least : lw_v2_norm(u));
 }
 
+/* Outer normal of side i of a polygon; 0 beyond a notch. */
+static lw_vec2 next_normal(const lw_contour *p, int i, int corner)
+{
+    lw_vec2 u = lw_v2_sub(p->at[i], p->at[(i + 1)%p->n]);
+    return is_notch(p, corner) ? lw_v2(0, 0) : lw_v2_perp(unit_vector(u));
+}
+
 /* Outside is on the left of the direction from `from` to `to`. */
 static face face_of(const lw_contour *p, int i)
 {
@@ -101,6 +109,8 @@ static face face_of(const lw_contour *p, int i)
     f.deepest = half_thickness(p, i);
     f.slope[0] = bisector(p, (i + 1)%p->n);
     f.slope[1] = bisector(p, i);
+    f.next[0] = next_normal(p, (i + 1)%p->n, (i + 1)%p->n);
+    f.next[1] = next_normal(p, (i + p->n - 1)%p->n, i);
     return f;
 }
 
@@ -144,7 +154,10 @@ static void add_discs(maker *w, const lw_contour *p, const lw_contour *o, bool d
             double length = lw_v2_norm(u);
             set_ends(w, t, p->link, a.at, o->link, f.from);
             t->kind = LW_TOUCH_FACE;
-            memcpy(t->edge, a.edge, sizeof t->edge);
+            for (int k = 0; k < 2; k++) {
+                t->edge[k] = lw_v2_scale(a.edge[k], 1/unit);
+                t->next[k] = f.next[k];
+            }
             t->into = a.into;
             t->radius[0] = a.radius/unit;
             t->radius[1] = f.radius/unit;
@@ -154,8 +167,8 @@ static void add_discs(maker *w, const lw_contour *p, const lw_contour *o, bool d
             t->slope[0] = f.slope[0];
             t->slope[1] = f.slope[1];
             t->side = f.two_sided ? LW_TOUCH_NO_SIDE : 0;
-            t->size = f.infinite ? INFINITY : fmax(f.two_sided ? 2*(a.radius + f.radius) : 2*f.deepest,
-                                                   0.05*fmin(length, a.size))/unit;
+            t->size = f.infinite ? INFINITY : (f.two_sided ? 2*(a.radius + f.radius) : 2*f.deepest)/unit;
+            t->least_size = 1e-4*fmin(length, a.size > 0 ? a.size : length)/unit;
         }
         for (int j = 0; discs_too && j < disc_count(o); j++) {
             disc b = disc_of(o, j);
@@ -387,6 +400,30 @@ static void between_points(const lw_touch *t, const lw_body_frame *f, const doub
             - (t->radius[0] + t->radius[1])*turned;
 }
 
+/* Does a side of the corner (of body 0) run behind the face with this normal?  *side is its vector. */
+static bool runs_behind(const lw_touch *t, const lw_body_frame *f, lw_vec2 normal, lw_vec2 *side)
+{
+    static const double least = 1e-6;                    /* sine of the angle behind the face */
+    for (int k = 0; k < 2; k++) {
+        *side = lw_v2_turn(t->edge[k], f[t->body[0] + 1].dir);
+        if (lw_v2_dot(normal, *side) < -least*lw_v2_norm(*side))
+            return true;
+    }
+    return false;
+}
+
+static bool is_beside(const lw_touch *t, double place) { return place > -LW_TOUCH_END && place < t->length + LW_TOUCH_END; }
+
+/* Is the corner, on the surface of a face with the normal `on` (`above` it by rounding), pushed in over the end of the face, so that it is
+ * `depth` behind the next one, whose normal is `behind`?  Then one of its sides runs in by the one face and out by the other, and the next
+ * face holds it, though this one is nearer: two wedges that slide towards each other on one floor. */
+static bool pushed_in(const lw_touch *t, const lw_body_frame *f, lw_vec2 on, double above, lw_vec2 behind, double depth)
+{
+    lw_vec2 side;
+    bool at_end = depth > 0 && depth < 4*t->least_size && fabs(above) < LW_TOUCH_END;
+    return at_end && runs_behind(t, f, on, &side) && lw_v2_dot(behind, side) > depth;
+}
+
 static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, const point *k, lw_touch_motion *m)
 {
     lw_vec2 u = lw_v2_turn(t->along, f[t->body[1] + 1].dir), d = lw_v2_sub(k[0].p, k[1].p);
@@ -408,6 +445,18 @@ static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, 
     bool corner = t->side == 0;
     double begin = corner && !(t->slope[0] < INFINITY) ? t->deepest : 0, end = corner && !(t->slope[1] < INFINITY) ? t->deepest : 0;
     double past = t->length < INFINITY ? fmax(-m->place - begin, m->place - t->length - end) : 0, depth = -height;
+    bool to_this = false;
+    for (int e = 0; corner && t->length < INFINITY && is_beside(t, m->place) && depth > -LW_TOUCH_END && e < 2; e++) {
+        lw_vec2 next = lw_v2_turn(t->next[e], f[t->body[1] + 1].dir);
+        double above = lw_v2_dot(next, d) - (e ? t->length*lw_v2_dot(next, u) : 0);
+        to_this = to_this || pushed_in(t, f, next, above, n, depth);
+        if (pushed_in(t, f, n, height, next, -above)) {
+            m->gap = -above;
+            return;
+        }
+    }
+    if (to_this)
+        return;
     if (past > 0)                            /* an end: the disc there repels, and this less than that */
         m->gap = hypot(past, height) - reach + past;
     else if (t->side == 0 && depth > 0 && t->length < INFINITY &&
@@ -460,6 +509,19 @@ bool lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool anew, d
     return !beside || p->side != LW_TOUCH_NO_SIDE;
 }
 
+/* Near a corner the way through the body from one face to the next is short, and round the end of a segment there is none. */
+double lw_touch_size(const lw_touch *p, const lw_touch_motion *m)
+{
+    double size = p->size, place = m->place + (m->rate < 0 && m->gap > 0 ? -m->place_rate*m->gap/m->rate : 0);
+    for (int end = 0; p->kind == LW_TOUCH_FACE && p->length < INFINITY && end < 2; end++) {
+        double slope = p->slope[end], along = end ? p->length - place : place;
+        bool notch = p->side == 0 && !(slope < INFINITY);
+        if (!notch)
+            size = fmin(size, along*(slope < 1 ? 2*slope/(1 + slope*slope) : 1));
+    }
+    return fmax(size, p->least_size);
+}
+
 bool lw_touch_past_end(const lw_touch *p, const lw_touch_motion *m)
 {
     if (p->kind != LW_TOUCH_FACE || !(p->length < INFINITY))
@@ -472,11 +534,9 @@ bool lw_touch_past_end(const lw_touch *p, const lw_touch_motion *m)
 /* Bodies that touch corner to corner have a line between them along one of the four sides, so that one of the faces stays. */
 bool lw_touch_beside_end(const lw_touch *p, const lw_body_frame *frames, const lw_touch_motion *m)
 {
-    static const double least = 1e-6;                    /* sine of the angle behind the face */
-    if (p->kind != LW_TOUCH_FACE || p->side != 0 || fmin(m->place, p->length - m->place) > LW_TOUCH_END)
-        return false;
-    lw_vec2 dir = frames[p->body[0] + 1].dir;
-    return fmin(lw_v2_dot(m->normal, lw_v2_turn(p->edge[0], dir)), lw_v2_dot(m->normal, lw_v2_turn(p->edge[1], dir))) < -least;
+    lw_vec2 side;
+    return p->kind == LW_TOUCH_FACE && p->side == 0 && !(fmin(m->place, p->length - m->place) > LW_TOUCH_END)
+        && runs_behind(p, frames, m->normal, &side);
 }
 
 double lw_touch_force(const lw_surface *s, double unit, double depth, double rate)

@@ -35,14 +35,15 @@ typedef struct lw_touch {
     int     body[2];                     /* -1: ground                                                 */
     lw_vec2 drawn;                       /* centre of the disc in the posture [m]                      */
     lw_vec2 arm[2];                      /* centre of the disc, on body 0; begin of the face or centre, on body 1 */
-    lw_vec2 edge[2];                     /* directions of the sides at a corner, in the frame of body 0; 0: none */
+    lw_vec2 edge[2];                     /* sides of a body from its corner or sharp end, in the frame of body 0; 0: none */
     lw_vec2 into;                        /* direction from the disc into its shape, in the frame of body 0; 0: a circle */
     double  radius[2];                   /* of a face: half the thickness of a bar                       */
     lw_vec2 along;                       /* face: its direction in the frame of body 1; outside is on its left */
     double  length;                      /* of the face; infinite for a line                            */
+    lw_vec2 next[2];                     /* normals of the faces at its ends, in the frame of body 1; 0: none */
     double  deepest, slope[2];           /* where behind a face a disc counts as inside, see touch.c     */
     int     side;                        /* face of a bar: the side of the disc, -1, 1 or LW_TOUCH_NO_SIDE; 0: one side only */
-    double  size;                        /* size that a disc must not jump over within a step            */
+    double  size, least_size;            /* way of a disc through the body, away from its corners; a shorter one is not looked for */
     double  sign, limit;                 /* stop: gap = sign (measure - limit); rope: limit is its length */
 } lw_touch;
 
@@ -76,6 +77,9 @@ bool lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool anew, d
 
 #define LW_TOUCH_NO_SIDE 2               /* not known yet, taken as 1 */
 #define LW_TOUCH_CLOSED 1e-12            /* a gap below this is closed, scaled */
+
+/* Length of the way through the body for the disc where it is heading: it must not jump over that within a step, scaled. */
+double lw_touch_size(const lw_touch *p, const lw_touch_motion *m);
 
 /* A disc within this of the end of a face is still on it, scaled. */
 #define LW_TOUCH_END 1e-9
