@@ -27,7 +27,7 @@ typedef struct lw_passage {
 /* Its nodes and its rule.  LW_E_MEMORY. */
 lw_status lw_passage_begin(lw_passage *z);
 
-/* Integrate anew from (t, y) to end; `fixed`: by one step, whatever its error. */
+/* Integrate anew from (t, y) to end by an explicit method; `fixed`: by one step, whatever its error.  LW_OPEN: it takes too many steps. */
 lw_status lw_passage_integrate(lw_run *run, double t, double end, double *y, bool fixed);
 
 /* First guess of the states at the nodes: those before the middle are integrated, each behind it follows from the rates before. */
