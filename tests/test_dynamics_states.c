@@ -193,6 +193,15 @@ TEST(a_valve_moves_a_piston)
     CHECK_NEAR(last_z[0], p1, 0, 1e-5);
     CHECK_NEAR(last_z[1], p2, 0, 1e-5);
     CHECK(d.report.formulation == LW_FORMULATION_GGL || d.report.formulation == LW_FORMULATION_INDEX1);
+    double v_full[2];
+    for (int i = 0; i < 2; i++) {                            /* a valve opens no wider than fully */
+        drun d2 = { 0 };
+        drun_read_format(&d2, format, i == 0 ? 1.0 : 3.0, 1e6);
+        run_to(&d2, 0.1, LW_FORMULATION_AUTO);
+        v_full[i] = v_end;
+        lw_model_free(&d2.model);
+    }
+    CHECK_NEAR(v_full[1], v_full[0], 0, 1e-12);
     run_to(&d, 5, LW_FORMULATION_GGL);                       /* at the stop: full pressure on a spring of 1e8 N/m */
     CHECK_NEAR(q_end, 0.3 + (1e7*a1 - last_z[1]*a2)/1e8, 1e-7, 0);
     CHECK_NEAR(last_z[0], 1e7, 0, 1e-4);

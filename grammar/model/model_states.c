@@ -718,6 +718,13 @@ static lw_status read_cylinder(const lw_json_node *object, size_t index, const l
     lw_status s = lw_read_own_name(object, "cylinder", index, name, e);
     if (s == LW_OK && (s = read_cylinder_numbers(object, r->units->metre, &c, e)) == LW_OK)
         s = lw_read_expression(object, "valve", r, LW_OF_STATE, &valve, e);
+    if (s == LW_OK && valve) {                           /* no wider open than fully */
+        const lw_generated word[] = { { "u", valve, 0 } };
+        lw_expression *limited = NULL;
+        s = generate(object, word, COUNT(word), &limited, e, "min(max(u, -1), 1)");
+        lw_expression_free(valve);
+        valve = limited;
+    }
     if (s != LW_OK)
         return s;
     int spring, p = find_state(r->states, name, "p1");
