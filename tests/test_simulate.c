@@ -22,7 +22,7 @@ TEST(rest)
            "True True True", "stable");
 }
 
-/* A crank driven at constant speed with its mass off the pin: torque m g r cos, reaction m (r w^2 + g). */
+/* A crank driven at constant speed with its mass off the pin: torque m g r cos, whose work lifts it, reaction m (r w^2 + g). */
 TEST(driven)
 {
     expect("$P simulate " PENDULUM " --speed 2 --to 1 -n 4 --json | python3 -c 'import json,sys,math; d = json.load(sys.stdin)\n"
@@ -31,6 +31,7 @@ TEST(driven)
            "  r = dict(zip(d[\"columns\"], row)); a = math.pi + 2*r[\"t\"]\n"
            "  ok = ok and abs(r[\"A.drive\"] - 9.81*math.cos(a)) < 1e-9 and abs(r[\"A.fx\"] + 4*math.cos(a)) < 1e-9\n"
            "  ok = ok and abs(r[\"A.fy\"] - 9.81 + 4*math.sin(a)) < 1e-9 and abs(r[\"shaking.fx\"] - 4*math.cos(a)) < 1e-9\n"
+           "  ok = ok and abs(r[\"work\"] - 9.81*math.sin(a)) < 1e-9\n"
            "print(ok)'", 0, "True", NULL);
     expect("$P simulate " PENDULUM " --speed 2 --balance", 0, "\"balanced\": true", NULL);
 }

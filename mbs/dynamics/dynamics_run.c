@@ -292,6 +292,12 @@ lw_status lw_run_show_solved(lw_run *run, double t, const double *y)
     lw_moment m;
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
     lw_status s = lw_mbs_measure(d, t, y, y + d->n_q, run->has_work ? y[d->n_q + d->n_v] : 0, &m);
+    bool still = d->o.analysis == LW_ANALYSIS_QUASISTATIC;
+    if (still || run->r->formulation == LW_FORMULATION_DRIVEN) {      /* nothing is integrated: the work is the change of the energies */
+        double energy = m.potential + (still ? 0 : m.kinetic);
+        run->energy0 = run->r->samples == 0 ? energy : run->energy0;
+        m.work = energy - run->energy0;
+    }
     if (s == LW_OK)
         lw_mbs_least_norm(d, d->l);
     return s == LW_OK ? hand_out(run, &m) : s;

@@ -425,7 +425,7 @@ lw_status lw_dynamics_space_moment(lw_dynamics *d, const lw_moment *m, lw_space_
     lw_status st = LW_OK;
     *out = (lw_space_moment){ .t = m->t, .q = m->q, .v = m->v, .a = m->a, .frame = c->frame, .input = input, .input_rate = rate,
                               .drive = drive, .joint = c->joint, .coupling = c->pull, .kinetic = m->kinetic, .potential = m->potential,
-                              .work = d->freedom == 0 || still ? NAN : m->work, .off = m->off, .off_rate = m->off_rate };
+                              .work = m->work, .off = m->off, .off_rate = m->off_rate };
     for (int i = 0; i < inputs || i < model->n_drive; i++)
         drive[i] = 0;                        /* what runs freely */
     lw_space_place(&c->s, m->q, c->frame);
