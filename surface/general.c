@@ -1,5 +1,6 @@
 #include "surface/surface.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -101,8 +102,8 @@ lw_status lw_surface_options(const lw_simulation_options *options, lw_dynamics_o
     int formulation = analysis < 0 ? -1 : lw_surface_word("formulation", all.formulation, formulations, error);
     if (formulation < 0)
         return LW_E_ARG;
-    if (all.intervals < 1 || !(all.from < all.to) || !(all.tolerance > 0))
-        return lw_error_set(error, LW_E_ARG, "a simulation needs from < to, an interval and a positive tolerance");
+    if (all.intervals < 1 || !isfinite(all.from) || !(all.tolerance > 0))
+        return lw_error_set(error, LW_E_ARG, "a simulation needs a time from which it starts, an interval and a positive tolerance");
     *out = lw_dynamics_options_default();
     out->analysis = (lw_analysis)analysis;
     out->formulation = (lw_formulation)formulation;

@@ -46,7 +46,7 @@ TEST(plots_stand_alone)
     static const char *const lines[] = {
         "trace examples/jansen.json -n 8 --plot $D/p.svg", "simulate examples/pendulum.json --to 0.1 -n 4 --plot $D/p.svg",
         "simulate examples/pendulum.json --to 0.1 -n 4 --gif $D/p.gif",
-        "simulate examples/pendulum.json --analysis static --plot $D/p.svg",
+        "simulate examples/pendulum.json --analysis static --from 2 --plot $D/p.svg",
         "simulate examples/space/top.json --to 0.1 -n 4 --plot $D/p.svg",
         "clearance examples/clearance-four-bar.json --speeds 80 --to 0.02 --settle 0.01 --plot $D/p.svg",
         "clearance examples/clearance-four-bar.json --speeds 80 --to 0.02 --settle 0.01 --path $D/p.pdf --force-plot $D/p.svg",

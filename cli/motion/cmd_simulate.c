@@ -194,7 +194,7 @@ static int run(const cli_call *call)
     lw_output o;
     lw_model *m;
     lw_spatial *spatial;
-    if (s->analysis != ANALYSIS_LINEAR && !(s->from < s->to))
+    if (s->analysis != ANALYSIS_LINEAR && s->analysis != LW_ANALYSIS_STATIC && !(s->from < s->to))
         return cli_usage(call, "--from must be less than --to");
     if (cli_read_any_model(call->parsed.word[0], 0, &m, &spatial, &e) != LW_OK)
         return cli_fail(call, &e);

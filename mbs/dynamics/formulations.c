@@ -340,6 +340,8 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     *r = d->choice;
     if (r->formulation == LW_FORMULATION_AUTO)
         return lw_error_set(e, LW_E_ARG, "a static analysis has no run");
+    if (!(d->o.from < d->o.to))
+        return lw_error_set(e, LW_E_ARG, "a run in time needs from < to");
     d->e = run.e;
     bool others = d->o.formulation == LW_FORMULATION_AUTO && r->formulation != LW_FORMULATION_DRIVEN && !d->space && !d->large
                && !d->touch && !d->o.pieces;
