@@ -349,6 +349,8 @@ int cli_simulate_linear(const cli_call *call, lw_model *m, lw_spatial *space, co
     head(l);
     lw_status s = o->along > 0 ? along(l, &e) : one(l, o->rest, &e);
     tail(l);
+    if (s == LW_OK && l->modes.cut)
+        cli_note(call, "some loads have no potential: modes faster than the first %d are not found to 1e-6, and are left out", l->modes.n_mode);
     if (s == LW_OK && !o->rest && !o->along && l->modes.unbalanced > 1e-9)
         cli_note(call, "the posture is no equilibrium: %.3g of the greatest force is left over; --rest goes to one",
                  l->modes.unbalanced);

@@ -27,6 +27,7 @@ typedef struct lw_modes {
     int     n_mode;              /* conjugate pairs and real eigenvalues, sorted by |s| */
     int     redundant;           /* rows that depend on others */
     double  unbalanced;          /* greatest generalised force left without constraint, over the greatest of all */
+    bool    cut;                 /* further modes were wanted, which are not known to 1e-6 (large models under loads without a potential) */
     bool    conservative;        /* no damping, symmetric stiffness: eigenvalues are exactly imaginary, 0 or real */
     lw_mode mode[2*LW_SYSTEM_Q_MAX];
     double *memory;              /* of the shapes */

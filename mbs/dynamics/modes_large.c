@@ -1,13 +1,14 @@
 /* mbs/dynamics/modes_large.c - the slowest modes of models of any size: Lanczos's method on the inverse.
  *
  * (K + s M) z + J^T l = M x, J z = 0 gives z from x; the eigenvalues of this map are 1/(w^2 + s) (Ericsson & Ruhe 1980).  The
- * shift s makes the matrix regular where motions are free; a smaller one is taken where modes are so slow that it hides them.  Vectors stay orthogonal in the metric of the masses by full
- * orthogonalisation.  A run that starts anew, orthogonal to the modes found, finds the further ones of equal frequency;
+ * shift s makes the matrix regular where motions are free; a smaller one is taken where modes are so slow that it hides them.
+ * Vectors stay orthogonal in the metric of the masses by full orthogonalisation.  A run that starts anew, orthogonal to the modes found, finds the further ones of equal frequency;
  * it is repeated until it finds none below the greatest.  Models with few freedoms and no elastic links are reduced to all their
  * motions instead, which accelerations under random forces span, and solved as matrices.  Damped modes are those of the equations reduced to twice as many
  * undamped modes as are wanted, which is exact where damping is proportional to the stiffness; and, where it is not, to what its forces
- * and the masses bend besides (K z = C x, K z = M x), as a Krylov space of the damped equations has it (Bai & Su 2005).  Up to
- * LW_SYSTEM_Q_MAX freedoms under loads without a potential are solved as matrices, too. */
+ * and the masses bend besides (K z = C x, K z = M x), as a Krylov space of the damped equations has it (Bai & Su 2005).  Under loads
+ * without a potential, up to LW_SYSTEM_Q_MAX freedoms are solved as matrices, too; more are reduced to such a space of as many vectors from
+ * random ones, and the modes that this space has exactly are taken. */
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
@@ -191,6 +192,8 @@ static lw_status factor(lanczos *z, const double *q, double part, const double *
     return s == LW_OK ? lw_tangent_factor(z->tangent, z->t, q, still, l, (double[]){ z->shift, 0 }, (double[]){ 0, 0 }) : s;
 }
 
+enum { random_vectors = 4 };             /* modes of equal frequency that are told apart under loads without a potential */
+
 static bool is_hidden(const lanczos *z, int i) { return fabs(z->value[i]) < hidden*z->scale; }
 
 /* Rounding may make a slow mode of a free motion.  Hidden modes which a posture that is moved by as much as rounding does not have, too,
@@ -258,34 +261,48 @@ static void multiply(void *context, int row, int column, double by_q, double by_
     p->c[row] -= by_v*p->x[column];
 }
 
-/* k, c (n) = K x, C x at rest, of forces alone. */
-static void multiply_all(lanczos *z, double t, double *still, const double *x, double *k, double *c)
+/* k, c (n) = K x, C x at rest; l NULL: of forces alone. */
+static void multiply_all(lanczos *z, double t, const double *l, double *still, const double *x, double *k, double *c)
 {
     lw_dynamics *d = z->d;
     product p = { x, k, c };
     memset(k, 0, (size_t)z->n*sizeof *k);
     memset(c, 0, (size_t)z->n*sizeof *c);
     d->eq.derivatives(d->eq.context, t, z->q, still, d->force, &(lw_force_sink){ .context = &p, .add = multiply });
+    for (int r = 0; l && r < z->tangent->c; r++)
+        for (int b = 0, count = lw_mbs_bends(d, d->kept[r]); b < count; b++)
+            k[d->bend[b].a] += l[r]*d->bend[b].h*x[d->bend[b].b];
 }
 
-/* Add to the modes found what the damping forces and the masses of their motion bend, and those of what was added, in three rounds; at
- * most `room` vectors in all. */
-static void add_responses(lanczos *z, int room, double t, double *still, double *k, double *c)
+/* Take from x its part that the rows forbid, along which nothing may resist; heavy: scratch. */
+static lw_status allow(lanczos *z, double *x, double *heavy)
+{
+    lw_dynamics *d = z->d;
+    memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
+    for (int i = 0; i < z->n; i++)
+        heavy[i] = x[i]/d->by_mass[i];
+    return lw_mbs_linear(d, heavy, d->rhs, x, d->l);
+}
+
+/* Add to the vectors found what the damping forces and the masses of their motion bend, and those of what was added, in so many rounds;
+ * at most `room` vectors in all. */
+static void add_responses(lanczos *z, int rounds, int room, double t, double *still, double *k, double *c)
 {
     static const double own = 1e-9;          /* part of a vector that is not in the others; less is rounding */
     int first = 0;
-    for (int round = 0; round < 3; round++) {
+    for (int round = 0; round < rounds && first < z->n_found; round++) {
         int end = z->n_found;
         for (int j = first; j < end; j++) {
             size_t n = (size_t)z->n;
-            multiply_all(z, t, still, z->found + (size_t)j*n, k, c);
+            multiply_all(z, t, NULL, still, z->found + (size_t)j*n, k, c);
             const double *push[2] = { c, z->found_heavy + (size_t)j*n };
             for (int i = 0; i < 2 && z->n_found < room; i++) {
                 double *to = z->found + (size_t)z->n_found*n, *heavy = z->found_heavy + (size_t)z->n_found*n;
                 apply(z, push[i], to);
                 lw_tangent_mass(z->tangent, z->q, to, heavy);
                 double whole = sqrt(fmax(lw_dot(z->n, to, heavy), 0));
-                z->n_found += orthogonal(z, to, heavy, 0) > own*whole;
+                bool new_one = orthogonal(z, to, heavy, 0) > own*whole && allow(z, to, heavy) == LW_OK;
+                z->n_found += new_one && orthogonal(z, to, heavy, 0) > 0;
             }
         }
         first = end;
@@ -295,18 +312,15 @@ static void add_responses(lanczos *z, int room, double t, double *still, double 
 /* A basis of all motions that the rows allow, instead of modes: for few freedoms. */
 static lw_status find_basis(lanczos *z, int freedom)
 {
-    lw_dynamics *d = z->d;
     lw_rng rng;
     lw_rng_seed(&rng, 1, 0);
-    memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
     for (z->n_found = 0; z->n_found < freedom; z->n_found++) {
         double *x = z->found + (size_t)z->n_found*(size_t)z->n, *heavy = z->found_heavy + (size_t)z->n_found*(size_t)z->n;
         for (int i = 0; i < z->n; i++)
-            heavy[i] = d->eq.mass[i]*(lw_rng_uniform(&rng) - 0.5);
-        for (int twice = 0; twice < 2; twice++) {            /* rounding, too, stays in the motions that the rows allow */
-            if (lw_mbs_linear(d, heavy, d->rhs, x, d->l) != LW_OK || !(orthogonal(z, x, heavy, 0) > 0))
+            x[i] = lw_rng_uniform(&rng) - 0.5;
+        for (int twice = 0; twice < 2; twice++)              /* rounding, too, stays in the motions that the rows allow */
+            if (allow(z, x, heavy) != LW_OK || !(orthogonal(z, x, heavy, 0) > 0))
                 return LW_E_NUMERIC;
-        }
     }
     return LW_OK;
 }
@@ -326,11 +340,7 @@ static bool reduce(lanczos *z, bool are_modes, bool damping, double t, const dou
         return true;
     for (int j = 0; j < m; j++) {
         const double *x = z->found + (size_t)j*(size_t)n;
-        multiply_all(z, t, still, x, k, c);
-        for (int r = 0; r < z->tangent->c; r++) {
-            for (int b = 0, count = lw_mbs_bends(d, d->kept[r]); b < count; b++)
-                k[d->bend[b].a] += l[r]*d->bend[b].h*x[d->bend[b].b];
-        }
+        multiply_all(z, t, l, still, x, k, c);
         lw_tangent_mass(z->tangent, z->q, x, z->heavy);
         for (int i = 0; i < m; i++) {
             const double *y = z->found + (size_t)i*(size_t)n;
@@ -358,6 +368,45 @@ static bool reduce(lanczos *z, bool are_modes, bool damping, double t, const dou
         else
             v->stiffness[i] = v->stiffness[i%m*m + i/m] = 0.5*(v->stiffness[i] + v->stiffness[i%m*m + i/m]);
     return true;
+}
+
+/* Keep those modes of the reduced equations, from the slowest on, that fulfil the whole ones: of x of a mode s, the rows forbid less than the
+ * part `exact`, and (K + s' M)^-1 (s^2 M + s C + K) x, with the shift s', is smaller than that. */
+static void keep_exact(lanczos *z, int wanted, double t, const double *l, double *still, double *k, double *c, lw_modes *modes)
+{
+    static const double exact = 1e-6;
+    const size_t n = (size_t)z->n;
+    double *x = z->basis, *heavy = x + n, *left[2] = { heavy + n, heavy + 2*n };
+    for (int i = 0; i < modes->n_mode && i < wanted; i++) {
+        const lw_mode *m = &modes->mode[i];
+        const double square[2] = { m->re*m->re - m->im*m->im, 2*m->re*m->im };
+        double size = 0, off = 0;
+        memset(left[0], 0, 2*n*sizeof *x);
+        for (int part = 0; part < 2; part++) {           /* real and imaginary */
+            for (size_t j = 0; j < n; j++)
+                x[j] = m->shape[j]*(part ? sin(m->phase[j]) : cos(m->phase[j]));
+            multiply_all(z, t, l, still, x, k, c);
+            lw_tangent_mass(z->tangent, z->q, x, heavy);
+            size += dot(z->n, x, heavy);
+            for (size_t j = 0; j < n; j++) {
+                left[part][j] += square[0]*heavy[j] + m->re*c[j] + k[j];
+                left[!part][j] += (part ? -1 : 1)*(square[1]*heavy[j] + m->im*c[j]);
+            }
+            memcpy(c, x, n*sizeof *x);
+            off = allow(z, x, heavy) == LW_OK ? off : INFINITY;
+            for (size_t j = 0; j < n; j++)
+                x[j] -= c[j];
+            lw_tangent_mass(z->tangent, z->q, x, heavy);
+            off += dot(z->n, x, heavy);
+        }
+        for (int part = 0; part < 2; part++) {
+            apply(z, left[part], x);
+            lw_tangent_mass(z->tangent, z->q, x, heavy);
+            off += dot(z->n, x, heavy);
+        }
+        modes->cut = !(off < exact*exact*size);
+        modes->n_mode = modes->cut ? i : modes->n_mode;
+    }
 }
 
 lw_status lw_modes_about(lw_dynamics *d, int wanted, bool damping, lw_tangent *kept, double t, double *q, lw_modes *modes, lw_error *e)
@@ -423,18 +472,24 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, bool damping, lw_tangent *k
         if (s == LW_OK) {
             z.n_mode = z.n_found;
             if (damped && !small)
-                add_responses(&z, all, t, still, k, damp);
+                add_responses(&z, 3, all, t, still, k, damp);
             v.n_free = z.n_found;
             bool known = reduce(&z, !small, damping, t, l, &v, k, damp, still);
-            if (!known && damping && all == modes->freedom) {              /* few enough for their matrices as they are */
-                s = find_basis(&z, all);
+            bool whole = known || all == modes->freedom;                  /* few enough for their matrices as they are */
+            if (!known && damping) {
+                s = find_basis(&z, whole ? all : random_vectors);
+                if (s == LW_OK && !whole)
+                    add_responses(&z, all, all, t, still, k, damp);
                 v.n_free = z.n_found;
                 known = s == LW_OK && reduce(&z, false, true, t, l, &v, k, damp, still);
             }
             if (s == LW_OK)
                 s = known ? lw_modes_solve(&v, modes, e)
-                  : lw_error_set(e, LW_E_KIND, "modes of more than %d freedoms need loads with a potential; a force that turns with its "
-                                 "link or depends on others has none", LW_SYSTEM_Q_MAX);
+                  : lw_error_set(e, LW_E_KIND, "whether it is stable is not known: a force that turns with its link or depends on others has no potential");
+            if (s == LW_OK && !whole) {
+                keep_exact(&z, wanted, t, l, still, k, damp, modes);
+                s = modes->n_mode > 0 ? s : lw_error_set(e, LW_E_NUMERIC, "no mode was found: Krylov's method does not converge under loads without a potential");
+            }
         }
         if (s == LW_OK && modes->n_mode > wanted)
             modes->n_mode = wanted;
