@@ -78,6 +78,9 @@ TEST(loop)
            "$P drive simulate examples/drives/servo-axis.json -n 100 --to 0.1 | head -n 4 > $D/first && head -n 4 $D/long.csv.partial | "
            "cmp - $D/first", 0, "", NULL);
     expect("$P drive simulate examples/drives/servo-axis.json --speed 3", 2, NULL, "drive load");
+    expect("$P drive load examples/drives/lifting-arm.json --speed 3", 3, "", "here each has one");
+    expect("$P family sweep examples/families/loader.json --vary reach=2:3:2 -n 2 --speed 3", 2, NULL, "here each has one");
+    expect("$P simulate examples/space/arm.json --speed 3", 3, "", "here each has one");
     expect("$P drive simulate examples/drives/servo-axis.json --to 0", 2, NULL, "greater than 0");
     expect("$P drive simulate examples/drives/lifting-arm.json", 3, NULL, "units");
     expect("$P drive simulate $D/none.json", 3, NULL, "none.json");

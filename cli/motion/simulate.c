@@ -114,6 +114,7 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
 lw_status cli_simulate_speed(lw_model *m, const char *speed, const char *file, lw_error *e)
 {
     char text[96];
+    bool used = false;
     if (!speed)
         return LW_OK;
     if (m->linkage.n_input == 0)
@@ -129,8 +130,9 @@ lw_status cli_simulate_speed(lw_model *m, const char *speed, const char *file, l
         s = lw_model_drive(m, i, text, e);
         if (s != LW_OK)
             return s;
+        used = true;
     }
-    return LW_OK;
+    return used ? LW_OK : lw_error_at(e, LW_E_ARG, file, 0, 0, "--speed is for inputs without a motion, and here each has one");
 }
 
 lw_status cli_simulate_make(cli_simulate *s, const lw_dynamics_options *o, const char *file, lw_error *e)

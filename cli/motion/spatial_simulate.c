@@ -346,6 +346,7 @@ static void head(run *r, const cli_call *call)
 lw_status cli_spatial_speed(lw_spatial *m, const char *speed, lw_error *e)
 {
     char text[96];
+    bool used = false;
     if (!speed)
         return LW_OK;
     if (m->n_input == 0)
@@ -360,8 +361,9 @@ lw_status cli_spatial_speed(lw_spatial *m, const char *speed, lw_error *e)
         snprintf(text, sizeof text, "%.17g + %.17g*t", m->input[i].value, value);
         if ((st = lw_spatial_set_motion(m, i, text, e)) != LW_OK)
             return st;
+        used = true;
     }
-    return LW_OK;
+    return used ? LW_OK : lw_error_set(e, LW_E_ARG, "--speed is for inputs without a motion, and here each has one");
 }
 
 /* The model that is solved: its elastic links are nodes, everything else keeps its index. */
