@@ -39,8 +39,10 @@ static const reason reasons[] = {
     { EWOULDBLOCK,  "another program is writing it" },
 };
 
-static lw_status failed(lw_error *e, const char *verb, const char *path, int number)
+lw_status lw_file_failed(lw_error *e, const char *verb, const char *path, int number)
 {
+    if (!*path)
+        return lw_error_set(e, LW_E_IO, "a file cannot be %s: its name is empty", verb);
     if (strcmp(path, "-") == 0 && strcmp(verb, "written") == 0)
         path = "standard output";                /* "-" alone would be called standard input */
     for (size_t i = 0; i < sizeof reasons/sizeof *reasons; i++)
@@ -94,7 +96,7 @@ lw_status lw_file_read(const char *path, char **text, size_t *size, lw_error *e)
     int error = 0;
     size_t expected = 0;
     if (fd < 0)
-        return failed(e, "read", path, errno);
+        return lw_file_failed(e, "read", path, errno);
     if (fstat(fd, &st) != 0)
         error = errno;
     else if (S_ISDIR(st.st_mode))
@@ -112,7 +114,7 @@ lw_status lw_file_read(const char *path, char **text, size_t *size, lw_error *e)
                            "which is no file meant for here", FILE_SIZE_MAX >> 20);
     if (error == ENOMEM)
         return lw_error_at(e, LW_E_MEMORY, path, 0, 0, "cannot be read: out of memory");
-    return error ? failed(e, "read", path, error) : LW_OK;
+    return error ? lw_file_failed(e, "read", path, error) : LW_OK;
 }
 
 /* ---- out -------------------------------------------------------------------------------------- */
@@ -241,19 +243,19 @@ static lw_status open_output(lw_output *o, const char *path, bool partial, lw_er
         fd = mode >= 0 && (mode & O_ACCMODE) != O_RDONLY ? dup(stream) : -1;
     } else if (stat(path, &st) != 0) {
         if (n > 0 && path[n-1] == '/')
-            return failed(e, "written", path, EISDIR);
+            return lw_file_failed(e, "written", path, EISDIR);
         if (errno == ENOENT && lstat(path, &st) == 0)
             return lw_error_at(e, LW_E_IO, path, 0, 0, "cannot be written: it is a link to a file that does not exist");
         fd = errno == ENOENT || errno == ENAMETOOLONG ? open_replacement(o, path, NULL) : -1;
     } else if (S_ISDIR(st.st_mode)) {
-        return failed(e, "written", path, EISDIR);
+        return lw_file_failed(e, "written", path, EISDIR);
     } else if (S_ISREG(st.st_mode)) {
         fd = open_replacement(o, path, &st);
     } else {
         fd = open(path, O_WRONLY | O_CLOEXEC);       /* a device or pipe cannot be replaced */
     }
     if (fd < 0)
-        return failed(e, "written", path, errno);
+        return lw_file_failed(e, "written", path, errno);
     if (!o->temp[0])
         snprintf(o->path, sizeof o->path, "%s", path);
     o->f = fdopen(fd, partial && o->temp[0] ? "r+b" : "wb");
@@ -363,7 +365,7 @@ static lw_status commit_to(lw_output *o, const char *path, lw_error *e)
         error = errno;
     if (error) {
         lw_output_abandon(o);
-        return failed(e, "written", path, error);
+        return lw_file_failed(e, "written", path, error);
     }
     o->temp[0] = '\0';
     return LW_OK;

@@ -13,6 +13,9 @@
  * LW_E_IO if it cannot be read (the text says so if it is a directory) or is larger than 256 MiB. */
 lw_status lw_file_read(const char *path, char **text, size_t *size, lw_error *e);
 
+/* The error LW_E_IO "PATH: cannot be VERB: why" for an error number of the system. */
+lw_status lw_file_failed(lw_error *e, const char *verb, const char *path, int number);
+
 #define LW_PATH_SIZE 4096           /* of a path with its terminator: PATH_MAX */
 
 typedef struct lw_output { FILE *f; char path[LW_PATH_SIZE], temp[LW_PATH_SIZE + 32]; bool partial; } lw_output;

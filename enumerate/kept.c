@@ -8,6 +8,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 #include "base/bytes.h"
+#include "base/file.h"
 #include "base/parallel.h"
 #include "enumerate/canon.h"
 #include "enumerate/kept.h"
@@ -191,7 +192,7 @@ static lw_status open_file(lw_kept *k, const char *path, lw_error *e)
     size_t size = 0;
     k->fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (k->fd < 0)
-        return lw_error_set(e, LW_E_IO, "cannot open %s: %s", path, strerror(errno));
+        return lw_file_failed(e, "written", path, errno);
     if (flock(k->fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
         return lw_error_set(e, LW_E_IO, "another program writes %s; give each its own file and join them with cat",
                             path);
@@ -203,7 +204,7 @@ static lw_status open_file(lw_kept *k, const char *path, lw_error *e)
     lw_status status = own ? read_lines(k, text, size, e) : bad_line(k, 1, "this is no file of a kept count", e);
     free(text);
     if (status == LW_OK && (ftruncate(k->fd, (off_t)size) != 0 || lseek(k->fd, 0, SEEK_END) < 0))
-        status = lw_error_set(e, LW_E_IO, "cannot write %s: %s", path, strerror(errno));
+        status = lw_file_failed(e, "written", path, errno);
     return status;
 }
 
@@ -237,7 +238,7 @@ static lw_status append(lw_kept *k, const lw_bytes *b, lw_error *e)
         if (put < 0 && errno == EINTR)
             continue;
         if (put <= 0)
-            return lw_error_set(e, LW_E_IO, "cannot write %s: %s", k->path, strerror(errno));
+            return lw_file_failed(e, "written", k->path, errno);
         n += (size_t)put;
     }
     if (b->failed)

@@ -427,7 +427,7 @@ lw_status lw_structures_stored(const char *path, int loops, int n_thread, lw_str
     if (f)
         return read_stored(f, path, loops, set, e);
     if (path && errno != ENOENT)
-        return lw_error_set(e, LW_E_IO, "cannot read %s: %s", path, strerror(errno));
+        return lw_file_failed(e, "read", path, errno);
     lw_output o;
     lw_status status = path ? lw_output_open(&o, path, e) : LW_OK;      /* before the work, to fail early */
     if (status != LW_OK)

@@ -114,5 +114,5 @@ TEST(bad_calls)
     expect("mkdir -p $D/odd && printf 'angle,theta\\n0,0\\n1,1\\n' > $D/odd/f.csv && $P bench fit --problems $D/odd", 3,
            "", "odd/f.csv: a path is wanted");
     expect("printf 'x,y\\n0,zero\\n' > $D/odd/f.csv && $P bench fit --problems $D/odd", 3, "", "f.csv:2:3:");
-    expect("$P bench fit --problems $D/one --solvers none --seeds 0 -o /dev/null/x", 3, "", "the folder cannot be made");
+    expect("$P bench fit --problems $D/one --solvers none --seeds 0 -o /dev/null/x", 3, "", "cannot be made");
 }

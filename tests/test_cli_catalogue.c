@@ -139,7 +139,7 @@ TEST(files_that_are_none)
            "read-only");
     expect("chmod 444 $D/a.db; $P catalogue check $D/a.db; c=$?; chmod 644 $D/a.db; exit $c", 0, NULL, "whole");
     expect("$P catalogue build $D --links 6", 3, NULL, "a folder");
-    expect("$P catalogue build $D/no/such.db --links 6", 3, NULL, "No such file");
+    expect("$P catalogue build $D/no/such.db --links 6", 3, NULL, "no such file");
     expect("$P catalogue check $D/none.db", 3, NULL, "no such file");
     expect("echo hello > $D/text.db; $P catalogue build $D/text.db --links 6", 3, NULL, "no SQLite file");
     expect("cat $D/text.db", 0, "hello\n", NULL);

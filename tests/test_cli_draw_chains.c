@@ -35,6 +35,7 @@ TEST(faults)
     expect("$P chains --links 6 | $P draw --target examples/ellipse.csv", 2, NULL, "--target is for linkages");
     expect("$P draw examples/hoeken.json --numbers", 2, NULL, "--numbers is for chains");
     expect("$P draw $D/none.g6", 3, NULL, "none.g6");
+    expect("$P mechanisms $D/none.g6", 3, NULL, "no such file or folder; check the spelling");
     expect("$P chains --links 6 | $P draw --grid 64x64", 3, NULL, "too small");
     expect("$P chains --links 6 | $P draw -o /dev/full -f svg", 3, NULL, "no space left");
 }

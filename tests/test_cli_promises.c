@@ -664,7 +664,7 @@ TEST(bad_outputs)
            "'robot jacobian' 'trace -n 1' mobility 'draw -f svg'; do $P $c $D/superelement.json -o $D/box-mass.mtx --force 2> $D/said; "
            "test $? = 3 && grep -q 'is an input' $D/said || exit 1; done; cmp $D/box-mass.mtx examples/space/box-mass.mtx",
            "an output that is a matrix of the model");
-    expect("$P fit examples/ellipse.csv --save $D/six.g6", 3, "", "the folder cannot be made");
+    expect("$P fit examples/ellipse.csv --save $D/six.g6", 3, "", "cannot be made");
     expect("$P drive load examples/drives/lifting-arm.json --to 0.1 --plot $D/p.svg -o $D/p.svg", 2, "", "are one file");
     expect("ln -s $D/nowhere $D/hanging; $P numbers --loops 3 -o $D/hanging", 3, "", "a link to a file that does not exist");
     expect("echo mine > $D/mine; ln $D/mine $D/q.partial; for c in 'chains --links 6' 'numbers --loops 3'; do $P $c -o $D/q; "

@@ -122,7 +122,7 @@ TEST(what_cannot_be_written)
     check_refused(temporary_folder(), "folder");
     check_refused(temporary_file("new/"), "folder");
     check_refused("/proc/linkwright-test", "cannot be written");
-    check_refused("", "no such file");
+    check_refused("", "its name is empty");
     check_refused(longest, "too long");
     CHECK_INT(lw_file_write(temporary_file("plain"), "x", 1, NULL), LW_OK);
     check_refused(temporary_file("plain/below"), "a part of the path is a file");
@@ -176,6 +176,7 @@ TEST(what_cannot_be_read)
 {
     check_unreadable(temporary_file("missing"), "no such file");
     check_unreadable(temporary_folder(), "folder, not a file");
+    check_unreadable("", "its name is empty");
     check_unreadable("/dev/zero", "larger than 256 MiB");
     check_unreadable("/proc/self/mem", "cannot be read");
 }

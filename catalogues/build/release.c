@@ -43,7 +43,7 @@ static lw_status make_folder(job *j, const char *name)
     char path[LW_PATH_SIZE];
     lw_status s = path_of(j, name, path);
     if (s == LW_OK && mkdir(path, 0777) != 0 && errno != EEXIST)
-        s = lw_error_set(&j->e, LW_E_IO, "cannot make the folder '%s': %s", path, strerror(errno));
+        s = lw_file_failed(&j->e, "made", path, errno);
     return s;
 }
 

@@ -1116,7 +1116,7 @@ static lw_status write_all(atlas *a, lw_error *e)
     lw_status s = LW_OK;
     lw_bytes b = { 0 };
     if (mkdir(a->dir, 0777) != 0 && errno != EEXIST)
-        return lw_error_at(e, LW_E_IO, a->dir, 0, 0, "the folder cannot be made: %s", strerror(errno));
+        return lw_file_failed(e, "made", a->dir, errno);
     for (size_t i = 0, n; s == LW_OK && i < a->n; i += n) {
         for (n = 1; n < BLOCK && i + n < a->n && a->leaf[i + n].number > 1; n++)
             ;

@@ -12,6 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 #include "base/clock.h"
+#include "base/file.h"
 #include "base/real.h"
 #include "catalogues/store/store_internal.h"
 
@@ -168,7 +169,7 @@ static lw_status take_lock(lw_store *s, const lw_store_options *o, lw_error *e)
     for (;;) {
         s->lock = open(s->lock_path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
         if (s->lock < 0)
-            return lw_error_at(e, LW_E_IO, s->path, 0, 0, "its folder cannot be written to: %s", strerror(errno));
+            return lw_file_failed(e, "written", s->path, errno);
         if (flock(s->lock, LOCK_EX | LOCK_NB) == 0 && same_file(s))
             break;
         if (lw_clock_wall() >= until)
@@ -218,7 +219,7 @@ static lw_status look_at(const lw_store *s, const lw_store_options *o, lw_error 
     struct stat st;
     bool there = stat(s->path, &st) == 0;
     if (!there && errno != ENOENT)
-        return lw_error_at(e, LW_E_IO, s->path, 0, 0, "%s", strerror(errno));
+        return lw_file_failed(e, "read", s->path, errno);
     if (there && S_ISDIR(st.st_mode))
         return lw_error_at(e, LW_E_IO, s->path, 0, 0, "this is a folder");
     if (there && !S_ISREG(st.st_mode))

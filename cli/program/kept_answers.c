@@ -120,7 +120,7 @@ static lw_status read_all(cli_kept *k, const char *text, size_t size, size_t *en
 
 static lw_status io(const cli_kept *k, lw_error *e)
 {
-    return lw_error_at(e, LW_E_IO, k->path, 0, 0, "%s", strerror(errno));
+    return lw_file_failed(e, "written", k->path, errno);
 }
 
 static lw_status open_file(cli_kept *k, lw_error *e)

@@ -602,7 +602,7 @@ int cli_make_folder(const cli_call *call, const char *folder)
             forget_temporary(&o);
         return CLI_DONE;
     }
-    lw_error_at(&e, LW_E_IO, folder, 0, 0, "the folder cannot be made or written: %s", strerror(error));
+    lw_file_failed(&e, "made or written", folder, error);
     return cli_fail(call, &e);
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/file.h"
 
 /* Text is read in portions, so that chains can be processed while others are still being made. A text longer than
  * PIECE_MAX for one topology is an error. */
@@ -24,7 +25,7 @@ static lw_status open_source(source *s, const char *path, lw_error *e)
 {
     *s = (source){ .path = path, .f = strcmp(path, "-") ? fopen(path, "rb") : stdin };
     if (!s->f)
-        return lw_error_at(e, LW_E_IO, path, 0, 0, "cannot be opened: %s", strerror(errno));
+        return lw_file_failed(e, "read", path, errno);
     if (s->f == stdin)
         cli_say_waiting("chains or mechanisms");
     s->t = lw_topologies_open(NULL, 0, path);
@@ -56,7 +57,7 @@ static lw_status read_on(source *s, lw_error *e)
     }
     size_t n = fread(s->text + left, 1, s->capacity - left, s->f);
     if (ferror(s->f))
-        return lw_error_at(e, LW_E_IO, s->path, 0, 0, "cannot be read: %s", strerror(errno));
+        return lw_file_failed(e, "read", s->path, errno);
     s->t.text = s->text;
     s->t.at = 0;
     s->t.size = left + n;

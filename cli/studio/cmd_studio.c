@@ -137,7 +137,7 @@ static int serve(const cli_call *call, const settings *s, studio_options *o)
     printf(call->common.json ? "{\"address\": \"%s\"}\n" : "%s\n", address);
     if (fflush(stdout) != 0) {                   /* nobody would know where it is */
         studio_stop(server);
-        lw_error_at(&e, LW_E_IO, "standard output", 0, 0, "cannot be written: %s", strerror(errno));
+        lw_file_failed(&e, "written", "-", errno);
         return cli_fail(call, &e);
     }
     cli_note(call, "the studio is at the address above; Ctrl-C ends it");
@@ -169,7 +169,7 @@ static int run(const cli_call *call)
     o.gallery = gallery;
     if (s->atlas && access(s->atlas, R_OK) != 0) {
         free(text);
-        lw_error_at(&e, LW_E_IO, s->atlas, 0, 0, "cannot read the catalogue: %s", strerror(errno));
+        lw_file_failed(&e, "read", s->atlas, errno);
         return cli_fail(call, &e);
     }
     o.make_atlas = !s->atlas && own_file("XDG_CACHE_HOME", ".cache", "studio-curves-1.db", atlas);
