@@ -654,6 +654,19 @@ static lw_status read_cylinder_numbers(const lw_json_node *object, double metre,
     return LW_OK;
 }
 
+/* The opening of the valve, which opens no wider than fully; NULL: none. */
+static lw_status read_valve(const lw_json_node *object, const lw_reading *r, lw_expression **valve, lw_error *e)
+{
+    lw_expression *opening = NULL;
+    lw_status s = lw_read_expression(object, "valve", r, LW_OF_STATE, &opening, e);
+    const lw_generated word[] = { { "u", opening, 0 } };
+    *valve = NULL;
+    if (s == LW_OK && opening)
+        s = generate(object, word, COUNT(word), valve, e, "min(max(u, -1), 1)");
+    lw_expression_free(opening);
+    return s;
+}
+
 /* Oil that flows into the chamber `end`, whose pressure is the state `own`, over leaks, the relief and the valve (NULL: none). */
 static lw_status cylinder_flow(const lw_json_node *object, const cylinder *c, int end, int own, int other, lw_expression *valve,
                                lw_expression **flow, lw_error *e)
@@ -717,14 +730,7 @@ static lw_status read_cylinder(const lw_json_node *object, size_t index, const l
     lw_expression *valve = NULL, *flow[2] = { NULL, NULL };
     lw_status s = lw_read_own_name(object, "cylinder", index, name, e);
     if (s == LW_OK && (s = read_cylinder_numbers(object, r->units->metre, &c, e)) == LW_OK)
-        s = lw_read_expression(object, "valve", r, LW_OF_STATE, &valve, e);
-    if (s == LW_OK && valve) {                           /* no wider open than fully */
-        const lw_generated word[] = { { "u", valve, 0 } };
-        lw_expression *limited = NULL;
-        s = generate(object, word, COUNT(word), &limited, e, "min(max(u, -1), 1)");
-        lw_expression_free(valve);
-        valve = limited;
-    }
+        s = read_valve(object, r, &valve, e);
     if (s != LW_OK)
         return s;
     int spring, p = find_state(r->states, name, "p1");
