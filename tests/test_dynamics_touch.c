@@ -1074,20 +1074,23 @@ TEST(thin_rods_slide_off)
     }
 }
 
-/* A corner passes the end of a thin segment from one side to the other within a step: nothing touches. */
+/* A corner passes the end of a thin segment from one side to the other within a step: nothing touches.  Captured, too, where a step is longer
+ * than its distance from the end; and one that meets the segment strikes. */
 TEST(corner_comes_round_an_end)
 {
-    for (int k = 0; k < 3; k++) {
+    static const double beside[] = { 3e-7, 3e-6, 3e-3, -1e-3 };
+    for (int k = 0; k < 8; k++) {
         char text[1000];
-        double beside = k == 0 ? 3e-7 : k == 1 ? 3e-6 : 3e-3, x = 1.3 + beside;
+        double x = 1.3 + beside[k%4];
+        bool captured = k/4, hits = k%4 == 3;
         snprintf(text, sizeof text, FREE("{'segment': [[0, 0], [1, 0]]}", "'mass': 1, 'centre': [%.17g, -0.9], 'inertia': 0.03, 'velocity': [-0.3, 0.9]",
                                          "{'polygon': [[%.17g, -0.9], [%.17g, -1.1], [%.17g, -0.9], [%.17g, -0.7]]}", "'restitution': 0"),
                  x + 0.2, x, x + 0.2, x + 0.4, x + 0.2);
         drun_read_format(&d, text, 0, 0);
         d.model.gravity = lw_v2(0, 0);
-        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-8, 1.5, 1), LW_OK);
-        CHECK_NEAR(d.v[0]*d.system.unit, -0.3, 1e-12, 0);
-        CHECK_NEAR(d.v[1]*d.system.unit, 0.9, 1e-12, 0);
+        CHECK_INT(drun_to(&d, captured ? LW_FORMULATION_CAPTURE : LW_FORMULATION_INDEX1, 1e-8, 1.5, 1), LW_OK);
+        CHECK_NEAR(d.v[0]*d.system.unit, hits ? 0.06 : -0.3, hits ? 0.1 : 1e-12, 0);
+        CHECK_NEAR(d.v[1]*d.system.unit, hits ? 0.52 : 0.9, hits ? 0.02 : 1e-12, 0);
         lw_model_free(&d.model);
     }
 }

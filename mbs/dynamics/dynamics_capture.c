@@ -474,9 +474,13 @@ static lw_status solve_step(capture *g, double t, double h)
     }
     for (int k = 0; k < g->n; k++) {
         place *p = &g->at[k];
-        const lw_touch *touch = &d->touch->list.touch[p->touch];
+        lw_touch *touch = &d->touch->list.touch[p->touch];
         lw_touch_motion m;
         lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
+        if (!p->presses && m.gap < 0) {
+            lw_touch_round_end(touch, &m, h);
+            lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
+        }
         p->shut = m.gap < closed*g->part*g->size && !lw_touch_past_end(touch, &m);
         shut += p->shut;
         p->presses = p->presses && p->shut;

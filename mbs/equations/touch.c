@@ -509,6 +509,15 @@ bool lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool anew, d
     return !beside || p->side != LW_TOUCH_NO_SIDE;
 }
 
+void lw_touch_round_end(lw_touch *p, const lw_touch_motion *m, double since)
+{
+    bool begin = m->place < 0.5*p->length;
+    double in = begin ? m->place : p->length - m->place, rate = begin ? m->place_rate : -m->place_rate;
+    bool came = p->kind == LW_TOUCH_FACE && abs(p->side) == 1 && in > LW_TOUCH_END && in < rate*since;
+    if (came && m->gap + p->radius[0] + p->radius[1] - m->rate*in/rate < -1e-7)          /* there, by more than rounding */
+        p->side = -p->side;
+}
+
 /* Near a corner the way through the body from one face to the next is short, and round the end of a segment there is none. */
 double lw_touch_size(const lw_touch *p, const lw_touch_motion *m)
 {

@@ -75,6 +75,10 @@ void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame 
  * bar counts as on it.  False: it lies on a bar without thickness, and nothing tells its side. */
 bool lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool anew, double near);
 
+/* A disc that came beside a bar within the time `since`, at the rates in m, may have passed over its end to the other side: that side is
+ * taken then. */
+void lw_touch_round_end(lw_touch *p, const lw_touch_motion *m, double since);
+
 #define LW_TOUCH_NO_SIDE 2               /* not known yet, taken as 1 */
 #define LW_TOUCH_CLOSED 1e-12            /* a gap below this is closed, scaled */
 
