@@ -60,7 +60,7 @@ TEST(saddles)
         drop();
     }
     CHECK_INT(rest_of(pendulum, 0, 0, &unique), LW_OK);
-    CHECK(!found.stable);
+    CHECK(!found.stable && found.neutral);
     CHECK_NEAR(q[2], 0, 1e-12, 0);
     drop();
 }

@@ -245,8 +245,9 @@ lw_status lw_vibration_linearise(lw_vibration *v, double t, const double *q)
 
 /* By Newton's method on the reduced equations. Where the stiffness is not positive definite, a multiple of the masses is
  * added until it is, which leads downhill and away from saddles. */
-/* A stiffness that becomes positive definite by so small a shift neither holds nor drives away: neutral equilibrium. */
-#define NEUTRAL 1e-9
+/* A stiffness that becomes positive definite by so small a shift, in stiffnesses over masses, hardly drives away; */
+#define SLIGHT 1e-9
+#define NEUTRAL 1e-13                    /* by one so small, as rounding makes it, not at all */
 
 #define CONVERGED 1e-11                  /* two steps below this in a row: rounding stops Newton's method */
 
@@ -280,8 +281,8 @@ static bool solve_shifted(const lw_vibration *v, double shift, double little, do
 }
 
 /* Newton's step with the stiffness, shifted until it is positive definite; at most half a radian or half the size of
- * the linkage.  Returns the shift in stiffnesses over masses; below 0: no step was found. */
-static double find_step(const lw_vibration *v, double *x)
+ * the linkage.  Returns the shift in stiffnesses over masses; below 0: no step was found.  *neutral: a shift of NEUTRAL is enough. */
+static double find_step(const lw_vibration *v, double *x, bool *neutral)
 {
     double mass = 0.0, stiff = 0.0;
     for (int i = 0; i < v->n_free; i++) {
@@ -290,14 +291,16 @@ static double find_step(const lw_vibration *v, double *x)
     }
     double little = mass > 0.0 ? 1e-3*mass : 1.0, shift = 0.0;
     double unit = (stiff > 0.0 ? stiff : 1.0)/(mass > 0.0 ? mass : 1.0);
+    *neutral = false;
     for (int tries = 0; tries < 60; tries++) {
         if (solve_shifted(v, shift, little, x)) {
+            *neutral = shift == SLIGHT*unit && solve_shifted(v, NEUTRAL*unit, little, x) && solve_shifted(v, shift, little, x);
             double size = lw_norm(v->n_free, x);
             for (int i = 0; size > 0.5 && i < v->n_free; i++)
                 x[i] *= 0.5/size;
             return isfinite(size) ? shift/unit : -1.0;
         }
-        shift = shift > 0.0 ? fmin(8.0*shift, fmax(1e-3*unit, 2.0*shift)) : NEUTRAL*unit;
+        shift = shift > 0.0 ? fmin(8.0*shift, fmax(1e-3*unit, 2.0*shift)) : SLIGHT*unit;
     }
     return -1.0;
 }
@@ -348,14 +351,14 @@ lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw
     lw_status s = lw_vibration_linearise(v, t, q);
     *r = (lw_rest){ 0 };
     for (int saddles = 0; s == LW_OK && r->iterations < 500; r->iterations++) {
-        double shift = v->n_free > 0 ? find_step(v, x) : 0.0, size = v->n_free > 0 ? lw_norm(v->n_free, x) : 0.0;
+        double shift = v->n_free > 0 ? find_step(v, x, &r->neutral) : 0.0, size = v->n_free > 0 ? lw_norm(v->n_free, x) : 0.0;
         if (shift < 0.0)
             break;
         r->residual = lw_greatest(v->n_free, v->load);
         r->stable = shift == 0.0;
         bool done = size < 1e-14 || r->residual <= 1e-15*lw_greatest(v->n_q, v->force)
                  || (last < CONVERGED && size < CONVERGED);
-        if (done && (shift <= 2.0*NEUTRAL || saddles == 5))
+        if (done && (shift <= 2.0*SLIGHT || saddles == 5))
             return LW_OK;
         last = done ? INFINITY : size;
         saddles += done;
