@@ -26,8 +26,7 @@ static const double longest = 0.5;           /* step of Newton's method, in radi
 static const double settled = 1e-13;         /* the same when it has converged, over the greatest coordinate */
 static const double rounded = 1e-10;         /* the same when steps no longer become shorter */
 static const double drifts = 1e-5;           /* the same along a motion that nothing resists, by the rounding of forces */
-static const double slow = 1e-2;             /* rate of such a motion, by rounding, over that of buckling, */
-static const double slowest = 1e-6;          /* and over that of falling */
+static const double slowest = 1e-6;          /* rate of such a motion, by rounding, over that of falling */
 
 static double greatest(const double *x, int n)
 {
@@ -301,11 +300,10 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
         for (int i = 0; i < modes.n_mode; i++)
             if (modes.mode[i].re > fmax(1e-6*(modes.mode[i].natural + 1e-300), still) && modes.conservative)
                 worst = worst < 0 || modes.mode[i].re > modes.mode[worst].re ? i : worst;
-        r->neutral = worst < 0 && still > 0 && modes.n_mode > 0 && 2*LW_PI*modes.mode[0].natural < still;
-        r->stable = worst < 0 && !r->neutral && modes.mode[0].natural > 0;
+        r->neutral = worst < 0 && modes.n_mode > 0 && 2*LW_PI*modes.mode[0].natural <= still;
+        r->stable = worst < 0 && !r->neutral;
         if (worst < 0 || k == 3)
             break;
-        still = fmax(still, slow*modes.mode[worst].re);
         st = leave_saddle(&s, &modes.mode[worst], falls, r);
         falls = true;
         lw_modes_free(&modes);
