@@ -9,17 +9,18 @@
 
 enum { STEPS = 400, TRIALS = 15 };
 
-/* Angle of arm i below the level for the tool at p, and its derivatives by p: of x cos q - z sin q = reach. */
+/* Angle q of arm i below the level for the tool at p, and its derivatives by p: of x cos q - z sin q = reach.  The sine and cosine of q
+ * follow from those of its two parts, atan2(-z, x) and acos(reach/sqrt(x^2 + z^2)), without any angle. */
 static double closed_form(int i, lw_vec3 p, double by[3])
 {
     static const double arm = 0.35, bar = 0.75, apart = 0.15, cosine[] = { 1, -0.5, -0.5 };
     static const double sine[] = { 0, 0.86602540378443865, -0.86602540378443865 };
-    double c = cosine[i], s = sine[i], x = c*p.x + s*p.y - apart, y = c*p.y - s*p.x, z = p.z;
-    double reach = (x*x + y*y + z*z + arm*arm - bar*bar)/(2*arm), q = atan2(-z, x) - acos(reach/sqrt(x*x + z*z));
-    double cos_q = cos(q), sin_q = sin(q), turn = -x*sin_q - z*cos_q;
-    double dx = (x/arm - cos_q)/turn, dy = y/(arm*turn), dz = (z/arm + sin_q)/turn;
+    double c = cosine[i], s = sine[i], x = c*p.x + s*p.y - apart, y = c*p.y - s*p.x, z = p.z, square = x*x + z*z;
+    double reach = (square + y*y + arm*arm - bar*bar)/(2*arm), turn = sqrt(square - reach*reach);
+    double cos_q = (x*reach - z*turn)/square, sin_q = (-z*reach - x*turn)/square, by_turn = 1/turn;
+    double dx = (x/arm - cos_q)*by_turn, dy = y/arm*by_turn, dz = (z/arm + sin_q)*by_turn;
     by[0] = c*dx - s*dy, by[1] = s*dx + c*dy, by[2] = dz;
-    return q;
+    return atan2(sin_q, cos_q);
 }
 
 int main(void)
@@ -55,13 +56,14 @@ int main(void)
                     sum += closed_form(leg, at[i], by) + by[0] + by[1] + by[2];
         closed = fmin(closed, (lw_clock_cpu() - from)/(10*STEPS));
     }
-    for (int i = 0; i < 3 && good; i++) {    /* rows of the inverse of J */
-        closed_form(i, p.place, by);
+    for (int i = 0; i < 3 && good; i++) {    /* rows of the inverse of J; drives count from the posture of the file */
+        double start = closed_form(i, lw_v3(0, 0, -0.65), by);
+        off = fmax(off, fabs(closed_form(i, p.place, by) - start - p.drive[i]));
         for (int j = 0; j < 3; j++)
             off = fmax(off, fabs(by[0]*p.jacobian[0][j] + by[1]*p.jacobian[1][j] + by[2]*p.jacobian[2][j] - (i == j)));
     }
     if (!good || !(off < 1e-9) || !isfinite(sum)) {
-        fprintf(stderr, "%s\n", good ? "the Jacobians differ" : e.text);
+        fprintf(stderr, "%s\n", good ? "angles or Jacobians differ" : e.text);
         return 1;
     }
     printf("DELTA, posture and Jacobian: general rows %.1f us (the Jacobian and its singular values %.1f us), "
