@@ -366,12 +366,11 @@ static lw_status load_drives(lw_dynamics *d, double t, const double *q, const do
 
 /* ---- moments -------------------------------------------------------------------------------------------------- */
 
-/* Forces of the joints on their second links, and of the couplings, for multipliers l.  The row of a slide in a coupling pulls at the
+/* Forces of the joints on their second links, and of the couplings, for multipliers l of rows with derivatives all.  The row of a slide in a coupling pulls at the
  * centre of the second link; a coupling pulls along the axis through the joint's point, as drives do, so the joint carries the moment. */
-static void find_reactions(lw_spatial_scene *c, const double *v, const double *l, double *phi, double *all)
+static void find_reactions(lw_spatial_scene *c, const double *v, const double *l, const double *all)
 {
     const lw_space *s = &c->s;
-    lw_space_rows(s, c->frame, phi, all);
     for (int i = 0; i < s->n_joint; i++) {
         const lw_space_joint *j = &s->joint[i];
         int end = j->body[1] >= 0 ? 1 : 0;   /* from the side that is a body, about its centre, to the point on link[1] */
@@ -444,7 +443,12 @@ lw_status lw_dynamics_space_moment(lw_dynamics *d, const lw_moment *m, lw_space_
         lw_space_measured(&c->s, c->frame, of, of.of == LW_OF_TURN ? c->f.turn[of.index] : 0, m->v, &input[i], &rate[i]);
         input[i] += lw_spatial_offset(&model->input[i]);
     }
-    find_reactions(c, m->v, l, none, none + c->s.n_row);
+    const double *all = none + c->s.n_row;
+    if (c->has_drives)
+        all = c->drives.jac;                 /* filled for the forces of the drives */
+    else
+        lw_space_rows(&c->s, c->frame, none, none + c->s.n_row);
+    find_reactions(c, m->v, l, all);
     return st;
 }
 

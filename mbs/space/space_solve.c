@@ -49,18 +49,25 @@ static void find_bodies(lw_space_rows_set *z)
         lw_space_bodies(s, &z->extra[i], lw_space_rows_bodies(z, s->n_row + i));
 }
 
+/* The six numbers of a body, two in a register. */
+typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+static inline double dot6(const double *a, const double *b)
+{
+    const pair *p = (const pair *)a, *q = (const pair *)b;
+    pair sum = p[0]*q[0] + p[1]*q[1] + p[2]*q[2];
+    return sum[0] + sum[1];
+}
+
 /* x += f times row r of `jac` (J or J W). */
 static inline void add_row(const lw_space_rows_set *z, int r, const double *jac, double f, double *x)
 {
-    const int *body = lw_space_rows_bodies(z, r);
-    jac += z->at[r];
-    for (int k = 0; k < lw_space_rows_sides(z, r); k++) {
-        double *to = x + 6*body[k];
-        if (body[k] < 0)
-            continue;
-#pragma GCC unroll 6
-        for (int i = 0; i < 6; i++)
-            to[i] += f*jac[6*k + i];
+    const int *body = lw_space_rows_bodies(z, r), n = lw_space_rows_sides(z, r);
+    const pair *from = (const pair *)(jac + z->at[r]);
+    for (int k = 0; k < n; k++, from += 3) {
+        pair *to = (pair *)(x + 6*body[k]);
+        if (body[k] >= 0)
+            to[0] += f*from[0], to[1] += f*from[1], to[2] += f*from[2];
     }
 }
 
@@ -151,11 +158,6 @@ static void weigh(lw_space_rows_set *z)
                 to[i] = body[k] < 0 ? 0 : jac[i]*w[i - 6*k];
         }
     }
-}
-
-static double dot6(const double *a, const double *b)
-{
-    return a[0]*b[0] + a[1]*b[1] + a[2]*b[2] + (a[3]*b[3] + a[4]*b[4] + a[5]*b[5]);
 }
 
 bool lw_space_rows_factor(lw_space_rows_set *z)
@@ -373,7 +375,7 @@ static double improve(lw_space_rows_set *z, const double *rhs, bool still, doubl
                 b[i] += dot6(jac + 6*k, x + 6*body[k]);
     }
     if (z->n_kept)
-        lw_cholesky_solve(&z->schur, b);
+        lw_cholesky_solve_overlapped(&z->schur, b);
     for (int i = 0; i < z->n_kept; i++) {
         int r = z->kept[i];
         l[r] += b[i];
@@ -417,9 +419,9 @@ void lw_space_rows_bias(const lw_space_rows_set *z, const double *v, double *out
 
 lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *target, double longest, double *moved)
 {
-    static const double rounding = 4e-15, near = 1e-4;
+    static const double rounding = 4e-15, near = 1e-8;
     double before = INFINITY, noise = 1e-12;
-    bool chord = false;                      /* after a short step the factors are good for one more */
+    bool chord = false;                      /* after a step so short the factors are good for the next one, and for the tangent */
     for (int i = 0; i < z->n_extra; i++)     /* rounding of a turn after many turns */
         noise = fmax(noise, 4*DBL_EPSILON*fabs(target[i]));
     for (int round = 0; round < 30; round++) {
@@ -432,7 +434,7 @@ lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *tar
         for (int i = 0; i < z->n_kept; i++)
             b[i] = z->phi[z->kept[i]];
         if (z->n_kept)
-            lw_cholesky_solve(&z->schur, b);
+            lw_cholesky_solve_overlapped(&z->schur, b);
         for (int i = 0; i < z->n_kept; i++)
             add_row(z, z->kept[i], z->jac_w, -b[i], z->step);
         double size = lw_space_length(z->s, z->step);
@@ -441,9 +443,8 @@ lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *tar
         if (!isfinite(size) || (longest > 0 && size > longest) || (round > 3 && size > before && size > noise))
             return LW_OPEN;
         lw_space_move(z->s, q, z->step);
-        if (size < rounding || (size < noise && size > before/4))
-            return LW_OK;
-        if (before < 1e-8 && size < 1e-13)
+        bool next_is_rounding = round > 0 && size*size < rounding*before;      /* steps shrink at least as fast as the last two */
+        if (size < rounding || next_is_rounding || (size < noise && size > before/4))
             return LW_OK;
         chord = size < near && (!chord || size < 1e-3*before);
         before = size;
