@@ -401,6 +401,40 @@ TEST(delta_postures)
     lw_spatial_free(&m);
 }
 
+static lw_status rest_to_rest(void *context, double u, double (*out)[3])
+{
+    (void)context;
+    const double at[3] = { 0.2*u*u*(3 - 2*u), 1.2*u*(1 - u), 1.2 - 2.4*u };
+    memset(out, 0, 3*sizeof *out);
+    memcpy(out[0], at, sizeof at);
+    out[2][0] = -.65;
+    return LW_OK;
+}
+
+static void count(void *context, const double *q) { (void)q, ++*(int *)context; }
+
+/* The tangent grows from 0 and falls to 0 there, which no short steps need to show. */
+TEST(motions_from_rest_to_rest_take_few_steps)
+{
+    lw_spatial m;
+    lw_space s;
+    lw_space_follow f;
+    lw_error e = { 0 };
+    lw_spatial_measure tool[3] = { { LW_OF_X, 0 }, { LW_OF_Y, 0 }, { LW_OF_Z, 0 } };
+    int steps = 0, rows = 20;
+    load_spatial("delta", &m);
+    CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
+    CHECK_INT(lw_space_follow_make(&s, tool, 3, false, &f, &e), LW_OK);
+    f.passed = count, f.passed_by = &steps;
+    for (int k = 1; k <= rows; k++)
+        CHECK_INT(lw_space_follow_to(&f, rest_to_rest, NULL, (double)k/rows, &e), LW_OK);
+    CHECK(steps >= rows && steps <= rows + 5);
+    CHECK_NEAR(13.60812855 + turn_of(&f, m.drive[0].index)*180/LW_PI, -6.282352804, 2e-8, 0);
+    lw_space_follow_free(&f);
+    lw_space_free(&s);
+    lw_spatial_free(&m);
+}
+
 /* Rates of tracers against central differences, of every example with motions. */
 typedef struct series { int n; lw_vec3 place[64], velocity[64], acceleration[64]; double alpha[64], omega[64]; } series;
 

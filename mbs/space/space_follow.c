@@ -216,6 +216,31 @@ static double change(const lw_space *s, const double *a, const double *b, double
     return top > 0 ? lw_space_length(s, scratch)/top : 0;
 }
 
+/* How much the rates of the inputs change in a step to where f->path holds, over the greater. */
+static double change_of_inputs(const lw_space_follow *f)
+{
+    double most = 0, top = 0;
+    for (int i = 0; i < f->n_input; i++) {
+        double unit = lw_space_scale(f->z.s, f->z.extra[f->n_idle + i].measure), from = f->made[i][1]/unit, to = f->path[i][1]/unit;
+        most = fmax(most, fabs(to - from));
+        top = fmax(top, fmax(fabs(from), fabs(to)));
+    }
+    return top > 0 ? most/top : 0;
+}
+
+/* Does the tangent v_try after a step of length h show the same curve?  It changes little, or as its rate predicts where the inputs start,
+ * stop or turn back. */
+static bool same_curve(lw_space_follow *f, double h)
+{
+    const lw_space *s = f->z.s;
+    double top = fmax(lw_space_length(s, f->v), lw_space_length(s, f->v_try)), *off = f->z.full;
+    if (top*fabs(h) <= 1e-6 || change(s, f->v, f->v_try, off) <= greatest_change)
+        return true;
+    for (int i = 0; i < s->n_v; i++)
+        off[i] = f->v[i] + h*f->a[i] - f->v_try[i];
+    return change_of_inputs(f) > greatest_change/2 && lw_space_length(s, off) <= greatest_change*top;
+}
+
 /* Do the rows left out as dependent hold, too, after a step of this length?  Where the rows kept are singular they have other curves, which are none
  * of the linkage.  One drawn with rounded numbers opens as it moves: how fast shows in the first step. */
 static bool stays_closed(lw_space_follow *f, double length)
@@ -251,8 +276,7 @@ static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context
     if (lw_space_rows_close(&f->z, f->q_try, f->target, greatest_correction*length + 1e-7, &moved) != LW_OK ||
         !tangent(f, f->v_try))
         return LW_OK;
-    double size = fmax(lw_space_length(s, f->v), lw_space_length(s, f->v_try))*fabs(h);
-    if ((size > 1e-6 && change(s, f->v, f->v_try, f->z.full) > greatest_change) || !stays_closed(f, length))
+    if (!same_curve(f, h) || !stays_closed(f, length))
         return LW_OK;
     memcpy(f->q, f->q_try, (size_t)s->n_q*sizeof *f->q);
     memcpy(f->v, f->v_try, (size_t)s->n_v*sizeof *f->v);
@@ -420,6 +444,8 @@ static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, doub
             found = (st = lw_space_rows_arrange(&f->z, f->q, e)) == LW_OK && tangent(f, f->v);
         if (st == LW_OK && !found)
             return cannot(f, path, context, u, e);
+        memcpy(f->made, f->path, (size_t)f->n_input*sizeof *f->made);
+        f->made_at = NAN;                    /* no step has been made from here */
     }
     double whole = u - f->u, h = whole;
     int steps = 0;

@@ -19,7 +19,7 @@ typedef struct lw_space_follow {
     double  u;                           /* parameter reached                                              */
     double *q, *v, *a;                   /* (n_q) posture there; (n_v) rates by u                          */
     double *q_try, *v_try, *target, *rhs, *l, (*path)[3];
-    double  made_at, (*made)[3];         /* v is that of this path at this u                               */
+    double  made_at, (*made)[3];         /* the path at u; v is that of this path at made_at               */
     bool    has_second;                  /* a, too                                                         */
     bool    between;                     /* v and a come from postures beside a singular one               */
     double  clear;                       /* greatest z.weak of the postures gone through: far from singular ones */
