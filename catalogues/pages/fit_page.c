@@ -28,7 +28,7 @@ double lw_fitted_value(const lw_units *u, const lw_fit_report *r, int dim, doubl
 
 bool lw_fitted_near_change_point(const lw_fit_report *r)
 {
-    return r->has_class && r->barker.margin < LW_NEAR_CHANGE_POINT;
+    return lw_fit_report_may_change(r, LW_NEAR_CHANGE_POINT);
 }
 
 void lw_fitted_dimensions(const lw_fitted *f, int result, FILE *to)

@@ -100,7 +100,8 @@ static const cli_option options[] = {
       "smallest transmission angle allowed during the motion [degrees]. The default gives way if no linkage has it",
       0, 89.9, NULL, NULL },
     { "class-margin", 0, CLI_REAL, offsetof(settings, class_margin), "M", "0.001",
-      "least distance of a four-bar from a change point, in perimeters", 0, 0.5, NULL, NULL },
+      "least distance of a four-bar from a change point, in perimeters; the default only where its motion comes near "
+      "the flat posture", 0, 0.5, NULL, NULL },
     { "through-limits", 0, CLI_FLAG, offsetof(settings, through_limits), NULL, NULL,
       "the input may pass limits and dead points on its way, and rock on a closed target; between its points the "
       "curve may stray", 0, 0, NULL, NULL },
@@ -557,7 +558,7 @@ static void note_simpler(const cli_call *call, const cli_fit_set *set)
     bool circle = off <= LW_EXACT_ENOUGH*t->extent && r < LW_DEFAULT_MAX_SIZE*t->extent;
     if (motion && circle && keeps_angle(t))
         cli_note(call, "%s: the body keeps its angle and moves on a circle: a parallelogram, with two parallel cranks of %.6g %s, moves it so "
-                 "within %.2g %s; '--class-margin 0' finds one", set->path, r/m, unit, fmax(off, grain)/m, unit);
+                 "within %.2g %s", set->path, r/m, unit, fmax(off, grain)/m, unit);
     if (motion && from_pivot <= LW_EXACT_ENOUGH*t->extent)
         cli_note(call, "%s: a link that turns about (%.6g, %.6g) moves the body so alone, within %.2g %s", set->path,
                  (grain*round(p.x/grain) + 0.0)/m, (grain*round(p.y/grain) + 0.0)/m, fmax(from_pivot, grain)/m, unit);
@@ -965,7 +966,8 @@ const cli_command cli_fit_command = {
         "and no dead point on an open one, the curve stays near the target between the points, transmission angles are 20\n"
         "degrees or more (of an open target on the way between its ends if the input rocks), lengths and arms of points\n"
         "differ by a factor of 20 at most and are at most 6 diagonals of the target, and a four-bar is 1e-3 perimeters\n"
-        "from a change point. Every limit is one option; giving one replaces that default only; --unlimited switches all\n"
+        "from a change point, unless its input rocks with transmission angles of 20 degrees or more, as that of a\n"
+        "parallelogram may. Every limit is one option; giving one replaces that default only; --unlimited switches all\n"
         "off. The rows are a front: none is worse than another in error, size, transmission angle and number of links.\n"
         "The first row weighs them: half the error counts as much as 0.45 of the size (beyond 1.5 diagonals of the\n"
         "target; beyond 3 as 0.65 of it), 35 degrees of transmission angle (up to 45), or 3.5 links. Below 1.5 diagonals\n"

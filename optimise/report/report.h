@@ -96,6 +96,10 @@ double lw_fit_report_stray(const lw_fit_report *r);
 /* The objective; 0 if no error of the report is more than rounding. */
 double lw_fit_report_objective(const lw_candidate *c, const lw_fit_report *r);
 
+/* Does a four-bar nearer than `margin` perimeters to a change point come near its flat posture, so that small errors of its lengths make
+ * the motion another one?  One that rocks with transmission angles of 20 degrees or more, as a parallelogram may, does not. */
+bool lw_fit_report_may_change(const lw_fit_report *r, double margin);
+
 /* The longest length, or the longest arm of a point of a path or motion if that is longer, over the shortest length. */
 double lw_fit_report_ratio(const lw_target *t, const lw_fit_report *r);
 

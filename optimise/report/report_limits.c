@@ -124,7 +124,8 @@ static void judge(const lw_target *t, const lw_fit_spec *s, lw_fit_report *r)
     if (s->by_default & LW_LIMIT_TRANSMISSION && r->transmission_min < s->min_transmission - AT_LIMIT)
         broken(r, LW_LIMIT_TRANSMISSION, "its transmission angle falls to %.3g degrees",
                r->transmission_min*180/LW_PI);
-    if (s->class_margin > 0 && r->has_class && r->barker.margin*KEPT < s->class_margin)
+    if (s->by_default & LW_LIMIT_MARGIN ? lw_fit_report_may_change(r, s->class_margin/KEPT)
+                                        : s->class_margin > 0 && r->has_class && r->barker.margin*KEPT < s->class_margin)
         broken(r, LW_LIMIT_MARGIN, "it is only %.3g perimeters from a change point", r->barker.margin);
     if (s->by_default & LW_LIMIT_RATIO && s->n_bound == 0 && lw_fit_report_ratio(t, r) > KEPT*s->length_ratio)
         broken(r, LW_LIMIT_RATIO, "one of its lengths is %.3g times another", lw_fit_report_ratio(t, r));
@@ -149,6 +150,12 @@ double lw_fit_report_objective(const lw_candidate *c, const lw_fit_report *r)
     for (int k = 0; k < r->n_also; k++)
         meets &= !(r->also[k].max > 0 || r->also[k].angle_max > 0);
     return meets ? 0 : c->objective;
+}
+
+bool lw_fit_report_may_change(const lw_fit_report *r, double margin)
+{
+    bool away = !r->turns && !r->passes_limit && r->transmission_min >= LW_DEFAULT_TRANSMISSION_DEG*LW_PI/180 - AT_LIMIT;
+    return r->has_class && r->barker.margin < margin && !away;
 }
 
 double lw_fit_report_ratio(const lw_target *t, const lw_fit_report *r)
