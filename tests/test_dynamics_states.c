@@ -228,6 +228,25 @@ TEST(formulations_agree)
     }
 }
 
+/* At rest, rounding moves the crank: at this speed it would be in a singular posture in 30 s. No step over that is tried. */
+TEST(a_singular_posture_behind_the_end)
+{
+    static const char format[] =
+        "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5], 'inertia': 0.01}, {'name': 'b', 'mass': 2, "
+        "'centre': [4, 4], 'inertia': 0.02}, {'name': 'c', 'mass': 1.5, 'centre': [2, 1.25], 'inertia': 0.015}], 'joints': [{'name': 'O', 'links': ['ground', "
+        "'a'], 'at': [0, 0]}, {'name': 'A', 'links': ['a', 'b'], 'at': [0, 1]}, {'name': 'B', 'links': ['b', 'c'], 'at': [2, 2.5]}, {'name': 'C', 'links': "
+        "['c', 'ground'], 'at': [2, 0]}], 'input': {'joint': 'O'}, 'cylinders': [{'name': 'Y', 'links': ['ground', 'b'], 'at': [[3, -1], [4, 4]], 'bore': 0.05, "
+        "'rod': 0.03, 'retracted': 4, 'stroke': 2.5, 'dead_volume': 1e-4, 'flow': 5e-4, 'supply': 1e7, 'valve': '0.2*sin(4*t)', 'pressures': [2e5, 3e5], "
+        "'damping': 100}]}";
+    drun_read_format(&d, format, 0, 0);
+    for (int f = 0; f < 2; f++) {
+        CHECK_INT(drun_to(&d, f ? LW_FORMULATION_CVODE : LW_FORMULATION_AUTO, 1e-8, 0.6, 12), LW_OK);
+        CHECK_INT(d.n_moment, 13);
+        CHECK(d.report.steps < 1000 && d.report.rates < 3000);
+    }
+    lw_model_free(&d.model);
+}
+
 /* ---- in space ---------------------------------------------------------------------------------------------------- */
 
 /* arm_with_all in the plane y z of space. */

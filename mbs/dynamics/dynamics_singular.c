@@ -720,7 +720,7 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
     if (s != LW_OK || !(a.rate > 0) || foretold_turn(&a).beyond < -turn_before)
         return LW_NOTHING;
     double place = *t + time_to_it(&a);
-    if (fastest(d, y)*(place - *t) > reach)
+    if (fastest(d, y)*(place - *t) > reach || place - *t > 2*(d->o.to - *t))      /* far in space, or behind the end of the run */
         return LW_NOTHING;
     run->pivot_tried = w;
     lw_error was = *run->e;
