@@ -36,7 +36,7 @@ lw_status lw_passage_integrate(lw_run *run, double t, double end, double *y, boo
     run->r->rates += w.n_rate;
     run->r->steps += w.n_step;
     free(work);
-    return s == LW_STOPPED && w.n_step + w.n_refused >= each.max_step ? LW_OPEN : s;     /* too long a way: no passage */
+    return s;
 }
 
 lw_status lw_passage_begin(lw_passage *z)
