@@ -205,6 +205,40 @@ void lw_bytes_number(lw_bytes *b, double v, int digits)
     lw_bytes_text(b, t);
 }
 
+bool lw_text_is_utf16(const char *text, size_t size)
+{
+    return size >= 2 && (memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0);
+}
+
+char *lw_text_from_utf16(const char *text, size_t size, size_t *n)
+{
+    static const unsigned first[] = { 0, 0xc0, 0xe0, 0xf0 };       /* of a character with so many more bytes */
+    bool big = (unsigned char)text[0] == 0xfe;
+    char *out = malloc((size/2 + 1)*3 + 1);
+    unsigned pending = 0;                        /* the first half of a pair of surrogates */
+    size_t to = 0;
+    for (size_t i = 2; out && i < size; i += 2) {
+        bool whole = i + 1 < size;
+        unsigned unit = whole ? (unsigned)(unsigned char)text[i + !big] << 8 | (unsigned char)text[i + big] : 0xdc00, c = unit;
+        bool second = unit >= 0xdc00 && unit < 0xe000;
+        if (pending && second) {
+            c = 0x10000 + ((pending - 0xd800) << 10) + (unit - 0xdc00);
+            to -= 3;
+        } else if (second || (unit >= 0xd800 && unit < 0xdc00)) {
+            c = 0xfffd;
+        }
+        pending = unit >= 0xd800 && unit < 0xdc00 ? unit : 0;
+        int more = c < 0x80 ? 0 : c < 0x800 ? 1 : c < 0x10000 ? 2 : 3;
+        out[to++] = (char)(first[more] | c >> 6*more);
+        while (more-- > 0)
+            out[to++] = (char)(0x80 | (c >> 6*more & 0x3f));
+    }
+    if (out)
+        out[to] = 0;
+    *n = to;
+    return out;
+}
+
 lw_status lw_bytes_end(lw_bytes *b, lw_error *e)
 {
     if (!b->failed)

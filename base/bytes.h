@@ -39,6 +39,11 @@ int lw_text_character(const char *text);
  * a document may hold becomes U+FFFD. */
 void lw_text_clean(char *out, size_t size, const char *text);
 
+/* Does the text begin with the byte order mark of UTF-16?  And the same text in UTF-8, terminated, of *n bytes: free it with free(), NULL:
+ * out of memory.  Half a pair of surrogates becomes U+FFFD. */
+bool  lw_text_is_utf16(const char *text, size_t size);
+char *lw_text_from_utf16(const char *text, size_t size, size_t *n);
+
 /* LW_E_MEMORY with a text, b freed, when a call above failed; else LW_OK. */
 lw_status lw_bytes_end(lw_bytes *b, lw_error *e);
 

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <sys/xattr.h>
 #include <unistd.h>
+#include "base/bytes.h"
 
 #define FILE_SIZE_MAX ((size_t)256 << 20)
 #define READ_STEP     ((size_t)1 << 16)
@@ -88,7 +89,7 @@ static int read_all(int fd, size_t expected, char **text, size_t *size)
     return 0;
 }
 
-lw_status lw_file_read(const char *path, char **text, size_t *size, lw_error *e)
+lw_status lw_file_read_bytes(const char *path, char **text, size_t *size, lw_error *e)
 {
     bool standard = strcmp(path, "-") == 0;
     int fd = standard ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
@@ -115,6 +116,27 @@ lw_status lw_file_read(const char *path, char **text, size_t *size, lw_error *e)
     if (error == ENOMEM)
         return lw_error_at(e, LW_E_MEMORY, path, 0, 0, "cannot be read: out of memory");
     return error ? lw_file_failed(e, "read", path, error) : LW_OK;
+}
+
+lw_status lw_file_read(const char *path, char **text, size_t *size, lw_error *e)
+{
+    char *bytes = NULL;
+    size_t n = 0;
+    lw_status s = lw_file_read_bytes(path, &bytes, &n, e);
+    if (s == LW_OK && lw_text_is_utf16(bytes, n)) {
+        char *utf8 = lw_text_from_utf16(bytes, n, &n);
+        free(bytes);
+        if (!(bytes = utf8))
+            s = lw_error_at(e, LW_E_MEMORY, path, 0, 0, "cannot be read: out of memory");
+    } else if (s == LW_OK && n >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0) {
+        memmove(bytes, bytes + 3, n - 3 + 1);
+        n -= 3;
+    }
+    if (s == LW_OK) {
+        *text = bytes;
+        *size = n;
+    }
+    return s;
 }
 
 /* ---- out -------------------------------------------------------------------------------------- */

@@ -11,6 +11,9 @@
 
 /* Read the whole file as a terminated string; *size does not count the terminator.  Free it with free().
  * LW_E_IO if it cannot be read (the text says so if it is a directory) or is larger than 256 MiB. */
+lw_status lw_file_read_bytes(const char *path, char **bytes, size_t *size, lw_error *e);
+
+/* The same for a text: a byte order mark in front of it is dropped, and UTF-16 that begins with one becomes UTF-8. */
 lw_status lw_file_read(const char *path, char **text, size_t *size, lw_error *e);
 
 /* The error LW_E_IO "PATH: cannot be VERB: why" for an error number of the system. */

@@ -600,30 +600,46 @@ TEST(json_is_json)
            "    except ValueError: sys.exit(name + \": \" + t[:60])' *", "--json");
 }
 
+/* A text of each format, and a command that reads it. */
+static const struct { const char *text, *end, *read; } texts[] = {
+    { "cat examples/ellipse.csv", "csv", "catalogue nearest $D/curves.db $Z" }, { "cat examples/jobs/heart-drawn.svg", "svg", "catalogue nearest $D/curves.db $Z" },
+    { "cat tests/fuzz/corpus/dxf/circle.dxf", "dxf", "catalogue nearest $D/curves.db $Z" }, { "cat examples/tasks/dwell.json", "json", "fit $Z --links 4 --budget 1000 --unlimited --starts 1 --rounds 1 --results 1" },
+    { "$P convert examples/chebyshev.json --format pyslvs", "pyslvs", "convert $Z" },
+    { "$P convert examples/chebyshev.json --format pmks", "txt", "convert $Z" },
+    { "$P convert examples/chebyshev.json --format adams", "adm", "convert $Z" },
+    { "cat examples/jansen.json", "json", "trace $Z -n 4" }, { "cat examples/space/stewart.json", "json", "robot jacobian $Z" },
+    { "cat examples/families/loader.json", "json", "family table $Z" }, { "cat examples/cycles/gantry.json", "json", "profile $Z" },
+    { "cat examples/drives/servo-axis.json", "json", "drive simulate $Z -n 4 --to 0.01" },
+    { "cat examples/drives/motors.csv", "csv", "drive radius $Z --mass 20 --way 1" },
+    { "$P chains --links 6 -f graph6", "g6", "mechanisms $Z" }, { "$P chains --links 6 -f lam", "lam", "mechanisms $Z" },
+    { "$P chains --links 6 -f sentence", "txt", "grammar parse $Z" }, { "$P chains --links 6 -f franke", "txt", "mechanisms $Z" },
+    { "$P chains --links 6 -f edges", "txt", "mechanisms $Z" }, { "$P chains --links 6 -f json", "json", "mechanisms $Z" },
+    { "$P chains --links 6 -f dot", "dot", "mechanisms $Z" }, { "$P chains --links 6 -f graphml", "graphml", "mechanisms $Z" },
+    { "yes '40 10 35 30' | head -n 9", "txt", "classify $Z" }, { "cat examples/jansen.json", "json", "catalogue add $D/z.db $Z" },
+};
+
 /* A byte 0 in the middle of a text of each format is an error with its place, and never the end of the text. */
 TEST(no_text_holds_a_byte_0)
 {
-    static const struct { const char *text, *end, *read; } texts[] = {
-        { "cat examples/ellipse.csv", "csv", "fit $Z" }, { "cat examples/jobs/heart-drawn.svg", "svg", "fit $Z" },
-        { "cat tests/fuzz/corpus/dxf/circle.dxf", "dxf", "fit $Z" }, { "cat examples/tasks/dwell.json", "json", "fit $Z" },
-        { "$P convert examples/chebyshev.json --format pyslvs", "pyslvs", "convert $Z" },
-        { "$P convert examples/chebyshev.json --format pmks", "txt", "convert $Z" },
-        { "$P convert examples/chebyshev.json --format adams", "adm", "convert $Z" },
-        { "cat examples/jansen.json", "json", "trace $Z" }, { "cat examples/space/stewart.json", "json", "robot jacobian $Z" },
-        { "cat examples/families/loader.json", "json", "family table $Z" }, { "cat examples/cycles/gantry.json", "json", "profile $Z" },
-        { "cat examples/drives/servo-axis.json", "json", "drive simulate $Z" },
-        { "cat examples/drives/motors.csv", "csv", "drive radius $Z --mass 20 --way 1" },
-        { "$P chains --links 6 -f graph6", "g6", "mechanisms $Z" }, { "$P chains --links 6 -f lam", "lam", "mechanisms $Z" },
-        { "$P chains --links 6 -f sentence", "txt", "grammar parse $Z" }, { "$P chains --links 6 -f franke", "txt", "mechanisms $Z" },
-        { "$P chains --links 6 -f edges", "txt", "mechanisms $Z" }, { "$P chains --links 6 -f json", "json", "mechanisms $Z" },
-        { "$P chains --links 6 -f dot", "dot", "mechanisms $Z" }, { "$P chains --links 6 -f graphml", "graphml", "mechanisms $Z" },
-        { "yes '40 10 35 30' | head -n 9", "txt", "classify $Z" }, { "cat examples/jansen.json", "json", "catalogue add $D/six.db $Z" },
-    };
     for (size_t i = 0; i < sizeof texts/sizeof *texts; i++) {
         char line[1200];
         snprintf(line, sizeof line, "%s > $D/whole && n=$(($(stat -c %%s $D/whole)/2)) && Z=$D/zero.%s && { head -c $n $D/whole; "
                  "printf '\\000'; tail -c +$((n + 1)) $D/whole; } > $Z; $P %s 2> $D/said; test $? = 3 && "
                  "grep -q 'zero[.a-z0-9]*:[0-9]*:[0-9]*: ' $D/said || { cat $D/said; exit 1; }", texts[i].text, texts[i].end, texts[i].read);
+        demand(line, texts[i].read);
+    }
+}
+
+/* Texts as Windows saves them, with a byte order mark and CR LF, or in UTF-16: the answer is the same.  Chains, which are read as
+ * they come, are in UTF-8. */
+TEST(texts_of_windows)
+{
+    for (size_t i = 0; i < sizeof texts/sizeof *texts; i++) {
+        char line[1600];
+        snprintf(line, sizeof line, "Z=$D/z.%s; answer() { cp $D/six.db $D/z.db; $P %s -q > $D/all 2>&1 && sed '/[0-9] s;/d' $D/all; }; "
+                 "%s > $D/whole && cp $D/whole $Z && answer > $D/plain && { printf '\\357\\273\\277'; sed 's/$/\\r/' $D/whole; } > $Z && "
+                 "answer > $D/marked && cmp $D/marked $D/plain && iconv -f UTF-8 -t UTF-16 $D/whole > $Z && answer > $D/wide && cmp $D/wide $D/plain || "
+                 "grep 'this text is in UTF-16; save it in UTF-8' $D/all", texts[i].end, texts[i].read, texts[i].text);
         demand(line, texts[i].read);
     }
 }

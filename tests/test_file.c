@@ -50,6 +50,22 @@ TEST(write_then_read)
     unlink(path);
 }
 
+/* Byte order marks, a pair of surrogates, halves of pairs, half a character. */
+TEST(texts_in_utf_16)
+{
+    static const struct { int n; const char *bytes, *text; } rows[] = {
+        { 5, "\xef\xbb\xbfxy", "xy" }, { 3, "\xef\xbb\xbf", "" }, { 2, "\xff\xfe", "" },
+        { 8, "\xff\xfe" "x\0" "\xe9\0" "\xac\x20", "x\u00e9\u20ac" }, { 8, "\xfe\xff" "\0x" "\xd8\x3d\xde\x00", "x\U0001f600" },
+        { 6, "\xff\xfe" "\x3d\xd8" "x\0", "\ufffdx" }, { 6, "\xff\xfe" "\x00\xde" "x\0", "\ufffdx" }, { 5, "\xff\xfe" "x\0" "y", "x\ufffd" },
+    };
+    const char *path = temporary_file("wide.txt");
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        CHECK_INT(lw_file_write(path, rows[i].bytes, (size_t)rows[i].n, NULL), LW_OK);
+        check_content(path, rows[i].text);
+    }
+    unlink(path);
+}
+
 TEST(large_file_with_zero_bytes)
 {
     size_t n = 3000001, size = 0;

@@ -61,7 +61,7 @@ static lw_status add_sum(job *j, const char *name)
     size_t size;
     lw_status s = path_of(j, name, path);
     if (s == LW_OK)
-        s = lw_file_read(path, &data, &size, &j->e);
+        s = lw_file_read_bytes(path, &data, &size, &j->e);
     if (s != LW_OK)
         return s;
     lw_sha256_hex(data, size, sum);

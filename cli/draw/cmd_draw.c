@@ -180,7 +180,7 @@ static bool holds_topologies(const char *path)
     lw_mechanism m;
     if (lw_file_read(path, &text, &size, NULL) != LW_OK)
         return false;                                              /* the reader of linkages then reports the error */
-    size_t mark = strncmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0, blank = mark + strspn(text + mark, " \t\r\n");       /* byte order mark */
+    size_t blank = strspn(text, " \t\r\n");
     lw_topologies t = lw_topologies_open(text, size, path);
     bool yes = text[blank] && (text[blank] != '{' || lw_topologies_next(&t, &m, NULL) == LW_OK);
     size_t n = strlen(path);

@@ -70,12 +70,14 @@ static cli_kind_of_file kind_of_text(const char *text, size_t size, const char *
         return CLI_CATALOGUE;
     if (lw_foreign_kind(text, size).what)
         return CLI_BINARY;
-    if (is_binary(text, size) && !cli_is_target(text, size))
+    if (is_binary(text, size))
         return CLI_BINARY;
-    if (strlen(text) < size && !cli_is_target(text, size))           /* what its reader says of the byte 0 tells more */
+    if (strlen(text) < size)                     /* what its reader says of the byte 0 tells more */
         return CLI_UNKNOWN;
     if (text[strspn(text, " \t\r\n")] == '{')
         return lw_spatial_text(text, size) ? CLI_SPATIAL : kind_of_json(text, size);
+    if (text[0] == '<' && strstr(text, "<graphml"))
+        return CLI_TOPOLOGIES;
     if (lw_target_kind_of(text, size, path) != LW_TARGET_KIND_TABLE)
         return CLI_DRAWING;
     if (cli_is_target(text, size))

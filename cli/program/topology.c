@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/bytes.h"
 #include "base/clock.h"
 #include "base/file.h"
 
@@ -58,8 +59,11 @@ static lw_status read_on(source *s, lw_error *e)
     size_t n = fread(s->text + left, 1, s->capacity - left, s->f);
     if (ferror(s->f))
         return lw_file_failed(e, "read", s->path, errno);
+    bool begins = s->t.text == NULL;             /* a byte order mark may stand before the first topology */
+    if (begins && lw_text_is_utf16(s->text, n))
+        return lw_error_at(e, LW_E_NOTATION, s->path, 0, 0, "this text is in UTF-16; save it in UTF-8");
     s->t.text = s->text;
-    s->t.at = 0;
+    s->t.at = begins && n >= 3 && memcmp(s->text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     s->t.size = left + n;
     s->t.more = n > 0;
     return LW_OK;

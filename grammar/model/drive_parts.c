@@ -237,7 +237,7 @@ lw_status lw_drive_parts_read(const char *text, size_t size, const char *file, l
     int n_part = 0, room = 0;
     long line = 0, *lines = NULL;                       /* of each part */
     lw_status s = lw_text_check(text, size, file, e);
-    size_t at = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    size_t at = 0;
     while (at < size && s == LW_OK) {
         const char *newline = memchr(text + at, '\n', size - at);
         size_t end = newline ? (size_t)(newline - text) : size, first = at;

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/bytes.h"
 #include "base/number.h"
 #include "grammar/text/text_internal.h"
 
@@ -175,28 +176,6 @@ static bool next_row(lw_lines *l)
     return false;
 }
 
-/* Text in UTF-16 with a byte order mark, as Excel saves "Unicode text", in UTF-8 (malloc). */
-static char *from_utf16(const char *text, size_t size, size_t *n)
-{
-    bool big = (unsigned char)text[0] == 0xfe;
-    char *out = malloc(size/2*3 + 1);
-    *n = 0;
-    for (size_t i = 2; out && i + 1 < size; i += 2) {
-        unsigned high = (unsigned char)text[i + !big], low = (unsigned char)text[i + big], c = high << 8 | low;
-        if (c < 0x80)
-            out[(*n)++] = (char)c;
-        else if (c < 0x800)
-            out[(*n)++] = (char)(0xc0 | c >> 6);
-        else {
-            out[(*n)++] = (char)(0xe0 | c >> 12);
-            out[(*n)++] = (char)(0x80 | (c >> 6 & 0x3f));
-        }
-        if (c >= 0x80)
-            out[(*n)++] = (char)(0x80 | (c & 0x3f));
-    }
-    return out;
-}
-
 static lw_status count_rows(const lw_header *h, lw_lines l, size_t *n, lw_error *e)
 {
     for (*n = 0; next_row(&l); ++*n)
@@ -270,9 +249,9 @@ lw_status lw_target_read(const char *text, size_t size, const char *file, const 
 {
     lw_error why = { .text = "" };
     *t = (lw_target){ .n = 0 };
-    if (size >= 2 && (memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0)) {
+    if (lw_text_is_utf16(text, size)) {
         size_t n;
-        char *plain = from_utf16(text, size, &n);
+        char *plain = lw_text_from_utf16(text, size, &n);
         lw_status s = plain ? lw_target_read(plain, n, file, o, t, e)
                     : lw_error_set(e, LW_E_MEMORY, "out of memory for a target");
         free(plain);
