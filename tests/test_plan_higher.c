@@ -65,6 +65,23 @@ static double strain(const lw_linkage *a, const lw_linkage *b)
     return most;
 }
 
+/* Displacements of the outputs where rounding errors disturb the dimensions: the greatest of a few. */
+static void rounding_of(const subject *q, const lw_posture *posture, double off[])
+{
+    lw_rng r;
+    lw_rng_seed(&r, 1, 0);
+    memset(off, 0, (size_t)q->p.n_output*sizeof *off);
+    for (int trial = 0; trial < 4; trial++) {
+        lw_posture other;
+        double dim[LW_DIM_MAX];
+        for (int d = 0; d < q->p.n_dim; d++)
+            dim[d] = q->dim[d]*(1 + 0x1p-52*lw_rng_range(&r, -1, 1));
+        lw_posture_solve(&q->p, dim, q->mode, q->input, 0, &other);
+        for (int o = 0; o < q->p.n_output; o++)
+            off[o] = fmax(off[o], lw_v2_norm(lw_v2_sub(other.tracer[o][0], posture->tracer[o][0])));
+    }
+}
+
 static int n_moved, n_open;
 
 /* The posture itself, and one a little way on, are those of all links' equations. */
@@ -73,7 +90,7 @@ static void check_motion(subject *q, double step)
     lw_posture posture;
     lw_linkage moved = q->k;
     lw_newton *s;
-    double far = fmax(1, fabs(q->p.input_is_slider ? q->input : 0)), reached;
+    double far = fmax(1, fabs(q->p.input_is_slider ? q->input : 0)), reached, rounding[LW_TRACER_MAX];
     for (int d = 0; d < q->p.n_dim; d++)
         far = fmax(far, fabs(q->dim[d]));
     lw_status at_seed = lw_posture_solve(&q->p, q->dim, q->mode, q->input, 0, &posture);
@@ -81,9 +98,10 @@ static void check_motion(subject *q, double step)
         CHECK_INT(at_seed, LW_OK);
     if (posture.margin < 1e-4 || far > 100)
         return;
+    rounding_of(q, &posture, rounding);
     for (int o = 0; o < q->p.n_output; o++)
         CHECK_NEAR(lw_v2_norm(lw_v2_sub(posture.tracer[o][0], q->k.tracer[q->p.output_tracer[o]].at)), 0,
-                   1e-13*far/posture.margin, 0);
+                   1e-13*far + 4*rounding[o], 0);
     if (sliders_of(&q->k) > 0) {
         if (lw_plan_write(&q->p, q->dim, q->mode, q->input + step, &moved) == LW_OK) {
             CHECK_NEAR(strain(&q->k, &moved), 0, 1e-12*far, 0);
@@ -312,7 +330,7 @@ static void same_way(subject *q, lw_rng *r)
         double far = 1 + fabs(x[at]) + fabs(y[at]);
         CHECK_NEAR(xs[i], x[at], 1e-9*far/m[at], 0);
         CHECK_NEAR(ys[i], y[at], 1e-9*far/m[at], 0);
-        CHECK_NEAR(ms[i], m[at], 1e-8/m[at], 0);
+        CHECK_NEAR(ms[i], m[at], 2e-8/m[at], 0);          /* both are of the posture before the last step, of up to 1e-8 */
         n_same++;
     }
 }
