@@ -125,6 +125,29 @@ TEST(linkages)
     against_the_equation("examples/andrews.json", 0.03, 1e-9);          /* its torque is constant               */
 }
 
+/* A slider on which a force of 3 N changes its sign at `at`, wherever that is within a panel: forwards over it, and back from a rest behind it. */
+TEST(forces_that_jump)
+{
+    static const char slider[] =
+        "{'linkwright': 1, 'links': ['ground', {'name': 's', 'mass': 1, 'centre': [0, 0], 'inertia': 1}], 'joints': [{'name': 'S', 'kind': 't', 'links': "
+        "['ground', 's'], 'at': [0, 0], 'along': [1, 0]}], 'input': {'joint': 'S', 'speed': 2}, 'springs': [{'joint': 'S', 'law': '-3*sign(displacement - "
+        "%.17g)'}], 'tracers': [{'name': 'P', 'link': 's', 'at': [0, 0]}]}";
+    double most = 0;
+    for (int k = 0; k < 60; k++) {
+        double at = 0.3 + 0.011*k, there = (sqrt(4 + 6*at) - 2)/3, v = 2 + 3*there;
+        drun_read_format(&d, slider, at, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 3, 30), LW_OK);
+        CHECK_INT(d.report.formulation, LW_FORMULATION_QUADRATURE);
+        for (int n = 0; n <= 30; n++) {
+            double t = 0.1*n, after = t - there, back = after - 2*v/3;
+            double x = after < 0 ? 2*t + 1.5*t*t : back < 0 ? at + v*after - 1.5*after*after : at - v*back + 1.5*back*back;
+            most = fmax(most, fabs(d.tracer[n].x - x));
+        }
+        lw_model_free(&d.model);
+    }
+    CHECK(most < 3e-7);
+}
+
 /* Loads that depend on time or speed are refused, and the formulation is not chosen. */
 TEST(refusals)
 {

@@ -19,6 +19,8 @@ enum { N = LW_PANEL_NODES };
 static const double finest = 2e-14;          /* unresolved part that rounding leaves */
 static const double shortest = 1e-7;         /* panel, in units of the coordinate */
 static const double near_end = 0.02;         /* of its range: nearer to it, other coordinates go on */
+static const double joined = 2;              /* error of K between the last node and the end, over the tolerance, that is allowed */
+static const double joined_at_rest = 1e3;    /* the same of the force at s* */
 
 /* A panel.  s = from + sense length x for 0 <= x <= 1.  A turning panel: s = from - sense length x, x = u^2, with u
  * from `begin` (-1; 0 out of rest) to 1. */
@@ -39,6 +41,7 @@ typedef struct quadrature {
     lw_reduced    *r;
     const lw_panel_rule *rule;
     double s, sense, t, kinetic, work, length; /* where the next panel begins; its proposed length */
+    double force;                            /* at s */
     double least_mass, most, kinetic0, potential0, tolerance;     /* most: greatest K so far */
     double *turns;                           /* of the bodies there (n_body) */
     int    n_rest;                           /* number of rests on the upper side of the coordinate */
@@ -79,6 +82,30 @@ static lw_status fill(quadrature *z, double from, double step)
         st = evaluate(z, from + step*z->rule->at[i], i);
     z->p.ready = false;
     return st;
+}
+
+static lw_status force_at(quadrature *z, double s, double *force)
+{
+    double ds, dp, power;
+    lw_status st = lw_reduced_rate(z->r, 0, s, 1, &ds, &dp, &power);
+    z->run->r->rates++;
+    *force = dp/ds;
+    return st;
+}
+
+/* A jump of the force between an end of the panel and the node beside it changes no value at the nodes.  Does the polynomial through the
+ * forces meet the force at that end (weight: rule->begin or ->end), where K is `kinetic`? */
+static bool meets(const quadrature *z, const double *weight, double force, double kinetic)
+{
+    return fabs(lw_panel_sum(weight, z->p.force) - force)*z->rule->at[0]*z->p.length <= joined*z->tolerance*kinetic;
+}
+
+/* The same at s*, where K is 0. */
+static bool meets_at_rest(quadrature *z)
+{
+    double force;
+    return force_at(z, z->p.from, &force) == LW_OK
+        && fabs(lw_panel_sum(z->rule->begin, z->p.force) - force) <= joined_at_rest*z->tolerance*fabs(force);
 }
 
 /* Factor of the length that would make the unresolved part of f as large as allowed. */
@@ -148,7 +175,7 @@ static lw_status turning_panel(quadrature *z, double guess)
         before = fabs(off);
         top += z->sense*off/slope;
     }
-    if (!pace_turning(z, &tail))
+    if (!pace_turning(z, &tail) || !meets(z, z->rule->end, z->force, z->kinetic) || !meets_at_rest(z))
         return LW_NOTHING;
     *last = top;
     p->begin = -1;
@@ -168,17 +195,20 @@ static double kinetic_at(const quadrature *z, double x)
 }
 
 /* A panel out of rest, or nearly so: from s*, a little behind the present place, by the force there. */
-static lw_status panel_from_rest(quadrature *z, double force)
+static lw_status panel_from_rest(quadrature *z)
 {
     panel *p = &z->p;
-    double sense = force > 0 ? 1 : -1, back = z->kinetic/fabs(force), tail = 1, root[N], c[N];
+    double force = z->force, sense = force > 0 ? 1 : -1, back = z->kinetic/fabs(force), tail = 1, end, root[N], c[N];
     for (int k = 0; k < 60; k++) {
         lw_status st = fill_turning(z, z->s - sense*back, -sense, z->length);
         if (st == LW_OK && pace_turning(z, &tail)) {
             double off = back > 0 ? z->kinetic - kinetic_at(z, back/z->length) : 0;
-            if (fabs(off) <= 1e-15*z->kinetic || k > 50)
+            if (fabs(off) > 1e-15*z->kinetic && k <= 50)
+                back += off/fabs(force);
+            else if (force_at(z, p->from + sense*p->length, &end) == LW_OK && meets(z, z->rule->end, end, kinetic_at(z, 1)) && meets_at_rest(z))
                 break;
-            back += off/fabs(force);
+            else
+                z->length *= 0.5;
         } else if (st != LW_OK && st != LW_OPEN) {
             return st;
         } else {
@@ -250,6 +280,15 @@ static bool pace_on(quadrature *z, double *tail, bool *turns, double *guess)
     return *tail <= z->tolerance;
 }
 
+/* Do the forces at both ends belong to the panel? */
+static bool joins(quadrature *z)
+{
+    const panel *p = &z->p;
+    double end, kinetic = z->kinetic + p->sense*p->length*lw_panel_sum(z->rule->whole, p->force);
+    return meets(z, z->rule->begin, z->force, z->kinetic) && force_at(z, p->from + p->sense*p->length, &end) == LW_OK
+        && meets(z, z->rule->end, end, kinetic);
+}
+
 static lw_status straight_panel(quadrature *z)
 {
     panel *p = &z->p;
@@ -265,6 +304,10 @@ static lw_status straight_panel(quadrature *z)
         if (st != LW_OK && st != LW_OPEN)
             return st;
         bool resolved = st == LW_OK && pace_on(z, &tail, &turns, &guess);
+        if (resolved && !joins(z)) {
+            resolved = false;
+            tail = 1;
+        }
         if (st == LW_OK && turns && !tried) {
             st = turning_panel(z, guess);
             if (st != LW_NOTHING)
@@ -375,8 +418,8 @@ static lw_status state_at(void *context, double t, double *y)
 
 /* ---- the run ------------------------------------------------------------------------------------------ */
 
-/* Check the energy at the end of the panel by the posture there; *force: the force there. */
-static lw_status watch(quadrature *z, double *force)
+/* Check the energy at the end of the panel by the posture there, and note the force there. */
+static lw_status watch(quadrature *z)
 {
     double ds, dp, power;
     lw_status st = lw_reduced_rate(z->r, 0, z->s, 1, &ds, &dp, &power);
@@ -397,7 +440,7 @@ static lw_status watch(quadrature *z, double *force)
         r->energy_held += fabs(off);
     }
     z->least_mass = fmin(z->least_mass, 1/(ds*ds));
-    *force = dp/ds;
+    z->force = dp/ds;
     return LW_OK;
 }
 
@@ -411,16 +454,17 @@ static double before_begin(quadrature *z)
     return v*lw_panel_value(z->p.other_c, v);
 }
 
-static lw_status next_panel(quadrature *z, double force)
+static lw_status next_panel(quadrature *z)
 {
     panel *p = &z->p;
+    double force = z->force;
     p->t = z->t;
     p->kinetic = z->kinetic;
     p->work = z->work;
     bool leaves_rest = z->kinetic <= 0.05*fabs(force)*z->length && z->sense*force >= 0;
     if (leaves_rest && force == 0)
         return LW_OPEN;
-    lw_status st = leaves_rest ? panel_from_rest(z, force) : straight_panel(z);
+    lw_status st = leaves_rest ? panel_from_rest(z) : straight_panel(z);
     if (st != LW_OK)
         return st;
     if (!p->turning)
@@ -459,10 +503,10 @@ static void leave_out_periods(quadrature *z)
 static lw_status run_panels(quadrature *z)
 {
     lw_run *run = z->run;
-    double force, to = run->d->o.to;
-    lw_status st = watch(z, &force);
+    double to = run->d->o.to;
+    lw_status st = watch(z);
     for (long k = 1; st == LW_OK && z->t < to; k++) {
-        st = next_panel(z, force);
+        st = next_panel(z);
         if (st != LW_OK)
             break;
         run->r->steps++;
@@ -471,7 +515,7 @@ static lw_status run_panels(quadrature *z)
         advance_turns(z);
         leave_out_periods(z);
         if (st == LW_OK)
-            st = watch(z, &force);
+            st = watch(z);
         if (st == LW_OK)
             st = lw_run_limits(run, run->r->t, 0);
     }

@@ -67,9 +67,12 @@ lw_status lw_panel_rule_make(lw_panel_rule *r)
     from_values(r, &mean, &r->mean);
     from_values(r, &root, &r->root);
     for (int j = 0; j < N; j++) {
-        r->whole[j] = 0;
-        for (int k = 0; k < N; k++)
+        r->whole[j] = r->begin[j] = r->end[j] = 0;
+        for (int k = 0; k < N; k++) {
             r->whole[j] += one[k]*r->coef.row[k][j];
+            r->begin[j] += (k%2 ? -1 : 1)*r->coef.row[k][j];
+            r->end[j] += r->coef.row[k][j];
+        }
     }
     gsl_integration_glfixed_table_free(gauss);
     return LW_OK;

@@ -17,6 +17,7 @@ typedef struct lw_panel_matrix { double row[LW_PANEL_NODES][LW_PANEL_NODES]; } l
 typedef struct lw_panel_rule {
     double at[LW_PANEL_NODES];                            /* the nodes, rising                                    */
     double whole[LW_PANEL_NODES];                         /* weights of the integral from 0 to 1                   */
+    double begin[LW_PANEL_NODES], end[LW_PANEL_NODES];    /* weights of the values at 0 and 1                      */
     double gauss_at[LW_PANEL_NODES], gauss[LW_PANEL_NODES];   /* points and weights of Gauss: exact to degree 31       */
     lw_panel_matrix coef;                                 /* Chebyshev coefficients of the values                  */
     lw_panel_matrix mean, root;                           /* map values at the nodes to the means                  */
