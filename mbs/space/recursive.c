@@ -16,7 +16,7 @@ static bool turns_by_quaternion(lw_spatial_kind k) { return k == LW_SPATIAL_SPHE
 static lw_status reserve(const lw_space *s, lw_recursive *r, lw_error *e)
 {
     size_t b = (size_t)s->n_body, rows = (size_t)r->n_row, u = (size_t)r->n_u, joints = (size_t)s->n_joint + 1, sides = (size_t)s->n_side;
-    size_t doubles = 3*u + rows*u + rows*rows + rows + 6*rows*sides;
+    size_t doubles = 3*u + rows*u + rows*rows + 2*rows + 6*rows*sides;
     size_t bytes = (b + 1)*sizeof *r->body + (2*u + b + rows*sides)*sizeof *r->axis + rows*sizeof *r->row + (b + 1)*sizeof *r->frame
                  + doubles*sizeof(double) + (joints + b + rows + (rows + 1)*sides)*sizeof(int);
     char *at = r->memory = calloc(1, bytes);
@@ -37,6 +37,7 @@ static lw_status reserve(const lw_space *s, lw_recursive *r, lw_error *e)
     r->half = (double *)(void *)at, at += rows*u*sizeof(double);
     r->schur = (double *)(void *)at, at += rows*rows*sizeof(double);
     r->l = (double *)(void *)at, at += rows*sizeof(double);
+    r->sorted = (double *)(void *)at, at += rows*sizeof(double);
     double *jac = (double *)(void *)at;
     at += 6*rows*sides*sizeof *jac;
     r->cut = (int *)(void *)at, at += joints*sizeof(int);
@@ -568,11 +569,10 @@ void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wante
         }
 }
 
-/* A row of Y: what the pulls of a row leave at each rate, going inwards. */
+/* A row of Y, whose numbers are n_row apart: what the pulls of a row leave at each rate, going inwards. */
 static void halve(lw_recursive *r, const lw_recursive_row *row, double *y)
 {
     int *place = r->side, last;
-    memset(y, 0, (size_t)r->n_u*sizeof *y);
     memset(r->pull, 0, (size_t)r->s->n_body*sizeof *r->pull);
     for (int k = 0; k < r->s->n_side; k++) {
         place[k] = row->body[k] < 0 ? -1 : r->place[row->body[k]];
@@ -588,8 +588,7 @@ static void halve(lw_recursive *r, const lw_recursive_row *row, double *y)
         const lw_recursive_body *p = &r->body[last];
         lw_screw g = r->pull[last];
         for (int k = p->u + p->n_u - 1; k >= p->u; k--) {
-            double s = screw_dot(r->axis[k], g);
-            y[k] = s*sqrt(r->by_inertia[k]);
+            double s = y[k*r->n_row] = screw_dot(r->axis[k], g);
             g = screw_add(g, screw_scale(r->push[k], -s*r->by_inertia[k]));
         }
         if (p->parent >= 0) {
@@ -601,42 +600,72 @@ static void halve(lw_recursive *r, const lw_recursive_row *row, double *y)
     }
 }
 
-/* Y Y^T by Cholesky's method with pivots, `rank` rows of it. */
+/* The upper triangle of Y D Y^T.  A rate of the tree moves the bodies of a few rows, others leave zeros. */
+static void fill_schur(lw_recursive *r)
+{
+    int n = r->n_row;
+    double *m = r->schur;
+    memset(r->half, 0, (size_t)n*(size_t)r->n_u*sizeof *r->half);
+    memset(m, 0, (size_t)n*(size_t)n*sizeof *m);
+    for (int i = 0; i < n; i++) {
+        halve(r, &r->row[i], r->half + i);
+        r->order[i] = i;
+    }
+    for (int k = 0; k < r->n_u; k++)
+        for (int i = 0; i < n; i++) {
+            const double *y = r->half + k*n;
+            if (y[i] == 0)
+                continue;
+            double by = y[i]*r->by_inertia[k];
+            for (int j = i; j < n; j++)
+                m[i*n + j] += by*y[j];
+        }
+}
+
+static void swap(double *a, double *b)
+{
+    double t = *a;
+    *a = *b, *b = t;
+}
+
+/* Exchange rows and columns a < b of the symmetric matrix of which r->schur is the upper triangle. */
+static void exchange(lw_recursive *r, int a, int b)
+{
+    int n = r->n_row, o = r->order[a];
+    double *m = r->schur;
+    r->order[a] = r->order[b], r->order[b] = o;
+    swap(m + a*n + a, m + b*n + b);
+    for (int k = 0; k < a; k++)
+        swap(m + k*n + a, m + k*n + b);
+    for (int k = a + 1; k < b; k++)
+        swap(m + a*n + k, m + k*n + b);
+    for (int k = b + 1; k < n; k++)
+        swap(m + a*n + k, m + b*n + k);
+}
+
+/* Y D Y^T = U^T U, its rows and columns in r->order, by Cholesky's method with pivots: `rank` rows of U. */
 static lw_status factor_rows(lw_recursive *r)
 {
-    int n = r->n_row, u = r->n_u;
+    int n = r->n_row;
     double *m = r->schur, first = 0;
-    for (int i = 0; i < n; i++) {
-        halve(r, &r->row[i], r->half + i*u);
-        r->order[i] = i;
-        for (int j = 0; j <= i; j++) {
-            double sum = 0;
-            for (int k = 0; k < u; k++)
-                sum += r->half[i*u + k]*r->half[j*u + k];
-            m[i*n + j] = m[j*n + i] = sum;
-        }
-    }
+    fill_schur(r);
     for (int k = 0; k < r->rank; k++) {
+        double *u = m + k*n;
         int best = k;
         for (int i = k + 1; i < n; i++)
-            best = m[r->order[i]*n + r->order[i]] > m[r->order[best]*n + r->order[best]] ? i : best;
-        int o = r->order[best];
-        r->order[best] = r->order[k], r->order[k] = o;
-        double pivot = m[o*n + o];
-        first = k == 0 ? pivot : first;
-        r->weak = pivot/first;
-        if (!(pivot > no_pivot*first))
+            best = m[i*n + i] > m[best*n + best] ? i : best;
+        if (best > k)
+            exchange(r, k, best);
+        first = k == 0 ? u[k] : first;
+        r->weak = u[k]/first;
+        if (!(u[k] > no_pivot*first))
             return LW_OPEN;
-        double root = m[o*n + o] = sqrt(pivot);
-        for (int i = k + 1; i < n; i++) {
-            double *a = m + r->order[i]*n;
-            a[o] /= root;
-            for (int j = k + 1; j <= i; j++)
-                m[r->order[i]*n + r->order[j]] -= a[o]*m[r->order[j]*n + o];
-        }
+        double root = u[k] = sqrt(u[k]), by = 1/root;
         for (int i = k + 1; i < n; i++)
-            for (int j = k + 1; j < i; j++)
-                m[r->order[j]*n + r->order[i]] = m[r->order[i]*n + r->order[j]];
+            u[i] *= by;
+        for (int i = k + 1; i < n; i++)
+            for (int j = i; j < n; j++)
+                m[i*n + j] -= u[i]*u[j];
     }
     return LW_OK;
 }
@@ -688,26 +717,26 @@ static void go_outwards(lw_recursive *r, bool bias, double *du)
     }
 }
 
-/* l of Y Y^T l = r->l over the kept rows, others 0. */
+/* l of Y D Y^T l = r->l over the kept rows, others 0. */
 static void solve_rows(lw_recursive *r)
 {
-    int n = r->n_row;
+    int n = r->n_row, rank = r->rank;
     const double *m = r->schur;
-    double *l = r->l;
-    for (int i = 0; i < r->rank; i++) {
-        int o = r->order[i];
-        for (int j = 0; j < i; j++)
-            l[o] -= m[o*n + r->order[j]]*l[r->order[j]];
-        l[o] /= m[o*n + o];
+    double *x = r->sorted;
+    for (int i = 0; i < rank; i++)
+        x[i] = r->l[r->order[i]];
+    for (int i = 0; i < rank; i++) {
+        x[i] /= m[i*n + i];
+        for (int j = i + 1; j < rank; j++)
+            x[j] -= m[i*n + j]*x[i];
     }
-    for (int i = r->rank - 1; i >= 0; i--) {
-        int o = r->order[i];
-        for (int j = i + 1; j < r->rank; j++)
-            l[o] -= m[r->order[j]*n + o]*l[r->order[j]];
-        l[o] /= m[o*n + o];
+    for (int i = rank - 1; i >= 0; i--) {
+        for (int j = rank - 1; j > i; j--)
+            x[i] -= m[i*n + j]*x[j];
+        x[i] /= m[i*n + i];
     }
-    for (int i = r->rank; i < n; i++)
-        l[r->order[i]] = 0;
+    for (int i = 0; i < n; i++)
+        r->l[r->order[i]] = i < rank ? x[i] : 0;
 }
 
 void lw_recursive_solve(lw_recursive *r, const double *force, lw_recursive_want want, double *du)
@@ -731,8 +760,8 @@ void lw_recursive_solve(lw_recursive *r, const double *force, lw_recursive_want 
     for (int k = 0; k < r->n_u; k++) {
         double sum = 0;
         for (int i = 0; i < r->n_row; i++)
-            sum += r->half[i*r->n_u + k]*r->l[i];
-        r->free_rate[k] = -sum*sqrt(r->by_inertia[k]);
+            sum += r->half[k*r->n_row + i]*r->l[i];
+        r->free_rate[k] = -sum*r->by_inertia[k];
     }
     go_outwards(r, false, r->along);
     for (int k = 0; k < r->n_u; k++)

@@ -7,7 +7,7 @@
  * articulated bodies one pass inwards, accelerations one pass more: work in proportion to the number of bodies
  * (Featherstone 1983; Rodriguez, Jain & Kreutz-Delgado 1991 for the factors of the mass matrix).  Loops:
  *
- *     M u' + J^T l = Q,   J u' = c,     J M^-1 J^T = Y Y^T,   Y = J L^-T   one pass inwards for each row of J
+ *     M u' + J^T l = Q,   J u' = c,     M = L D^-1 L^T,   J M^-1 J^T = Y D Y^T,   Y = J L^-T   one pass inwards for each row of J
  *
  * over a basis of the rows of J, chosen by pivots in every posture. */
 #ifndef LW_MBS_SPACE_RECURSIVE_H
@@ -56,7 +56,8 @@ typedef struct lw_recursive {
     lw_screw *axis, *push;                   /* (n_u) motion by each rate; inertia times it */
     double   *by_inertia, *free_rate;        /* (n_u) 1/(axis push); acceleration before what the parent adds */
     lw_recursive_row *row;                   /* (n_row) */
-    double   *half, *schur, *l, *along;      /* Y (n_row x n_u); (n_row x n_row); (n_row); (n_u) */
+    double   *half, *schur, *l, *along;      /* Y (n_u x n_row, rows of J beside each other); U (n_row x n_row); (n_row); (n_u) */
+    double   *sorted;                        /* (n_row) scratch */
     int      *order;                         /* (n_row) of elimination: the first `rank` are kept */
     lw_screw *pull;                          /* (n_body) scratch */
     int      *side;                          /* (s->n_side) scratch */
