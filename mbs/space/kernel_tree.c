@@ -42,13 +42,13 @@ typedef struct vec { pack x, y, z; } vec;
 static const vec none;
 typedef struct screw { vec turn, move; } screw;
 typedef struct quat { pack w, x, y, z; } quat;
+typedef struct articulated { pack j[6], m[6]; vec b[3]; } articulated;       /* moment = J alpha + B a, force = B^T alpha + M a */
 typedef struct body {
     quat  turn;
     vec   row[3];                            /* of the turn */
     vec   at, from_parent;
     screw velocity, trial;                   /* trial: acceleration while the rates do not accelerate */
-    pack  j[6], m[6];                        /* inertia: moment = J alpha + B a, force = B^T alpha + M a */
-    vec   b[3];
+    articulated inertia;                     /* without children only J, M is the mass and B 0 */
     screw load;                              /* then the acceleration */
 } body;
 typedef struct rate { screw axis, push; pack by_inertia, free; } rate;
@@ -197,12 +197,9 @@ static void weigh(const lw_stage_body *p, body *b)
     vec i[3];
     for (int k = 0; k < 3; k++)
         i[k] = (vec){ p->mass[1]*a[k].x, p->mass[2]*a[k].y, p->mass[3]*a[k].z };
-    pack *j = b->j;
+    pack *j = b->inertia.j;
     j[0] = dot(i[0], a[0]), j[1] = dot(i[1], a[1]), j[2] = dot(i[2], a[2]);
     j[3] = dot(i[0], a[1]), j[4] = dot(i[0], a[2]), j[5] = dot(i[1], a[2]);
-    b->m[0] = b->m[1] = b->m[2] = all_lanes(p->mass[0]);
-    b->m[3] = b->m[4] = b->m[5] = (pack){ 0 };
-    b->b[0] = b->b[1] = b->b[2] = none;
     vec w = b->velocity.turn, need = sym_times(j, b->trial.turn);
     b->load = (screw){ add(cross(w, sym_times(j, w)), need),
                        sub(times(b->trial.move, all_lanes(p->mass[0])), fixed(p->weight)) };
@@ -235,7 +232,13 @@ static pack pull(const lw_tree_stages *t, body *all)
     return power;
 }
 
-LW_INLINE screw inertia_times(const body *i, screw a)
+LW_INLINE articulated alone(const articulated *i, double mass)
+{
+    const pack m = all_lanes(mass), no = { 0 };
+    return (articulated){ { i->j[0], i->j[1], i->j[2], i->j[3], i->j[4], i->j[5] }, { m, m, m, no, no, no }, { none, none, none } };
+}
+
+LW_INLINE screw inertia_times(const articulated *i, screw a)
 {
     const vec *b = i->b, t = a.turn, v = a.move;
     return (screw){ add(sym_times(i->j, t), (vec){ dot(b[0], v), dot(b[1], v), dot(b[2], v) }),
@@ -243,7 +246,7 @@ LW_INLINE screw inertia_times(const body *i, screw a)
 }
 
 /* i -= p p^T s */
-LW_INLINE void take_away(body *i, screw p, pack s)
+LW_INLINE void take_away(articulated *i, screw p, pack s)
 {
     vec a = times(p.turn, s), b = times(p.move, s), t = p.turn, v = p.move;
     i->j[0] -= a.x*t.x, i->j[1] -= a.y*t.y, i->j[2] -= a.z*t.z, i->j[3] -= a.x*t.y, i->j[4] -= a.x*t.z, i->j[5] -= a.y*t.z;
@@ -251,20 +254,25 @@ LW_INLINE void take_away(body *i, screw p, pack s)
     i->b[0] = sub(i->b[0], times(v, a.x)), i->b[1] = sub(i->b[1], times(v, a.y)), i->b[2] = sub(i->b[2], times(v, a.z));
 }
 
-/* The same inertia about a point -d away, added. */
-LW_INLINE void add_shifted(body *to, const body *i, vec d)
+/* The same inertia about a point -d away, added to that of a body; first: of its children, so it is of this mass alone yet. */
+LW_INLINE void add_shifted(articulated *to, bool first, double mass, const articulated *i, vec d)
 {
     const pack *m = i->m;
     vec c[3] = { cross(d, (vec){ m[0], m[3], m[4] }), cross(d, (vec){ m[3], m[1], m[5] }), cross(d, (vec){ m[4], m[5], m[2] }) };
     vec b[3] = { add(i->b[0], (vec){ c[0].x, c[1].x, c[2].x }), add(i->b[1], (vec){ c[0].y, c[1].y, c[2].y }),
                  add(i->b[2], (vec){ c[0].z, c[1].z, c[2].z }) }, p[3];
-    for (int k = 0; k < 3; k++) {            /* J stays symmetric, so the terms of b before and after the shift may be averaged */
+    for (int k = 0; k < 3; k++)              /* J stays symmetric, so the terms of b before and after the shift may be averaged */
         p[k] = cross(d, add(i->b[k], b[k]));
-        to->b[k] = add(to->b[k], b[k]);
-    }
     to->j[0] += i->j[0] + p[0].x, to->j[1] += i->j[1] + p[1].y, to->j[2] += i->j[2] + p[2].z;
     to->j[3] += i->j[3] + 0.5*(p[0].y + p[1].x), to->j[4] += i->j[4] + 0.5*(p[0].z + p[2].x);
     to->j[5] += i->j[5] + 0.5*(p[1].z + p[2].y);
+    if (first) {
+        for (int k = 0; k < 3; k++)
+            to->b[k] = b[k], to->m[k] = mass + m[k], to->m[k + 3] = m[k + 3];
+        return;
+    }
+    for (int k = 0; k < 3; k++)
+        to->b[k] = add(to->b[k], b[k]);
     for (int k = 0; k < 6; k++)
         to->m[k] += m[k];
 }
@@ -290,22 +298,25 @@ static bool rates_of_some(const lw_tree_stages *t, int lane, const double *y, do
         keep(dy + 8*(t->n_x + t->n_u), power);
     for (int i = t->n_body - 1; i >= 0; i--) {
         const lw_stage_body *p = &t->body[i];
-        body *b = &all[i], *to = &all[p->parent];
+        const body *b = &all[i];
+        body *to = &all[p->parent];
+        articulated inertia = p->leaf ? alone(&b->inertia, p->mass[0]) : b->inertia;
+        screw load = b->load;
         for (rate *r = rates + p->u + p->n_u - 1; r >= rates + p->u; r--) {
-            r->push = inertia_times(b, r->axis);
+            r->push = inertia_times(&inertia, r->axis);
             pack d = dot_screw(r->axis, r->push);
             most = choose((mask)(d > most), d, most);
             massless |= ~(mask)(d > no_mass*most);
             r->by_inertia = 1/d;
-            r->free = -dot_screw(r->axis, b->load)*r->by_inertia;
-            b->load = add_screw(b->load, times_screw(r->push, r->free));
-            take_away(b, r->push, r->by_inertia);
+            r->free = -dot_screw(r->axis, load)*r->by_inertia;
+            load = add_screw(load, times_screw(r->push, r->free));
+            take_away(&inertia, r->push, r->by_inertia);
         }
         if (p->parent < 0)
             continue;
-        to->load.turn = add(to->load.turn, add(b->load.turn, cross(b->from_parent, b->load.move)));
-        to->load.move = add(to->load.move, b->load.move);
-        add_shifted(to, b, b->from_parent);
+        to->load.turn = add(to->load.turn, add(load.turn, cross(b->from_parent, load.move)));
+        to->load.move = add(to->load.move, load.move);
+        add_shifted(&to->inertia, p->last_child, t->body[p->parent].mass[0], &inertia, b->from_parent);
     }
     if (any_lane(massless))
         return false;

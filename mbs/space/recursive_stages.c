@@ -40,7 +40,7 @@ static void put_body(const lw_recursive *r, const lw_space_forces *f, int i, lw_
     const lw_space_joint *j = p->joint < 0 ? NULL : &r->s->joint[p->joint];
     const double *m = r->mass + 6*p->body, *w = f->weight + 6*p->body;
     lw_stage_body *b = &s->body[i];
-    *b = (lw_stage_body){ .parent = p->parent, .kind = p->kind, .back = p->back, .x = p->x, .u = p->u, .n_u = p->n_u,
+    *b = (lw_stage_body){ .parent = p->parent, .kind = p->kind, .back = p->back, .x = p->x, .u = p->u, .n_u = p->n_u, .leaf = true,
                           .angle = s->n_angle, .arm = { p->arm[0], p->arm[1] }, .part = { p->fixed },
                           .mass = { m[0], m[3], m[4], m[5] }, .weight = { w[0], w[1], w[2] } };
     if (!j)
@@ -79,6 +79,12 @@ lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, b
     s->turn = (int *)(void *)(s->sine + 8*(u + 1));
     for (int i = 0; i < s->n_body; i++)
         put_body(r, f, i, s);
+    for (int i = s->n_body - 1; i >= 0; i--)
+        if (s->body[i].parent >= 0) {
+            lw_stage_body *parent = &s->body[s->body[i].parent];
+            s->body[i].last_child = parent->leaf;
+            parent->leaf = false;
+        }
     for (int i = 0; i < s->n_spring; i++) {
         const lw_spatial_spring *p = &m->spring[i];
         s->spring[i] = (lw_stage_spring){ .stiffness = p->stiffness, .damping = p->damping, .free = p->free };

@@ -13,6 +13,7 @@ typedef struct lw_stage_body {
     int  parent;                             /* place in the order of the tree, -1: ground */
     lw_spatial_kind kind;
     bool back;                               /* the body is link 0 of the joint */
+    bool leaf, last_child;                   /* it has no children; it is the last one of its parent's */
     int  x, u, n_u, angle;                   /* its first coordinate, rate, half angle */
     lw_vec3 arm[2], z, along[2];             /* joint's point over unit; axis, and directions of slides in body 0; */
     lw_vec3 second;                          /* universal: the axis of body 1 */
