@@ -7,6 +7,7 @@
 #include "base/bytes.h"
 #include "base/file.h"
 #include "base/vec3.h"
+#include "catalogues/draw/labels.h"
 #include "catalogues/pages/draw.h"
 #include "mbs/elastic/expand_space.h"
 #include "tests/spatial_models.h"
@@ -102,7 +103,7 @@ TEST(projection)
     load_spatial("stewart", &m);
     lw_space_scene s = make_scene(&m, 0);
     for (int i = 0; i < 40; i++) {
-        lw_space_view view = { 0.37*i, -1.5707 + 0.08*i };
+        lw_space_view view = { .azimuth = 0.37*i, .elevation = -1.5707 + 0.08*i };
         lw_vec3 a[3];
         lw_drawing d;
         lw_error e = { 0 };
@@ -119,6 +120,55 @@ TEST(projection)
                 lw_vec2 at = d.point[d.shape[k].first + p];
                 CHECK(at.x >= 0 && at.x <= 400 && at.y >= 0 && at.y <= 300);
             }
+        lw_drawing_free(&d);
+    }
+    lw_space_scene_free(&s);
+    lw_spatial_free(&m);
+}
+
+/* The scale bar has its round length in the plane of the picture; names stand in still pictures, none on another. */
+TEST(scale_and_names)
+{
+    lw_spatial m;
+    load_spatial("stewart", &m);
+    lw_space_scene s = make_scene(&m, 0);
+    for (int named = 0; named < 2; named++) {
+        lw_space_view view = { .azimuth = 1, .elevation = 0.4, .names = named };
+        lw_drawing d;
+        lw_error e = { 0 };
+        lw_vec3 axis[3];
+        lw_box name[64];
+        lw_vec2 from[2] = { { 0, 0 } };                 /* place on the page and in the plane of the picture, of the first ball */
+        double pixels = 0, length = 0;
+        int n_name = 0, n_ball = 0;
+        lw_space_view_axes(&s, view, axis);
+        CHECK_INT(lw_space_draw(&s, 0, view, 1000, 750, &d, &e), LW_OK);
+        for (size_t k = 0; k < d.n_shape; k++) {
+            const lw_shape *shape = &d.shape[k];
+            if (shape->role == LW_ROLE_SCALE && shape->kind == LW_SHAPE_PATH)
+                pixels = d.point[shape->first + 2].x - d.point[shape->first + 1].x;
+            else if (shape->role == LW_ROLE_SCALE)
+                length = atof(d.text + shape->first)*m.units.metre;
+            else if (shape->kind == LW_SHAPE_TEXT && (shape->role == LW_ROLE_LINK || shape->role == LW_ROLE_TRACER))
+                name[n_name++] = (lw_box){ shape->at.x, shape->at.y - 8, shape->at.x + lw_text_width(d.text + shape->first, shape->width), shape->at.y };
+        }
+        CHECK(length > 0 && pixels > 50);
+        for (size_t k = 0; k < d.n_shape; k++) {
+            const lw_shape *shape = &d.shape[k];
+            if (shape->kind != LW_SHAPE_CIRCLE || shape->role != LW_ROLE_JOINT)
+                continue;
+            lw_vec3 at = lw_space_scene_at(&s, 0, m.joint[shape->item].link[0], m.joint[shape->item].at);
+            lw_vec2 flat = lw_v2(lw_v3_dot(at, axis[0]), -lw_v3_dot(at, axis[1]));
+            if (n_ball++ == 0)
+                from[0] = shape->at, from[1] = flat;
+            lw_vec2 page = lw_v2_sub(shape->at, from[0]), far = lw_v2_scale(lw_v2_sub(flat, from[1]), pixels/length);
+            CHECK_NEAR(lw_v2_norm(lw_v2_sub(page, far)), 0, 1e-9*pixels, 0);
+        }
+        CHECK_INT(n_ball, 6);
+        CHECK_INT(n_name, named ? m.n_link - 1 + m.n_tracer : 0);
+        for (int i = 0; i < n_name; i++)
+            for (int k = 0; k < i; k++)
+                CHECK(name[i].x1 < name[k].x0 || name[k].x1 < name[i].x0 || name[i].y1 < name[k].y0 || name[k].y1 < name[i].y0);
         lw_drawing_free(&d);
     }
     lw_space_scene_free(&s);

@@ -635,33 +635,15 @@ static double sketch_header(sketch *k)
     return y - 8*u;
 }
 
-/* The greatest number not above v that is 1, 2 or 5 times a power of ten. */
-static double round_down(double v)
-{
-    double power = pow(10, floor(log10(v))), m = v/power;
-    return power*(m >= 5 ? 5 : m >= 2 ? 2 : 1);
-}
-
 static void scale_bar(sketch *k, int panel)
 {
     const lw_view *v = &k->d->view[panel];
     const lw_units *units = &k->s->linkage.units;
     double u = k->u, px = v->scale*units->metre;                     /* [px] per unit of the file */
-    double length = round_down(0.24*v->w/px);
-    if (!isfinite(length) || !(length > 0))
-        return;
-    double x = v->x + 16*u, y = v->y + v->h - 12*u, w = length*px;
-    lw_vec2 bar[4] = { { x, y - 5*u }, { x, y }, { x + w, y }, { x + w, y - 5*u } };
-    lw_shape *s = lw_drawing_path(k->d, LW_ROLE_SCALE, bar, 4, false);
-    s->stroke = LW_INK_TEXT;
-    s->width = 1.5*u;
-    s->item = panel;
-    char number[32], text[48];
-    lw_number_text(number, length, 3);
-    snprintf(text, sizeof text, "%s%s%s", number, units->length[0] ? " " : "", units->length);
-    lw_drawing_text(k->d, LW_ROLE_SCALE, text, lw_v2(x + w + 7*u, y), 12*u, 0);
-    lw_label_map_take(&k->map, (lw_box){ x - 4, y - 16*u, x + w + 12*u + lw_text_width(text, 12*u),
-                                         v->y + v->h });
+    lw_vec2 at = lw_v2(v->x + 16*u, v->y + v->h - 12*u);
+    double w = lw_symbol_scale_bar(k->d, (lw_bearer){ panel, -1, -1 }, at, px, 0.24*v->w, units->length, "", u);
+    if (w > 0)
+        lw_label_map_take(&k->map, (lw_box){ at.x - 4, at.y - 16*u, at.x + w + 5*u, v->y + v->h });
 }
 
 /* The entries of the legend, from right to left: what each one shows, its text, width of its sample [px]. */

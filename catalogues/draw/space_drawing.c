@@ -4,8 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/bytes.h"
 #include "base/vec3.h"
+#include "catalogues/draw/labels.h"
 #include "catalogues/draw/space_scene.h"
+#include "catalogues/draw/symbols.h"
 
 #define PIECES 12                /* of a line across the whole picture                                 */
 #define MARGIN 36                /* [px]                                                               */
@@ -22,7 +25,7 @@ typedef struct page {
     size_t   n, room;
 } page;
 
-lw_space_view lw_space_view_default(void) { return (lw_space_view){ 35*LW_PI/180, 25*LW_PI/180 }; }
+lw_space_view lw_space_view_default(void) { return (lw_space_view){ .azimuth = 35*LW_PI/180, .elevation = 25*LW_PI/180 }; }
 
 void lw_space_view_axes(const lw_space_scene *s, lw_space_view view, lw_vec3 axis[3])
 {
@@ -194,6 +197,80 @@ static void triad(const page *g, lw_drawing *d)
     }
 }
 
+/* A parallel projection keeps lengths that are parallel to the picture. */
+static void scale_bar(const page *g, lw_drawing *d)
+{
+    const lw_units *units = &g->s->model->units;
+    const char *remark = g->width < 600 ? "" : " parallel to the picture";
+    if (g->width >= 300)
+        lw_symbol_scale_bar(d, (lw_bearer){ -1, -1, -1 }, lw_v2(94, g->height - 14), g->scale*units->metre, 0.2*g->width, units->length[0] ? units->length : "m",
+                            remark, 1);
+}
+
+/* ---- names ----------------------------------------------------------------------------------------------- */
+
+/* The longest line on the page between two points of a link, beside which its name stands; else the place of the link. */
+static void place_of_name(const page *g, int link, lw_vec2 *a, lw_vec2 *b)
+{
+    double depth, longest = -1;
+    *a = *b = on_page(g, lw_space_scene_at(g->s, g->frame, link, g->s->origin[link]), &depth);
+    for (int i = 0; i < g->s->n_shape; i++) {
+        const lw_space_shape *shape = &g->s->shape[i];
+        bool body = shape->link == link && (shape->kind == LW_SPACE_BAR || (shape->kind == LW_SPACE_PLATE && shape->n > 2));
+        for (int k = 0; body && k < shape->n - (shape->n == 2); k++) {
+            lw_vec2 p = on_page(g, lw_space_scene_point(g->s, g->frame, shape, k), &depth);
+            lw_vec2 q = on_page(g, lw_space_scene_point(g->s, g->frame, shape, (k + 1) % shape->n), &depth);
+            double length = lw_v2_norm(lw_v2_sub(q, p));
+            if (length > longest)
+                *a = p, *b = q, longest = length;
+        }
+    }
+}
+
+static void put_name(lw_drawing *d, lw_label_map *map, lw_role role, const char *text, lw_vec2 a, lw_vec2 b, double gap)
+{
+    lw_vec2 at;
+    char clean[LW_NAME_SIZE + 4];
+    lw_text_clean(clean, sizeof clean, text);
+    if (!clean[0] || !lw_label_map_place(map, clean, 13, a, b, gap, (lw_box){ 8, 44, d->width - 8, d->height - 8 }, &at))
+        return;
+    lw_shape *s = lw_drawing_text(d, role, clean, at, 13, 0);
+    s->fill = role == LW_ROLE_TRACER ? LW_INK_BLUE : LW_INK_LINK;
+    s->italic = role == LW_ROLE_TRACER;
+}
+
+/* Names of tracers, then of links, where they cover little and no other name. */
+static lw_status put_names(const page *g, lw_drawing *d, lw_error *e)
+{
+    const lw_spatial *m = g->s->model;
+    lw_label_map map;
+    lw_vec2 a, b;
+    double depth;
+    lw_status st = lw_label_map_make(&map, g->width, g->height, e);
+    if (st != LW_OK)
+        return st;
+    for (size_t i = 0; i < g->n; i++) {
+        const piece *q = &g->piece[i];
+        for (int k = 0; k < q->n; k++)
+            lw_label_map_line(&map, q->p[k], q->p[(k + 1) % q->n], q->shape ? 1 : 0.5);
+        if (q->n == 1)
+            lw_label_map_disc(&map, q->p[0], 9, 2);
+    }
+    lw_label_map_take(&map, (lw_box){ 0, g->height - 84, 90, g->height });
+    lw_label_map_take(&map, (lw_box){ 90, g->height - 32, 0.6*g->width, g->height });
+    for (int i = 0; i < m->n_tracer; i++) {
+        a = on_page(g, lw_space_scene_at(g->s, g->frame, m->tracer[i].link, m->tracer[i].at), &depth);
+        put_name(d, &map, LW_ROLE_TRACER, m->tracer[i].name, a, a, 9);
+    }
+    for (int i = 0; i < m->n_link; i++) {
+        place_of_name(g, i, &a, &b);
+        if (i != m->ground)
+            put_name(d, &map, LW_ROLE_LINK, m->body[i].name, a, b, 6);
+    }
+    lw_label_map_free(&map);
+    return LW_OK;
+}
+
 static size_t count_pieces(const lw_space_scene *s)
 {
     return (size_t)s->n_shape*PIECES + (size_t)s->n_tracer*s->n_path + 1;
@@ -236,9 +313,11 @@ lw_status lw_space_draw(const lw_space_scene *s, size_t frame, lw_space_view vie
     for (size_t i = 0; i < g.n; i++)
         ink(d, &g.piece[i]);
     triad(&g, d);
+    scale_bar(&g, d);
+    lw_status st = view.names ? put_names(&g, d, e) : LW_OK;
     snprintf(d->title, sizeof d->title, "%s", s->title);
     lw_shape *title = lw_drawing_text(d, LW_ROLE_TITLE, s->title, lw_v2(16, 30), 18, 0);
     title->bold = true;
     free(g.piece);
-    return lw_drawing_end(d, e);
+    return st == LW_OK ? lw_drawing_end(d, e) : st;
 }

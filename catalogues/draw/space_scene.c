@@ -401,7 +401,7 @@ lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options 
     size_t n_shape = LW_SPACE_POINTS*n_link + 2*(size_t)m->n_joint + n_tracer + (size_t)m->n_beam;
     for (int i = 0; m->elastic && i < m->n_link; i++)
         n_shape += (size_t)m->elastic[i].n_axis;
-    *s = (lw_space_scene){ .n_link = m->n_link, .n_tracer = m->n_tracer, .up = { 0, 0, 1 }, .stop = o->stop };
+    *s = (lw_space_scene){ .model = m, .n_link = m->n_link, .n_tracer = m->n_tracer, .up = { 0, 0, 1 }, .stop = o->stop };
     snprintf(s->title, sizeof s->title, "%s", o->title ? o->title : m->name);
     s->shape = calloc(n_shape + 1, sizeof *s->shape);
     s->origin = calloc(n_link, sizeof *s->origin);

@@ -34,6 +34,7 @@ typedef struct lw_space_shape {
 typedef struct lw_space_pose { lw_vec3 at; lw_quaternion turn; } lw_space_pose;
 
 typedef struct lw_space_scene {
+    const lw_spatial *model;     /* its names and units are shown; it outlives the scene              */
     char     title[128];
     char     note[256];          /* why it does not move, or stops; "" when there is nothing to say    */
     int      n_link, n_tracer, n_shape;
@@ -70,14 +71,15 @@ lw_vec3 lw_space_scene_at(const lw_space_scene *s, size_t frame, int link, lw_ve
 /* Point k of a shape in a frame. */
 lw_vec3 lw_space_scene_point(const lw_space_scene *s, size_t frame, const lw_space_shape *shape, int k);
 
-/* Seen from a direction: azimuth about the upward axis, elevation above the level plane [rad]. */
-typedef struct lw_space_view { double azimuth, elevation; } lw_space_view;
+/* Seen from a direction: azimuth about the upward axis, elevation above the level plane [rad].  names: of links and tracers,
+ * as far as there is room, for still pictures. */
+typedef struct lw_space_view { double azimuth, elevation; bool names; } lw_space_view;
 lw_space_view lw_space_view_default(void);           /* 35 degrees, 25 degrees */
 
 /* Axes of the picture: to the right, upwards, to the viewer. */
 void lw_space_view_axes(const lw_space_scene *s, lw_space_view view, lw_vec3 axis[3]);
 
-/* A parallel projection of a frame [px]; what is nearer covers what is farther.  The scale is the same for all frames. */
+/* A parallel projection of a frame [px] with a scale bar; what is nearer covers what is farther.  The scale is the same for all frames. */
 lw_status lw_space_draw(const lw_space_scene *s, size_t frame, lw_space_view view, int width, int height,
                         lw_drawing *d, lw_error *e);
 

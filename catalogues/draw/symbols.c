@@ -1,9 +1,11 @@
 /* catalogues/draw/symbols.c - see symbols.h */
 #include "catalogues/draw/symbols.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/bytes.h"
 #include "catalogues/draw/body_shapes.h"
 
 static lw_shape *bear(lw_shape *s, lw_bearer b)
@@ -270,4 +272,25 @@ void lw_symbol_link(lw_drawing *d, lw_bearer b, const lw_vec2 *p, int n, lw_ink 
     lw_shape *s = stroke(lw_drawing_path(d, LW_ROLE_LINK, corner, (size_t)m, true), b, ink, 3.2*u);
     s->fill = ink;
     s->alpha = 0.16;
+}
+
+/* The greatest number not above v that is 1, 2 or 5 times a power of ten. */
+static double round_down(double v)
+{
+    double power = pow(10, floor(log10(v))), m = v/power;
+    return power*(m >= 5 ? 5 : m >= 2 ? 2 : 1);
+}
+
+double lw_symbol_scale_bar(lw_drawing *d, lw_bearer b, lw_vec2 at, double px, double most, const char *unit, const char *remark, double u)
+{
+    double length = round_down(most/px), w = length*px;
+    if (!isfinite(length) || !(length > 0))
+        return 0;
+    lw_vec2 bar[4] = { { at.x, at.y - 5*u }, at, { at.x + w, at.y }, { at.x + w, at.y - 5*u } };
+    stroke(lw_drawing_path(d, LW_ROLE_SCALE, bar, 4, false), b, LW_INK_TEXT, 1.5*u);
+    char number[32], text[96];
+    lw_number_text(number, length, 3);
+    snprintf(text, sizeof text, "%s%s%s%s", number, unit[0] ? " " : "", unit, remark);
+    lw_drawing_text(d, LW_ROLE_SCALE, text, lw_v2(at.x + w + 7*u, at.y), 12*u, 0);
+    return w + 7*u + lw_text_width(text, 12*u);
 }

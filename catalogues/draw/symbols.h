@@ -36,6 +36,9 @@ void lw_symbol_rack(lw_drawing *d, lw_bearer b, lw_vec2 p, lw_vec2 along, double
 void lw_symbol_weld(lw_drawing *d, lw_bearer b, lw_vec2 at, lw_vec2 one, lw_vec2 other, lw_ink ink, double u);
 /* A wall across the end of a link that is held there and leaves along the unit vector; (0, 0): upwards. */
 void lw_symbol_clamp(lw_drawing *d, lw_bearer b, lw_vec2 at, lw_vec2 leaves, double u);
+/* A scale bar that begins at `at`, of a round length of at most `most` px, and its length with the unit and a remark; px: pixels per
+ * unit.  Returns the width of all of it; 0: there is no such length. */
+double lw_symbol_scale_bar(lw_drawing *d, lw_bearer b, lw_vec2 at, double px, double most, const char *unit, const char *remark, double u);
 /* Bars one after the other between n points, n > 1. */
 void lw_symbol_frame(lw_drawing *d, lw_bearer b, const lw_vec2 *p, int n, lw_ink ink, double u);
 /* Bar for two points, shaded polygon for more (their convex hull); nothing for fewer. */

@@ -96,6 +96,7 @@ lw_status lw_draw_space(const lw_space_scene *s, lw_space_view view, lw_draw_kin
     lw_diagram_options page = lw_diagram_options_default();
     lw_drawing d;
     *out = (lw_bytes){ 0 };
+    view.names = kind != LW_DRAW_GIF;
     if (kind == LW_DRAW_HTML)
         return lw_space_page_write(s, view, out, e);
     if (kind == LW_DRAW_GIF) {

@@ -117,7 +117,7 @@ static lw_status draw_spatial(const cli_call *call, const lw_spatial *m, lw_draw
 {
     const settings *s = call->settings;
     lw_space_scene_options o = { .title = s->title, .n_frame = (size_t)s->steps, .until = s->until, .stop = cli_stop_flag() };
-    lw_space_view view = { s->azimuth*LW_PI/180, s->elevation*LW_PI/180 };
+    lw_space_view view = { .azimuth = s->azimuth*LW_PI/180, .elevation = s->elevation*LW_PI/180 };
     lw_space_scene scene;
     lw_status st = lw_space_scene_make(m, &o, &scene, e);
     if (st == LW_OK && scene.note[0])
