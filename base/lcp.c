@@ -7,10 +7,12 @@
 #include <string.h>
 #include "base/real.h"
 
-static const double shifts[] = { 0, 1e-12, 1e-10, 1e-8, 1e-7, 1e-6 };
+/* Walls of 10 to 60 boxes are solved at 1e-6 or 1e-5; below 1e-8 rounding leads astray there. */
+static const double shifts[] = { 0, 1e-6, 1e-5, 1e-7, 1e-8, 1e-4 };
 static const double least_pivot = 1e-11;     /* a smaller entry of the column is rounding; entries are of order 1 */
 static const double tie = 1e-12;             /* ratios that differ by less, relatively, are equal */
 static const double accuracy = 1e-8, exact = 1e-12;      /* a solution satisfies its conditions to this */
+enum { REFINEMENTS = 30, MANY = 100 };       /* of MANY unknowns the first accurate solution is taken, without a search for an exact one */
 
 /* B^-1 (n x n) by rows and the values of the basis; a column is made when it enters. */
 typedef struct tableau { int n; double shift; const double *m; double *inverse, *q, *column; int *basis; } tableau;
@@ -18,7 +20,7 @@ typedef struct tableau { int n; double shift; const double *m; double *inverse, 
 size_t lw_lcp_work(int n)
 {
     size_t k = (size_t)n;
-    return k*k + 3*k + 2;
+    return k*k + 4*k + 2;
 }
 
 /* Column of variable v in the present basis: 0 .. n-1 w, n .. 2n-1 z, 2n the artificial one.  w - M z - 1 z0 = q. */
@@ -74,9 +76,11 @@ static bool before(const tableau *t, int i, int j)
     return false;
 }
 
-/* x += B^-1 (q - B x) for the values of the basis: removes the rounding of the pivots. */
-static void refine(const tableau *t, const double *q)
+/* x += B^-1 (q - B x) for the values of the basis: removes the rounding of the pivots, and the shift.  Returns the greatest change over the
+ * greatest value. */
+static double refine(const tableau *t, const double *q)
 {
+    double most = 0, change = 0;
     int n = t->n;
     double *left = t->column;
     for (int i = 0; i < n; i++)
@@ -89,9 +93,15 @@ static void refine(const tableau *t, const double *q)
         for (int i = 0; v >= n && i < n; i++)
             left[i] += x*(v == 2*n ? 1 : t->m[(size_t)i*(size_t)n + (size_t)(v - n)] + (v - n == i)*t->shift);
     }
-    for (int r = 0; r < n; r++)
+    for (int r = 0; r < n; r++) {
+        double add = 0;
         for (int k = 0; k < n; k++)
-            t->q[r] += t->inverse[(size_t)r*(size_t)n + (size_t)k]*left[k];
+            add += t->inverse[(size_t)r*(size_t)n + (size_t)k]*left[k];
+        t->q[r] += add;
+        change = fmax(change, fabs(add));
+        most = fmax(most, fabs(t->q[r]));
+    }
+    return most > 0 ? change/most : 0;
 }
 
 /* The basis by Lemke's method for M + shift I, its values for M, or with `keep` for M + shift I. */
@@ -115,7 +125,7 @@ static lw_status solve(int n, const double *m, double shift, bool keep, const do
     make_column(&t, 2*n);
     pivot(&t, least, 2*n);
     int enter = n + least;
-    for (int pass = 0; pass < 100 + 20*n; pass++) {
+    for (int pass = 0; pass < 100 + 2*n; pass++) {
         int r = -1;
         make_column(&t, enter);
         for (int i = 0; i < n; i++)
@@ -127,8 +137,8 @@ static lw_status solve(int n, const double *m, double shift, bool keep, const do
         pivot(&t, r, enter);
         if (leaves == 2*n) {
             t.shift = keep ? shift : 0;
-            for (int i = 0; i < 6; i++)
-                refine(&t, q);
+            for (int i = 0; i < REFINEMENTS && refine(&t, q) > 1e-16; i++)
+                ;
             for (int i = 0; i < n; i++)
                 if (t.basis[i] >= n && t.basis[i] < 2*n)
                     z[t.basis[i] - n] = fmax(t.q[i], 0);
@@ -163,10 +173,25 @@ static bool solves(int n, const double *m, const double *q, const double *z, dou
 lw_status lw_lcp_solve(int n, const double *m, const double *q, double *work, double *z)
 {
     const int n_shift = (int)(sizeof shifts/sizeof *shifts);
+    double *accurate = work + lw_lcp_work(n) - n;
     lw_status s = LW_NOTHING;
-    for (int i = 0; i < 3*n_shift; i++) {
-        s = solve(n, m, shifts[i%n_shift], i >= 2*n_shift, q, work, z);
-        if (s == LW_OK && solves(n, m, q, z, i < n_shift ? exact : accuracy))
+    bool found = false;
+    for (int i = 0; i < n_shift && !(found && n > MANY); i++) {
+        s = solve(n, m, shifts[i], false, q, work, z);
+        if (s == LW_OK && solves(n, m, q, z, exact))
+            return LW_OK;
+        if (s == LW_OK && !found && solves(n, m, q, z, accuracy)) {
+            memcpy(accurate, z, (size_t)n*sizeof *z);
+            found = true;
+        }
+    }
+    if (found) {
+        memcpy(z, accurate, (size_t)n*sizeof *z);
+        return LW_OK;
+    }
+    for (int i = 0; i < n_shift; i++) {
+        s = solve(n, m, shifts[i], true, q, work, z);
+        if (s == LW_OK && solves(n, m, q, z, accuracy))
             return LW_OK;
     }
     return s == LW_OK ? LW_E_NUMERIC : s;
