@@ -128,7 +128,7 @@ TEST(the_time_of_a_limit)
         CHECK_INT(lw_prescribed_motion_to(r->d, 0.5*sqrt(last - angle)), LW_OK);
         CHECK_NEAR(distance(tracer(r, 0), fourbar_at(k, trial%2 ? 1 : -1, angle + 0.25*(last - angle)).p), 0, 1e-13, 0);
         CHECK_INT(lw_prescribed_motion_to(r->d, 5), LW_OPEN);
-        CHECK_NEAR(lw_prescribed_motion_time(r->d), sqrt(last - angle), 1e-10, 0);
+        CHECK_NEAR(lw_prescribed_motion_time(r->d), sqrt(last - angle), 1e-11, 0);
         CHECK(residual(r) <= 1e-14);
         CHECK_INT(lw_prescribed_motion_to(r->d, 0), LW_OK);            /* and back the way it came */
         CHECK_NEAR(distance(tracer(r, 0), fourbar_at(k, trial%2 ? 1 : -1, angle).p), 0, 1e-12, 0);

@@ -558,15 +558,15 @@ static void come_free(lw_prescribed_motion *d)
     d->stuck = false;
 }
 
-/* Towards a limit, the distance along the curve and 1/kappa fall to 0 like the square root of the remaining time. */
+/* Towards a limit, the distance along the curve and 1/kappa fall to 0 like the square root of the remaining time.  `last` may be the
+ * limit itself. */
 static void find_limit(lw_prescribed_motion *d, double last)
 {
     const double *w0 = d->weight[0], *w1 = d->weight[1];
     double ahead = (w1[0] - w0[0])*w1[1]/(w0[1] - w1[1]), most = 1e4*(w1[0] - w0[0]);
     d->limit = d->t;
-    if (w1[0] == d->t && ahead*(last - d->t) > 0.0 && fabs(ahead) < fabs(most)
-        && fabs(ahead) < fabs(last - d->t))
-        d->limit += ahead;
+    if (w1[0] == d->t && ahead*(last - d->t) > 0.0 && fabs(ahead) < fabs(most))
+        d->limit = fabs(ahead) < fabs(last - d->t) ? d->t + ahead : last;
     d->stuck = true;
 }
 
