@@ -263,6 +263,7 @@ TEST(light_crank)
                 CHECK_NEAR(d.v[8], way < span ? 1 : -1, 1e-6, 0);
             } else {
                 CHECK_INT(s, LW_E_NUMERIC);
+                CHECK(strstr(d.e.text, "no mass") || strstr(d.e.text, "without moving any mass"));
                 CHECK_NEAR(d.report.t, span - from, 1e-5, 0);
             }
         }

@@ -227,6 +227,12 @@ static lw_status run_one(lw_run *run)
                          ? "no formulation goes on from there; lower the coefficient or the radius of the pins, or drive the "
                          "linkage through the posture" : "another formulation may go on (auto tries them all)")
           : lw_error_set(run->e, s, "at t = %.9g s, near a singular posture with friction, no step is short enough to go on", r->t);
+    if (s == LW_E_NUMERIC && d->has_zero_mass && !d->n_friction && !d->touch && !run->jam && run->e->text[0]) {
+        char text[sizeof run->e->text];
+        memcpy(text, run->e->text, sizeof text);
+        lw_error_set(run->e, s, "%.300s; some links have no mass or no inertia: if they alone move there, they would do so infinitely fast. "
+                     "With small masses, 1e-6 of the others, the run goes on", text);
+    }
     if (s == LW_OPEN)
         s = lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the linkage stands in a singular posture, from "
                          "which it can go on in several ways", r->t);
