@@ -716,7 +716,8 @@ typedef struct lw_caller_force {
     void (*apply)(void *context, double t, const lw_link_motion *link, lw_link_load *load);
 } lw_caller_force;
 
-/* Force and moment of a joint on its link[1], about the joint's point on that link (of a gear: on the carrier). */
+/* Force and moment of a joint on its link[1], about the joint's point on that link (of a gear: on the carrier), without its friction,
+ * springs, motors and drives. */
 typedef struct lw_reaction { lw_vec2 force; double moment; } lw_reaction;     /* [N] [N m]             */
 
 typedef struct lw_simulation_options {

@@ -181,6 +181,10 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
 /* Size of the reaction of friction joint j [N] in d->l; rows are those solved. */
 double lw_mbs_reaction(const lw_dynamics *d, int j);
 
+/* Where inputs prescribe all, set-valued friction acts in full against the velocities v, however slow; rates that are rounding have none. For the
+ * first n joints with friction. */
+void   lw_mbs_find_senses(lw_dynamics *d, int n, const double *v);
+
 /* Friction of all joints at (q, v), regularised, under the multipliers d->l of the rows at hand: added to force (n_v); returns its
  * power.  The slopes of that of revolute joints, pins and slides by v, the reactions kept. */
 double lw_mbs_rub(lw_dynamics *d, const double *q, const double *v, double *force);

@@ -329,6 +329,7 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *v, lw_erro
     if (!response)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     double *size = response + (size_t)c->n_rub*(size_t)n_l + lw_friction_doubles(c->n_rub, 3);
+    lw_mbs_find_senses(d, c->n_rub, v);
     for (int j = 0; j < c->n_rub; j++) {
         memset(c->drive_f, 0, (size_t)d->n_v*sizeof *c->drive_f);
         lw_spatial_rub(c, &d->friction[j], v, 1, c->drive_f);
