@@ -862,7 +862,8 @@ typedef struct lw_frame_motion {
     lw_vec3 omega, alpha;                        /* angular velocity and acceleration [rad/s] [rad/s^2]            */
 } lw_frame_motion;
 
-/* One row of a trace: at: the first input [rad] or [m], or the time [s]; input (n_input); tracer (n_tracer). */
+/* One row of a trace: at: the first input [rad] or [m], or the time [s]; input (n_input); tracer (n_tracer), whose rates are NAN at a limit of
+ * the input. */
 typedef lw_status lw_spatial_trace_callback(void *context, double at, const double *input,
                                             const lw_frame_motion *tracer);
 

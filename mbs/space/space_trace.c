@@ -3,9 +3,11 @@
 
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
+#include "base/vector.h"
 #include "mbs/space/space_adjust.h"
 
-/* Rates have no bound at a limit of the input: traces end before it by this share of their range. */
+/* Rates have no bound at a limit of the input: it is approached to this share of the range. */
 static const double limit_inside = 1e-8;
 
 void lw_space_tracers(const lw_space *s, const lw_space_frame *frame, const double *q, const double *v, const double *a,
@@ -102,6 +104,46 @@ static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, i
     return st;
 }
 
+/* From f->q near a limit u* of the input to q there: q* - q = A sqrt(u* - u), so that u* - u = v.v/(2 v.a) and q* - q = 2 (u* - u) v; what is left
+ * is smaller by the root of u* - u.  *by: the change of the input.  false: postures move otherwise, and q is of no use. */
+static bool step_to_limit(lw_space_follow *f, double *q, double *by)
+{
+    const lw_space *s = f->z.s;
+    double vv = lw_dot(s->n_v, f->v, f->v), left = vv/(2*lw_dot(s->n_v, f->v, f->a)), size = 2*fabs(left)*sqrt(vv), before, first, *own = f->q;
+    lw_space_follow joints;
+    if (!(size < 1e-2) || lw_space_follow_make(s, NULL, 0, true, &joints, NULL) != LW_OK)
+        return false;
+    memcpy(q, f->q, (size_t)s->n_q*sizeof *q);
+    memcpy(joints.z.near + joints.z.n_extra, f->z.near + f->z.n_extra, (size_t)(joints.z.n_near - joints.z.n_extra)*sizeof *f->z.near);
+    for (int i = 0; i < s->n_v; i++)
+        joints.v[i] = 2*left*f->v[i];
+    lw_space_move(s, q, joints.v);
+    bool good = lw_space_rows_arrange(&joints.z, q, NULL) == LW_OK
+             && lw_space_rows_close(&joints.z, q, joints.target, size, &first) == LW_OK;
+    lw_space_follow_free(&joints);
+    lw_space_follow_values(f, &before);
+    f->q = q;
+    lw_space_follow_values(f, by);
+    f->q = own;
+    *by -= before;
+    return good && fabs(*by - left) < 0.1*fabs(left);
+}
+
+/* Tracers where f has come to, in the posture q (scratch); at an end of the trace, 0 or 1 (else -1), which is a limit of the input, there and
+ * without rates, and *u is changed to the limit. */
+static void show(lw_space_follow *f, int end, lw_space_trace *o, double *q, double *u, lw_space_tracer *tracer)
+{
+    const lw_space *s = f->z.s;
+    double by;
+    bool limit = end >= 0 && o->limit[end] && o->away[end] < 0 && step_to_limit(f, q, &by);
+    lw_space_rows_fill(&f->z, limit ? q : f->q, f->target);
+    o->open = fmax(o->open, lw_space_rows_open(&f->z));
+    lw_space_tracers(s, f->z.frame, limit ? q : f->q, f->v, f->a, tracer);
+    for (int i = 0; limit && i < s->model->n_tracer; i++)
+        tracer[i].velocity = tracer[i].acceleration = tracer[i].omega = tracer[i].alpha = (lw_vec3){ NAN, NAN, NAN };
+    *u += limit ? by : 0;
+}
+
 /* The rows between the ends, in the order of the input; those before the posture of the file are found on the way back
  * from it, so that each end is reached along the motion curve of the file. */
 lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_row_sink *sink, void *context,
@@ -123,7 +165,7 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
         return lw_space_adjusted_free(&adjusted), st;
     lw_spatial_measure *input = calloc((size_t)m->n_input, sizeof *input);
     lw_space_tracer *tracer = calloc((size_t)m->n_tracer + 1, sizeof *tracer);
-    double *value = calloc(4*(size_t)m->n_input, sizeof *value);
+    double *value = calloc(4*(size_t)m->n_input + (size_t)s.n_q, sizeof *value), *q = value + 4*m->n_input;
     if (!input || !tracer || !value)
         st = lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int i = 0; st == LW_OK && i < m->n_input; i++)
@@ -136,6 +178,7 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
         one_input one = { m, value };
         lw_space_path *path = o->in_time ? lw_space_motions : first_alone;
         void *with = o->in_time ? (void *)(uintptr_t)m : &one;
+        double ends[2] = { o->from, o->to };
         lw_space_follow_values(&f, value);
         f.u = o->from;
         for (int k = 0; st == LW_OK && k <= o->intervals; k++) {
@@ -147,9 +190,10 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
             if (st != LW_OK)
                 break;
             lw_space_follow_rates(&f, path, with);
-            lw_space_rows_fill(&f.z, f.q, f.target);
-            o->open = fmax(o->open, lw_space_rows_open(&f.z));
-            lw_space_tracers(&s, f.z.frame, f.q, f.v, f.a, tracer);
+            int end = k == 0 ? 0 : k == o->intervals ? 1 : -1;
+            show(&f, end, o, q, &u, tracer);
+            if (end >= 0)
+                ends[end] = u;
             double (*at)[3] = (double (*)[3])(void *)(value + m->n_input);
             if ((st = path(with, u, at)) != LW_OK)
                 break;
@@ -157,6 +201,8 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
                 f.target[i] = at[i][0] + lw_spatial_offset(&m->input[i]);
             st = sink(context, u, f.target, tracer);
         }
+        if (st == LW_OK)
+            o->from = ends[0], o->to = ends[1];
     }
     lw_space_follow_free(&f);
     free(input), free(tracer), free(value);

@@ -5,7 +5,7 @@
 #include <signal.h>
 #include "mbs/space/space_follow.h"
 
-typedef lw_frame_motion lw_space_tracer;         /* rates are by the input, or by time */
+typedef lw_frame_motion lw_space_tracer;         /* rates are by the input, or by time; NAN at a limit of the input */
 
 /* One row; the arrays hold until the next one.  u: the input [rad] or [m], or the time [s]. */
 typedef lw_status lw_space_row_sink(void *context, double u, const double *input, const lw_space_tracer *tracer);
