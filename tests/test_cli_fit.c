@@ -198,6 +198,18 @@ TEST(arms_count_among_the_lengths)
     expect("$P fit $D/needle.csv --type slidercrank --rounds 1 2>&1 | grep -c straight", 1, "0\n", NULL);
 }
 
+/* Every parallelogram makes a ratio of one to one.  Its least transmission angle over 120 degrees is 30 at most, and no length has to be
+ * much longer than another. */
+TEST(functions_have_fitted_ratios_of_lengths)
+{
+    json_t *root = json_of("awk 'BEGIN { print \"angle [deg],theta [deg]\"; for (i = 0; i < 9; i++) print 15*i \",\" 15*i }' > $D/same.csv; "
+                           "$P fit $D/same.csv --links 4 --rounds 1 --json");
+    json_t *first = json_array_get(json_object_get(root, "results"), 0), *of = json_object_get(first, "dimensions");
+    CHECK_NEAR(member(first, "transmission_min"), 30*3.14159265358979/180, 0, 0.01);
+    CHECK(member(of, "r2") < 4*member(of, "r1") && member(first, "angle_error_max") < 1e-6);
+    json_decref(root);
+}
+
 /* A door on one hinge needs no linkage, a shelf that stays level a parallelogram of cranks as long as its circle. */
 TEST(poses_of_simpler_machines_are_named)
 {

@@ -85,6 +85,7 @@ typedef struct lw_problem {
     double       lo[LW_VAR_MAX], hi[LW_VAR_MAX];           /* bounds, scaled; may be infinite      */
     int          n_linear;                                  /* linear[j] . x >= LW_LINEAR_LEAST     */
     double       linear[LW_LINEAR_MAX][LW_VAR_MAX];
+    int          ratio_row, n_ratio_row;                    /* those that bound the ratio of two lengths  */
     int          n_side, n_side_known;                      /* conditions; and with those that may be added (n_side = n_side_known) */
     lw_side      side[LW_SIDE_MAX];
     bool         transmission_is_soft;                     /* linkages with less are better than none */
@@ -116,8 +117,11 @@ static inline double lw_uneven(double longest, double shortest)
     return fmax(1, longest/(LW_EVEN*shortest));
 }
 
-/* Size of a linkage, scaled: greatest distance between a pin and another pin or tracer of its link, or greatest coordinate on a link. */
+/* Size of a linkage, scaled: greatest distance between a pin and another pin or tracer of its link, or greatest coordinate on a link.
+ * A function has no length to compare with: of its linkage the ratio of the longest to the shortest length. */
 double lw_problem_size(const lw_problem *p, const double *x);
+/* Lower the upper bounds of what makes the size to `most`. */
+void   lw_problem_limit_size(lw_problem *p, double most);
 
 /* The factor lw_uneven of the lengths that are variables. */
 double lw_problem_uneven(const lw_problem *p, const double *x);

@@ -318,12 +318,14 @@ static lw_status ratio_rows(const lw_fit_spec *s, lw_problem *p, lw_error *e)
         return lw_error_set(e, LW_E_KIND, "it has too many lengths for a bound on their ratio");
     for (int i = 0; i < n && !rows; i++)
         p->lo[length[i]] = fmax(p->lo[length[i]], fmin(p->hi[length[i]], 1)/s->length_ratio);
+    p->ratio_row = p->n_linear;
     for (int i = 0; i < n && rows; i++)
         for (int j = 0; j < n; j++)
             if (i != j) {
                 p->linear[p->n_linear][length[i]] = s->length_ratio;
                 p->linear[p->n_linear++][length[j]] = -1;
             }
+    p->n_ratio_row = p->n_linear - p->ratio_row;
     if (lw_task_has_place(p->task))
         arm_rows(s, length, n, p);
     return LW_OK;
@@ -352,13 +354,29 @@ static void points_of_link(const lw_problem *p, int link, link_points *out)
     }
 }
 
+/* The longest and the shortest of the lengths that are variables. */
+static void longest_and_shortest(const lw_problem *p, const double *x, double *longest, double *shortest)
+{
+    *longest = 0;
+    *shortest = INFINITY;
+    for (int i = 0; i < p->n_dim; i++)
+        if (p->plan.dim[i].kind == LW_DIM_LENGTH) {
+            *longest = fmax(*longest, x[i]);
+            *shortest = fmin(*shortest, x[i]);
+        }
+}
+
 double lw_problem_size(const lw_problem *p, const double *x)
 {
-    double most = 0;
+    double most = 0, least;
+    if (!lw_task_has_place(p->task)) {
+        longest_and_shortest(p, x, &most, &least);
+        return most/least;
+    }
     for (int i = 0; i < p->n_dim; i++)
         if (p->plan.dim[i].kind != LW_DIM_ANGLE && i != p->plan.i_x0 && i != p->plan.i_y0)
             most = fmax(most, fabs(x[i]));
-    for (int l = 0; l < p->plan.n_link && lw_task_has_place(p->task); l++) {
+    for (int l = 0; l < p->plan.n_link; l++) {
         link_points of;
         points_of_link(p, p->plan.link[l], &of);
         for (int b = 1; b < of.n; b++)
@@ -370,13 +388,27 @@ double lw_problem_size(const lw_problem *p, const double *x)
 
 double lw_problem_uneven(const lw_problem *p, const double *x)
 {
-    double most = 0, least = INFINITY;
-    for (int i = 0; i < p->n_dim; i++)
-        if (p->plan.dim[i].kind == LW_DIM_LENGTH) {
-            most = fmax(most, x[i]);
-            least = fmin(least, x[i]);
-        }
+    double most, least;
+    longest_and_shortest(p, x, &most, &least);
     return most > 0 ? lw_uneven(most, least) : 1;
+}
+
+void lw_problem_limit_size(lw_problem *p, double most)
+{
+    const bool has_place = lw_task_has_place(p->task);
+    for (int j = p->ratio_row; j < p->ratio_row + p->n_ratio_row && !has_place; j++)
+        for (int i = 0; i < p->n_dim; i++)
+            p->linear[j][i] = fmin(p->linear[j][i], most);
+    for (int i = 0; i < p->n_dim && has_place; i++) {
+        bool place = i == p->plan.i_x0 || i == p->plan.i_y0;
+        if (p->plan.dim[i].kind == LW_DIM_ANGLE || p->lo[i] >= p->hi[i] || place)
+            continue;
+        p->hi[i] = fmax(fmin(p->hi[i], most), p->lo[i] < 0 ? 0 : p->lo[i]);
+        p->lo[i] = p->lo[i] < 0 ? fmax(p->lo[i], -most) : p->lo[i];
+    }
+    for (int i = 0; i < p->n_side; i++)
+        if (p->side[i].most)
+            p->side[i].limit = fmin(p->side[i].limit, most);
 }
 
 /* Bound the lengths that are no variables: sides of links with three and more pins, within the range of the lengths;

@@ -59,7 +59,9 @@ double lw_search_grace(const lw_search *s)
 
 bool lw_search_widens(const lw_search *s)
 {
-    return s->o->spec.by_default && lw_task_has_place(s->o->spec.task) && lw_fit_kept(s->o) >= LW_SEARCH_LEFT;
+    const lw_fit_options *o = s->o;
+    bool sizes = lw_task_has_place(o->spec.task) || o->spec.length_ratio > 0;
+    return o->spec.by_default && sizes && lw_fit_kept(o) >= LW_SEARCH_LEFT;
 }
 
 double lw_search_widening(const lw_search *s)

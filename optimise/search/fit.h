@@ -78,7 +78,7 @@ typedef struct lw_candidate {
     double  tool[LW_ALSO_MAX];   /* mounting angles of further points [rad]; 0 where there is none  */
     double  objective;           /* eq. 17 in SI                                                    */
     int     beyond;              /* 0: it keeps the conditions; greater: the farther from that      */
-    double  longest;             /* greatest length or coordinate of its dimensions [m]             */
+    double  longest;             /* greatest length or coordinate of its dimensions [m], of a function lw_problem_size */
     double  gentle;              /* least transmission angle that it was fitted with beyond that of the specification [deg] */
     int     n_sample;            /* without timing: curve samples whose distance from the target is in the objective */
     double  sample_weight;       /* of each, as lw_target.weight                                    */

@@ -647,7 +647,8 @@ enum { CHAINS = sizeof chain_angle/sizeof *chain_angle, WIDENED = 4, CHAIN = 9, 
 /* A chain follows one kind of linkage and may get stuck.  So the best finds of all chains are then fitted again at common sizes, the
  * rungs, for each angle: the best of this size, a larger one made smaller, and one whose angle is made greater. */
 enum { RUNGS = 16, RUNG_STEPS = 300 };
-#define LARGEST_RUNG 3.2         /* diagonals of the target; each rung is STEP times the one before   */
+#define LARGEST_RUNG 3.2         /* diagonals of the target; each rung is STEP times the one before.  Of a function ... */
+#define LARGEST_RATIO 8          /* ... the ratio of lengths                                           */
 #define SHRINK       0.8
 static const double shrink_within[] = { 0.88, 0.96, 0.985 };
 #define ROUGH        0.05        /* sizes of the target: a chain ends where the error is more, and ... */
@@ -655,6 +656,12 @@ static const double shrink_within[] = { 0.88, 0.96, 0.985 };
 #define STEP         0.9         /* a find is kept beside better ones if its size is so much less, ...  */
 #define STEP_WITHIN  0.98        /* ... or so much if the smallest within a tolerance is asked for    */
 #define TWIN         0.01        /* relative difference of f of linkages that differ little           */
+
+/* Is the smallest linkage within a tolerance asked for? */
+static bool is_smallest_wanted(const lw_search *s)
+{
+    return s->o->spec.tolerance > 0 && lw_task_has_place(s->o->spec.task);
+}
 
 typedef struct chain {
     lw_found     find[LONG_CHAIN];           /* the first is given; f INFINITY: none                 */
@@ -675,21 +682,6 @@ typedef struct chain_list {
     chain      item[(WIDENED + RUNGS)*CHAINS];      /* chains, then rungs, each a chain of one find; item i has angle i % CHAINS */
 } chain_list;
 
-/* Lower the upper bounds of the sizes to `most`. */
-static void limit_size(lw_problem *p, double most)
-{
-    for (int i = 0; i < p->n_dim; i++) {
-        bool place = i == p->plan.i_x0 || i == p->plan.i_y0;
-        if (p->plan.dim[i].kind == LW_DIM_ANGLE || p->lo[i] >= p->hi[i] || place)
-            continue;
-        p->hi[i] = fmax(fmin(p->hi[i], most), p->lo[i] < 0 ? 0 : p->lo[i]);
-        p->lo[i] = p->lo[i] < 0 ? fmax(p->lo[i], -most) : p->lo[i];
-    }
-    for (int i = 0; i < p->n_side; i++)
-        if (p->side[i].most)
-            p->side[i].limit = fmin(p->side[i].limit, most);
-}
-
 /* Make the whole linkage smaller; one whose longest dimensions alone are cut may not close. */
 static void scale_linkage(const lw_problem *p, double factor, double *x)
 {
@@ -702,8 +694,8 @@ static void scale_linkage(const lw_problem *p, double factor, double *x)
  * so great that nobody wants it. */
 static bool fit_smaller(lw_search *s, lw_problem *p, double most, double f_rough, const lw_lm_options *o, void *work, lw_found *c)
 {
-    limit_size(p, most);
-    for (int scaled = 0; scaled < 2; scaled++) {
+    lw_problem_limit_size(p, most);
+    for (int scaled = 0; scaled < (lw_task_has_place(p->task) ? 2 : 1); scaled++) {
         lw_found now = *c;
         if (scaled)
             scale_linkage(p, most/fmax(most, lw_problem_size(p, now.x)), now.x);
@@ -765,7 +757,7 @@ static void run_chain(void *context, size_t job, int thread)
     chain_list *list = context;
     lw_search *s = list->s;
     chain *l = &list->item[job];
-    bool fine = s->o->spec.tolerance > 0;
+    bool fine = is_smallest_wanted(s);
     int length = fine ? LONG_CHAIN : CHAIN, angle = (int)job % CHAINS, failed = 0;
     lw_found now = l->find[0];
     lw_problem *p = chain_problem(s, thread, angle, &now, &l->status);
@@ -944,7 +936,7 @@ static int choose_smallest(const chain_list *list, lw_found *first)
 static void begin_chains(chain_list *list, const lw_found *first, int n)
 {
     list->n = n*CHAINS;
-    list->n_rung = list->s->o->spec.tolerance > 0 || n == 0 ? 0 : RUNGS*CHAINS;
+    list->n_rung = is_smallest_wanted(list->s) || n == 0 ? 0 : RUNGS*CHAINS;
     for (int i = 0; i < list->n + list->n_rung; i++) {
         chain *l = &list->item[i];
         memset(l, 0, sizeof *l);
@@ -970,7 +962,7 @@ static lw_status run_chains(lw_search *s, chain_list *list)
         s->evals += l->spent;
     }
     if (st == LW_OK)
-        put_front(list, s->o->spec.tolerance > 0 ? STEP_WITHIN : STEP, &s->pool);
+        put_front(list, is_smallest_wanted(s) ? STEP_WITHIN : STEP, &s->pool);
     return st;
 }
 
@@ -991,13 +983,13 @@ lw_status lw_search_widen(lw_search *s)
     if (n > 0) {
         lw_status made;
         const lw_problem *p = lw_search_made(s, 0, first[0].candidate, false, &made);
-        list->largest = p ? LARGEST_RUNG*s->t->extent/p->unit : 0;
+        list->largest = !lw_task_has_place(s->o->spec.task) ? LARGEST_RATIO : p ? LARGEST_RUNG*s->t->extent/p->unit : 0;
     }
     pool->n = pool->n < left ? pool->n : left;
     list->until = lw_search_end(s) + lw_search_widening(s) + 0.5*lw_search_grace(s);
     if (s->o->max_seconds <= 0)
         list->until = lw_search_stopped(s) ? lw_clock_wall() + lw_search_grace(s) : 0;
-    bool fine = s->o->spec.tolerance > 0;
+    bool fine = is_smallest_wanted(s);
     int passes = fine ? (int)(sizeof shrink_within/sizeof *shrink_within) : 1;
     lw_status st = LW_OK;
     for (int pass = 0; pass < passes && st == LW_OK; pass++) {
