@@ -225,6 +225,8 @@ TEST(poses_of_simpler_machines_are_named)
     expect("cat $D/said", 0, "a parallelogram, with two parallel cranks of 200 mm, moves it so", NULL);
     expect("printf 'x [mm],y [mm],theta [deg]\n400,100,0\n308.730670,300.621778,30\n129.378222,428.730670,60\n' > $D/door.csv; "
            "$P fit $D/door.csv --links 4 --unlimited --rounds 1", 0, NULL, "a link that turns about (-20, 30) moves the body so alone");
+    expect("printf 'x [mm],y [mm],theta [deg]\n0,0,0\n200,0,90\n' | $P fit - --links 4 --unlimited --rounds 1", 0, NULL,
+           "a link that turns about (100, 100) moves the body so alone");
 }
 
 /* A small budget counts the first round and the fits at other sizes, too: a few jobs of each search among six links. */

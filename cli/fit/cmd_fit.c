@@ -559,7 +559,7 @@ static void note_simpler(const cli_call *call, const cli_fit_set *set)
     if (motion && circle && keeps_angle(t))
         cli_note(call, "%s: the body keeps its angle and moves on a circle: a parallelogram, with two parallel cranks of %.6g %s, moves it so "
                  "within %.2g %s", set->path, r/m, unit, fmax(off, grain)/m, unit);
-    if (motion && from_pivot <= LW_EXACT_ENOUGH*t->extent)
+    if (motion && from_pivot <= LW_EXACT_ENOUGH*t->extent && hypot(p.x - t->x[0], p.y - t->y[0]) < LW_DEFAULT_MAX_SIZE*t->extent)
         cli_note(call, "%s: a link that turns about (%.6g, %.6g) moves the body so alone, within %.2g %s", set->path,
                  (grain*round(p.x/grain) + 0.0)/m, (grain*round(p.y/grain) + 0.0)/m, fmax(from_pivot, grain)/m, unit);
     if (alone && circle)

@@ -256,7 +256,7 @@ double lw_target_circle(const lw_target *t, lw_vec2 *centre, double *radius)
 double lw_target_pivot(const lw_target *t, lw_vec2 *pivot)
 {
     size_t n = t->x && t->theta ? t->n : 0, m = 2*n;
-    double *a = n >= 3 ? calloc(5*m, sizeof *a) : NULL, *b = a + 4*m, diag[4], most = 0;
+    double *a = n >= 2 ? calloc(5*m, sizeof *a) : NULL, *b = a + 4*m, diag[4], most = 0;
     if (!a)
         return INFINITY;
     for (size_t i = 0; i < n; i++) {                 /* pivot - R(theta) q = p, from the first point, in sizes */

@@ -80,7 +80,7 @@ double lw_target_distance(const lw_target *t, lw_vec2 place);
 double    lw_target_circle(const lw_target *t, lw_vec2 *centre, double *radius);
 
 /* The point about which a body turns that moves through all places and angles of a motion, by least squares.  Returns the greatest
- * distance of a place from the one that the body then has [m]; INFINITY: no motion, fewer than 3 stations, or the body hardly turns. */
+ * distance of a place from the one that the body then has [m]; INFINITY: no motion, one station, or the body hardly turns. */
 double    lw_target_pivot(const lw_target *t, lw_vec2 *pivot);
 
 /* Greatest distance of a point of the path from one straight line [m]; INFINITY: no path. */
