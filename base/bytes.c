@@ -74,6 +74,14 @@ int lw_text_character(const char *text)
     return overlong || barred ? 0 : n;
 }
 
+bool lw_text_has_control(const char *text)
+{
+    for (const unsigned char *s = (const unsigned char *)text; *s; s++)
+        if (*s < 0x20 || *s == 0x7f || (*s == 0xc2 && s[1] >= 0x80 && s[1] < 0xa0))
+            return true;
+    return false;
+}
+
 void lw_bytes_xml(lw_bytes *b, const char *text)
 {
     const unsigned char *s = (const unsigned char *)text;

@@ -35,6 +35,9 @@ void lw_number_text(char text[32], double v, int digits);
 /* Number of bytes of the character that begins text; 0 if it is no UTF-8 or no character that a document may hold. */
 int lw_text_character(const char *text);
 
+/* Is a control character in the text?  Names have none: they are printed on terminals and in lines of tables. */
+bool lw_text_has_control(const char *text);
+
 /* Copy text into out[size] in whole characters, as far as they fit; what is no UTF-8 or no character
  * a document may hold becomes U+FFFD. */
 void lw_text_clean(char *out, size_t size, const char *text);

@@ -77,6 +77,7 @@ static void two_joints_one_name(lw_linkage *k)  { strcpy(k->joint[3].name, "J1")
 static void two_tracers_one_name(lw_linkage *k) { k->tracer[k->n_tracer++] = k->tracer[0]; }
 static void joint_to_itself(lw_linkage *k)      { k->joint[1].link[1] = 1; }
 static void joint_to_nowhere(lw_linkage *k)     { k->joint[1].link[1] = 4; }
+static void link_with_escape(lw_linkage *k)     { strcpy(k->link_name[1], "a\xc2\x9b" "b"); }
 static void joint_below_zero(lw_linkage *k)     { k->joint[1].link[0] = -1; }
 static void joint_of_no_kind(lw_linkage *k)     { k->joint[1].kind = (lw_joint_kind)'q'; }
 static void joint_at_nan(lw_linkage *k)         { k->joint[2].at.y = NAN; }
@@ -117,7 +118,7 @@ TEST(every_fault_is_named)
 {
     static const struct { void (*spoil)(lw_linkage *); const char *part; } faults[] = {
         { two_links_one_name, "links 2 and 3 are both called \"crank\"" },
-        { link_without_name, "link 2 has no name" }, { name_without_end, "link 2 is not terminated" },
+        { link_with_escape, "the name of link 2 holds a control character" }, { link_without_name, "link 2 has no name" }, { name_without_end, "link 2 is not terminated" },
         { two_joints_one_name, "joints 1 and 4 are both called \"J1\"" },
         { two_tracers_one_name, "tracers 1 and 2 are both called \"P\"" },
         { joint_to_itself, "\"J2\" joins link \"crank\" to itself" },

@@ -176,7 +176,7 @@ static void draw_linkage(lw_rng *r, lw_linkage *k)
 {
     static const char kinds[] = "rtpg";
     *k = (lw_linkage){ .units = lw_units_si() };
-    snprintf(k->name, sizeof k->name, "\"q\\uote\" \t %g", lw_rng_uniform(r));
+    snprintf(k->name, sizeof k->name, "\"q\\uote\" / %g", lw_rng_uniform(r));
     k->n_link = 2 + (int)(lw_rng_bits(r)%(LW_LINK_MAX - 1));
     k->ground = (int)(lw_rng_bits(r)%(uint64_t)k->n_link);
     k->n_joint = k->n_link - 1 + (int)(lw_rng_bits(r)%(uint64_t)(LW_JOINT_MAX - k->n_link + 2));
@@ -373,6 +373,7 @@ TEST(what_is_no_json)
         { "[1, 2", 1, "not JSON" }, { "{\"linkwright\": 1} {}", 1, "not JSON" },
         { "{\"a\": 1,\n \"a\": 2}", 2, "duplicate" }, { "{\"a\": 1e999}", 1, "overflow" },
         { "{\"a\": \"b\\u0000c\"}", 1, "not JSON" }, { "{\"a\": \"\xff\"}", 1, "decode byte" },
+        { "{\"linkwright\": 1,\n\"name\": \"a\\u007fb\"}", 2, "a control character" },
         { "[]", 1, "an object { ... } is expected" }, { "null", 1, "'[' or '{' expected" },
         { "{\"linkwright\": 1}", 1, "\"joints\" is missing" },
         { "{\"linkwright\": 1, \"joints\": []}", 1, "list of at least 1" },

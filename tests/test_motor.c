@@ -68,7 +68,7 @@ TEST(tables)
         { "name,ratio\n", "no part", 1, 1 }, { "name,ratio,radus\nG,1,2\n", "did you mean \"radius\"", 1, 12 },
         { "name,ratio,radius [kg]\nG,1,2\n", "needs a unit like [m]", 1, 12 }, { "name,ratio,radius [mn]\nG,1,2\n",
                                                                                  "no unit", 1, 20 },
-        { "name,ratio\nH,x\n", "a number above 0", 2, 3 }, { "name,ratio\nH,-1\n", "a number above 0", 2, 3 },
+        { "name,ratio\nH\x1b[31m,1\n", "a control character", 2, 1 }, { "name,ratio\nH,x\n", "a number above 0", 2, 3 }, { "name,ratio\nH,-1\n", "a number above 0", 2, 3 },
         { "name,ratio\nH\n", "has 1 fields", 2, 1 }, { "name,ratio\nH,1\nH,2\n", "given twice", 3, 1 },
         { "name,ratio,efficiency\nH,1,95\n", "too large", 2, 5 }, { "ratio\n5\n", "\"name\" is missing", 1, 1 },
         { "name,torque_constant\nM,1\n", "\"resistance\" [ohm] of a motor is missing", 1, 1 },

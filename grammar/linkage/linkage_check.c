@@ -1,4 +1,5 @@
 /* grammar/linkage/linkage_check.c - the checks that every user of a linkage relies on. */
+#include "base/bytes.h"
 #include "base/real.h"
 #include "grammar/linkage/linkage_internal.h"
 
@@ -58,6 +59,8 @@ static lw_status check_names(const name_list *list, int *bad, lw_error *e)
             return lw_error_set(e, LW_E_ARG, "the name of %s %d is not terminated", list->what, i + 1);
         if (!*name_of(list, i))
             return lw_error_set(e, LW_E_ARG, "%s %d has no name; give it one", list->what, i + 1);
+        if (lw_text_has_control(name_of(list, i)))
+            return lw_error_set(e, LW_E_ARG, "the name of %s %d holds a control character", list->what, i + 1);
     }
     if (!search && has_same_names(list, &search) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -92,6 +95,8 @@ static lw_status check_counts(const lw_assembly *assembly, lw_error *e)
         return lw_error_set(e, LW_E_ARG, "units must be positive and finite; use lw_units_si()");
     if (!memchr(assembly->name, '\0', sizeof assembly->name))
         return lw_error_set(e, LW_E_ARG, "the name of the linkage is not terminated");
+    if (lw_text_has_control(assembly->name))
+        return lw_error_set(e, LW_E_ARG, "the name of the linkage holds a control character");
     return LW_OK;
 }
 

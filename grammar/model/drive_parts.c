@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/bytes.h"
 #include "base/number.h"
 #include "base/real.h"
 #include "base/suggest.h"
@@ -178,6 +179,8 @@ static lw_status read_part(const header *h, const field *f, int n, const char *f
         return lw_error_at(e, LW_E_NOTATION, file, line, f[h->name].column, "a name of 1 to %d bytes is expected",
                            LW_PART_NAME - 1);
     memcpy(part, f[h->name].text, f[h->name].n);
+    if (lw_text_has_control(part))
+        return lw_error_at(e, LW_E_NOTATION, file, line, f[h->name].column, "this name holds a control character");
     for (int i = 0; i < n; i++) {
         double x = 0, v;
         if (!h->of[i])

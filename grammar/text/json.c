@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/bytes.h"
 #include "base/c_locale.h"
 #include "base/suggest.h"
 #include "grammar/text/json_locate_internal.h"
@@ -279,6 +280,8 @@ lw_status lw_json_name(const lw_json_node *n, char *out, size_t size, lw_error *
         return lw_json_fault(n, e, "an empty name; write one of 1 to %zu bytes", size - 1);
     if (length >= size)
         return lw_json_fault(n, e, "this name has %zu bytes; at most %zu are allowed", length, size - 1);
+    if (lw_text_has_control(json_string_value(n->value)))
+        return lw_json_fault(n, e, "this name holds a control character; a name is one line of text");
     memcpy(out, json_string_value(n->value), length + 1);
     return LW_OK;
 }
