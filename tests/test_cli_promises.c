@@ -471,6 +471,7 @@ TEST(odd_streams_and_names)
     expect("mkfifo $D/pipe; sleep 60 < $D/pipe & $P chains --links 12 --time 0.2 > $D/pipe; c=$?; kill $!; exit $c", 5, NULL, NULL);
     expect("$P chains --links 8 -o $D/pipe --time 0.2", 5, NULL, NULL);
     expect("$P trace $D/pipe --time 0.2", 5, NULL, NULL);
+    expect("timeout 60 $P catalogue nearest $D/curves.db $D/pipe --time 0.2", 5, NULL, NULL);
     expect("truncate -s 4G $D/sparse; for c in trace simulate mobility fit 'family table' 'robot map' 'drive load' mechanisms "
            "'drive radius --mass 1 --way 1' 'catalogue query' \"catalogue add $D/six.db\"; do $P $c $D/sparse; test $? = 3 || exit 1; "
            "done; rm $D/sparse", 0, NULL, NULL);

@@ -7,13 +7,19 @@
 
 #include "base/clock.h"
 
+void cli_catalogue_limit(const cli_call *call)
+{
+    const cli_catalogue_settings *s = call->settings;
+    if (cli_given(&call->parsed, "time"))
+        cli_limit_time(s->time);
+}
+
 lw_status cli_catalogue_open(const cli_call *call, bool write, lw_store **store, lw_error *e)
 {
     const cli_catalogue_settings *s = call->settings;
     lw_store_options o = { .write = write, .create = write, .wait = s->wait, .command = call->line,
                            .stop = cli_stop_flag() };
-    if (cli_given(&call->parsed, "time"))
-        cli_limit_time(s->time);
+    cli_catalogue_limit(call);
     return lw_store_open(call->parsed.word[1], &o, store, e);
 }
 
@@ -67,8 +73,7 @@ int cli_catalogue_folder(const cli_call *call, const char *folder, const char *u
 cli_catalogue_watch cli_catalogue_watch_begin(const cli_call *call, const char *what, const char *unit)
 {
     const cli_catalogue_settings *s = call->settings;
-    if (cli_given(&call->parsed, "time"))
-        cli_limit_time(s->time);
+    cli_catalogue_limit(call);
     return (cli_catalogue_watch){ .call = call, .progress = cli_progress_begin(call, what, unit),
                                   .start = lw_clock_wall(), .limit = cli_given(&call->parsed, "time") ? s->time : 0 };
 }

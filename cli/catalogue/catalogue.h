@@ -29,6 +29,10 @@ int cli_catalogue_release(const cli_call *call);
  * may not write.  CLI_DONE, or the exit code after a message. */
 int cli_catalogue_folder(const cli_call *call, const char *folder, const char *under, const char *ending);
 
+/* Begin --time, if it is given.  Actions that read another file before the catalogue begin with it; `check` of a table does not:
+ * there --time is how long the counts may take by their estimates. */
+void cli_catalogue_limit(const cli_call *call);
+
 /* Open the catalogue of word[1]; if `write`, create it if it does not exist. */
 lw_status cli_catalogue_open(const cli_call *call, bool write, lw_store **store, lw_error *e);
 

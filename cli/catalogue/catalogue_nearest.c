@@ -115,6 +115,7 @@ int cli_catalogue_nearest(const cli_call *call)
     lw_error e = { 0 };
     int n = 0, code;
     lw_target_options o = { .closed = s->shape == 0 ? -1 : s->shape == 1 };
+    cli_catalogue_limit(call);
     lw_atlas_hit *hit = calloc((size_t)wanted(call), sizeof *hit);
     lw_status status = hit ? cli_read_target(call->parsed.word[2], &o, &t, &e)
                            : lw_error_set(&e, LW_E_MEMORY, "out of memory");
