@@ -358,6 +358,14 @@ TEST(killed)
     }
     demand("$T KILL $P grammar derive --links 9 -o $D/o --force; ls -A $D | grep '^[.]lw-' && "
            "$P numbers --loops 4 -o $D/n && ! ls -A $D | grep '^[.]lw-'", "kill -9");
+    static const char *const others[] = { "trace examples/hoeken.json -n 4 --plot $D/left/x.svg", "catalogue html $D/six.db -o $D/left -q",
+        "drive simulate examples/drives/servo-axis.json -n 4 --to 0.01 --matrices-folder $D/left" };
+    for (size_t i = 0; i < sizeof others/sizeof *others; i++) {
+        char line[400];
+        snprintf(line, sizeof line, "mkdir $D/left && touch $D/left/.lw-1-0.tmp $D/left/.lw-1-0.tmp-journal && $P %s > $D/rows && test -n \"$(ls $D/left)\" && "
+                 "! ls -A $D/left | grep '^[.]lw-'; c=$?; rm -r $D/left; exit $c", others[i]);
+        demand(line, others[i]);
+    }
 }
 
 /* A run that is ended by force keeps the rows that are on the disk, and the next run may begin. */

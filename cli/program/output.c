@@ -464,6 +464,7 @@ static int try_output(const cli_call *call, const char *path)
     lw_error e = { 0 };
     if (stat(path, &st) == 0 && !S_ISREG(st.st_mode))
         return CLI_DONE;
+    lw_output_clean(path);
     if (lw_output_open(&o, path, &e) != LW_OK)
         return cli_fail(call, &e);
     forget_temporary(&o);
@@ -598,6 +599,7 @@ int cli_make_folder(const cli_call *call, const char *folder)
         char any[LW_PATH_SIZE + 2];
         lw_output o;
         snprintf(any, sizeof any, "%s/x", folder);
+        lw_output_clean(any);
         if (lw_output_open(&o, any, NULL) == LW_OK)
             forget_temporary(&o);
         return CLI_DONE;
