@@ -22,6 +22,20 @@ TEST(rest)
            "True True True", "stable");
 }
 
+/* Friction takes no part in an equilibrium, which is said.  A spring folds two equal bars: the folded posture is singular, so it has no reactions. */
+TEST(rest_with_friction_and_in_a_singular_posture)
+{
+    expect("sed 's/\"at\": \\[0, 0\\]}/\"at\": [0, 0], \"friction\": {\"coefficient\": 0.1, \"radius\": 0.01}}/' " PENDULUM " > $D/m.json; "
+           "$P simulate $D/m.json -a static | tail -1", 0, "# assumed: equilibria without friction", "equilibria are those without friction");
+    expect("echo '{\"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [3, 4]}, {\"name\": \"b\", \"mass\": 1, \"centre\": [9, 4]}, "
+           "{\"name\": \"s\", \"mass\": 1, \"centre\": [12, 0]}], \"joints\": [{\"name\": \"O\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, "
+           "{\"name\": \"K\", \"links\": [\"a\", \"b\"], \"at\": [6, 8]}, {\"name\": \"B\", \"links\": [\"b\", \"s\"], \"at\": [12, 0]}, "
+           "{\"name\": \"S\", \"kind\": \"t\", \"links\": [\"ground\", \"s\"], \"at\": [12, 0], \"along\": [1, 0]}], \"input\": {\"joint\": \"O\"}, "
+           "\"springs\": [{\"joint\": \"S\", \"stiffness\": 5, \"free\": -12}], \"tracers\": [{\"name\": \"P\", \"link\": \"s\", \"at\": [12, 0]}], "
+           "\"linkwright\": 1}' > $D/m.json; $P simulate $D/m.json -a static --json | python3 -c 'import json,sys; d = json.load(sys.stdin); "
+           "r = dict(zip(d[\"columns\"], d[\"rows\"][0])); print(abs(r[\"P.x\"]) < 1e-6, r[\"O.fx\"])'", 0, "True None", "singular posture");
+}
+
 /* A crank driven at constant speed with its mass off the pin: torque m g r cos, whose work lifts it, reaction m (r w^2 + g). */
 TEST(driven)
 {

@@ -121,6 +121,8 @@ static lw_status rest(cli_simulate *c, double t, lw_error *e)
              lw_rest_text(&r));
     s = lw_statics_moment(c->d, t, q, cli_simulate_row, c, e);
     free(q);
+    if (s == LW_OPEN)
+        s = LW_OK, c->report.without_forces = 1, c->report.without_forces_t = t;
     return s;
 }
 
@@ -236,8 +238,7 @@ static int run(const cli_call *call)
     if (s->explain)
         cli_explain_elastic(c->call, c->model, c->d, s->from, s->to);
     lw_status st = run_it(call, c, &e);
-    if (s->analysis != LW_ANALYSIS_STATIC)
-        cli_dynamics_notes(call, c->d, &c->report);
+    cli_dynamics_notes(call, c->d, &c->report);
     cli_suction_note(call, &c->suction);
     int code = st == LW_OK ? CLI_DONE : c->n_row > 0 && st == LW_STOPPED ? CLI_LIMIT : cli_fail(call, &e);
     if (code == CLI_LIMIT)

@@ -211,6 +211,7 @@ void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynami
                  : "energy error %.3g J of %.3g J", r->energy_error, r->energy_scale, r->energy_held);
     if (r->momentum_scale > 1e-290)          /* something moved                                         */
         cli_note(c, "momentum error %.3g of %.3g kg m^2/s or kg m/s", r->momentum_error, r->momentum_scale);
-    cli_note(c, "constraint residual %.3g, of rates %.3g 1/s; %ld step%s, %ld refused, %ld evaluation%s", r->worst_off,
-             r->worst_off_rate, r->steps, lw_plural(r->steps), r->refused, r->rates, lw_plural(r->rates));
+    if (r->steps > 0)
+        cli_note(c, "constraint residual %.3g, of rates %.3g 1/s; %ld step%s, %ld refused, %ld evaluation%s", r->worst_off,
+                 r->worst_off_rate, r->steps, lw_plural(r->steps), r->refused, r->rates, lw_plural(r->rates));
 }

@@ -102,8 +102,8 @@ lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment
     lw_status s = lw_mbs_rows(d, t, q);
     if (s == LW_OK)
         s = lw_mbs_factor(d, true);
-    if (s != LW_OK)
-        return lw_error_set(e, LW_E_NUMERIC, "the posture of rest is singular: its reactions do not exist");
+    if (s < 0)
+        return lw_error_set(e, s, "the rows of the joints cannot be solved in the posture of rest");
     double *rest = d->v_try;                     /* the start of a static analysis is not needed any more */
     memset(rest, 0, (size_t)d->n_v*sizeof *rest);
     lw_moment m = { .t = t, .q = q, .v = rest, .a = rest, .l = d->l, .potential = d->eq.potential(d->eq.context, q),
@@ -119,7 +119,10 @@ lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment
         lw_mbs_least_norm(d, d->l);
     } else
         lw_rank_solve(&d->rank_of, d->force, d->l);
-    return sink(context, &m);
+    for (int r = 0; s == LW_OPEN && r < d->n_c; r++)
+        d->l[r] = NAN;
+    lw_status shown = sink(context, &m);
+    return shown == LW_OK ? s : shown;
 }
 
 lw_status lw_dynamics_analyse(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_rest *rest,
@@ -131,9 +134,12 @@ lw_status lw_dynamics_analyse(lw_dynamics *d, lw_moment_sink *sink, void *contex
     double *q = calloc((size_t)d->n_q + 1, sizeof *q);
     lw_status s = q ? lw_statics_rest(d, d->o.from, q, rest, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     r->steps = rest->iterations;
-    if (s == LW_OK)
+    if (s == LW_OK) {
         s = lw_statics_moment(d, d->o.from, q, sink, context, e);
-    r->samples = s == LW_OK;
+        r->samples = s == LW_OK || s == LW_OPEN;
+        if (s == LW_OPEN)
+            s = LW_OK, r->without_forces = 1, r->without_forces_t = d->o.from;
+    }
     free(q);
     return s;
 }

@@ -22,7 +22,8 @@ const char *lw_rest_text(const lw_rest *r);
  * With contacts and ropes: where the model comes to rest from the posture of the file, damped in all motion. */
 lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e);
 
-/* Hand the moment of rest at (t, q) to a sink: no velocities, reactions to weight and loads. */
+/* Hand the moment of rest at (t, q) to a sink: no velocities, reactions to weight and loads.  LW_OPEN: the posture is singular, and the
+ * reactions handed on are NaN. */
 lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment_sink *sink, void *context,
                             lw_error *e);
 
