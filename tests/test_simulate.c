@@ -141,6 +141,8 @@ TEST(wrong)
     expect("$P simulate " PENDULUM " -a kinematic", 3, NULL, "1 more freedom would have to be driven");
     expect("sed 's/\"mass\": 1/\"mass\": -1/' " PENDULUM " > $D/m.json; $P simulate $D/m.json", 3, NULL, "negative");
     expect("sed 's/\"mass\": 1/\"mass\": 0/' " PENDULUM " > $D/m.json; $P simulate $D/m.json", 3, NULL, "link \"bob\" can move");
+    expect("sed 's/{\"joint\": \"A\"}/{\"joint\": \"A\", \"motion\": \"sqrt(t)\"}/' " PENDULUM " > $D/m.json; $P simulate $D/m.json", 4, NULL,
+           "the motion of input \"A\", its rate or its acceleration is not a number at t = 0 s");
     expect("$P simulate " PENDULUM " --to 1e6 -n 2 --max-steps 10", 5, "# incomplete", "rows so far are kept");
     expect("$P simulate " PENDULUM " --plot $D/x.svg --columns nothing", 3, NULL, "no column");
     expect("$P simulate examples/jansen.json --formulation reduced", 3, NULL, NULL);

@@ -63,7 +63,7 @@ lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
     for (int i = 0; i < d->n_driven; i++, row++) {
         double motion[3];
         if (lw_mbs_motion(d, i, t, motion) != LW_OK)
-            return lw_error_set(d->e, LW_E_NUMERIC, "the motion of input \"%s\" is not a number at t = %.9g s",
+            return lw_error_set(d->e, LW_E_NUMERIC, "the motion of input \"%s\", its rate or its acceleration is not a number at t = %.9g s",
                                 d->eq.name(d->eq.context, LW_NAMED_INPUT, d->driven[i]), t);
         d->phi[row] = d->eq.measure(d->eq.context, d->driven_measure[i], lw_mbs_jac(d, row), lw_mbs_blocks(d, row))
                     - motion[0];

@@ -53,7 +53,7 @@ static lw_status place(motion *m, double t, const double *x, const double *u, do
         lw_spatial_measure of = m->extra[k].measure;
         m->near[k] = of.of == LW_OF_TURN ? d->space->f.turn[of.index] : 0;
         if (lw_mbs_motion(d, i, t, m->wanted[k]) != LW_OK)
-            return lw_error_set(m->run->e, LW_E_NUMERIC, "the motion of input \"%s\" is not a number at t = %.9g s",
+            return lw_error_set(m->run->e, LW_E_NUMERIC, "the motion of input \"%s\", its rate or its acceleration is not a number at t = %.9g s",
                                 d->eq.name(d->eq.context, LW_NAMED_INPUT, d->driven[i]), t);
     }
     return LW_OK;

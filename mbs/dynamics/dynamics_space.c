@@ -98,7 +98,7 @@ static lw_status say_not_a_number(const lw_dynamics *d, double t, lw_error *e)
     int i = 0;
     while (i + 1 < d->n_driven && lw_mbs_motion(d, i, t, motion) == LW_OK)
         i++;
-    return lw_error_set(e, LW_E_NUMERIC, "the motion of input \"%s\" is not a number at t = %.9g s",
+    return lw_error_set(e, LW_E_NUMERIC, "the motion of input \"%s\", its rate or its acceleration is not a number at t = %.9g s",
                         d->eq.name(d->eq.context, LW_NAMED_INPUT, d->driven[i]), t);
 }
 
