@@ -1191,6 +1191,41 @@ TEST(wedges_meet_on_a_floor)
     }
 }
 
+/* A wall of seven rows of four boxes, each second row shifted by half a box.  The first box of the last row stands on less than half its width and
+ * tips; those below that hang over are held by what stands on them.  Newton's method does not end in some steps. */
+TEST(wall_of_boxes)
+{
+    enum { ROWS = 7, COLUMNS = 4, BOXES = ROWS*COLUMNS };
+    static char text[20000];
+    double width = 0.2, height = 0.1, apart = 0.21;
+    size_t n = (size_t)snprintf(text, sizeof text, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [" FLOOR "]}");
+    for (int b = 0; b < BOXES; b++) {
+        double y = height*(b/COLUMNS), x = apart*(b%COLUMNS + 0.5*(b/COLUMNS%2)), l = x - 0.5*width, r = x + 0.5*width;
+        n += (size_t)snprintf(text + n, sizeof text - n, ", {'name': 'b%d', 'mass': 1, 'centre': [%.9g, %.9g], 'inertia': 0.0041667, 'shapes': [{'polygon':"
+                              "[[%.9g, %.9g], [%.9g, %.9g], [%.9g, %.9g], [%.9g, %.9g]]}]}", b, x, y + 0.5*height, l, y, r, y, r, y + height, l, y + height);
+    }
+    for (int b = 0; b < BOXES; b++)
+        n += (size_t)snprintf(text + n, sizeof text - n, "%s{'name': 'F%d', 'kind': 'n', 'links': ['ground', 'b%d']}", b ? ", " : "], 'joints': [", b, b);
+    for (int b = 0; b < BOXES; b++)
+        for (int k = 0; k < 2; k++) {
+            int below = b - COLUMNS - (b/COLUMNS%2 ? 0 : 1) + k;
+            bool on_floor = b < COLUMNS;
+            if (on_floor ? k : below/COLUMNS != b/COLUMNS - 1)
+                continue;
+            n += (size_t)snprintf(text + n, sizeof text - n, "%s{'links': ['%s%.0d', 'b%d'], 'friction': 0.5}", b ? ", " : "], 'contacts': [",
+                                  on_floor ? "ground" : below ? "b" : "b0", on_floor ? 0 : below, b);
+        }
+    snprintf(text + n, sizeof text - n, "]}");
+    json_quotes(text);
+    drun_read_text(&d, text);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_CAPTURE, 1e-8, 0.3, 2), LW_OK);
+    for (int b = 0; b < BOXES; b++)
+        for (int i = 0; i < 3; i++)
+            CHECK(b == BOXES - COLUMNS || fabs(d.v[3*b + i]) < 1e-6);
+    CHECK(d.v[3*(BOXES - COLUMNS) + 2] > 1);
+    lw_model_free(&d.model);
+}
+
 int main(void)
 {
     check_run();

@@ -32,7 +32,7 @@ static const double exact = 1e-8, allowed = 1e-5;
 static const double give = 1e-9;             /* share by which rows of contacts give way */
 static const double resolved = 0.1;          /* step over the time constant of a compliant place */
 static const double moment = 1e-8;           /* a step for the forces at the start, over the length of the run */
-enum { PASSES = 120, HARD = 40, TOGETHER = 12, DENSE_MOST = 60, LEAST_CONTACTS = 24, HALVINGS = 8 };
+enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENSE_MOST = 250, LEAST_CONTACTS = 24, HALVINGS = 8 };
 
 /* A place in the pattern: index, first of its rows (gap, then slip where it has friction), what holds there. */
 typedef struct place {
@@ -488,7 +488,8 @@ static lw_status solve_step(capture *g, double t, double h)
         p->normal = p->across = 0;
     }
     for (int pass = 0; pass < PASSES; pass++) {
-        if (pass == TOGETHER && shut <= DENSE_MOST && (s = solve_densely(g, h, shut)) != LW_NOTHING)
+        bool densely = shut <= DENSE_SOON ? pass == TOGETHER : pass == LATE && shut <= DENSE_MOST;
+        if (densely && (s = solve_densely(g, h, shut)) != LW_NOTHING)
             return s;
         s = solve_guess(g, h);
         restore_rows(g);
