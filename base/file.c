@@ -198,8 +198,8 @@ static void remove_left_over(int folder, const char *name)
     if (sscanf(name, ".lw-%*d-%*d.tmp%n", &end) == 0 && end > 0 && !name[end])
         fd = openat(folder, name, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
     if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0) {
-        static const char *const ends[] = { "", "-journal", "-wal", "-shm" };       /* of a database */
-        for (int i = 0; i < 4; i++) {
+        static const char *const ends[] = { "", "-journal", "-wal", "-shm", "-lock" };       /* of a database */
+        for (int i = 0; i < 5; i++) {
             char path[NAME_MAX + 16];
             snprintf(path, sizeof path, "%s%s", name, ends[i]);
             unlinkat(folder, path, 0);

@@ -362,7 +362,7 @@ TEST(killed)
         "drive simulate examples/drives/servo-axis.json -n 4 --to 0.01 --matrices-folder $D/left" };
     for (size_t i = 0; i < sizeof others/sizeof *others; i++) {
         char line[400];
-        snprintf(line, sizeof line, "mkdir $D/left && touch $D/left/.lw-1-0.tmp $D/left/.lw-1-0.tmp-journal && $P %s > $D/rows && test -n \"$(ls $D/left)\" && "
+        snprintf(line, sizeof line, "mkdir $D/left && touch $D/left/.lw-1-0.tmp $D/left/.lw-1-0.tmp-journal $D/left/.lw-1-0.tmp-lock && $P %s > $D/rows && test -n \"$(ls $D/left)\" && "
                  "! ls -A $D/left | grep '^[.]lw-'; c=$?; rm -r $D/left; exit $c", others[i]);
         demand(line, others[i]);
     }

@@ -30,4 +30,6 @@ TEST(says_what_is_missing)
     CHECK_HAS(e.text, "lib-that-is-not-there.so.9");
     CHECK_HAS(e.text, "the package libthere9 of Debian");
     CHECK_INT(lw_library_load("lib-that-is-not-there.so.9", "libthere9", call, 1, NULL), LW_E_IO);
+    CHECK_INT(lw_library_load("/proc/self/cmdline", "libthere9", call, 1, &e), LW_E_IO);     /* no library: no package helps */
+    CHECK(!strstr(e.text, "the package"));
 }
