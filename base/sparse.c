@@ -330,15 +330,29 @@ double lw_cholesky_factor(lw_cholesky *c, double tolerance, bool *dependent)
     return least;
 }
 
-/* Sums of the way back begin with the unknowns that are known longest, so the processor works at several rows at once instead of waiting for
- * the last unknown. */
-void lw_cholesky_solve(const lw_cholesky *c, double *b)
+static void solve_forwards(const lw_cholesky *c, double *b)
 {
     for (int i = 0; i < c->n; i++) {
         double x = b[i] *= c->diag[i];
         for (int k = c->at[i]; x != 0 && k < c->at[i + 1]; k++)       /* right-hand sides are often 0 up to some row */
             b[c->list[k]] -= c->value[k]*x;
     }
+}
+
+void lw_cholesky_solve(const lw_cholesky *c, double *b)
+{
+    solve_forwards(c, b);
+    for (int i = c->n - 1; i >= 0; i--) {
+        double sum = b[i];
+        for (int k = c->at[i]; k < c->at[i + 1]; k++)
+            sum -= c->value[k]*b[c->list[k]];
+        b[i] = sum*c->diag[i];
+    }
+}
+
+void lw_cholesky_solve_overlapped(const lw_cholesky *c, double *b)
+{
+    solve_forwards(c, b);
     for (int i = c->n - 1; i >= 0; i--) {
         double sum = b[i];
         for (int k = c->at[i + 1] - 1; k >= c->at[i]; k--)

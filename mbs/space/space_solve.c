@@ -375,7 +375,7 @@ static double improve(lw_space_rows_set *z, const double *rhs, bool still, doubl
                 b[i] += dot6(jac + 6*k, x + 6*body[k]);
     }
     if (z->n_kept)
-        lw_cholesky_solve(&z->schur, b);
+        lw_cholesky_solve_overlapped(&z->schur, b);
     for (int i = 0; i < z->n_kept; i++) {
         int r = z->kept[i];
         l[r] += b[i];
@@ -434,7 +434,7 @@ lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *tar
         for (int i = 0; i < z->n_kept; i++)
             b[i] = z->phi[z->kept[i]];
         if (z->n_kept)
-            lw_cholesky_solve(&z->schur, b);
+            lw_cholesky_solve_overlapped(&z->schur, b);
         for (int i = 0; i < z->n_kept; i++)
             add_row(z, z->kept[i], z->jac_w, -b[i], z->step);
         double size = lw_space_length(z->s, z->step);
