@@ -1,11 +1,11 @@
 #include "surface/surface.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/real.h"
 #include "mbs/dynamics/dynamics.h"
 
 const char *lw_version(void) { return LW_VERSION_STRING; }
