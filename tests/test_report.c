@@ -344,6 +344,33 @@ TEST(the_same_mechanism_is_one_row)
     CHECK(differ > 0);
 }
 
+/* Of two linkages that are alike but for their size, the larger without error comes first; of a target known to its noise only, the smaller. */
+TEST(errors_below_the_noise_do_not_count)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 17);
+    for (int trial = 0; trial < 12; trial++) {
+        made k, smaller;
+        lw_fit_results found;
+        make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
+        lw_fit_spec_set_limits(&k.spec, &k.t, 0);
+        smaller = k;
+        for (int d = 0; d < k.m.plan.n_dim; d++)
+            smaller.m.dim[d] *= k.m.plan.dim[d].kind != LW_DIM_ANGLE && d != k.m.plan.i_x0 && d != k.m.plan.i_y0 ? 0.998 : 1;
+        claim(&smaller);
+        lw_candidate c[] = { k.c, smaller.c };
+        c[0].input = k.input;
+        c[1].input = smaller.input;
+        lw_fit fit = { .n = 2, .candidate = c };
+        k.t.noise = trial % 2 ? 1e4*k.t.extent : 0;
+        CHECK_INT(lw_fit_results_make(&k.t, &k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
+        CHECK_INT(found.n, 1);
+        CHECK(found.n < 1 || found.candidate[0] == trial % 2);
+        lw_fit_results_free(&found);
+        lw_target_free(&k.t);
+    }
+}
+
 /* The measures of a row: error, stray, Chamfer distance, size, and transmission angle up to 45 degrees.  Less is better. */
 enum { ROW_MEASURES = 5 };
 static void measures_of(const lw_fit_report *r, double m[ROW_MEASURES])

@@ -464,6 +464,7 @@ TEST(stations_of_a_table)
     for (size_t i = 0; i < t.n; i++)
         CHECK(fabs(t.y[i]) < 2e-4);
     CHECK_HAS(t.note, "smoothed: the path lies 0.3");
+    CHECK_NEAR(t.noise, 0.35e-3, 0.05e-3, 0);
     lw_target_free(&t);
     static const char motion[] = "x,y,theta\n0,0,0\n1,0,0\n";
     o.stations = 5;

@@ -58,12 +58,13 @@ static bool same_type(const lw_candidate *a, const lw_candidate *b)
 }
 
 /* Does the linkage stay so near the target that nobody would build another one for less error?  Between the stations the target is a
- * guess. */
+ * guess, and it is known to its noise only. */
 #define FINE     1e-4              /* of the target at the stations, and an angle [rad]; ...                   */
 #define NO_ERROR 3e-4              /* ... and between them: play and tolerances are more                       */
 static bool is_fine(const lw_target *t, const lw_fit_report *r)
 {
-    return t->extent > 0 && r->error_max <= FINE*t->extent && lw_fit_report_stray(r) <= NO_ERROR*t->extent && !(r->angle_max > FINE);
+    return t->extent > 0 && r->error_max <= fmax(FINE*t->extent, t->noise) && !(r->angle_max > FINE)
+        && lw_fit_report_stray(r) <= fmax(NO_ERROR*t->extent, t->noise);
 }
 
 #define NOISE 1e-9                 /* parts of the target, and angles [rad]: linkages that err by less meet it equally well */
@@ -95,7 +96,7 @@ static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report 
     bool far = t->extent > 0 ? lw_fit_report_misses(t, r) > FAR*t->extent : r->angle_max > FAR*lw_target_swing(t);
     double worse = far ? FAR_WORSE : WORSE, less = far ? MUCH_SMALLER : 1;
     return c->objective > worse*worse*first->objective && !(lw_fit_report_stray(r) < less*lw_fit_report_stray(best))
-        && (lw_fit_report_distance(t, r) > ROUGH*t->size || r->angle_max > ROUGH_ANGLE);
+        && (lw_fit_report_distance(t, r) > fmax(ROUGH*t->size, t->noise) || r->angle_max > ROUGH_ANGLE);
 }
 
 /* Numbers of a report in which a search over more should not be worse; less is better.  The first matter most. */
@@ -237,9 +238,10 @@ static double cost_of_size(double bulk)
 static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
     double error = isnan(r->angle_max) ? 0 : r->angle_max, bulk = bulk_of(t, r);
+    const double none = t->extent > 0 ? fmax(NO_ERROR, t->noise/t->extent) : LW_EXACT_ENOUGH;
     if (t->extent > 0 && isfinite(lw_fit_report_stray(r)))
         error = (lw_fit_report_distance(t, r) + (isnan(r->spread) ? 0 : r->spread))/t->extent;
-    return log(error + (t->extent > 0 ? NO_ERROR : LW_EXACT_ENOUGH)) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/LW_NEAR)) : 0)
+    return log(error + none) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/fmax(LW_NEAR, none))) : 0)
          + cost_of_size(bulk) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
          + (t->extent > 0 ? PER_RATIO*log(lw_uneven(lw_fit_report_ratio(t, r), 1)) : 0)
          + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);

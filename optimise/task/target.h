@@ -48,6 +48,8 @@ typedef struct lw_target {
     int      n_also;
     lw_also  also[LW_ALSO_MAX]; /* further points, in the order of their numbers          (n_also) */
     double   extent;            /* diagonal of the box of all points [m]; size when there is one   */
+    double   noise;             /* RMS distance of the points from the path they were smoothed to: an error below it says
+                                 * nothing [m]; 0: not smoothed                                   */
     lw_units units;
     char     note[400];         /* what was assumed when it was read, for a person; "": nothing    */
     void    *store;             /* what _free frees                                                */

@@ -45,6 +45,8 @@ lw_status lw_target_join(const lw_target *const *part, int n_part, lw_target *t,
                                first->closed, t, e);
     if (s != LW_OK)
         return s;
+    for (int k = 0; k < n_part; k++)
+        t->noise = fmax(t->noise, part[k]->noise);
     t->units = first->units;
     memcpy(t->line, first->line, sizeof *t->line*t->n);
     return LW_OK;

@@ -336,6 +336,7 @@ static lw_status to_target(const lw_outlines *d, const int chosen[POINTS], int n
     if (s == LW_OK) {
         double gap = t->closed ? lw_v2_norm(lw_v2_sub(first->p[first->n - 1], first->p[0])) : 0;
         t->units = units;
+        t->noise = moved[0];
         write_note(d, first, n, t, (length_of(first) + gap)*metre/units.metre, unit || d->unit_given,
                    smooth > 0 ? moved : NULL, t->note, sizeof t->note);
     }

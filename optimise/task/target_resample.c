@@ -371,6 +371,7 @@ static lw_status smooth_target(lw_target *t, double distance, lw_error *e)
         all = fmax(all, rms);
         worst = fmax(worst, most);
     }
+    t->noise = all;
     lw_target_add_note(t, "smoothed: the path lies %.3g %s (RMS) from the points, %.3g at most", all/t->units.metre,
              t->units.length,
              worst/t->units.metre);
@@ -401,6 +402,7 @@ static lw_status spread_target(lw_target *t, size_t m, lw_error *e)
         s = lw_target_make(m, xy, xy + m, NULL, NULL, NULL, t->closed, &spread, e);
     if (s == LW_OK) {
         spread.units = t->units;
+        spread.noise = t->noise;
         for (size_t i = 0; i < m; i++)
             spread.line[i] = t->line[from[i]];
         memcpy(spread.note, t->note, sizeof spread.note);
