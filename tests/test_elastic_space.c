@@ -171,14 +171,16 @@ static lw_status keep_flat(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-#define SOFT "{'section': " SQUARE ", 'material': {'E': 1e8, 'nu': 0.3, 'density': 1000}, 'segments': 3, 'damping': 1e-4}"
+#define SOFT_WITH(more) "{'section': " SQUARE ", 'material': {'E': 1e8, 'nu': 0.3, 'density': 1000}, 'segments': 3, 'damping': 1e-4" more "}"
+#define SOFT SOFT_WITH("")
 
-/* An elastic pendulum with a bob, in a plane of any direction, moves as in the plane. */
-TEST(as_in_the_plane)
+/* An elastic pendulum with a bob, in a plane of any direction, moves as in the plane: `more` of its elastic link. */
+static void swing_as_in_the_plane(const char *more)
 {
-    char planar[] = "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'bar', 'elastic': " SOFT "}, {'name': 'bob', "
+    char planar[1000];
+    snprintf(planar, sizeof planar, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'bar', 'elastic': " SOFT_WITH("%s") "}, {'name': 'bob', "
         "'mass': 3, 'centre': [1, -0.2], 'inertia': 0.05}], 'joints': [{'name': 'A', 'links': ['ground', 'bar'], 'at': [0, 0]}, {'name': "
-        "'B', 'links': ['bar', 'bob'], 'at': [1, 0]}], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [1, -0.2]}]}";
+        "'B', 'links': ['bar', 'bob'], 'at': [1, 0]}], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [1, -0.2]}]}", more);
     static record r;
     flat_record flat = { 0 };
     lw_dynamics_report report;
@@ -200,11 +202,11 @@ TEST(as_in_the_plane)
                                                                    lw_rng_range(&rng, -2, 2))));
     lw_vec3 b = lw_m3_column(&t, 0), c = lw_m3_apply(&t, lw_v3(1, -0.2, 0)), z = lw_m3_column(&t, 2);
     lw_vec3 g = lw_m3_apply(&t, lw_v3(0, -9.81, 0));
-    CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'gravity': [%.17g, %.17g, %.17g], 'links': ['ground', {'name': 'bar', 'elastic': " SOFT
+    CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'gravity': [%.17g, %.17g, %.17g], 'links': ['ground', {'name': 'bar', 'elastic': " SOFT_WITH("%s")
                         "}, {'name': 'bob', 'mass': 3, 'centre': [%.17g, %.17g, %.17g], 'inertia': [0.05, 0.05, 0.05]}], 'joints': "
                         "[{'name': 'A', 'kind': 'revolute', 'links': ['ground', 'bar'], 'at': [0, 0, 0], 'axis': [%.17g, %.17g, %.17g]}, "
                         "{'name': 'B', 'kind': 'revolute', 'links': ['bar', 'bob'], 'at': [%.17g, %.17g, %.17g], 'axis': [%.17g, %.17g, "
-                        "%.17g]}], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [%.17g, %.17g, %.17g]}]}", g.x, g.y, g.z, c.x, c.y, c.z,
+                        "%.17g]}], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [%.17g, %.17g, %.17g]}]}", g.x, g.y, g.z, more, c.x, c.y, c.z,
                         z.x, z.y, z.z, b.x, b.y, b.z, z.x, z.y, z.z, c.x, c.y, c.z), LW_OK);
     run(&m, o, &r);
     CHECK_INT(r.n, 21);
@@ -213,6 +215,12 @@ TEST(as_in_the_plane)
         lw_vec3 want = lw_m3_apply(&t, lw_v3(flat.at[i].x, flat.at[i].y, 0));
         CHECK_NEAR(lw_v3_norm(lw_v3_sub(r.at[i], want)), 0, 2e-6, 0);
     }
+}
+
+TEST(as_in_the_plane)
+{
+    swing_as_in_the_plane("");
+    swing_as_in_the_plane(", 'superelements': 1");
 }
 
 /* Bathe & Bolourchi's bend (1979): an arc of 45 degrees, radius 100, loaded across its plane.  Published ends of eight elements of
@@ -701,6 +709,77 @@ TEST(condensed)
     frequencies(&m, false, 4, f[2]);
     for (int i = 0; i < 4; i++)
         CHECK_NEAR(f[2][i], f[1][i], 0, 1e-9);
+}
+
+/* A planar bar on a hinge and a slide: two frequencies [Hz], the turn at the hinge under its weight [rad], and the energy of its strains [J]; elastic:
+ * "elastic" of its link. */
+static void hinged_bar(const char *elastic, lw_elastic_expansion *x, double out[4])
+{
+    char text[1500];
+    lw_error e = { 0 };
+    lw_model m;
+    lw_modes modes = { 0 };
+    lw_dynamics_options o = lw_dynamics_options_default();
+    lw_dynamics *d = NULL;
+    lw_rest rest;
+    snprintf(text, sizeof text, "{'linkwright': 1, 'gravity': [0, -0.01], 'links': ['ground', {'name': 'bar', 'elastic': {%s}}], 'joints': [{'name': 'A', "
+             "'links': ['ground', 'bar'], 'at': [0, 0]}, {'name': 'B', 'kind': 't', 'links': ['ground', 'bar'], 'at': [0.6, 0.8], 'along': [0.6, 0.8]}]}", elastic);
+    json_quotes(text);
+    o.analysis = LW_ANALYSIS_STATIC;
+    CHECK_INT(lw_model_read(text, strlen(text), "test", &m, &e), LW_OK);
+    lw_status st = lw_dynamics_make(&m, &o, &d, &e);
+    if (st != LW_OK)
+        fprintf(stderr, "%s\n", e.text);
+    CHECK_INT(st, LW_OK);
+    if (st == LW_OK) {
+        const lw_system *s = lw_dynamics_system(d);
+        double *q = calloc(2*(size_t)s->n_q, sizeof *q);
+        lw_dynamics_start(d, q, q + s->n_q);
+        CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ 0 }, 3, 0, q, &modes, &e), LW_OK);
+        for (int i = 0; i < 2; i++)
+            out[i] = i < modes.n_mode ? modes.mode[i].frequency : NAN;
+        CHECK_INT(lw_statics_rest(d, 0, q, &rest, &e), LW_OK);
+        out[2] = q[2];
+        out[3] = lw_forces_strain(lw_dynamics_forces(d), q);
+        free(q);
+    }
+    if (x)
+        CHECK_INT(lw_elastic_expand(&m, false, x, &e), LW_OK);
+    lw_modes_free(&modes);
+    lw_dynamics_free(d);
+    lw_model_free(&m);
+}
+
+/* In the plane, a bar condensed to pieces rests as its elements do and has their frequencies, from above; its matrices from files are the same
+ * superelement. */
+TEST(condensed_in_the_plane)
+{
+    static const char bar[] = "'section': {'shape': 'rectangle', 'width': 0.02, 'height': 0.03}, 'material': 'steel', 'segments': 12";
+    double whole[4], got[4], same[4];
+    char text[1000], path[2][300];
+    lw_elastic_expansion x;
+    hinged_bar(bar, NULL, whole);
+    snprintf(text, sizeof text, "%s, 'superelements': 4", bar);
+    hinged_bar(text, NULL, got);
+    CHECK(got[0] > whole[0] && got[0] < 1.001*whole[0] && got[1] > whole[1] && got[1] < 1.01*whole[1]);
+    CHECK_NEAR(got[2], whole[2], 0, 1e-6);
+    snprintf(text, sizeof text, "%s, 'superelements': 2", bar);
+    hinged_bar(text, &x, got);
+    CHECK_NEAR(got[2], whole[2], 0, 1e-6);
+    CHECK_INT(x.model.n_super, 2);
+    lw_elastic_expansion_free(&x);
+    snprintf(text, sizeof text, "%s, 'superelements': 1", bar);
+    hinged_bar(text, &x, got);
+    lw_superelement *p = x.model.super;
+    for (int i = 0; i < 2; i++)
+        snprintf(path[i], sizeof path[i], "%s/flat-%s.mtx", temporary_folder(), i ? "mass" : "stiffness");
+    write_matrix(path[0], 12, p->stiffness);
+    write_matrix(path[1], 12, p->rate);
+    lw_elastic_expansion_free(&x);
+    snprintf(text, sizeof text, "'nodes': [[0, 0], [0.6, 0.8]], 'stiffness': '%s', 'mass': '%s'", path[0], path[1]);
+    hinged_bar(text, NULL, same);
+    for (int i = 0; i < 4; i++)
+        CHECK_NEAR(same[i], got[i], 0, i < 2 ? 1e-9 : 1e-7);
 }
 
 /* Lumps at the nodes of n elements have 1 + 2/n^2 times the inertia of a slender bar, and this is told. */

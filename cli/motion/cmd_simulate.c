@@ -240,6 +240,7 @@ static int run(const cli_call *call)
     lw_status st = run_it(call, c, &e);
     cli_dynamics_notes(call, c->d, &c->report);
     cli_suction_note(call, &c->suction);
+    cli_note_pull(call, &c->pull, c->pull.chain ? lw_dynamics_model(c->d)->linkage.link_name[c->pull.chain->node[0]] : "");
     int code = st == LW_OK ? CLI_DONE : c->n_row > 0 && st == LW_STOPPED ? CLI_LIMIT : cli_fail(call, &e);
     if (code == CLI_LIMIT)
         cli_note(call, "%s; the rows so far are kept", e.text);

@@ -151,11 +151,13 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
     if (idle)
         cli_note(c, "%d spin%s of links between ball joints %s held", idle, lw_plural(idle), idle == 1 ? "is" : "are");
     const lw_spatial_expansion *x = lw_dynamics_spatial_elastic(d);
+    const lw_elastic_expansion *plane = lw_dynamics_model(d) ? lw_dynamics_elastic(d) : NULL;
+    const lw_elastic_chain *chain = x ? x->chain : plane ? plane->chain : NULL;
     note_lumps(c, d);
     note_inner(c, d, r);
-    for (int k = 0; x && k < x->n_chain; k++)
-        if (x->chain[k].elastic->n_node > 0) {
-            const char *name = lw_dynamics_space(d)->model->body[x->chain[k].link].name;           /* of node 0, NAME.0 */
+    for (int k = 0; chain && k < (x ? x->n_chain : plane->n_chain); k++)
+        if (chain[k].elastic->n_node > 0) {                  /* the name is that of node 0, NAME.0 */
+            const char *name = x ? lw_dynamics_space(d)->model->body[chain[k].link].name : plane->model.linkage.link_name[chain[k].link];
             cli_note(c, "elastic link \"%.*s\" has no section: its inner forces are known at its joints only, as their reactions",
                      (int)strlen(name) - 2, name);
         }
@@ -214,4 +216,18 @@ void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynami
     if (r->steps > 0)
         cli_note(c, "constraint residual %.3g, of rates %.3g 1/s; %ld step%s, %ld refused, %ld evaluation%s", r->worst_off,
                  r->worst_off_rate, r->steps, lw_plural(r->steps), r->refused, r->rates, lw_plural(r->rates));
+}
+
+void cli_pull_see(cli_pull *p, const lw_elastic_chain *c, double normal, double length, double second)
+{
+    double share = normal*length*length/(LW_PI*LW_PI*c->elastic->material.e*second);
+    if (fabs(share) > fabs(p->share))
+        *p = (cli_pull){ share, c };
+}
+
+void cli_note_pull(const cli_call *c, const cli_pull *p, const char *node)
+{
+    if (fabs(p->share) > 0.01)
+        cli_note(c, "the axial force in \"%.*s\" reaches %.3g of the buckling load of one of its superelements, in %s, and they bend as if they had "
+                 "none; take more \"superelements\"", (int)strlen(node) - 2, node, fabs(p->share), p->share > 0 ? "tension" : "compression");
 }

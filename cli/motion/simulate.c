@@ -79,6 +79,8 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
     }
     for (int c = 0; elastic && c < elastic->n_chain; c++) {
         const lw_elastic_chain *chain = &elastic->chain[c];
+        if (chain->elastic->n_node > 0)              /* without a section */
+            continue;
         for (int i = 0; i < chain->n_node; i++) {
             const char *name = k->link_name[chain->node[i]];
             add(s, "N", 1, "%s.normal", name);
@@ -213,11 +215,17 @@ static double *put_reaction(lw_reaction r, double *to)
 }
 
 /* Inner forces of the nodes of an elastic link, and its greatest stress. */
-static double *put_inner(const cli_simulate *s, const lw_moment *m, int chain, double *to)
+static double *put_inner(cli_simulate *s, const lw_moment *m, int chain, double *to)
 {
-    int n = lw_dynamics_elastic(s->d)->chain[chain].n_node;
+    const lw_elastic_chain *c = &lw_dynamics_elastic(s->d)->chain[chain];
+    const lw_system *sys = lw_dynamics_system(s->d);
+    int n = c->n_node;
     double most = 0;
     lw_reactions_inner(s->d, m, chain, s->inner);
+    for (int i = 0; c->condensed && i + 1 < n; i++) {
+        lw_vec2 from = lw_system_point(sys, sys->body[c->node[i]], lw_v2(0, 0), m->q), end = lw_system_point(sys, sys->body[c->node[i + 1]], lw_v2(0, 0), m->q);
+        cli_pull_see(&s->pull, c, (s->inner[i].normal + s->inner[i + 1].normal)/2, lw_v2_norm(lw_v2_sub(end, from)), c->elastic->section.iz);
+    }
     for (int i = 0; i < n; i++) {
         *to++ = s->inner[i].normal;
         *to++ = s->inner[i].shear;
@@ -244,7 +252,7 @@ static double *put_contacts(const cli_simulate *s, const lw_moment *m, double *f
     return to;
 }
 
-static void fill(const cli_simulate *s, const lw_moment *m, double *row)
+static void fill(cli_simulate *s, const lw_moment *m, double *row)
 {
     const lw_elastic_expansion *elastic = lw_dynamics_elastic(s->d);
     const lw_assembly *k = &lw_dynamics_model(s->d)->linkage;
@@ -259,7 +267,7 @@ static void fill(const cli_simulate *s, const lw_moment *m, double *row)
     for (int j = 0; j < k->n_joint; j++)
         to = put_reaction(joint[j], to);
     for (int c = 0; elastic && c < elastic->n_chain; c++)
-        to = put_inner(s, m, c, to);
+        to = elastic->chain[c].elastic->n_node > 0 ? to : put_inner(s, m, c, to);
     to = put_contacts(s, m, (double *)(void *)(joint + k->n_joint), to);
     to = put_reaction(lw_reactions_shaking(s->d, m), to);
     for (int i = 0; i < s->model->states.n_state; i++)

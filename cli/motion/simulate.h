@@ -23,6 +23,7 @@ typedef struct cli_simulate {
     double         *q;                   /* (capacity * n_q)                                               */
     lw_dynamics_report       report;
     cli_suction     suction;
+    cli_pull        pull;
 } cli_simulate;
 
 /* Drive the inputs without a motion at this constant speed, as --speed gives it; NULL: none. */

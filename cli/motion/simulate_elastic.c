@@ -91,7 +91,7 @@ void cli_explain_elastic(const cli_call *call, const lw_model *m, const lw_dynam
     lw_dynamics *d;
     for (int c = 0; x && c < x->n_chain; c++) {
         const lw_elastic_chain *k = &x->chain[c];
-        for (int i = 0; i + 1 < k->n_node; i++)
+        for (int i = 0; i + 1 < k->n_node && !k->condensed; i++)
             pass = fmin(pass, passing(k, x->model.beam[k->first_beam + i].length));
         explain_chain(call, m->linkage.link_name[k->link], k);
     }

@@ -24,8 +24,7 @@ typedef struct run {
     lw_error         *e;
     lw_frame_motion  *tracer, *link;
     lw_space_inner   *inner;             /* of the nodes of one elastic link */
-    double            pull;              /* greatest axial force in a piece of a condensed bar over its buckling load; negative: compression */
-    const lw_elastic_chain *pulled;      /* there */
+    cli_pull          pull;
     cli_suction       suction;
     cli_column       *column;
     int               n_column, capacity;
@@ -172,16 +171,12 @@ static void make_columns(run *r)
     add(r, "residual_rate", "", "1/s", 1);
 }
 
-/* A piece of a condensed bar bends as if it had no axial force: how large this is beside the piece's buckling load with hinged ends. */
 static void see_pull(run *r, const lw_space_moment *o, const lw_elastic_chain *c)
 {
     const lw_section *p = &c->elastic->section;
     for (int i = 0; i + 1 < c->n_bound; i++) {
         lw_vec3 along = lw_v3_sub(o->frame[r->s->body_of[c->node[i + 1]] + 1].at, o->frame[r->s->body_of[c->node[i]] + 1].at);
-        double pull = (r->inner[i].normal + r->inner[i + 1].normal)/2*lw_v3_dot(along, along)/
-                      (LW_PI*LW_PI*c->elastic->material.e*fmin(p->iy, p->iz));
-        if (fabs(pull) > fabs(r->pull))
-            r->pull = pull, r->pulled = c;
+        cli_pull_see(&r->pull, c, (r->inner[i].normal + r->inner[i + 1].normal)/2, lw_v3_norm(along), fmin(p->iy, p->iz));
     }
 }
 
@@ -408,16 +403,6 @@ static void note_contacts(const cli_call *call, const run *r, double from, doubl
     }
 }
 
-/* Say so where the bending of a condensed bar may be off by a hundredth because of its axial force: of a cantilever by 0.3 to 0.6 of `pull` in tension,
- * by more in compression. */
-static void note_pull(const cli_call *call, const run *r)
-{
-    const char *name = r->pulled ? r->m->body[r->pulled->node[0]].name : "";       /* NAME.0 */
-    if (fabs(r->pull) > 0.01)
-        cli_note(call, "the axial force in \"%.*s\" reaches %.3g of the buckling load of one of its superelements, in %s, and they bend as if they had "
-                 "none; take more \"superelements\"", (int)strlen(name) - 2, name, fabs(r->pull), r->pull > 0 ? "tension" : "compression");
-}
-
 static void end(run *r)
 {
     free(r->row), free(r->tracer), free(r->link), free(r->inner), free(r->column), free(r->pose), free(r->path);
@@ -507,7 +492,7 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
         else
             cli_dynamics_remarks(r.f, &r.report, st, &e);
         cli_dynamics_notes(call, r.d, &r.report);
-        note_pull(call, &r);
+        cli_note_pull(call, &r.pull, r.pull.chain ? r.m->body[r.pull.chain->node[0]].name : "");
         cli_suction_note(call, &r.suction);
         if (explain)
             note_contacts(call, &r, o->from, r.report.t);

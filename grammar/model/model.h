@@ -192,6 +192,8 @@ typedef struct lw_model {
     int              n_elastic;          /* links that are elastic                                 */
     int              n_beam;             /* a file has none                                        */
     lw_beam         *beam;
+    int              n_super;            /* a file has none; as in space, with places and turns in the plane alone */
+    lw_superelement *super;
     int              n_spring, n_joint_spring, n_force, n_motor, n_shape, n_contact, n_rope;
     lw_spring       *spring;
     lw_joint_spring *joint_spring;

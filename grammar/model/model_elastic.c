@@ -29,6 +29,17 @@ static lw_status read_elastic_damping(const lw_json_node *n, lw_elastic *p, lw_e
     return s;
 }
 
+/* Three numbers, in the plane two. */
+static lw_status read_place(const lw_json_node *n, double metre, bool space, lw_vec3 *out, lw_error *e)
+{
+    lw_vec2 flat = { 0, 0 };
+    if (space)
+        return lw_read_triple(n, metre, out, e);
+    lw_status s = lw_read_pair(n, metre, &flat, e);
+    *out = lw_v3(flat.x, flat.y, 0);
+    return s;
+}
+
 static lw_status read_axis(const lw_json_node *n, double metre, bool space, lw_elastic *p, lw_error *e)
 {
     lw_status s = lw_read_list(n, 2, 1000, e);
@@ -38,10 +49,7 @@ static lw_status read_axis(const lw_json_node *n, double metre, bool space, lw_e
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (size_t i = 0; s == LW_OK && i < lw_json_count(n); i++) {
         lw_json_node point = lw_json_element(n, i);
-        lw_vec2 flat = { 0, 0 };
-        s = space ? lw_read_triple(&point, metre, &p->axis[i], e) : lw_read_pair(&point, metre, &flat, e);
-        if (!space)
-            p->axis[i] = lw_v3(flat.x, flat.y, 0);
+        s = read_place(&point, metre, space, &p->axis[i], e);
         p->n_axis++;
         double length = i > 0 ? lw_v3_norm(lw_v3_sub(p->axis[i], p->axis[i - 1])) : 1;
         if (s == LW_OK && !(length > LW_ELASTIC_SHORTEST))
@@ -191,8 +199,8 @@ static lw_status read_modes(const lw_json_node *n, lw_elastic *p, lw_error *e)
     return s == LW_OK && (p->modes%6 || modes != p->modes) ? lw_json_fault(n, e, "\"modes\" is a multiple of 6, at most 60") : s;
 }
 
-/* {"nodes": [[x, y, z], ...], "stiffness": "K.mtx", "mass": "M.mtx"} and "damping" */
-static lw_status read_superelement(const lw_json_node *n, double metre, lw_elastic *p, lw_error *e)
+/* {"nodes": [[x, y, z], ...], "stiffness": "K.mtx", "mass": "M.mtx"} and "damping"; in the plane [x, y] */
+static lw_status read_superelement(const lw_json_node *n, double metre, bool space, lw_elastic *p, lw_error *e)
 {
     static const char *const known[] = { "nodes", "stiffness", "mass", "damping", "modes" };
     lw_json_node nodes, at;
@@ -206,7 +214,7 @@ static lw_status read_superelement(const lw_json_node *n, double metre, lw_elast
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&nodes); i++) {
         lw_json_node one = lw_json_element(&nodes, i);
-        s = lw_read_triple(&one, metre, &p->node[i], e);
+        s = read_place(&one, metre, space, &p->node[i], e);
         for (size_t k = 0; s == LW_OK && k < i; k++)
             if (lw_v3_norm(lw_v3_sub(p->node[i], p->node[k])) == 0)
                 s = lw_json_fault(&one, e, "two nodes are at one place");
@@ -228,6 +236,11 @@ static lw_status read_superelement(const lw_json_node *n, double metre, lw_elast
     return s;
 }
 
+void lw_superelement_free(lw_superelement *p)
+{
+    free(p->link), free(p->at), free(p->stiffness), free(p->rate), free(p->turn), free(p->first), free(p->lump), free(p->turning);
+}
+
 void lw_elastic_free(lw_elastic *p)
 {
     free(p->axis), free(p->node), free(p->stiffness), free(p->mass);
@@ -235,9 +248,9 @@ void lw_elastic_free(lw_elastic *p)
 
 lw_status lw_elastic_read(const lw_json_node *n, double metre, bool space, lw_elastic *p, lw_error *e)
 {
-    static const char *const known[] = { "section", "material", "segments", "frequency", "damping", "mass", "axis", "height",
-                                         "superelements", "modes" };
-    static const char *const masses[] = { "lumped", "consistent" }, *const only_space[] = { "height", "superelements", "modes", "nodes", "stiffness" };
+    static const char *const known[] = { "section", "material", "segments", "frequency", "damping", "mass", "axis", "superelements", "height",
+                                         "modes" };
+    static const char *const masses[] = { "lumped", "consistent" }, *const only_space[] = { "height", "modes" };
     lw_json_node section, at;
     int mass = 0;
     const lw_number_key frequency = { "frequency", 1, LW_POSITIVE, &p->frequency, NULL };
@@ -247,9 +260,9 @@ lw_status lw_elastic_read(const lw_json_node *n, double metre, bool space, lw_el
     for (int i = 0; s == LW_OK && !space && i < COUNT(only_space); i++)
         if (lw_json_member(n, only_space[i], &at))
             s = lw_json_fault(&at, e, "\"%s\" is for models in space: give every place three numbers, joints with \"axis\": [0, 0, 1]", only_space[i]);
-    if (s == LW_OK && space && (lw_json_member(n, "stiffness", &at) || lw_json_member(n, "nodes", &at)))
-        return read_superelement(n, metre, p, e);
-    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known) - 3*!space, e)) == LW_OK &&
+    if (s == LW_OK && (lw_json_member(n, "stiffness", &at) || lw_json_member(n, "nodes", &at)))
+        return read_superelement(n, metre, space, p, e);
+    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known) - 2*!space, e)) == LW_OK &&
         (s = lw_read_need(n, "section", &section, e)) == LW_OK &&
         (s = lw_section_read(&section, metre, &p->section, e)) == LW_OK &&
         (s = lw_read_need(n, "material", &at, e)) == LW_OK)

@@ -35,7 +35,7 @@ typedef struct lw_elastic {
     bool   consistent;               /* mass of the shape functions instead of lumps */
     int    n_axis;                   /* points of the axis; 0: the line of the link's joints */
     lw_vec3 *axis;                   /* in the posture [m]; in the plane z = 0 */
-    int    pieces;                   /* > 0: condensed to superelements, as many along the axis (in space) */
+    int    pieces;                   /* > 0: condensed to superelements, as many along the axis */
     int    modes;                    /* > 0: Craig and Bampton's modes of each superelement, a multiple of 6 */
     int    n_node;                   /* > 0: instead of all but damping and consistent, a superelement with its own matrices, */
     lw_vec3 *node;                   /* nodes in the posture [m], */
@@ -43,6 +43,25 @@ typedef struct lw_elastic {
     lw_vec3 height;                  /* in space: direction near which the y axis of the section lies; 0: the section is
                                         the same in all directions */
 } lw_elastic;
+
+/* A body with stiffness and mass between its nodes, which are links; elastic links become these, too. */
+typedef struct lw_superelement {
+    int      n, *link;                   /* (n) nodes, of which those from n_bound on carry modes       */
+    int      n_bound;
+    lw_vec3 *at;                         /* (n) in the posture [m]                                     */
+    double  *stiffness;                  /* (6n x 6n) by displacement and turn of each node, about ground axes of the posture */
+    double  *rate;                       /* (6n x 6n) all mass, by velocities of the nodes and rates of modes (mbs/elastic/superelement.c) */
+    double  *turn;                       /* (9 x 6n x 6n) its parts where the frame turns; NULL: 0         */
+    double  *first;                      /* (3 x 6n) first moment of all mass by e (mbs/elastic/superelement.h): its weight */
+    double  *lump;                       /* (n) masses of the nodes, whose weight is in `first` [kg]   */
+    double  *turning;                    /* (6n) inertias of the nodes in ground axes of the posture, as lw_spatial_body's */
+    double   damping;                    /* [s]                                                        */
+    lw_mat3  section[2];                 /* of a bar: axes of its section at its two ends in the posture, x along it */
+    lw_vec3  beside;                     /* first moment about the first node that the nodes' places do not give `first` [kg m] */
+} lw_superelement;
+
+/* Its arrays. */
+void lw_superelement_free(lw_superelement *p);
 
 struct lw_json_node;
 

@@ -134,22 +134,6 @@ typedef struct lw_spatial_beam {
     bool    consistent;                  /* modes use the mass of the shape functions                  */
 } lw_spatial_beam;
 
-/* A body with stiffness and mass between its nodes, which are links; elastic links become these, too. */
-typedef struct lw_superelement {
-    int      n, *link;                   /* (n) nodes, of which those from n_bound on carry modes       */
-    int      n_bound;
-    lw_vec3 *at;                         /* (n) in the posture [m]                                     */
-    double  *stiffness;                  /* (6n x 6n) by displacement and turn of each node, about ground axes of the posture */
-    double  *rate;                       /* (6n x 6n) all mass, by velocities of the nodes and rates of modes (mbs/elastic/superelement.c) */
-    double  *turn;                       /* (9 x 6n x 6n) its parts where the frame turns; NULL: 0         */
-    double  *first;                      /* (3 x 6n) first moment of all mass by e (mbs/elastic/superelement.h): its weight */
-    double  *lump;                       /* (n) masses of the nodes, whose weight is in `first` [kg]   */
-    double  *turning;                    /* (6n) inertias of the nodes in ground axes of the posture, as lw_spatial_body's */
-    double   damping;                    /* [s]                                                        */
-    lw_mat3  section[2];                 /* of a bar: axes of its section at its two ends in the posture, x along it */
-    lw_vec3  beside;                     /* first moment about the first node that the nodes' places do not give `first` [kg m] */
-} lw_superelement;
-
 typedef struct lw_spatial {
     char    name[64];
     int     n_link, n_joint, n_coupling, n_input, n_drive, n_tracer, n_spring, n_joint_spring, n_force, n_motor;

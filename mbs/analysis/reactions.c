@@ -70,6 +70,15 @@ lw_reaction lw_reactions_shaking(const lw_dynamics *d, const lw_moment *m)
         r.force = lw_v2_add(r.force, pull);
         r.moment += lw_v2_cross(at, pull) - f->mass[3*b + 2]*m->a[3*b + 2];
     }
+    double *more = f->supers.out;
+    for (int i = 0; more && i < s->n_q; i++)
+        more[i] = 0;
+    lw_supers_inertia(&f->supers, m->q, m->v, m->a, more);
+    for (int b = 0; more && b < s->n_body; b++) {
+        lw_vec2 at = lw_system_point(s, b, lw_v2(0, 0), m->q), pull = lw_v2_scale(lw_v2(more[3*b], more[3*b + 1]), -1/s->unit);
+        r.force = lw_v2_add(r.force, pull);
+        r.moment += lw_v2_cross(at, pull) - more[3*b + 2];
+    }
     return r;
 }
 
@@ -89,6 +98,21 @@ static lw_vec2 line_loads(const lw_dynamics *d, const lw_moment *m, int element,
     return sum;
 }
 
+/* Force and moment of an element or a piece of a condensed bar on its node at one end, and the direction of the section there in the posture. */
+static double load_of(const lw_dynamics *d, const lw_moment *m, const lw_elastic_chain *c, int element, int end, double on[3])
+{
+    const lw_forces *f = lw_dynamics_forces(d);
+    if (!c->condensed) {
+        lw_beam_state z;
+        lw_forces_beam(f, element, m->q, m->v, false, &z);
+        memcpy(on, z.force + 3*end, 3*sizeof *on);
+        return f->model->beam[element].direction;
+    }
+    lw_supers_end(&f->supers, m->q, m->v, m->a, element, end, on);
+    lw_vec3 along = lw_m3_column(&f->model->super[element].section[end], 0);
+    return atan2(along.y, along.x);
+}
+
 /* What an element and its line loads do to the node at either end, along and across the section there, which turns with the node: in
  * the element's own axes the ends of a bent element would have parts of each other, a clamp not its reaction. */
 void lw_reactions_inner(const lw_dynamics *d, const lw_moment *m, int chain, lw_inner_force *out)
@@ -96,17 +120,17 @@ void lw_reactions_inner(const lw_dynamics *d, const lw_moment *m, int chain, lw_
     const lw_elastic_chain *c = &lw_dynamics_elastic(d)->chain[chain];
     const lw_forces *f = lw_dynamics_forces(d);
     memset(out, 0, (size_t)c->n_node*sizeof *out);
-    for (int i = 0; i + 1 < c->n_node; i++) {
+    for (int i = 0; c->elastic->n_node > 0 && i < c->n_node; i++)
+        out[i] = (lw_inner_force){ NAN, NAN, NAN, NAN };
+    for (int i = 0; c->elastic->n_node == 0 && i + 1 < c->n_node; i++) {
         int element = c->first_beam + i;
-        lw_beam_state z;
-        lw_forces_beam(f, element, m->q, m->v, false, &z);
         for (int end = 0; end < 2; end++) {
             lw_inner_force *to = &out[i + end];
-            const double *on = z.force + 3*end;
+            double on[3], direction = load_of(d, m, c, element, end, on);
             double share = i + end == 0 || i + end == c->n_node - 1 ? 1 : 0.5, sign = end ? -1 : 1, about;
             int body = f->system->body[c->node[i + end]];
             lw_vec2 load = line_loads(d, m, element, c->node[i + end], &about);
-            lw_vec2 along = lw_v2_polar(1, f->model->beam[element].direction + (body < 0 ? 0 : m->q[3*body + 2]));
+            lw_vec2 along = lw_v2_polar(1, direction + (body < 0 ? 0 : m->q[3*body + 2]));
             lw_vec2 force = lw_v2_add(lw_v2(on[0], on[1]), load);
             double normal = sign*lw_v2_dot(force, along), moment = sign*(on[2] + about);
             double stress = lw_section_stress(&c->elastic->section, normal, moment);

@@ -639,7 +639,7 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
             return lw_error_set(e, LW_E_KIND, "contacts and ropes are between rigid links, and the model has elastic ones; leave "
                                 "either out, or make the links rigid (--rigid)");
         d->model = d->elastic ? &d->expansion.model : &d->rigid;
-        s = d->elastic ? lw_elastic_expand(m, &d->expansion, e) : lw_elastic_rigid(m, &d->rigid, e);
+        s = d->elastic ? lw_elastic_expand(m, lw_dynamics_in_time(d), &d->expansion, e) : lw_elastic_rigid(m, &d->rigid, e);
         if (s != LW_OK)
             return s;
         m = d->model;

@@ -67,9 +67,6 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     if (d->elastic && a == LW_ANALYSIS_KINEMATIC)
         return lw_error_set(e, LW_E_KIND, "the motion of elastic links does not follow from the inputs alone: run the model in time "
                             "(dynamic) or --rigid, or see its equilibrium (static, quasistatic)");
-    if (d->eq.more_mass && !d->eq.more_inertia && a != LW_ANALYSIS_STATIC)
-        return lw_error_set(e, LW_E_KIND, "consistent masses of planar models are for modes (linear); a run in time takes \"mass\": \"lumped\", or the model "
-                            "written in space");
     bool settles = d->touch && a == LW_ANALYSIS_STATIC && d->freedom && !d->elastic && !d->large && !d->eq.n_z;
     bool postures = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC;
     bool prescribed = d->freedom == 0 && !d->elastic && !d->eq.n_z && !d->o.pieces;

@@ -5,30 +5,17 @@
 #include <string.h>
 #include "base/real.h"
 #include "mbs/elastic/beam.h"
-
-static double add_bending(double tension, double bending) { return tension < 0 ? tension - bending : tension + bending; }
-
-double lw_section_stress(const lw_section *s, double normal, double moment)
-{
-    if (!(s->y > 0))
-        return NAN;
-    return add_bending(normal/s->area, fabs(moment)*s->y/s->iz);
-}
-
-double lw_section_stress_space(const lw_section *s, double normal, double about_y, double about_z)
-{
-    if (!(s->y > 0 && s->z > 0))
-        return NAN;
-    double y = fabs(about_y)*s->z/s->iy, z = fabs(about_z)*s->y/s->iz;
-    return add_bending(normal/s->area, s->round ? hypot(y, z) : y + z);
-}
+#include "mbs/elastic/expand_space.h"
+#include "mbs/elastic/superelement.h"
 
 /* ---- model ---------------------------------------------------------------------------------------------- */
 
 typedef struct work {
     const lw_model *m;
     lw_elastic_expansion *x;
-    lw_elastic_axis *axis;           /* per chain */
+    lw_elastic_axis *axis;           /* per chain; none of a link with its own matrices */
+    lw_spatial_expansion *condensed; /* per chain: the link alone, in space */
+    bool in_time;
 } work;
 
 static void take(lw_elastic_places *p, lw_vec2 at) { p->at[p->n++] = lw_v3(at.x, at.y, 0); }
@@ -56,48 +43,53 @@ static lw_status find_places(const lw_model *m, int link, lw_elastic_places *p, 
     return LW_OK;
 }
 
-lw_status lw_expression_list_mix(lw_expression_list *list, const double weight[2], lw_expression *const of[2], lw_expression **x, lw_error *e)
+/* A condensed link alone, fixed in space where something acts on it.  Its section bends in the plane as it does there; of what it does across the
+ * plane, nothing is used. */
+static lw_status condense(work *w, int chain, const lw_elastic_places *at, lw_error *e)
 {
-    lw_expression **more = realloc(list->x, (size_t)(list->n + 1)*sizeof *more);
-    if (!more)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    list->x = more;
-    *x = NULL;
-    lw_status s = lw_expression_mix(weight, of, x, e);
-    list->x[list->n] = *x;
-    list->n += s == LW_OK && *x;
+    const lw_model *m = w->m;
+    const lw_elastic_chain *c = &w->x->chain[chain];
+    lw_elastic elastic[2] = { { .given = false }, *c->elastic };
+    lw_section *q = &elastic[1].section;
+    q->iy = q->iz, q->zeta_z = q->zeta_y, q->it = 2*q->iz;               /* y across the plane */
+    elastic[1].height = lw_v3(0, 0, 1);
+    lw_spatial_body body[2] = { { .given = false } };
+    lw_spatial_joint *joint = calloc((size_t)at->n + 1, sizeof *joint);
+    lw_spatial_tracer *tracer = calloc((size_t)at->n + 1, sizeof *tracer);
+    lw_spatial_force *force = calloc((size_t)m->n_force + 1, sizeof *force);
+    lw_spatial alone = { .n_link = 2, .body = body, .elastic = elastic, .n_elastic = 2, .n_joint = at->n_joint, .joint = joint, .n_tracer = at->n - at->n_joint,
+                         .tracer = tracer, .n_force = m->n_force, .force = force };
+    memcpy(body[1].name, m->linkage.link_name[c->link], sizeof body[1].name);
+    for (int i = 0; joint && i < at->n_joint; i++)
+        joint[i] = (lw_spatial_joint){ .kind = LW_SPATIAL_FIXED, .link = { 0, 1 }, .at = at->at[i] };
+    for (int i = at->n_joint; tracer && i < at->n; i++)
+        tracer[i - at->n_joint] = (lw_spatial_tracer){ .link = 1, .at = at->at[i] };
+    for (int i = 0; force && i < m->n_force; i++)                            /* nodes under line loads stay */
+        force[i] = (lw_spatial_force){ .link = m->force[i].link == c->link, .at = lw_v3(m->force[i].at.x, m->force[i].at.y, 0),
+                                       .line = m->force[i].line };
+    lw_status s = joint && tracer && force ? lw_spatial_expand(&alone, w->in_time, &w->condensed[chain], e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    free(joint), free(tracer), free(force);
     return s;
 }
 
-void lw_expression_list_free(lw_expression_list *list)
+/* Of a condensed link: its nodes are those of the link alone; of its axis those stay that are such nodes. */
+static lw_status take_nodes(work *w, int chain, lw_error *e)
 {
-    for (int i = 0; i < list->n; i++)
-        lw_expression_free(list->x[i]);
-    free(list->x);
-}
-
-int lw_elastic_chain_of(const lw_elastic_chain *chain, int n, int link)
-{
-    int k = 0;
-    while (k < n && chain[k].link != link)
-        k++;
-    return k;
-}
-
-lw_status lw_elastic_line_off_axis(const char *force, const char *link, lw_error *e)
-{
-    return lw_error_set(e, LW_E_ARG, "the line of the force \"%s\" is not on one straight part of the axis of the elastic link \"%s\"; give one "
-                        "force for each part", force, link);
-}
-
-lw_status lw_elastic_chain_take(lw_elastic_chain *c, const lw_elastic_axis *a, lw_error *e)
-{
-    c->length = a->length;
-    c->mass = c->elastic->material.density*c->elastic->section.area*a->length;
-    c->first = a->first;
-    c->frequency = a->frequency;
-    c->n_node = a->n_node;
-    c->node = calloc((size_t)a->n_node, sizeof *c->node);
+    lw_elastic_chain *c = &w->x->chain[chain];
+    const lw_elastic_chain *from = w->condensed[chain].chain;
+    lw_elastic_axis *a = &w->axis[chain];
+    int n = 0;
+    c->condensed = true;
+    c->length = from->length, c->mass = from->mass, c->first = from->first, c->frequency = from->frequency;
+    c->n_node = c->n_bound = from->n_node;
+    c->node = calloc((size_t)c->n_node, sizeof *c->node);
+    for (int i = 0; i < a->n_node; i++)
+        for (int k = 0; k < from->n_node; k++)
+            if (lw_v3_norm(lw_v3_sub(lw_elastic_axis_point(a, a->node[i]), w->condensed[chain].model.body[from->node[k]].centre)) < 1e-9*a->length) {
+                a->node[n++] = a->node[i];
+                break;
+            }
+    a->n_node = n;
     return c->node ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
@@ -106,15 +98,18 @@ static lw_status plan_chain(work *w, int chain, lw_error *e)
     lw_elastic_chain *c = &w->x->chain[chain];
     lw_elastic_axis *a = &w->axis[chain];
     lw_elastic_places at;
+    bool condensed = c->elastic->pieces > 0 || c->elastic->n_node > 0 || (w->in_time && c->elastic->consistent);
     lw_status s = find_places(w->m, c->link, &at, e);
-    if (s == LW_OK)
+    if (s == LW_OK && c->elastic->n_node == 0)
         s = lw_elastic_axis_make(c->elastic, w->m->linkage.link_name[c->link], &at, a, e);
+    if (s == LW_OK && condensed)
+        s = condense(w, chain, &at, e);
     free(at.at);
-    return s == LW_OK ? lw_elastic_chain_take(c, a, e) : s;
+    return s != LW_OK ? s : condensed ? take_nodes(w, chain, e) : lw_elastic_chain_take(c, a, e);
 }
 
 /* Arrays of the expanded model: links grow, joints, tracers and loads are copied. */
-static lw_status reserve(work *w, int links, int beams, lw_error *e)
+static lw_status reserve(work *w, int links, int beams, int supers, lw_error *e)
 {
     const lw_model *m = w->m;
     lw_model *to = &w->x->model;
@@ -126,10 +121,11 @@ static lw_status reserve(work *w, int links, int beams, lw_error *e)
     to->body = calloc(n, sizeof *to->body);
     to->elastic = calloc(n, sizeof *to->elastic);
     to->beam = calloc((size_t)beams + 1, sizeof *to->beam);
+    to->super = calloc((size_t)supers + 1, sizeof *to->super);
     to->spring = calloc(springs, sizeof *to->spring);
     to->force = calloc(forces, sizeof *to->force);
     to->states.rotor = calloc((size_t)m->states.n_rotor + 1, sizeof *to->states.rotor);
-    if (!names || !to->body || !to->elastic || !to->beam || !to->spring || !to->force || !to->states.rotor) {
+    if (!names || !to->body || !to->elastic || !to->beam || !to->super || !to->spring || !to->force || !to->states.rotor) {
         free(names);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
@@ -164,22 +160,48 @@ static void add_mass(lw_body *b, double mass, double inertia)
     b->inertia += inertia;
 }
 
+/* Take the masses of the nodes of a condensed link, and its superelements. */
+static void fill_condensed(work *w, int chain)
+{
+    lw_elastic_chain *c = &w->x->chain[chain];
+    lw_spatial *from = &w->condensed[chain].model;
+    const int *node = w->condensed[chain].chain->node;
+    lw_model *to = &w->x->model;
+    c->first_beam = to->n_super;
+    for (int i = 0; i < c->n_node; i++)
+        add_mass(&to->body[c->node[i]], from->body[node[i]].mass, from->body[node[i]].inertia[2]);
+    for (int k = 0; k < from->n_super; k++) {
+        lw_superelement *p = &to->super[to->n_super++];
+        *p = from->super[k];
+        for (int i = 0; i < p->n; i++) {
+            int at = 0;
+            while (node[at] != p->link[i])
+                at++;
+            p->link[i] = c->node[at];
+        }
+    }
+    from->n_super = 0;
+}
+
 static lw_status fill_chain(work *w, int chain, lw_error *e)
 {
     lw_elastic_chain *c = &w->x->chain[chain];
     const lw_elastic *p = &w->m->elastic[c->link];
     lw_model *to = &w->x->model;
     const char *name = w->m->linkage.link_name[c->link];
+    const lw_spatial_expansion *alone = &w->condensed[chain];
     c->first_beam = to->n_beam;
     for (int i = 0; i < c->n_node; i++) {
         int link = i ? to->linkage.n_link++ : c->link;
         c->node[i] = link;
-        lw_vec3 at = lw_elastic_axis_point(&w->axis[chain], w->axis[chain].node[i]);
+        lw_vec3 at = c->condensed ? alone->model.body[alone->chain->node[i]].centre : lw_elastic_axis_point(&w->axis[chain], w->axis[chain].node[i]);
         to->body[link] = (lw_body){ .given = true, .centre = { at.x, at.y } };
         if (snprintf(to->linkage.link_name[link], LW_NAME_SIZE, "%s.%d", name, i) >= LW_NAME_SIZE)
             return lw_error_set(e, LW_E_ARG, "the name of the elastic link \"%s\" is too long: its nodes are called \"NAME.0\", "
                                 "\"NAME.1\", ...; at most %d bytes", name, LW_NAME_SIZE - 7);
     }
+    if (c->condensed)
+        return fill_condensed(w, chain), LW_OK;
     for (int i = 0; i + 1 < c->n_node; i++) {
         lw_beam *b = &to->beam[to->n_beam++];
         lw_vec2 d = lw_v2_sub(to->body[c->node[i + 1]].centre, to->body[c->node[i]].centre);
@@ -206,8 +228,17 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
 /* The node of an elastic link nearest along the axis to `at`; other links stay. */
 static int node_for(const work *w, int link, lw_vec2 at)
 {
-    int k = lw_elastic_chain_of(w->x->chain, w->x->n_chain, link);
-    return k < w->x->n_chain ? w->x->chain[k].node[lw_elastic_axis_node(&w->axis[k], lw_v3(at.x, at.y, 0))] : link;
+    int k = lw_elastic_chain_of(w->x->chain, w->x->n_chain, link), best = 0;
+    if (k == w->x->n_chain)
+        return link;
+    const lw_elastic_chain *c = &w->x->chain[k];
+    const lw_body *body = w->x->model.body;
+    if (c->elastic->n_node == 0)
+        return c->node[lw_elastic_axis_node(&w->axis[k], lw_v3(at.x, at.y, 0))];
+    for (int i = 1; i < c->n_node; i++)
+        if (lw_v2_norm(lw_v2_sub(body[c->node[i]].centre, at)) < lw_v2_norm(lw_v2_sub(body[c->node[best]].centre, at)))
+            best = i;
+    return c->node[best];
 }
 
 static void attach(work *w)
@@ -243,6 +274,8 @@ static lw_status spread_force(work *w, int *i, lw_error *e)
     lw_vec3 end[2] = { lw_v3(p->at.x, p->at.y, 0), lw_v3(p[1].at.x, p[1].at.y, 0) };
     lw_elastic_push push[4];
     lw_status s = LW_OK;
+    if (c->elastic->n_node > 0)
+        return lw_elastic_line_on_nodes(p->name, w->m->linkage.link_name[c->link], e);
     for (int k = 0; s == LW_OK && k + 1 < c->n_node; k++) {
         int n = lw_elastic_line_pushes(&w->axis[chain], k, end[0], end[1], p->line == LW_LINE_VARYING, push);
         if (n < 0)
@@ -260,13 +293,13 @@ static lw_status spread_force(work *w, int *i, lw_error *e)
     return s;
 }
 
-lw_status lw_elastic_expand(const lw_model *m, lw_elastic_expansion *x, lw_error *e)
+lw_status lw_elastic_expand(const lw_model *m, bool in_time, lw_elastic_expansion *x, lw_error *e)
 {
     size_t n = (size_t)m->n_elastic + 1;
     *x = (lw_elastic_expansion){ .chain = calloc(n, sizeof *x->chain) };
-    work w = { m, x, calloc(n, sizeof *w.axis) };
-    int links = m->linkage.n_link, beams = 0;
-    lw_status s = x->chain && w.axis ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    work w = { m, x, calloc(n, sizeof *w.axis), calloc(n, sizeof *w.condensed), in_time };
+    int links = m->linkage.n_link, beams = 0, supers = 0;
+    lw_status s = x->chain && w.axis && w.condensed ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int l = 0; s == LW_OK && l < m->linkage.n_link; l++) {
         if (!m->elastic[l].given)
             continue;
@@ -275,9 +308,10 @@ lw_status lw_elastic_expand(const lw_model *m, lw_elastic_expansion *x, lw_error
         s = plan_chain(&w, x->n_chain++, e);
         links += x->chain[x->n_chain - 1].n_node - 1;
         beams += x->chain[x->n_chain - 1].n_node - 1;
+        supers += w.condensed[x->n_chain - 1].model.n_super;
     }
     if (s == LW_OK)
-        s = reserve(&w, links, beams, e);
+        s = reserve(&w, links, beams, supers, e);
     if (s == LW_OK)
         share(m, &x->model);
     for (int k = 0; s == LW_OK && k < x->n_chain; k++)
@@ -286,9 +320,11 @@ lw_status lw_elastic_expand(const lw_model *m, lw_elastic_expansion *x, lw_error
         s = spread_force(&w, &i, e);
     if (s == LW_OK)
         attach(&w);
-    for (int k = 0; w.axis && k < m->n_elastic; k++)
+    for (int k = 0; w.axis && w.condensed && k < m->n_elastic; k++) {
         free(w.axis[k].node);
-    free(w.axis);
+        lw_spatial_expansion_free(&w.condensed[k]);
+    }
+    free(w.axis), free(w.condensed);
     return s;
 }
 
@@ -296,7 +332,9 @@ void lw_elastic_expansion_free(lw_elastic_expansion *x)
 {
     for (int k = 0; x->chain && k < x->n_chain; k++)
         free(x->chain[k].node);
-    void *const own[] = { x->chain, x->model.body, x->model.elastic, x->model.beam, x->model.spring, x->model.force,
+    for (int k = 0; k < x->model.n_super; k++)
+        lw_superelement_free(&x->model.super[k]);
+    void *const own[] = { x->chain, x->model.body, x->model.elastic, x->model.beam, x->model.super, x->model.spring, x->model.force,
                           x->model.states.rotor };
     for (size_t i = 0; i < sizeof own/sizeof *own; i++)
         free(own[i]);
@@ -316,10 +354,25 @@ lw_status lw_elastic_rigid(const lw_model *m, lw_model *rigid, lw_error *e)
     if (!rigid->body)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     memcpy(rigid->body, m->body, (size_t)m->linkage.n_link*sizeof *rigid->body);
-    lw_status s = lw_elastic_expand(m, &x, e);
+    lw_model bars = *m;                      /* condensed bars count as what they are condensed from */
+    bars.elastic = calloc((size_t)m->linkage.n_link + 1, sizeof *bars.elastic);
+    if (!bars.elastic)
+        return lw_elastic_rigid_free(rigid), lw_error_set(e, LW_E_MEMORY, "out of memory");
+    memcpy(bars.elastic, m->elastic, (size_t)m->linkage.n_link*sizeof *bars.elastic);
+    for (int i = 0; i < m->linkage.n_link; i++)
+        bars.elastic[i].pieces = 0;
+    lw_status s = lw_elastic_expand(&bars, false, &x, e);
     for (int k = 0; s == LW_OK && k < x.n_chain; k++) {
         lw_body *b = &rigid->body[x.chain[k].link];
+        const lw_elastic *p = x.chain[k].elastic;
         *b = (lw_body){ .given = true };
+        if (p->n_node > 0) {
+            lw_vec3 centre;
+            double inertia[6];
+            lw_super_rigid_mass(p->n_node, p->node, p->mass, &b->mass, &centre, inertia);
+            b->centre = lw_v2(centre.x, centre.y), b->inertia = inertia[2];
+            continue;
+        }
         for (int i = 0; i + 1 < x.chain[k].n_node; i++) {          /* each element is a uniform bar */
             const lw_beam *beam = &x.model.beam[x.chain[k].first_beam + i];
             lw_vec2 a = x.model.body[beam->link[0]].centre, c = x.model.body[beam->link[1]].centre;
@@ -332,6 +385,7 @@ lw_status lw_elastic_rigid(const lw_model *m, lw_model *rigid, lw_error *e)
         b->inertia -= b->mass*lw_v2_dot(b->centre, b->centre);
     }
     lw_elastic_expansion_free(&x);
+    free(bars.elastic);
     if (s != LW_OK)
         lw_elastic_rigid_free(rigid);
     return s;

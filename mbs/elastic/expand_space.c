@@ -503,8 +503,7 @@ static lw_status spread_force(work *w, int *i, lw_error *e)
     lw_elastic_push push[4];
     lw_status s = LW_OK;
     if (c->elastic->n_node > 0)
-        return lw_error_set(e, LW_E_ARG, "the force \"%s\" along a line acts on the elastic link \"%s\", of which only nodes are known; give forces at its "
-                            "nodes", p->name, w->m->body[c->link].name);
+        return lw_elastic_line_on_nodes(p->name, w->m->body[c->link].name, e);
     for (int k = 0; s == LW_OK && k + 1 < c->n_bound; k++) {
         int n = lw_elastic_line_pushes(&w->axis[chain], k, p->at, p[1].at, p->line == LW_LINE_VARYING, push);
         if (n < 0)
@@ -560,10 +559,8 @@ void lw_spatial_expansion_free(lw_spatial_expansion *x)
 {
     for (int k = 0; x->chain && k < x->n_chain; k++)
         free(x->chain[k].node);
-    for (int k = 0; k < x->model.n_super; k++) {
-        lw_superelement *p = &x->model.super[k];
-        free(p->link), free(p->at), free(p->stiffness), free(p->rate), free(p->turn), free(p->first), free(p->lump), free(p->turning);
-    }
+    for (int k = 0; k < x->model.n_super; k++)
+        lw_superelement_free(&x->model.super[k]);
     void *const own[] = { x->chain, x->model.super, x->model.body, x->model.joint, x->model.tracer, x->model.spring, x->model.force,
                           x->model.beam, x->model.states.rotor };
     for (size_t i = 0; i < sizeof own/sizeof *own; i++)

@@ -5,7 +5,7 @@
 #define LW_MBS_ELASTIC_EXPAND_SPACE_H
 
 #include "grammar/model/spatial.h"
-#include "mbs/elastic/expand.h"
+#include "mbs/elastic/chain.h"
 
 typedef struct lw_spatial_expansion {
     lw_spatial model;                /* shares expressions with the model it comes from, which must outlive it */

@@ -22,6 +22,8 @@ static void place(void *context, const double *q)
 {
     const lw_planar *d = context;
     lw_system_place(d->s, q, d->frames);
+    if (d->f->supers.n)
+        memcpy(d->f->supers.placed, q, (size_t)d->s->n_q*sizeof *q);
 }
 
 static void rows(void *context, double *phi, double *jac, int *block)
@@ -203,7 +205,12 @@ static void state_start(void *context, double t, const double *q, const double *
 
 static double state_scale(void *context, int i) { return ((const lw_planar *)context)->f->model->states.state[i].scale; }
 
-static double kinetic(void *context, const double *v) { return lw_forces_kinetic(((const lw_planar *)context)->f, v); }
+static double kinetic(void *context, const double *v)
+{
+    const lw_forces *f = ((const lw_planar *)context)->f;
+    return lw_forces_kinetic(f, v) + lw_supers_kinetic(&f->supers, v);
+}
+
 static double potential(void *context, const double *q) { return lw_forces_potential(((const lw_planar *)context)->f, q); }
 
 /* ---- momentum ------------------------------------------------------------------------------------------------ */
@@ -242,6 +249,8 @@ static bool keeps_momentum(const lw_planar *d)
 {
     const lw_model *m = d->f->model;
     int tied = -1;
+    if (m->n_super)                              /* about_ground counts the masses of nodes */
+        return false;
     for (int j = 0; j < d->s->n_joint; j++)
         if (d->s->joint[j].body[0] < 0 || d->s->joint[j].body[1] < 0) {
             if (tied >= 0)
@@ -290,6 +299,7 @@ static void more_mass(void *context, const double *q, const lw_force_sink *sink)
     const lw_planar *d = context;
     int at[6];
     double m[6][6];
+    lw_supers_mass(&d->f->supers, q, sink);
     for (int b = 0; b < d->f->model->n_beam; b++) {
         if (!d->f->model->beam[b].consistent)
             continue;
@@ -297,6 +307,11 @@ static void more_mass(void *context, const double *q, const lw_force_sink *sink)
         for (int i = 0; i < 36; i++)
             sink->add(sink->context, at[i/6], at[i%6], m[i/6][i%6], 0);
     }
+}
+
+static void more_inertia(void *context, const double *q, const double *v, const double *a, double *out)
+{
+    lw_supers_inertia(&((const lw_planar *)context)->f->supers, q, v, a, out);
 }
 
 /* ---- dampers, kinks, names ----------------------------------------------------------------------------------- */
@@ -409,7 +424,9 @@ lw_equations lw_planar_equations(lw_planar *p)
                            .row_blocks = row_blocks, .measure_blocks = measure_blocks, .place = place, .rows = rows,
                            .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias, .measure_bends = measure_bends,
                            .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
-                           .pattern = pattern, .more_mass = consistent ? more_mass : NULL, .damper = damper,
+                           .pattern = pattern,
+                           .more_mass = consistent || m->n_super ? more_mass : NULL,
+                           .more_inertia = m->n_super && !consistent ? more_inertia : NULL, .damper = damper,
                            .expressions = has_expressions(m) ? expressions : NULL,
                            .n_switch = 2*p->f->n_stop + p->n_jump, .n_jump = p->n_jump, .switches = switches, .place_states = place_states,
                            .state_rates = state_rates, .state_start = state_start, .state_scale = state_scale,

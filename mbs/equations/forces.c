@@ -126,6 +126,12 @@ lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_
             for (int axis = 0; axis < 2; axis++)
                 f->mass[3*b + axis] += m->states.rotor[i].inertia*s->unit*s->unit;
     }
+    for (int i = 0; i < m->n_super; i++)         /* these weigh by themselves */
+        for (int k = 0; k < m->super[i].n; k++) {
+            int b = s->body[m->super[i].link[k]];
+            f->weight[3*b] -= m->super[i].lump[k]*m->gravity.x*s->unit;
+            f->weight[3*b + 1] -= m->super[i].lump[k]*m->gravity.y*s->unit;
+        }
     f->coupled = m->states.n_state > 0;
     for (int i = 0; i < m->n_spring; i++) {
         f->coupled = f->coupled || (m->spring[i].law && !is_own_law(m->spring[i].law));
@@ -141,8 +147,14 @@ lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_
         f->force_arm[i] = lw_system_arm(s, s->body[m->force[i].link], m->force[i].at);
     for (int i = 0; i < m->n_beam; i++)
         f->conservative = f->conservative && m->beam[i].damping == 0;
+    for (int i = 0; i < m->n_super; i++)
+        f->conservative = f->conservative && m->super[i].damping == 0;
+    if (lw_supers_make(m, s, &f->supers) != LW_OK) {
+        lw_forces_free(f);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
     make_stops(f);
-    f->any_state = m->n_spring || m->n_joint_spring || m->n_force || m->n_motor || f->n_stop || m->n_beam;
+    f->any_state = m->n_spring || m->n_joint_spring || m->n_force || m->n_motor || f->n_stop || m->n_beam || m->n_super;
     if (caller && caller->apply) {
         f->caller = *caller;
         f->conservative = false;
@@ -157,6 +169,7 @@ void lw_forces_free(lw_forces *f)
     free(f->stop_joint);
     free(f->caller_link);
     free(f->caller_load);
+    lw_supers_free(&f->supers);
     memset(f, 0, sizeof *f);
 }
 
@@ -557,6 +570,8 @@ static void apply_beams(const lw_forces *f, const double *q, const double *v, su
     }
 }
 
+static void add_entry(void *context, int row, int column, double by_q, double by_v) { put(context, row, column, by_q, by_v); }
+
 static void apply_all(const lw_forces *f, double t, const double *q, const double *v, sum *to)
 {
     memcpy(to->force, f->weight, (size_t)to->n*sizeof *to->force);
@@ -566,6 +581,7 @@ static void apply_all(const lw_forces *f, double t, const double *q, const doubl
     apply_stops(f, q, v, to);
     apply_motors(f, q, v, to);
     apply_beams(f, q, v, to);
+    lw_supers_push(&f->supers, q, v, to->force, &to->power, to->second ? &(lw_force_sink){ .context = to, .add = add_entry } : NULL);
     for (int i = 0; i < f->model->n_force; i++) {
         apply_component(f, i, 0, f->model->force[i].fx, t, q, v, to);
         apply_component(f, i, 1, f->model->force[i].fy, t, q, v, to);
@@ -729,6 +745,7 @@ void lw_forces_pattern(const lw_forces *f, const lw_force_sink *sink)
         add_pair(sink, s->joint[m->motor[i].joint].body);
     for (int i = 0; i < m->n_beam; i++)
         add_pair(sink, (int[]){ s->body[m->beam[i].link[0]], s->body[m->beam[i].link[1]] });
+    lw_supers_pattern(&f->supers, sink);
     for (int i = 0; i < m->n_force; i++) {
         int body[2] = { s->body[m->force[i].link], -1 };
         add_block(sink, body[0], body[0]);
@@ -750,7 +767,7 @@ double lw_forces_kinetic(const lw_forces *f, const double *v)
 
 double lw_forces_strain(const lw_forces *f, const double *q)
 {
-    double energy = 0, x[6], rate[6];
+    double energy = lw_supers_strain(&f->supers, q), x[6], rate[6];
     for (int i = 0; i < f->model->n_beam; i++) {
         beam_nodes(f, &f->model->beam[i], q, q, x, rate);
         energy += lw_beam_energy(&f->model->beam[i], x);
@@ -787,7 +804,8 @@ double lw_forces_potential(const lw_forces *f, const double *q)
         double in = depth(p, l.value, &sense);
         energy += 0.5*p->stiffness*in*in;
     }
-    return energy + lw_forces_strain(f, q);
+    /* strains of superelements are in both */
+    return energy + lw_forces_strain(f, q) + lw_supers_potential(&f->supers, q) - lw_supers_strain(&f->supers, q);
 }
 
 /* ---- measures ---------------------------------------------------------------------------------- */
