@@ -105,43 +105,46 @@ static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, i
 }
 
 /* From f->q near a limit u* of the input to q there: q* - q = A sqrt(u* - u), so that u* - u = v.v/(2 v.a) and q* - q = 2 (u* - u) v; what is left
- * is smaller by the root of u* - u.  *by: the change of the input.  false: postures move otherwise, and q is of no use. */
-static bool step_to_limit(lw_space_follow *f, double *q, double *by)
+ * is smaller by the root of u* - u.  *by: the change of the input.  LW_OPEN: postures move otherwise, and q is of no use; LW_E_MEMORY. */
+static lw_status step_to_limit(lw_space_follow *f, double *q, double *by)
 {
     const lw_space *s = f->z.s;
     double vv = lw_dot(s->n_v, f->v, f->v), left = vv/(2*lw_dot(s->n_v, f->v, f->a)), size = 2*fabs(left)*sqrt(vv), before, first, *own = f->q;
     lw_space_follow joints;
-    if (!(size < 1e-2) || lw_space_follow_make(s, NULL, 0, true, &joints, NULL) != LW_OK)
-        return false;
+    lw_status st = size < 1e-2 ? lw_space_follow_make(s, NULL, 0, true, &joints, NULL) : LW_OPEN;
+    if (st != LW_OK)
+        return st == LW_E_MEMORY ? st : LW_OPEN;
     memcpy(q, f->q, (size_t)s->n_q*sizeof *q);
     memcpy(joints.z.near + joints.z.n_extra, f->z.near + f->z.n_extra, (size_t)(joints.z.n_near - joints.z.n_extra)*sizeof *f->z.near);
     for (int i = 0; i < s->n_v; i++)
         joints.v[i] = 2*left*f->v[i];
     lw_space_move(s, q, joints.v);
-    bool good = lw_space_rows_arrange(&joints.z, q, NULL) == LW_OK
-             && lw_space_rows_close(&joints.z, q, joints.target, size, &first) == LW_OK;
+    if ((st = lw_space_rows_arrange(&joints.z, q, NULL)) == LW_OK)
+        st = lw_space_rows_close(&joints.z, q, joints.target, size, &first);
     lw_space_follow_free(&joints);
     lw_space_follow_values(f, &before);
     f->q = q;
     lw_space_follow_values(f, by);
     f->q = own;
     *by -= before;
-    return good && fabs(*by - left) < 0.1*fabs(left);
+    return st == LW_E_MEMORY ? st : st == LW_OK && fabs(*by - left) < 0.1*fabs(left) ? LW_OK : LW_OPEN;
 }
 
 /* Tracers where f has come to, in the posture q (scratch); at an end of the trace, 0 or 1 (else -1), which is a limit of the input, there and
- * without rates, and *u is changed to the limit. */
-static void show(lw_space_follow *f, int end, lw_space_trace *o, double *q, double *u, lw_space_tracer *tracer)
+ * without rates, and *u is changed to the limit.  LW_E_MEMORY. */
+static lw_status show(lw_space_follow *f, int end, lw_space_trace *o, double *q, double *u, lw_space_tracer *tracer)
 {
     const lw_space *s = f->z.s;
     double by;
-    bool limit = end >= 0 && o->limit[end] && o->away[end] < 0 && step_to_limit(f, q, &by);
+    lw_status st = end >= 0 && o->limit[end] && o->away[end] < 0 ? step_to_limit(f, q, &by) : LW_OPEN;
+    bool limit = st == LW_OK;
     lw_space_rows_fill(&f->z, limit ? q : f->q, f->target);
     o->open = fmax(o->open, lw_space_rows_open(&f->z));
     lw_space_tracers(s, f->z.frame, limit ? q : f->q, f->v, f->a, tracer);
     for (int i = 0; limit && i < s->model->n_tracer; i++)
         tracer[i].velocity = tracer[i].acceleration = tracer[i].omega = tracer[i].alpha = (lw_vec3){ NAN, NAN, NAN };
     *u += limit ? by : 0;
+    return st == LW_E_MEMORY ? st : LW_OK;
 }
 
 /* The rows between the ends, in the order of the input; those before the posture of the file are found on the way back
@@ -191,7 +194,10 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
                 break;
             lw_space_follow_rates(&f, path, with);
             int end = k == 0 ? 0 : k == o->intervals ? 1 : -1;
-            show(&f, end, o, q, &u, tracer);
+            if ((st = show(&f, end, o, q, &u, tracer)) != LW_OK) {
+                lw_error_set(e, st, "out of memory");
+                break;
+            }
             if (end >= 0)
                 ends[end] = u;
             double (*at)[3] = (double (*)[3])(void *)(value + m->n_input);
