@@ -659,6 +659,23 @@ TEST(a_flywheel_counts_its_turns)
     lw_spatial_free(&m);
 }
 
+/* A mass thrown against a force c/(1 + q)^1.5 turns back before -1.  Trial steps lie behind, where the force is not a number. */
+TEST(steps_behind_a_barrier)
+{
+    static const lw_formulation each[] = { LW_FORMULATION_RECURSIVE, LW_FORMULATION_INDEX1 };
+    lw_spatial m;
+    read_spatial("{'linkwright': 1, 'links': ['ground', {'name': 'm', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [1, 1, 1]}], 'joints': [{'name': 'S', "
+                 "'kind': 'prismatic', 'links': ['ground', 'm'], 'at': [0, 0, 0], 'axis': [1, 0, 0]}], 'input': {'joint': 'S', 'speed': -3}, "
+                 "'forces': [{'link': 'm', 'at': [0, 0, 0], 'fx': '1e-4/(1 + q(S))^1.5'}]}", "barrier", &m);
+    for (int f = 0; f < 2; f++) {
+        formulation = each[f];
+        run(&m, LW_ANALYSIS_TRANSIENT, 1, 1, 1e-4);
+        CHECK_NEAR(k.at[1].input_rate, 3, 1e-3, 0);
+    }
+    formulation = LW_FORMULATION_AUTO;
+    lw_spatial_free(&m);
+}
+
 /* Constant rates leave no change to measure convergence by: bodies that spin and slide freely are where their speed says, at any speed
  * and tolerance, after up to 16000 turns. */
 TEST(free_flywheels_spin)

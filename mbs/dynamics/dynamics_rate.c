@@ -5,6 +5,17 @@
 #include <stdlib.h>
 #include "mbs/equations/limits_internal.h"
 
+/* Friction has no solution there, a force is not a number, or only links without mass move.  What it was stays in run->e. */
+lw_status lw_run_trial(lw_run *run, double t, lw_status s)
+{
+    const lw_dynamics *d = run->d;
+    bool within = t > d->o.from;
+    if (!(s == LW_E_NUMERIC && !d->touch && (within || d->n_friction)) && !(s == LW_E_ARG && within))
+        return s;
+    run->e->status = run->e->status == s ? LW_OPEN : LW_OK;
+    return LW_OPEN;
+}
+
 lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
 {
     lw_run *run = context;
@@ -15,11 +26,8 @@ lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
     if (s == LW_OK)
         s = lw_mbs_accelerate(d, t, y, y + n, dy + n, d->l, run->has_work ? &power : NULL);
-    /* friction has no solution there, or only links without mass move: a shorter step may end before that place */
-    if ((s == LW_E_NUMERIC && d->n_friction && !d->touch) || (s == LW_E_ARG && t > d->o.from))
-        return LW_OPEN;
     if (s != LW_OK)
-        return s;
+        return lw_run_trial(run, t, s);
     d->eq.rates(d->eq.context, y, y + n, dy);
     for (int i = 0; run->has_work && i < d->n_driven; i++) {
         double motion[3];
@@ -28,7 +36,7 @@ lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
     }
     if (run->has_work)
         dy[n + d->n_v] = power;
-    return d->eq.n_z ? lw_mbs_state_rates(d, t, y, y + n, dy + lw_run_states(run)) : LW_OK;
+    return d->eq.n_z ? lw_run_trial(run, t, lw_mbs_state_rates(d, t, y, y + n, dy + lw_run_states(run))) : LW_OK;
 }
 
 /* Velocities that each step halves, as of bodies at rest on each other, are 0 below this [1/s]: denormal numbers make

@@ -56,6 +56,9 @@ lw_status lw_run_project(void *context, double t, double *y);
 lw_status lw_run_limits(lw_run *run, double t, long steps);
 lw_status lw_run_busy(lw_run *run, double t);
 
+/* The status s of rates at t, within a trial step: LW_OPEN if they fail where a shorter step might not go. */
+lw_status lw_run_trial(lw_run *run, double t, lw_status s);
+
 /* Index in y of the first-order states; absolute tolerances of y (n), to be freed.  NULL: they are all equal, or *s is
  * LW_E_MEMORY. */
 static inline int lw_run_states(const lw_run *run) { return run->d->n_q + run->d->n_v + run->has_work; }

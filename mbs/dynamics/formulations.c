@@ -230,6 +230,8 @@ static lw_status run_one(lw_run *run)
         lw_error_set(run->e, s, "%.300s; some links have no mass or no inertia: if they alone move there, they would do so infinitely fast. "
                      "With small masses, 1e-6 of the others, the run goes on", text);
     }
+    if (s == LW_OPEN && run->e->status == LW_OPEN && run->e->text[0])        /* rates that failed where a step begins */
+        s = run->e->status = LW_E_NUMERIC;
     if (s == LW_OPEN)
         s = lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the linkage stands in a singular posture, from "
                          "which it can go on in several ways", r->t);

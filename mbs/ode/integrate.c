@@ -890,8 +890,10 @@ static lw_status too_short(const lw_integrator *w, double h, lw_error *e)
 {
     if (fabs(h) > 4.0*DBL_EPSILON*fabs(w->t_old) && fabs(h) > DBL_MIN)
         return LW_OK;
-    return lw_error_set(e, LW_E_NUMERIC, "at t = %.12g s the steps became too short (%.3g s): the motion is "
-                        "singular there, a load is not a number behind it, or the tolerance is below rounding", w->t_old, fabs(h));
+    lw_error why = { .text = "the motion is singular there, a load is not a number behind it, or the tolerance is below rounding" };
+    if (told(e, LW_OPEN))
+        why = *e;
+    return lw_error_set(e, LW_E_NUMERIC, "at t = %.12g s the steps became too short (%.3g s): %s", w->t_old, fabs(h), why.text);
 }
 
 /* Length of the next step by proportional-integral control, so that steps at the stability limit settle instead of
