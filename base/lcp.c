@@ -7,8 +7,9 @@
 #include <string.h>
 #include "base/real.h"
 
-/* Walls of 10 to 60 boxes are solved at 1e-6 or 1e-5; below 1e-8 rounding leads astray there. */
-static const double shifts[] = { 0, 1e-6, 1e-5, 1e-7, 1e-8, 1e-4 };
+/* Walls of 10 to 60 boxes are solved at 1e-6 or 1e-5; below 1e-8 rounding leads astray there.  Places that are all but the same (corners that meet)
+ * need 1e-11 to 1e-9. */
+static const double shifts[] = { 0, 1e-6, 1e-5, 1e-7, 1e-8, 1e-4, 1e-10, 1e-11, 1e-9 };
 static const double least_pivot = 1e-11;     /* a smaller entry of the column is rounding; entries are of order 1 */
 static const double tie = 1e-12;             /* ratios that differ by less, relatively, are equal */
 static const double accuracy = 1e-8, exact = 1e-12;      /* a solution satisfies its conditions to this */
