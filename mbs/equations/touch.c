@@ -446,11 +446,11 @@ static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, 
     double begin = corner && !(t->slope[0] < INFINITY) ? t->deepest : 0, end = corner && !(t->slope[1] < INFINITY) ? t->deepest : 0;
     double past = t->length < INFINITY ? fmax(-m->place - begin, m->place - t->length - end) : 0, depth = -height;
     bool to_this = false;
-    for (int e = 0; corner && t->length < INFINITY && depth > -LW_TOUCH_END && e < 2; e++) {
+    for (int e = 0; corner && t->length < INFINITY && is_beside(t, m->place) && depth > -LW_TOUCH_END && e < 2; e++) {
         lw_vec2 next = lw_v2_turn(t->next[e], f[t->body[1] + 1].dir);
         double above = lw_v2_dot(next, d) - (e ? t->length*lw_v2_dot(next, u) : 0);
-        to_this = to_this || ((e ? m->place : t->length - m->place) > 0 && pushed_in(t, f, next, above, n, depth));
-        if (is_beside(t, m->place) && pushed_in(t, f, n, height, next, -above)) {
+        to_this = to_this || pushed_in(t, f, next, above, n, depth);
+        if (pushed_in(t, f, n, height, next, -above)) {
             m->gap = -above;
             return;
         }
