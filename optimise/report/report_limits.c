@@ -30,7 +30,9 @@ static void measure_arms(const lw_linkage *linkage, int link, lw_fit_report *r)
     }
 }
 
-static void measure_lengths(const lw_linkage *linkage, lw_fit_report *r)
+/* apart: the pins of a link have different places.  A pin that the search put onto another one makes a link useless, and its length counts
+ * as any other; linkages that a person gave may have two joints on one pin. */
+static void measure_lengths(const lw_linkage *linkage, bool apart, lw_fit_report *r)
 {
     r->size = r->arm = 0;
     r->length_least = r->length_most = NAN;
@@ -40,7 +42,7 @@ static void measure_lengths(const lw_linkage *linkage, lw_fit_report *r)
                 continue;
             for (int j = 0; j < i; j++) {
                 double length = lw_v2_norm(lw_v2_sub(linkage->joint[i].at, linkage->joint[j].at));
-                if (!on_link(&linkage->joint[j], link) || !(length > 1e-9*r->size))      /* two joints on one pin */
+                if (!on_link(&linkage->joint[j], link) || (!apart && !(length > 1e-9*r->size)))
                     continue;
                 r->length_least = fmin(r->length_least, length);
                 r->length_most = fmax(r->length_most, length);
@@ -195,7 +197,7 @@ void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size)
 
 void lw_fit_report_limits(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_motion_limits *motion, lw_fit_report *r)
 {
-    measure_lengths(&r->linkage, r);
+    measure_lengths(&r->linkage, !c->family->posture, r);
     find_active(t, s, c, motion, r);
     r->passes_limit = passes_limit(t, s, c, r);
     judge(t, s, r);
