@@ -451,7 +451,7 @@ TEST(openscad_is_balanced)
     lw_bytes b = { 0 };
     static const char brackets[] = "()[]{}";
     int depth[3] = { 0 };
-    snprintf(k.link_name[1], LW_NAME_SIZE, "x\ncube(9);");
+    snprintf(k.link_name[1], LW_NAME_SIZE, "*/ cube(9); /*");
     CHECK_INT(lw_export_openscad(LW_VIEW(&k), NULL, &b, NULL), LW_OK);
     for (const char *c = b.data; *c; c++) {
         const char *in = strchr(brackets, *c);
@@ -462,7 +462,7 @@ TEST(openscad_is_balanced)
     CHECK_INT(depth[1], 0);
     CHECK_INT(depth[2], 0);
     CHECK_HAS(b.data, "module link5()");
-    CHECK_HAS(b.data, "// x cube(9);");
+    CHECK_HAS(b.data, "// */ cube(9); /*");
     CHECK_HAS(b.data, "cylinder(r = pin, h = ");
     lw_bytes_free(&b);
 }

@@ -413,7 +413,7 @@ TEST(hostile_names_stay_text)
 {
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
     strcpy(k.joint[0].name, "</text><script>");
-    strcpy(k.joint[1].name, "A\"&'<!--\xff\x01");
+    strcpy(k.joint[1].name, "A\"&'<!--\xff");
     lw_scene_options o = lw_scene_options_default();
     o.title = "<svg onload=alert(1)> ]]> \xc3\xa9 \xe2\x80";
     lw_scene s;
