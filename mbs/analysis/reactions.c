@@ -70,10 +70,10 @@ lw_reaction lw_reactions_shaking(const lw_dynamics *d, const lw_moment *m)
         r.force = lw_v2_add(r.force, pull);
         r.moment += lw_v2_cross(at, pull) - f->mass[3*b + 2]*m->a[3*b + 2];
     }
-    double *more = f->supers.out;
+    double *more = f->superelements.out;
     for (int i = 0; more && i < s->n_q; i++)
         more[i] = 0;
-    lw_supers_inertia(&f->supers, m->q, m->v, m->a, more);
+    lw_superelements_inertia(&f->superelements, m->q, m->v, m->a, more);
     for (int b = 0; more && b < s->n_body; b++) {
         lw_vec2 at = lw_system_point(s, b, lw_v2(0, 0), m->q), pull = lw_v2_scale(lw_v2(more[3*b], more[3*b + 1]), -1/s->unit);
         r.force = lw_v2_add(r.force, pull);
@@ -108,7 +108,7 @@ static double load_of(const lw_dynamics *d, const lw_moment *m, const lw_elastic
         memcpy(on, z.force + 3*end, 3*sizeof *on);
         return f->model->beam[element].direction;
     }
-    lw_supers_end(&f->supers, m->q, m->v, m->a, element, end, on);
+    lw_superelements_end(&f->superelements, m->q, m->v, m->a, element, end, on);
     lw_vec3 along = lw_m3_column(&f->model->super[element].section[end], 0);
     return atan2(along.y, along.x);
 }

@@ -22,8 +22,8 @@ static void place(void *context, const double *q)
 {
     const lw_planar *d = context;
     lw_system_place(d->s, q, d->frames);
-    if (d->f->supers.n)
-        memcpy(d->f->supers.placed, q, (size_t)d->s->n_q*sizeof *q);
+    if (d->f->superelements.n)
+        memcpy(d->f->superelements.placed, q, (size_t)d->s->n_q*sizeof *q);
 }
 
 static void rows(void *context, double *phi, double *jac, int *block)
@@ -208,7 +208,7 @@ static double state_scale(void *context, int i) { return ((const lw_planar *)con
 static double kinetic(void *context, const double *v)
 {
     const lw_forces *f = ((const lw_planar *)context)->f;
-    return lw_forces_kinetic(f, v) + lw_supers_kinetic(&f->supers, v);
+    return lw_forces_kinetic(f, v) + lw_superelements_kinetic(&f->superelements, v);
 }
 
 static double potential(void *context, const double *q) { return lw_forces_potential(((const lw_planar *)context)->f, q); }
@@ -299,7 +299,7 @@ static void more_mass(void *context, const double *q, const lw_force_sink *sink)
     const lw_planar *d = context;
     int at[6];
     double m[6][6];
-    lw_supers_mass(&d->f->supers, q, sink);
+    lw_superelements_mass(&d->f->superelements, q, sink);
     for (int b = 0; b < d->f->model->n_beam; b++) {
         if (!d->f->model->beam[b].consistent)
             continue;
@@ -311,7 +311,7 @@ static void more_mass(void *context, const double *q, const lw_force_sink *sink)
 
 static void more_inertia(void *context, const double *q, const double *v, const double *a, double *out)
 {
-    lw_supers_inertia(&((const lw_planar *)context)->f->supers, q, v, a, out);
+    lw_superelements_inertia(&((const lw_planar *)context)->f->superelements, q, v, a, out);
 }
 
 /* ---- dampers, kinks, names ----------------------------------------------------------------------------------- */

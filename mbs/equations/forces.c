@@ -149,7 +149,7 @@ lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_
         f->conservative = f->conservative && m->beam[i].damping == 0;
     for (int i = 0; i < m->n_super; i++)
         f->conservative = f->conservative && m->super[i].damping == 0;
-    if (lw_supers_make(m, s, &f->supers) != LW_OK) {
+    if (lw_superelements_make(m, s, &f->superelements) != LW_OK) {
         lw_forces_free(f);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
@@ -169,7 +169,7 @@ void lw_forces_free(lw_forces *f)
     free(f->stop_joint);
     free(f->caller_link);
     free(f->caller_load);
-    lw_supers_free(&f->supers);
+    lw_superelements_free(&f->superelements);
     memset(f, 0, sizeof *f);
 }
 
@@ -581,7 +581,7 @@ static void apply_all(const lw_forces *f, double t, const double *q, const doubl
     apply_stops(f, q, v, to);
     apply_motors(f, q, v, to);
     apply_beams(f, q, v, to);
-    lw_supers_push(&f->supers, q, v, to->force, &to->power, to->second ? &(lw_force_sink){ .context = to, .add = add_entry } : NULL);
+    lw_superelements_forces(&f->superelements, q, v, to->force, &to->power, to->second ? &(lw_force_sink){ .context = to, .add = add_entry } : NULL);
     for (int i = 0; i < f->model->n_force; i++) {
         apply_component(f, i, 0, f->model->force[i].fx, t, q, v, to);
         apply_component(f, i, 1, f->model->force[i].fy, t, q, v, to);
@@ -745,7 +745,7 @@ void lw_forces_pattern(const lw_forces *f, const lw_force_sink *sink)
         add_pair(sink, s->joint[m->motor[i].joint].body);
     for (int i = 0; i < m->n_beam; i++)
         add_pair(sink, (int[]){ s->body[m->beam[i].link[0]], s->body[m->beam[i].link[1]] });
-    lw_supers_pattern(&f->supers, sink);
+    lw_superelements_pattern(&f->superelements, sink);
     for (int i = 0; i < m->n_force; i++) {
         int body[2] = { s->body[m->force[i].link], -1 };
         add_block(sink, body[0], body[0]);
@@ -767,7 +767,7 @@ double lw_forces_kinetic(const lw_forces *f, const double *v)
 
 double lw_forces_strain(const lw_forces *f, const double *q)
 {
-    double energy = lw_supers_strain(&f->supers, q), x[6], rate[6];
+    double energy = lw_superelements_strain(&f->superelements, q), x[6], rate[6];
     for (int i = 0; i < f->model->n_beam; i++) {
         beam_nodes(f, &f->model->beam[i], q, q, x, rate);
         energy += lw_beam_energy(&f->model->beam[i], x);
@@ -805,7 +805,7 @@ double lw_forces_potential(const lw_forces *f, const double *q)
         energy += 0.5*p->stiffness*in*in;
     }
     /* strains of superelements are in both */
-    return energy + lw_forces_strain(f, q) + lw_supers_potential(&f->supers, q) - lw_supers_strain(&f->supers, q);
+    return energy + lw_forces_strain(f, q) + lw_superelements_potential(&f->superelements, q) - lw_superelements_strain(&f->superelements, q);
 }
 
 /* ---- measures ---------------------------------------------------------------------------------- */

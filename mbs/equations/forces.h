@@ -14,7 +14,7 @@
 #include "grammar/model/model.h"
 #include "mbs/constraints/system.h"
 #include "mbs/elastic/beam.h"
-#include "mbs/equations/supers.h"
+#include "mbs/equations/superelements.h"
 #include "mbs/equations/equations.h"
 
 typedef struct lw_forces {
@@ -30,7 +30,7 @@ typedef struct lw_forces {
     bool    coupled;                        /* first-order states, or laws of other quantities than their own measure */
     double *z;                              /* (model->n_state) the states at which forces are wanted */
     double **side;                          /* evaluations write the sides of jumps here and advance the pointer; NULL: not */
-    lw_supers supers;                       /* of elastic links */
+    lw_superelements superelements;              /* of elastic links */
     lw_caller_force caller;                 /* apply NULL: none */
     lw_link_motion *caller_link;            /* (n_link) scratch for the caller's forces, */
     lw_link_load   *caller_load;

@@ -1,17 +1,17 @@
-/* mbs/equations/supers.c - superelements in the plane. */
-#include "mbs/equations/supers.h"
+/* mbs/equations/superelements.c - superelements in the plane. */
+#include "mbs/equations/superelements.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 static const int plane[3] = { 0, 1, 5 };         /* of the six coordinates of a node */
 
-static double scale(const lw_supers *x, int c) { return c == 2 ? 1 : x->system->unit; }
+static double scale(const lw_superelements *x, int c) { return c == 2 ? 1 : x->system->unit; }
 
-lw_status lw_supers_make(const lw_model *m, const lw_system *s, lw_supers *x)
+lw_status lw_superelements_make(const lw_model *m, const lw_system *s, lw_superelements *x)
 {
     size_t most = 0, n_q = (size_t)s->n_q;
-    *x = (lw_supers){ .system = s, .given = m->super };
+    *x = (lw_superelements){ .system = s, .given = m->super };
     if (m->n_super == 0)
         return LW_OK;
     for (int i = 0; i < m->n_super; i++)
@@ -28,11 +28,11 @@ lw_status lw_supers_make(const lw_model *m, const lw_system *s, lw_supers *x)
     free(turn);
     for (int b = 0; st == LW_OK && b < s->n_body; b++)
         x->placed[3*b] = s->reference[b].x, x->placed[3*b + 1] = s->reference[b].y;
-    x->start = st == LW_OK ? lw_supers_potential(x, x->placed) : 0;
+    x->start = st == LW_OK ? lw_superelements_potential(x, x->placed) : 0;
     return st;
 }
 
-void lw_supers_free(lw_supers *x)
+void lw_superelements_free(lw_superelements *x)
 {
     for (int i = 0; i < x->n; i++)
         lw_super_free(&x->super[i]);
@@ -41,7 +41,7 @@ void lw_supers_free(lw_supers *x)
 }
 
 /* Nodes of superelement i, behind the matrices of the scratch; v NULL: at rest. */
-static lw_beam_node *nodes(const lw_supers *x, const double *q, const double *v, int i)
+static lw_beam_node *nodes(const lw_superelements *x, const double *q, const double *v, int i)
 {
     const lw_superelement *p = &x->given[i];
     double unit = x->system->unit;
@@ -57,7 +57,7 @@ static lw_beam_node *nodes(const lw_supers *x, const double *q, const double *v,
 }
 
 /* Entries of a matrix (6n x 6n) that act in the plane; second: a derivative by rates, or NULL. */
-static void put(const lw_supers *x, int i, const double *matrix, const double *second, const lw_force_sink *sink)
+static void put_matrix(const lw_superelements *x, int i, const double *matrix, const double *second, const lw_force_sink *sink)
 {
     const lw_superelement *p = &x->given[i];
     for (int row = 0; row < 3*p->n; row++)
@@ -69,7 +69,7 @@ static void put(const lw_supers *x, int i, const double *matrix, const double *s
         }
 }
 
-void lw_supers_push(const lw_supers *x, const double *q, const double *v, double *force, double *power, const lw_force_sink *sink)
+void lw_superelements_forces(const lw_superelements *x, const double *q, const double *v, double *force, double *power, const lw_force_sink *sink)
 {
     for (int i = 0; i < x->n; i++) {
         const lw_superelement *p = &x->given[i];
@@ -79,20 +79,20 @@ void lw_supers_push(const lw_supers *x, const double *q, const double *v, double
         for (int k = 0; k < 3*p->n; k++)
             force[3*x->system->body[p->link[k/3]] + k%3] += scale(x, k%3)*load[6*(k/3) + plane[k%3]];
         if (sink)
-            put(x, i, by_x, by_v, sink);
+            put_matrix(x, i, by_x, by_v, sink);
     }
 }
 
-void lw_supers_pattern(const lw_supers *x, const lw_force_sink *sink)
+void lw_superelements_pattern(const lw_superelements *x, const lw_force_sink *sink)
 {
     for (int i = 0; i < x->n; i++) {
         for (int k = 0; k < 36*x->given[i].n*x->given[i].n; k++)
             x->work[k] = 1;
-        put(x, i, x->work, x->work, sink);
+        put_matrix(x, i, x->work, x->work, sink);
     }
 }
 
-void lw_supers_mass(const lw_supers *x, const double *q, const lw_force_sink *sink)
+void lw_superelements_mass(const lw_superelements *x, const double *q, const lw_force_sink *sink)
 {
     for (int i = 0; i < x->n; i++) {
         const lw_superelement *p = &x->given[i];
@@ -103,12 +103,12 @@ void lw_supers_mass(const lw_supers *x, const double *q, const lw_force_sink *si
             m[6*k*(rows + 1)] -= p->lump[k], m[(6*k + 1)*(rows + 1)] -= p->lump[k];
             m[(6*k + 5)*(rows + 1)] -= p->turning[6*k + 2];
         }
-        put(x, i, m, NULL, sink);
+        put_matrix(x, i, m, NULL, sink);
     }
 }
 
 /* Force and moment that each node of superelement i takes for its motion (6n). */
-static const double *takes(const lw_supers *x, const double *q, const double *v, const double *a, int i)
+static const double *inertia_of(const lw_superelements *x, const double *q, const double *v, const double *a, int i)
 {
     const lw_superelement *p = &x->given[i];
     const lw_beam_node *node = nodes(x, q, v, i);
@@ -121,11 +121,11 @@ static const double *takes(const lw_supers *x, const double *q, const double *v,
     return x->work;
 }
 
-void lw_supers_inertia(const lw_supers *x, const double *q, const double *v, const double *a, double *out)
+void lw_superelements_inertia(const lw_superelements *x, const double *q, const double *v, const double *a, double *out)
 {
     for (int i = 0; i < x->n; i++) {
         const lw_superelement *p = &x->given[i];
-        const double *load = takes(x, q, v, a, i);
+        const double *load = inertia_of(x, q, v, a, i);
         for (int k = 0; k < 3*p->n; k++) {
             int at = 3*x->system->body[p->link[k/3]] + k%3;
             double own = k%3 == 2 ? p->turning[6*(k/3) + 2] : p->lump[k/3]*x->system->unit;
@@ -134,7 +134,7 @@ void lw_supers_inertia(const lw_supers *x, const double *q, const double *v, con
     }
 }
 
-double lw_supers_kinetic(const lw_supers *x, const double *v)
+double lw_superelements_kinetic(const lw_superelements *x, const double *v)
 {
     double energy = 0, unit = x->system->unit;
     for (int i = 0; i < x->n; i++) {
@@ -148,7 +148,7 @@ double lw_supers_kinetic(const lw_supers *x, const double *v)
     return energy;
 }
 
-double lw_supers_potential(const lw_supers *x, const double *q)
+double lw_superelements_potential(const lw_superelements *x, const double *q)
 {
     double energy = -x->start, lost;
     for (int i = 0; i < x->n; i++)
@@ -156,9 +156,9 @@ double lw_supers_potential(const lw_supers *x, const double *q)
     return energy;
 }
 
-double lw_supers_strain(const lw_supers *x, const double *q)
+double lw_superelements_strain(const lw_superelements *x, const double *q)
 {
-    double energy = lw_supers_potential(x, q) + x->start;
+    double energy = lw_superelements_potential(x, q) + x->start;
     for (int i = 0; i < x->n; i++) {             /* less that of the weight */
         const lw_super *s = &x->super[i];
         const lw_beam_node *node = nodes(x, q, NULL, i);
@@ -170,13 +170,13 @@ double lw_supers_strain(const lw_supers *x, const double *q)
     return energy;
 }
 
-void lw_supers_end(const lw_supers *x, const double *q, const double *v, const double *a, int i, int end, double out[3])
+void lw_superelements_end(const lw_superelements *x, const double *q, const double *v, const double *a, int i, int end, double out[3])
 {
     double lost;
     lw_super_at(&x->super[i], nodes(x, q, v, i), x->work, NULL, NULL, &lost);
     for (int c = 0; c < 3; c++)
         out[c] = x->work[6*end + plane[c]];
-    const double *own = a ? takes(x, q, v, a, i) : NULL;
+    const double *own = a ? inertia_of(x, q, v, a, i) : NULL;
     for (int c = 0; own && c < 3; c++)
         out[c] -= own[6*end + plane[c]];
 }
