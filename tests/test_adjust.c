@@ -41,30 +41,37 @@ TEST(rounded_drawings_move)
         }
 }
 
-/* Three parallel bars drawn with rounded numbers go round on one curve, through both flat postures. */
+static void check_goes_round(uint64_t seed, uint64_t number, int digits)
+{
+    lw_system s;
+    lw_motion_curve *curve;
+    lw_rng rng;
+    double q[LW_SYSTEM_Q_MAX], by;
+    lw_motion_curve_options o = { .input = 0 };
+    lw_rng_seed(&rng, seed, 10*number + (uint64_t)digits);
+    read_rounded("examples/mobility/parallelogram.json", pow(10, -digits), &rng);
+    *d.model.small = (lw_linkage){ 0 };
+    CHECK_INT(lw_assembly_linkage(&d.model.linkage, d.model.small, &d.e), LW_OK);
+    CHECK_INT(lw_system_make(d.model.small, NULL, 0, &s, &d.e), LW_OK);
+    lw_system_posture(&s, q);
+    CHECK_INT(lw_system_adjust(&s, q, &by, &d.e), LW_OK);
+    CHECK_INT(lw_motion_curve_create(&s, q, &o, &curve, &d.e), LW_OK);
+    CHECK_INT(lw_motion_curve_ended(curve), LW_MOTION_CURVE_CLOSED);
+    CHECK_INT(abs(lw_motion_curve_turns(curve, -1)), 1);
+    lw_motion_curve_free(curve);
+    lw_system_free(&s);
+    lw_model_free(&d.model);
+}
+
+/* Three parallel bars drawn with rounded numbers go round on one curve, through both flat postures.  Added: drawings whose dimensions were off by
+ * a few units in the last place, with which the curve ended at a flat posture. */
 TEST(rounded_bars_go_round)
 {
-    lw_rng rng;
-    for (int seed = 1; seed <= 3; seed++)
-        for (int digits = 4; digits <= 5; digits++) {
-            lw_system s;
-            lw_motion_curve *curve;
-            double q[LW_SYSTEM_Q_MAX], by;
-            lw_motion_curve_options o = { .input = 0 };
-            lw_rng_seed(&rng, check_seed(), (uint64_t)(10*seed + digits));
-            read_rounded("examples/mobility/parallelogram.json", pow(10, -digits), &rng);
-            *d.model.small = (lw_linkage){ 0 };
-            CHECK_INT(lw_assembly_linkage(&d.model.linkage, d.model.small, &d.e), LW_OK);
-            CHECK_INT(lw_system_make(d.model.small, NULL, 0, &s, &d.e), LW_OK);
-            lw_system_posture(&s, q);
-            CHECK_INT(lw_system_adjust(&s, q, &by, &d.e), LW_OK);
-            CHECK_INT(lw_motion_curve_create(&s, q, &o, &curve, &d.e), LW_OK);
-            CHECK_INT(lw_motion_curve_ended(curve), LW_MOTION_CURVE_CLOSED);
-            CHECK_INT(abs(lw_motion_curve_turns(curve, -1)), 1);
-            lw_motion_curve_free(curve);
-            lw_system_free(&s);
-            lw_model_free(&d.model);
-        }
+    for (uint64_t number = 1; number <= 3; number++)
+        for (int digits = 4; digits <= 5; digits++)
+            check_goes_round(check_seed(), number, digits);
+    check_goes_round(1, 3, 4);
+    check_goes_round(4, 3, 4);
 }
 
 /* The same with misfits of 1e-6 to 1e-3, driven for a turn through both flat postures: the coupler does not turn, so its
@@ -88,7 +95,7 @@ TEST(rounded_bars_are_driven_round)
         for (int i = 0; i < d.n_moment; i++) {
             lw_vec2 turned = lw_v2_turn(bar, lw_v2_polar(1, 2*LW_PI*d.t[i]));
             lw_vec2 off = lw_v2_sub(d.tracer[i], lw_v2_add(from, lw_v2_sub(turned, bar)));
-            CHECK_NEAR(lw_v2_norm(off), 0, 10*by, 0);
+            CHECK_NEAR(lw_v2_norm(off), 0, 20*by, 0);
         }
         lw_model_free(&d.model);
     }
