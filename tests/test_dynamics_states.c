@@ -53,6 +53,7 @@ static void run_to(drun *d, double end, lw_formulation f)
     CHECK_INT(d->status, LW_OK);
     if (!made)
         return;
+    lw_system_free(&d->system);             /* of drun_to */
     d->system = *lw_dynamics_system(made);
     d->status = lw_dynamics_run(made, keep_last, d, &d->report, &d->e);
     CHECK_TEXT(d->e.text, "");
