@@ -55,7 +55,7 @@ uint64_t cli_kept_run(const char *line, int n_file, const char *const *file)
     for (int i = 0; i < n_file; i++) {
         char *text = NULL;
         size_t size = 0;
-        if (lw_file_read(file[i], &text, &size, NULL) == LW_OK)
+        if (lw_file_read_bytes(file[i], &text, &size, NULL) == LW_OK)
             h = hash(h, text, size);
         free(text);
     }
@@ -132,7 +132,7 @@ static lw_status open_file(cli_kept *k, lw_error *e)
         return io(k, e);
     if (flock(k->fd, LOCK_EX | LOCK_NB) != 0)
         return lw_error_at(e, LW_E_IO, k->path, 0, 0, "another program has it open");
-    lw_status status = lw_file_read(k->path, &text, &size, e);
+    lw_status status = lw_file_read_bytes(k->path, &text, &size, e);
     if (status == LW_OK)
         status = read_all(k, text, size, &end, e);
     free(text);

@@ -17,7 +17,7 @@ static int replay(const char *path)
 {
     char *text = NULL;
     size_t size = 0;
-    if (lw_file_read(path, &text, &size, NULL) != LW_OK)
+    if (lw_file_read_bytes(path, &text, &size, NULL) != LW_OK)
         return 1;
     /* a copy of its own exact size: the sanitizer then sees every read past the end */
     uint8_t *data = malloc(size ? size : 1);
