@@ -168,6 +168,8 @@ static lw_status add_word(lw_curve_maker *m, const char *word, lw_error *e)
         f++;
     if (f->name)
         return add_family(m, f, e);
+    if (lw_text_has_control(word))           /* its linkages would have this name */
+        return lw_error_set(e, LW_E_NOTATION, "the name of a family holds a control character");
     if (m->n < FAMILY_BYTE && !lw_curve_topology_read(word, name, &topology))
         return lw_error_set(e, LW_E_NOTATION, "there is no family '%.60s' in this program", word);
     return add_kind(m, word, 1, &to, e);
