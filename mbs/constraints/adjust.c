@@ -10,8 +10,8 @@ static const double loose = 5e-3;            /* a row this near to others, relat
 static const double strict = 1e-9;
 static const double stride = 0.4;           /* between postures, scaled */
 static const double exact = 1e-12;           /* rows that are satisfied by the dimensions given */
-static const double closed = 4e-15;          /* rows that are satisfied by the dimensions adjusted, */
-static const double rounded = 6e-16;         /* and where rounding lets a few more steps come: flat postures are sensitive to the rest */
+static const double closed = 4e-15;          /* rows that are satisfied by the dimensions adjusted; a few more steps are tried until they are */
+static const double rounded = 6e-16;         /* satisfied to this, since the motion through flat postures depends on it */
 static const double ease = 10;               /* a change of a posture costs less than one of a dimension by this factor */
 static const double first_pivot[2] = { 1e-2, 1e-8 };   /* of the rows, relative; where dimensions can be a double root it shows in weak directions */
 static const double least_pivot = 1e-10;               /* as far as rounding allows */
@@ -166,7 +166,7 @@ static bool close_all(adjuster *w)
 {
     int m = w->n_posture*w->n_row, n = w->n_dim;
     double before = INFINITY, pivot = first_pivot[w->of->doubles], last = 0;
-    int more = 8;
+    int more = 8;                            /* steps left once the rows are closed */
     for (int pass = 0; pass < LEAST_SQUARES; pass++) {
         double worst = fill_dimensions(w, n);
         lw_rank r;

@@ -474,7 +474,7 @@ static bool rub_in_passes(lw_dynamics *d, const double *q, const double *v, doub
     return false;
 }
 
-void lw_mbs_find_senses(lw_dynamics *d, int n, const double *v)
+void lw_mbs_full_friction(lw_dynamics *d, int n, const double *v)
 {
     static const double rounding = 1e-9;     /* slip, over the greatest velocity */
     double least = fmax(rounding*d->eq.unit*lw_greatest(d->n_v, v), 1e-300);
@@ -488,7 +488,7 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
 {
     int joints = d->n_friction, n = joints + (d->touch ? d->touch->n_slip : 0), stride = d->n_v + d->n_c;
     if (d->choice.formulation == LW_FORMULATION_DRIVEN)
-        lw_mbs_find_senses(d, d->n_friction, v);
+        lw_mbs_full_friction(d, d->n_friction, v);
     if (n == joints && n >= MANY && rub_in_passes(d, q, v, a, l, power)) {
         if (!d->touch && !(d->friction_determinant > d->least_determinant))
             d->least_determinant = d->friction_determinant;

@@ -181,9 +181,9 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
 /* Size of the reaction of friction joint j [N] in d->l; rows are those solved. */
 double lw_mbs_reaction(const lw_dynamics *d, int j);
 
-/* Where inputs prescribe all, set-valued friction acts in full against the velocities v, however slow; rates that are rounding have none. For the
- * first n joints with friction. */
-void   lw_mbs_find_senses(lw_dynamics *d, int n, const double *v);
+/* Where inputs prescribe all motion, set-valued friction acts in full against the velocities v, however slow they are: choose the speeds of the
+ * first n joints so.  Velocities within rounding of 0 have no friction. */
+void   lw_mbs_full_friction(lw_dynamics *d, int n, const double *v);
 
 /* Friction of all joints at (q, v), regularised, under the multipliers d->l of the rows at hand: added to force (n_v); returns its
  * power.  The slopes of that of revolute joints, pins and slides by v, the reactions kept. */

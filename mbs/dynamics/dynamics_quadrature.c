@@ -19,8 +19,8 @@ enum { N = LW_PANEL_NODES };
 static const double finest = 2e-14;          /* unresolved part that rounding leaves */
 static const double shortest = 1e-7;         /* panel, in units of the coordinate */
 static const double near_end = 0.02;         /* of its range: nearer to it, other coordinates go on */
-static const double joined = 2;              /* error of K between the last node and the end, over the tolerance, that is allowed */
-static const double joined_at_rest = 1e3;    /* the same of the force at s* */
+static const double end_error = 2;           /* allowed error of K between the outermost node and the end of a panel, over the tolerance */
+static const double rest_error = 1e3;        /* allowed relative error of the force at s*, over the tolerance */
 
 /* A panel.  s = from + sense length x for 0 <= x <= 1.  A turning panel: s = from - sense length x, x = u^2, with u
  * from `begin` (-1; 0 out of rest) to 1. */
@@ -93,19 +93,19 @@ static lw_status force_at(quadrature *z, double s, double *force)
     return st;
 }
 
-/* A jump of the force between an end of the panel and the node beside it changes no value at the nodes.  Does the polynomial through the
- * forces meet the force at that end (weight: rule->begin or ->end), where K is `kinetic`? */
-static bool meets(const quadrature *z, const double *weight, double force, double kinetic)
+/* Does the polynomial through the forces at the nodes have the force at an end of the panel (weight: rule->begin or ->end), where K is
+ * `kinetic`?  No node shows a jump of the force between that end and the outermost node. */
+static bool matches_force(const quadrature *z, const double *weight, double force, double kinetic)
 {
-    return fabs(lw_panel_sum(weight, z->p.force) - force)*z->rule->at[0]*z->p.length <= joined*z->tolerance*kinetic;
+    return fabs(lw_panel_sum(weight, z->p.force) - force)*z->rule->at[0]*z->p.length <= end_error*z->tolerance*kinetic;
 }
 
 /* The same at s*, where K is 0. */
-static bool meets_at_rest(quadrature *z)
+static bool matches_at_rest(quadrature *z)
 {
     double force;
     return force_at(z, z->p.from, &force) == LW_OK
-        && fabs(lw_panel_sum(z->rule->begin, z->p.force) - force) <= joined_at_rest*z->tolerance*fabs(force);
+        && fabs(lw_panel_sum(z->rule->begin, z->p.force) - force) <= rest_error*z->tolerance*fabs(force);
 }
 
 /* Factor of the length that would make the unresolved part of f as large as allowed. */
@@ -175,7 +175,7 @@ static lw_status turning_panel(quadrature *z, double guess)
         before = fabs(off);
         top += z->sense*off/slope;
     }
-    if (!pace_turning(z, &tail) || !meets(z, z->rule->end, z->force, z->kinetic) || !meets_at_rest(z))
+    if (!pace_turning(z, &tail) || !matches_force(z, z->rule->end, z->force, z->kinetic) || !matches_at_rest(z))
         return LW_NOTHING;
     *last = top;
     p->begin = -1;
@@ -205,7 +205,7 @@ static lw_status panel_from_rest(quadrature *z)
             double off = back > 0 ? z->kinetic - kinetic_at(z, back/z->length) : 0;
             if (fabs(off) > 1e-15*z->kinetic && k <= 50)
                 back += off/fabs(force);
-            else if (force_at(z, p->from + sense*p->length, &end) == LW_OK && meets(z, z->rule->end, end, kinetic_at(z, 1)) && meets_at_rest(z))
+            else if (force_at(z, p->from + sense*p->length, &end) == LW_OK && matches_force(z, z->rule->end, end, kinetic_at(z, 1)) && matches_at_rest(z))
                 break;
             else
                 z->length *= 0.5;
@@ -280,13 +280,13 @@ static bool pace_on(quadrature *z, double *tail, bool *turns, double *guess)
     return *tail <= z->tolerance;
 }
 
-/* Do the forces at both ends belong to the panel? */
-static bool joins(quadrature *z)
+/* The same at both ends of a straight panel. */
+static bool matches_both_ends(quadrature *z)
 {
     const panel *p = &z->p;
     double end, kinetic = z->kinetic + p->sense*p->length*lw_panel_sum(z->rule->whole, p->force);
-    return meets(z, z->rule->begin, z->force, z->kinetic) && force_at(z, p->from + p->sense*p->length, &end) == LW_OK
-        && meets(z, z->rule->end, end, kinetic);
+    return matches_force(z, z->rule->begin, z->force, z->kinetic) && force_at(z, p->from + p->sense*p->length, &end) == LW_OK
+        && matches_force(z, z->rule->end, end, kinetic);
 }
 
 static lw_status straight_panel(quadrature *z)
@@ -304,7 +304,7 @@ static lw_status straight_panel(quadrature *z)
         if (st != LW_OK && st != LW_OPEN)
             return st;
         bool resolved = st == LW_OK && pace_on(z, &tail, &turns, &guess);
-        if (resolved && !joins(z)) {
+        if (resolved && !matches_both_ends(z)) {
             resolved = false;
             tail = 1;
         }

@@ -5,8 +5,9 @@
 #include <stdlib.h>
 #include "mbs/equations/limits_internal.h"
 
-/* Friction has no solution there, a force is not a number, or only links without mass move.  What it was stays in run->e. */
-lw_status lw_run_trial(lw_run *run, double t, lw_status s)
+/* A shorter step may end before a place where friction has no solution (LW_E_NUMERIC), a force is not a number (the same), or only links without
+ * mass move (LW_E_ARG). */
+lw_status lw_run_failed_rates(lw_run *run, double t, lw_status s)
 {
     const lw_dynamics *d = run->d;
     bool within = t > d->o.from;
@@ -27,7 +28,7 @@ lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
     if (s == LW_OK)
         s = lw_mbs_accelerate(d, t, y, y + n, dy + n, d->l, run->has_work ? &power : NULL);
     if (s != LW_OK)
-        return lw_run_trial(run, t, s);
+        return lw_run_failed_rates(run, t, s);
     d->eq.rates(d->eq.context, y, y + n, dy);
     for (int i = 0; run->has_work && i < d->n_driven; i++) {
         double motion[3];
@@ -36,7 +37,7 @@ lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
     }
     if (run->has_work)
         dy[n + d->n_v] = power;
-    return d->eq.n_z ? lw_run_trial(run, t, lw_mbs_state_rates(d, t, y, y + n, dy + lw_run_states(run))) : LW_OK;
+    return d->eq.n_z ? lw_run_failed_rates(run, t, lw_mbs_state_rates(d, t, y, y + n, dy + lw_run_states(run))) : LW_OK;
 }
 
 /* Velocities that each step halves, as of bodies at rest on each other, are 0 below this [1/s]: denormal numbers make

@@ -134,8 +134,8 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
     d->eq.forces(d->eq.context, t, q, v, d->force, run->has_work ? &power : NULL);
     for (int i = 0; i < d->n_v; i++)
         if (!isfinite(d->force[i]))
-            return lw_run_trial(run, t, lw_error_set(run->e, LW_E_NUMERIC, "a force on link \"%s\" is not a number at t = %.9g s",
-                                                     d->eq.name(d->eq.context, LW_NAMED_BLOCK, i/LW_BLOCK), t));
+            return lw_run_failed_rates(run, t, lw_error_set(run->e, LW_E_NUMERIC, "a force on link \"%s\" is not a number at t = %.9g s",
+                                                            d->eq.name(d->eq.context, LW_NAMED_BLOCK, i/LW_BLOCK), t));
     if (m->r.n_row)
         lw_recursive_rows(&m->r, m->near, (const double (*)[3])m->wanted, d->space->f.turn, v);
     if ((s = factor(m)) != LW_OK)
@@ -146,7 +146,7 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
         power -= m->r.l[m->r.n_row - d->n_driven + i]*m->wanted[d->space->n_idle + i][1];
     if (run->has_work)
         dy[n] = power;
-    return d->eq.n_z ? lw_run_trial(run, t, lw_mbs_state_rates(d, t, q, v, dy + tail)) : LW_OK;
+    return d->eq.n_z ? lw_run_failed_rates(run, t, lw_mbs_state_rates(d, t, q, v, dy + tail)) : LW_OK;
 }
 
 static lw_status project(void *context, double t, double *y)

@@ -56,8 +56,9 @@ lw_status lw_run_project(void *context, double t, double *y);
 lw_status lw_run_limits(lw_run *run, double t, long steps);
 lw_status lw_run_busy(lw_run *run, double t);
 
-/* The status s of rates at t, within a trial step: LW_OPEN if they fail where a shorter step might not go. */
-lw_status lw_run_trial(lw_run *run, double t, lw_status s);
+/* The status for the integrator of rates at t that failed with s: LW_OPEN, which asks for a shorter step, where that step may end before the
+ * failure; else s.  With LW_OPEN the reason stays in run->e, whose status is LW_OPEN, too. */
+lw_status lw_run_failed_rates(lw_run *run, double t, lw_status s);
 
 /* Index in y of the first-order states; absolute tolerances of y (n), to be freed.  NULL: they are all equal, or *s is
  * LW_E_MEMORY. */

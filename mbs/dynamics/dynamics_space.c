@@ -329,7 +329,7 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *v, lw_erro
     if (!response)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     double *size = response + (size_t)c->n_rub*(size_t)n_l + lw_friction_doubles(c->n_rub, 3);
-    lw_mbs_find_senses(d, c->n_rub, v);
+    lw_mbs_full_friction(d, c->n_rub, v);
     for (int j = 0; j < c->n_rub; j++) {
         memset(c->drive_f, 0, (size_t)d->n_v*sizeof *c->drive_f);
         lw_spatial_rub(c, &d->friction[j], v, 1, c->drive_f);
@@ -367,8 +367,9 @@ static lw_status load_drives(lw_dynamics *d, double t, const double *q, const do
 
 /* ---- moments -------------------------------------------------------------------------------------------------- */
 
-/* Forces of the joints on their second links, and of the couplings, for multipliers l of rows with derivatives all.  The row of a slide in a coupling pulls at the
- * centre of the second link; a coupling pulls along the axis through the joint's point, as drives do, so the joint carries the moment. */
+/* Forces of the joints on their second links, and of the couplings, for multipliers l; all: the derivatives of all rows.  The row of a slide in a
+ * coupling pulls at the centre of the second link; a coupling pulls along the axis through the joint's point, as drives do, so the joint carries the
+ * moment. */
 static void find_reactions(lw_spatial_scene *c, const double *v, const double *l, const double *all)
 {
     const lw_space *s = &c->s;

@@ -228,7 +228,7 @@ static lw_status run_one(lw_run *run)
         char text[sizeof run->e->text];
         memcpy(text, run->e->text, sizeof text);
         lw_error_set(run->e, s, "%.300s; some links have no mass or no inertia: if they alone move there, they would do so infinitely fast. "
-                     "With small masses, 1e-6 of the others, the run goes on", text);
+                     "With small masses, 1e-6 of the others, the run may go on", text);
     }
     if (s == LW_OPEN && run->e->status == LW_OPEN && run->e->text[0])        /* rates that failed where a step begins */
         s = run->e->status = LW_E_NUMERIC;

@@ -1,14 +1,14 @@
 /* mbs/dynamics/modes_large.c - the slowest modes of models of any size: Lanczos's method on the inverse.
  *
  * (K + s M) z + J^T l = M x, J z = 0 gives z from x; the eigenvalues of this map are 1/(w^2 + s) (Ericsson & Ruhe 1980).  The
- * shift s makes the matrix regular where motions are free; a smaller one is taken where modes are so slow that it hides them.
- * Vectors stay orthogonal in the metric of the masses by full orthogonalisation.  A run that starts anew, orthogonal to the modes found, finds the further ones of equal frequency;
- * it is repeated until it finds none below the greatest.  Models with few freedoms and no elastic links are reduced to all their
+ * shift s makes the matrix regular where motions are free; a smaller one is taken for modes that are very slow beside it.
+ * Vectors stay orthogonal in the metric of the masses by full orthogonalisation.  A run that starts anew, orthogonal to the modes
+ * found, finds the further ones of equal frequency; it is repeated until it finds none below the greatest.  Models with few freedoms and no elastic links are reduced to all their
  * motions instead, which accelerations under random forces span, and solved as matrices.  Damped modes are those of the equations reduced to twice as many
  * undamped modes as are wanted, which is exact where damping is proportional to the stiffness; and, where it is not, to what its forces
  * and the masses bend besides (K z = C x, K z = M x), as a Krylov space of the damped equations has it (Bai & Su 2005).  Under loads
- * without a potential, up to LW_SYSTEM_Q_MAX freedoms are solved as matrices, too; more are reduced to such a space of as many vectors from
- * random ones, and the modes that this space has exactly are taken. */
+ * without a potential, up to LW_SYSTEM_Q_MAX freedoms are solved as matrices, too.  More are reduced to a Krylov space that begins with random
+ * vectors; those of its modes are kept that solve the whole equations. */
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +22,8 @@
 
 static const double shift_part = 1e-9;   /* of the greatest stiffness over mass */
 static const double least_part = 1e-15;  /* the same, for modes that are slower still */
-static const double hidden = 1e-15;      /* the same for squares of rates that rounding may have made */
+static const double doubtful = 1e-15;    /* the same for squares of rates that may be rounding */
+enum { RANDOM_VECTORS = 4 };             /* at the start of a Krylov space: so many modes of equal frequency are told apart */
 
 typedef struct lanczos {
     lw_dynamics *d;
@@ -192,13 +193,11 @@ static lw_status factor(lanczos *z, const double *q, double part, const double *
     return s == LW_OK ? lw_tangent_factor(z->tangent, z->t, q, still, l, (double[]){ z->shift, 0 }, (double[]){ 0, 0 }) : s;
 }
 
-enum { random_vectors = 4 };             /* modes of equal frequency that are told apart under loads without a potential */
+static bool is_doubtful(const lanczos *z, int i) { return fabs(z->value[i]) < doubtful*z->scale; }
 
-static bool is_hidden(const lanczos *z, int i) { return fabs(z->value[i]) < hidden*z->scale; }
-
-/* Rounding may make a slow mode of a free motion.  Hidden modes which a posture that is moved by as much as rounding does not have, too,
- * to 5 %, are free: their value becomes 0.  *slow: how many are not. */
-static lw_status tell_free(lanczos *z, const double *l, double *still, int *slow)
+/* A mode this slow may be a free motion whose rate is rounding.  Its rate is found again in a posture displaced by rounding; if it differs by
+ * 5 % there, the motion is free and its value becomes 0.  *slow: number of the others. */
+static lw_status find_free(lanczos *z, const double *l, double *still, int *slow)
 {
     size_t n = (size_t)z->n, n_q = (size_t)z->d->n_q;
     lw_rng rng;
@@ -213,7 +212,7 @@ static lw_status tell_free(lanczos *z, const double *l, double *still, int *slow
     lw_status s = factor(z, q, least_part, l, still);
     for (int i = 0; i < z->n_found; i++) {
         const double *heavy = z->found_heavy + (size_t)i*n;
-        if (!is_hidden(z, i))
+        if (!is_doubtful(z, i))
             continue;
         if (s == LW_OK)
             apply(z, heavy, x);
@@ -225,21 +224,21 @@ static lw_status tell_free(lanczos *z, const double *l, double *still, int *slow
     return s == LW_E_NUMERIC ? LW_OK : s;
 }
 
-/* The slowest modes, with a shift that the squares of most rates exceed; where some hide below it, with a smaller one. */
+/* The slowest modes, with a shift that the squares of most rates exceed; again with a smaller one if some are far below it. */
 static lw_status find_slow(lanczos *z, int wanted, int room, const double *l, double *still)
 {
     const double part[2] = { shift_part, least_part };
     lw_status s = LW_NOTHING;
     for (int pass = 0, slow = 1; pass < 2 && slow > 0 && (s == LW_OK || s == LW_NOTHING); pass++) {
-        int n_hidden = 0;
+        int n_doubtful = 0;
         if ((s = factor(z, z->q, part[pass], l, still)) != LW_OK)
             break;
         z->n_found = 0;
         s = find_modes(z, wanted, room);
         for (int i = 0; i < z->n_found; i++)
-            n_hidden += is_hidden(z, i);
+            n_doubtful += is_doubtful(z, i);
         slow = s == LW_NOTHING;
-        if (s == LW_OK && n_hidden > 0 && (s = tell_free(z, l, still, &slow)) == LW_OK)
+        if (s == LW_OK && n_doubtful > 0 && (s = find_free(z, l, still, &slow)) == LW_OK)
             s = factor(z, z->q, part[pass], l, still);
     }
     return s;
@@ -274,8 +273,8 @@ static void multiply_all(lanczos *z, double t, const double *l, double *still, c
             k[d->bend[b].a] += l[r]*d->bend[b].h*x[d->bend[b].b];
 }
 
-/* Take from x its part that the rows forbid, along which nothing may resist; heavy: scratch. */
-static lw_status allow(lanczos *z, double *x, double *heavy)
+/* Remove from x the part that the rows of the joints forbid.  heavy: scratch. */
+static lw_status project(lanczos *z, double *x, double *heavy)
 {
     lw_dynamics *d = z->d;
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
@@ -301,7 +300,7 @@ static void add_responses(lanczos *z, int rounds, int room, double t, double *st
                 apply(z, push[i], to);
                 lw_tangent_mass(z->tangent, z->q, to, heavy);
                 double whole = sqrt(fmax(lw_dot(z->n, to, heavy), 0));
-                bool new_one = orthogonal(z, to, heavy, 0) > own*whole && allow(z, to, heavy) == LW_OK;
+                bool new_one = orthogonal(z, to, heavy, 0) > own*whole && project(z, to, heavy) == LW_OK;
                 z->n_found += new_one && orthogonal(z, to, heavy, 0) > 0;
             }
         }
@@ -319,7 +318,7 @@ static lw_status find_basis(lanczos *z, int freedom)
         for (int i = 0; i < z->n; i++)
             x[i] = lw_rng_uniform(&rng) - 0.5;
         for (int twice = 0; twice < 2; twice++)              /* rounding, too, stays in the motions that the rows allow */
-            if (allow(z, x, heavy) != LW_OK || !(orthogonal(z, x, heavy, 0) > 0))
+            if (project(z, x, heavy) != LW_OK || !(orthogonal(z, x, heavy, 0) > 0))
                 return LW_E_NUMERIC;
     }
     return LW_OK;
@@ -370,8 +369,8 @@ static bool reduce(lanczos *z, bool are_modes, bool damping, double t, const dou
     return true;
 }
 
-/* Keep those modes of the reduced equations, from the slowest on, that fulfil the whole ones: of x of a mode s, the rows forbid less than the
- * part `exact`, and (K + s' M)^-1 (s^2 M + s C + K) x, with the shift s', is smaller than that. */
+/* Keep the modes of the reduced equations, from the slowest up to the first that does not solve the whole equations.  A mode with rate s and
+ * shape x does if the part of x that the rows forbid, and (K + s' M)^-1 (s^2 M + s C + K) x with the shift s', are smaller than `exact` times x. */
 static void keep_exact(lanczos *z, int wanted, double t, const double *l, double *still, double *k, double *c, lw_modes *modes)
 {
     static const double exact = 1e-6;
@@ -393,7 +392,7 @@ static void keep_exact(lanczos *z, int wanted, double t, const double *l, double
                 left[!part][j] += (part ? -1 : 1)*(square[1]*heavy[j] + m->im*c[j]);
             }
             memcpy(c, x, n*sizeof *x);
-            off = allow(z, x, heavy) == LW_OK ? off : INFINITY;
+            off = project(z, x, heavy) == LW_OK ? off : INFINITY;
             for (size_t j = 0; j < n; j++)
                 x[j] -= c[j];
             lw_tangent_mass(z->tangent, z->q, x, heavy);
@@ -477,7 +476,7 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, bool damping, lw_tangent *k
             bool known = reduce(&z, !small, damping, t, l, &v, k, damp, still);
             bool whole = known || all == modes->freedom;                  /* few enough for their matrices as they are */
             if (!known && damping) {
-                s = find_basis(&z, whole ? all : random_vectors);
+                s = find_basis(&z, whole ? all : RANDOM_VECTORS);
                 if (s == LW_OK && !whole)
                     add_responses(&z, all, all, t, still, k, damp);
                 v.n_free = z.n_found;

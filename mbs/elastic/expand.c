@@ -14,7 +14,7 @@ typedef struct work {
     const lw_model *m;
     lw_elastic_expansion *x;
     lw_elastic_axis *axis;           /* per chain; none of a link with its own matrices */
-    lw_spatial_expansion *condensed; /* per chain: the link alone, in space */
+    lw_spatial_expansion *condensed; /* per chain: the link alone, as a model in space */
     bool in_time;
 } work;
 
@@ -43,8 +43,8 @@ static lw_status find_places(const lw_model *m, int link, lw_elastic_places *p, 
     return LW_OK;
 }
 
-/* A condensed link alone, fixed in space where something acts on it.  Its section bends in the plane as it does there; of what it does across the
- * plane, nothing is used. */
+/* A condensed link alone, as a model in space that is fixed where something acts on it.  Its section is as stiff in both directions; what the link
+ * does across the plane is not used. */
 static lw_status condense(work *w, int chain, const lw_elastic_places *at, lw_error *e)
 {
     const lw_model *m = w->m;
@@ -72,7 +72,7 @@ static lw_status condense(work *w, int chain, const lw_elastic_places *at, lw_er
     return s;
 }
 
-/* Of a condensed link: its nodes are those of the link alone; of its axis those stay that are such nodes. */
+/* The nodes of a condensed link are those of the model in space; its axis keeps the nodes that are among them. */
 static lw_status take_nodes(work *w, int chain, lw_error *e)
 {
     lw_elastic_chain *c = &w->x->chain[chain];

@@ -414,9 +414,9 @@ static bool runs_behind(const lw_touch *t, const lw_body_frame *f, lw_vec2 norma
 
 static bool is_beside(const lw_touch *t, double place) { return place > -LW_TOUCH_END && place < t->length + LW_TOUCH_END; }
 
-/* Is the corner, on the surface of a face with the normal `on` (`above` it by rounding), pushed in over the end of the face, so that it is
- * `depth` behind the next one, whose normal is `behind`?  Then one of its sides runs in by the one face and out by the other, and the next
- * face holds it, though this one is nearer: two wedges that slide towards each other on one floor. */
+/* Two wedges that slide towards each other on one floor meet corner to corner: the corner of one lies on the plane of a face of the other
+ * (`above` it by rounding, normal `on`), past its end, and `depth` behind the next face (normal `behind`).  That next face holds it, though the
+ * first one is nearer. */
 static bool pushed_in(const lw_touch *t, const lw_body_frame *f, lw_vec2 on, double above, lw_vec2 behind, double depth)
 {
     lw_vec2 side;
@@ -445,17 +445,17 @@ static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, 
     bool corner = t->side == 0;
     double begin = corner && !(t->slope[0] < INFINITY) ? t->deepest : 0, end = corner && !(t->slope[1] < INFINITY) ? t->deepest : 0;
     double past = t->length < INFINITY ? fmax(-m->place - begin, m->place - t->length - end) : 0, depth = -height;
-    bool to_this = false;
+    bool this_holds = false;
     for (int e = 0; corner && t->length < INFINITY && is_beside(t, m->place) && depth > -LW_TOUCH_END && e < 2; e++) {
         lw_vec2 next = lw_v2_turn(t->next[e], f[t->body[1] + 1].dir);
         double above = lw_v2_dot(next, d) - (e ? t->length*lw_v2_dot(next, u) : 0);
-        to_this = to_this || pushed_in(t, f, next, above, n, depth);
+        this_holds = this_holds || pushed_in(t, f, next, above, n, depth);
         if (pushed_in(t, f, n, height, next, -above)) {
             m->gap = -above;
             return;
         }
     }
-    if (to_this)
+    if (this_holds)
         return;
     if (past > 0)                            /* an end: the disc there repels, and this less than that */
         m->gap = hypot(past, height) - reach + past;

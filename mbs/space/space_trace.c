@@ -104,8 +104,9 @@ static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, i
     return st;
 }
 
-/* From f->q near a limit u* of the input to q there: q* - q = A sqrt(u* - u), so that u* - u = v.v/(2 v.a) and q* - q = 2 (u* - u) v; what is left
- * is smaller by the root of u* - u.  *by: the change of the input.  LW_OPEN: postures move otherwise, and q is of no use; LW_E_MEMORY. */
+/* From f->q near a limit u* of the input to the posture q there.  Near the limit q* - q = A sqrt(u* - u), so u* - u = v.v/(2 v.a) and q* - q =
+ * 2 (u* - u) v; the joints are then closed.  *by: the change of the input.  LW_OPEN: the postures do not move like this, and q is of no use.
+ * LW_E_MEMORY. */
 static lw_status step_to_limit(lw_space_follow *f, double *q, double *by)
 {
     const lw_space *s = f->z.s;
@@ -130,8 +131,8 @@ static lw_status step_to_limit(lw_space_follow *f, double *q, double *by)
     return st == LW_E_MEMORY ? st : st == LW_OK && fabs(*by - left) < 0.1*fabs(left) ? LW_OK : LW_OPEN;
 }
 
-/* Tracers where f has come to, in the posture q (scratch); at an end of the trace, 0 or 1 (else -1), which is a limit of the input, there and
- * without rates, and *u is changed to the limit.  LW_E_MEMORY. */
+/* Tracers in the posture that f has reached.  end: 0 or 1 for the first and the last row, else -1.  If that end is a limit of the input, *u and the
+ * tracers are those of the limit, without rates.  q: scratch.  LW_E_MEMORY. */
 static lw_status show(lw_space_follow *f, int end, lw_space_trace *o, double *q, double *u, lw_space_tracer *tracer)
 {
     const lw_space *s = f->z.s;
