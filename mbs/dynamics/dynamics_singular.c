@@ -143,16 +143,13 @@ static bool is_apart(const lw_passage *z, double half)
 }
 
 /* Begin at half the length from the singular posture, before or behind `good`, where the state is `first`.  back: where the motion
- * turns back near the posture, found better here, is put into the middle; NULL: the posture.  LW_OPEN: there is no such place before the
- * end of the run. */
+ * turns back near the posture, found better here, is put into the middle; NULL: the posture.  LW_OPEN: there is no such place. */
 static lw_status begin_gap(lw_passage *z, double half, turn *back, const approach *a, double good, const double *first)
 {
     double middle = back ? back->t : a->t + time_to_it(a), before;
     before = back ? sqrt(2*(half + back->beyond)/back->bend) : (middle - a->t)*half/a->w;
     z->start = middle - before > z->run->d->o.from ? middle - before : good;
     z->length = 2*(middle - z->start);
-    if (z->start >= z->run->d->o.to)
-        return LW_OPEN;
     memcpy(z->begun, first, (size_t)z->run->n*sizeof *first);
     lw_status s = z->start == good ? LW_OK : lw_passage_integrate(z->run, good, z->start, z->begun, false);
     if (s == LW_E_NUMERIC || (s == LW_OK && z->start != good && !is_apart(z, half)))
