@@ -218,9 +218,24 @@ static bool make_matrices(lw_sun *s)
     return true;
 }
 
+/* SUNDIALS 6.4 makes a context of four blocks and uses two of them without a look whether there was memory for them
+ * (SUNHashMap_New, SUNLogger_Create).  malloc keeps small blocks that a thread frees for that thread: it finds these. */
+static bool make_context(lw_sun *s)
+{
+    static const size_t size[] = { 96, 16, 64, 32 };     /* logger, its table of files, the entries of it, context */
+    enum { N = sizeof size/sizeof *size };
+    void *volatile block[N];
+    bool ok = true;
+    for (int i = 0; i < N; i++)
+        ok &= (block[i] = malloc(size[i])) != NULL;
+    for (int i = 0; i < N; i++)
+        free(block[i]);
+    return ok && SUNContext_Create(NULL, &s->context) == 0;
+}
+
 static bool make_parts(lw_sun *s, const lw_columns *pattern)
 {
-    if (SUNContext_Create(NULL, &s->context) != 0)
+    if (!make_context(s))
         return false;
     for (int i = 0; i < LW_SUN_VECTORS; i++) {
         s->v[i] = make_vector(s, i == LW_SUN_EMPTY);
