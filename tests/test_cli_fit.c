@@ -408,7 +408,7 @@ TEST(stars_are_left_to_gears)
     char star[200] = "printf '# closed: yes\nx [mm],y [mm]\n", line[400];
     for (int k = 0; k < 10; k++)
         snprintf(star + strlen(star), sizeof star - strlen(star), "%.3f,%.3f\n", -(k % 2 ? 22 : 50)*sin(0.62831853*k), (k % 2 ? 22 : 50)*cos(0.62831853*k));
-    snprintf(line, sizeof line, "%s' | $P fit - --links 4 --rounds 1", star);
+    snprintf(line, sizeof line, "%s' | $P fit - --links 4 --rounds 1 --starts 20 --type fourbar", star);
     expect(line, 0, NULL, "it has 5 equal parts, which gears draw: '--links 5 --joints r,g --gear-ratios 5,-5 --timing none'");
     snprintf(line, sizeof line, "%s' | $P fit - --links 5 --joints r,g --gear-ratios 5,-5 --timing none --rounds 1 --budget 5e3 --json -q", star);
     json_t *root = json_of(line), *r;
@@ -433,7 +433,7 @@ TEST(pages_show_errors_of_angles)
  * best in a measure. */
 TEST(rows_end_where_errors_no_longer_matter)
 {
-    json_t *root = json_of("$P fit examples/jobs/luffing-crane.csv --rounds 2 --json -q"), *rows = json_object_get(root, "results"), *r;
+    json_t *root = json_of("$P fit examples/jobs/luffing-crane.csv --rounds 1 --json -q"), *rows = json_object_get(root, "results"), *r;
     size_t i;
     int idle = 0;
     double fine = INFINITY;                                  /* size of the smallest row that is fine                  */
@@ -593,7 +593,7 @@ TEST(the_page_has_every_result_and_its_file)
 /* The curve of the best dwell in the plot passes through the markers of what is wanted, as near as its report says. */
 TEST(wanted_and_reached)
 {
-    expect("$P fit examples/tasks/dwell.json --rounds 1 --starts 50 --results 1 --plot $D/dwell.svg -o $D/dwell.json", 0, "", NULL);
+    expect("$P fit examples/tasks/dwell.json --rounds 1 --starts 10 --results 1 --plot $D/dwell.svg -o $D/dwell.json", 0, "", NULL);
     ran json = run("grep -m 1 angle_error_max $D/dwell.json | cut -d: -f2"), svg = run("cat $D/dwell.svg");
     CHECK_HAS(svg.out, ">input angle [deg]<");
     CHECK_HAS(svg.out, ">output angle [deg]<");

@@ -210,7 +210,7 @@ static lw_status search(sum *s, bool exact)
     lw_results *r = NULL;
     lw_fit_request o = lw_fit_request_default();
     lw_error e;
-    o.starts = 20;
+    o.starts = 4;
     o.rounds = o.jobs = 1;
     o.crank_only = !exact;                           /* the default limits, in a quarter of the time */
     lw_status st = exact ? lw_target_create(5, x, y, NULL, NULL, NULL, false, &t, &e)
@@ -496,7 +496,7 @@ static lw_status cycle(sum *s)
 
 /* The first allocations fail one by one, further ones at growing distances. */
 static const struct { const char *name; int first, density; lw_status (*run)(sum *s); } calls[] = {
-    { "vibrations", 40, 4, vibrations }, { "simulation", 40, 4, simulation }, { "fit", 40, 4, fit }, { "exact", 40, 4, exact },
+    { "vibrations", 40, 4, vibrations }, { "simulation", 40, 4, simulation }, { "fit", 12, 1, fit }, { "exact", 12, 2, exact },
     { "chain", 40, 4, chain }, { "postures of a higher group", 40, 4, group }, { "fit by lm-gsl", 3, 1, fit_gsl },
     { "space", 12, 2, space }, { "open tree", 12, 2, open_tree }, { "family", 12, 2, family }, { "drives", 12, 2, drives }, { "contact", 12, 1, contact },
     { "elastic", 12, 1, elastic }, { "states", 12, 1, states },

@@ -145,7 +145,7 @@ TEST(rows_are_never_worse_than_those_of_cranks)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 0);
-    for (int trial = 0; trial < 4; trial++) {
+    for (int trial = 0; trial < 2; trial++) {
         lw_target t = random_target(&rng, trial % 2 == 0);
         double best[2][5];
         for (int cranks = 0; cranks < 2; cranks++) {
