@@ -2,6 +2,14 @@
 #include "catalogues/exchange/export.h"
 #include "base/real.h"
 
+double lw_export_constant(const lw_expression *x) { return x ? lw_expression_value(x, NULL) : 0; }
+
+bool lw_export_varies(const lw_expression *x)
+{
+    const int *which;
+    return x && lw_expression_variables(x, &which) > 0;
+}
+
 double lw_export_size(const lw_assembly *linkage)
 {
     double d = 0;

@@ -80,6 +80,10 @@ lw_status lw_export_joints(const lw_assembly *linkage, const lw_export_options *
  * LW_E_KIND: a side is not itself joined to the carrier; failures of lw_linkage_gear. */
 lw_status lw_export_gear(const lw_assembly *linkage, int gear, int joint[2], double sign[2], lw_error *e);
 
+/* Value of an expression without variables; 0 of NULL.  Has it variables? */
+double lw_export_constant(const lw_expression *x);
+bool   lw_export_varies(const lw_expression *x);
+
 /* Size of the linkage: the greatest distance of a joint or tracer from the first joint [m]. */
 double lw_export_size(const lw_assembly *linkage);
 

@@ -188,12 +188,6 @@ static lw_status put_joints(writer *w, lw_error *e)
 
 /* ---- loads ----------------------------------------------------------------------------------------- */
 
-static bool varies(const lw_expression *x)
-{
-    const int *which;
-    return x && lw_expression_variables(x, &which) > 0;
-}
-
 /* Refuse what is not written, by name. */
 static lw_status check_loads(const writer *w, lw_error *e)
 {
@@ -212,7 +206,7 @@ static lw_status check_loads(const writer *w, lw_error *e)
             return lw_error_set(e, LW_E_KIND, "motor '%s' moves a slider, which is not written to ADAMS",
                                 m->motor[i].name);
     for (int i = 0; m && i < m->n_force; i++)
-        if (varies(m->force[i].fx) || varies(m->force[i].fy) || varies(m->force[i].torque))
+        if (lw_export_varies(m->force[i].fx) || lw_export_varies(m->force[i].fy) || lw_export_varies(m->force[i].torque))
             return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which is not written to ADAMS",
                                 m->force[i].name);
     for (int j = 0; m && j < w->k->n_joint; j++) {
@@ -303,8 +297,8 @@ static void put_loads(writer *w)
     }
     for (int i = 0; i < m->n_force; i++) {
         const lw_force *p = &m->force[i];
-        double fx = p->fx ? lw_expression_value(p->fx, NULL) : 0, fy = p->fy ? lw_expression_value(p->fy, NULL) : 0;
-        double torque = p->torque ? lw_expression_value(p->torque, NULL) : 0, size = hypot(fx, fy);
+        double fx = lw_export_constant(p->fx), fy = lw_export_constant(p->fy);
+        double torque = lw_export_constant(p->torque), size = hypot(fx, fy);
         int at = put_marker(w, p->link, p->at, NULL, 0, p->name);
         lw_vec2 z = size > 0 ? lw_v2(fx/size, fy/size) : lw_v2(1, 0);
         put_name(w, p->name, " force");

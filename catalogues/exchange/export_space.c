@@ -1,11 +1,8 @@
 #include "catalogues/exchange/export_space.h"
 
 #include <stdlib.h>
-#include <string.h>
-#include "catalogues/exchange/tree.h"
+#include "catalogues/exchange/export.h"
 #include "mbs/dynamics/dynamics_space.h"
-
-double lw_export_constant(const lw_expression *x) { return x ? lw_expression_value(x, NULL) : 0; }
 
 bool lw_space_weighed(const lw_spatial *m)
 {
@@ -13,12 +10,6 @@ bool lw_space_weighed(const lw_spatial *m)
         if (i != m->ground && (m->body[i].mass > 0 || (m->elastic && m->elastic[i].given)))
             return true;
     return false;
-}
-
-static bool varies(const lw_expression *x)
-{
-    const int *which;
-    return x && lw_expression_variables(x, &which) > 0;
 }
 
 lw_status lw_export_space_loads(const lw_spatial *m, const char *format, bool beams, lw_error *e)
@@ -47,7 +38,7 @@ lw_status lw_export_space_loads(const lw_spatial *m, const char *format, bool be
                                 m->joint_spring[i].name, format);
     for (int i = 0; i < m->n_force; i++)
         for (int c = 0; c < 3; c++)
-            if (varies(m->force[i].force[c]) || varies(m->force[i].torque[c]))
+            if (lw_export_varies(m->force[i].force[c]) || lw_export_varies(m->force[i].torque[c]))
                 return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which is not written to %s",
                                     m->force[i].name, format);
     return LW_OK;
@@ -144,55 +135,29 @@ static int rank_of(lw_spatial_kind kind, bool loaded)
     return 0;
 }
 
-void lw_space_tree_free(lw_space_tree *t)
+lw_status lw_space_tree_make(const lw_spatial *m, lw_export_tree *t, lw_error *e)
 {
-    free(t->in_tree);
-    free(t->parent);
-    free(t->origin);
-    memset(t, 0, sizeof *t);
-}
-
-lw_status lw_space_tree_make(const lw_spatial *m, lw_space_tree *t, lw_error *e)
-{
-    size_t n = (size_t)m->n_link, joints = (size_t)m->n_joint + 1;
-    int *group = malloc((n + joints)*sizeof *group), *rank = group + n;
-    int (*link)[2] = malloc(joints*sizeof *link);
+    size_t joints = (size_t)m->n_joint + 1;
+    int *rank = calloc(joints, sizeof *rank);
     bool *loaded = calloc(joints, sizeof *loaded);
-    t->in_tree = calloc(joints, sizeof *t->in_tree);
-    t->parent = malloc(4*n*sizeof *t->parent);
-    t->origin = calloc(n, sizeof *t->origin);
-    lw_status s = group && link && loaded && t->in_tree && t->parent && t->origin ? LW_OK
-                : lw_error_set(e, LW_E_MEMORY, "out of memory for a tree of bodies");
+    *t = (lw_export_tree){ 0 };
+    lw_status s = rank && loaded ? LW_OK : LW_E_MEMORY;
     if (s == LW_OK)
         mark_loaded(m, loaded);
-    for (int j = 0; s == LW_OK && j < m->n_joint; j++) {
+    for (int j = 0; s == LW_OK && j < m->n_joint; j++)
         rank[j] = rank_of(m->joint[j].kind, loaded[j]);
-        for (int side = 0; side < 2; side++)
-            link[j][side] = m->joint[j].link[side];
-    }
-    if (s == LW_OK) {
-        t->joint = t->parent + n;
-        t->child = t->joint + n;
-        t->next = t->child + n;
-        s = lw_span(link, rank, m->n_joint, m->ground, m->n_link, group, t->in_tree, t->parent, t->joint);
-        if (s != LW_OK)
-            lw_error_set(e, s, s == LW_E_MEMORY ? "out of memory for a tree of bodies" : "a link hangs on no joint");
-    }
-    for (int i = 0; s == LW_OK && i < m->n_link; i++)
-        t->child[i] = t->next[i] = -1;
-    for (int i = m->n_link - 1; s == LW_OK && i >= 0; i--) {
-        int j = t->joint[i];
-        if (j < 0)
-            continue;
-        if (m->joint[j].kind == LW_SPATIAL_FREE && t->parent[i] != m->ground)
+    if (s == LW_OK)
+        s = lw_span(m->joint, sizeof *m->joint, offsetof(lw_spatial_joint, link), rank, m->n_joint, m->ground, m->n_link, t);
+    if (s != LW_OK)
+        lw_error_set(e, s, s == LW_E_MEMORY ? "out of memory for a tree of bodies" : "a link hangs on no joint");
+    for (int i = 0; s == LW_OK && i < m->n_link; i++) {
+        const lw_spatial_joint *p = t->joint[i] < 0 ? NULL : &m->joint[t->joint[i]];
+        if (p && p->kind == LW_SPATIAL_FREE && t->parent[i] != m->ground)
             s = lw_error_set(e, LW_E_KIND, "joint '%s' is free between two links that move, which has no form in a "
-                             "tree of bodies; name the ground as one of its links", m->joint[j].name);
-        t->next[i] = t->child[t->parent[i]];
-        t->child[t->parent[i]] = i;
-        t->origin[i] = m->joint[j].at;
+                             "tree of bodies; name the ground as one of its links", p->name);
+        if (p)
+            t->origin[i] = p->at;
     }
-    free(group);
-    free(link);
-    free(loaded);
+    free(rank), free(loaded);
     return s;
 }

@@ -6,6 +6,7 @@
 #define LW_CATALOGUES_EXCHANGE_EXPORT_SPACE_H
 
 #include "base/bytes.h"
+#include "catalogues/exchange/tree.h"
 #include "grammar/model/spatial.h"
 
 /* MuJoCo's MJCF. Bodies are the links, nested along a spanning tree of the joints, parallel to the world in the posture
@@ -21,18 +22,9 @@ lw_status lw_export_space_adams_commands(const lw_spatial *m, lw_bytes *out, lw_
 
 /* ---- for the writers ------------------------------------------------------------------------------- */
 
-/* A spanning tree of the links from the ground. */
-typedef struct lw_space_tree {
-    bool    *in_tree;                  /* (n_joint)                                                          */
-    int     *parent, *joint;           /* (n_link) the parent and the joint to it; -1: none (ground)         */
-    int     *child, *next;             /* (n_link) the first child, the next child of the parent; -1: none   */
-    lw_vec3 *origin;                   /* (n_link) of a body's frame: the joint to its parent; ground: 0 [m]  */
-} lw_space_tree;
-
 /* Joints that are no revolute or spherical ones first, then driven and loaded ones, spherical ones last. LW_E_KIND: a
  * free joint between two links that move; LW_E_MEMORY. Free it after a failure too. */
-lw_status lw_space_tree_make(const lw_spatial *m, lw_space_tree *t, lw_error *e);
-void      lw_space_tree_free(lw_space_tree *t);
+lw_status lw_space_tree_make(const lw_spatial *m, lw_export_tree *t, lw_error *e);
 
 /* Velocities at the start, of each link (n_link) of m with its elastic links expanded (m itself without those): of its point at
  * the origin [m/s] and of its turn [rad/s]. *out: to be
@@ -45,14 +37,5 @@ lw_status lw_export_space_start(const lw_spatial *m, const lw_spatial *expanded,
 lw_status lw_export_space_loads(const lw_spatial *m, const char *format, bool beams, lw_error *e);
 
 bool lw_space_weighed(const lw_spatial *m);      /* Has a link a mass? */
-
-/* A spring of MJCF between the sites "NAME start" and "NAME end": a tendon, drawn with this width [m]. */
-void lw_mjcf_spring(lw_bytes *out, const char *name, double free, double stiffness, double damping, double width);
-
-#define LW_MJCF_DEEPEST 40         /* greatest indentation: bodies of a chain stand inside each other */
-#define LW_MJCF_STOP    10         /* damping of stops over the critical one: nothing rebounds */
-
-/* Value of an expression without variables; 0 of NULL. */
-double lw_export_constant(const lw_expression *x);
 
 #endif

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/real.h"
+#include "catalogues/exchange/export.h"
 #include "catalogues/exchange/export_space.h"
 #include "mbs/elastic/expand_space.h"
 
@@ -435,7 +436,7 @@ static lw_status reserve(writer *w, lw_error *e)
     return LW_OK;
 }
 
-static lw_status write(writer *w, const lw_spatial *given, lw_error *e)
+static lw_status write_dataset(writer *w, const lw_spatial *given, lw_error *e)
 {
     const lw_spatial *m = w->m;
     lw_status s = reserve(w, e);
@@ -477,7 +478,7 @@ lw_status lw_export_space_adams(const lw_spatial *m, lw_bytes *out, lw_error *e)
     if (s == LW_OK && m->n_elastic)
         s = lw_spatial_expand(m, false, &x, e);
     if (s == LW_OK)
-        s = write(&w, m, e);
+        s = write_dataset(&w, m, e);
     if (s != LW_OK)
         lw_bytes_free(out);
     lw_spatial_expansion_free(&x);

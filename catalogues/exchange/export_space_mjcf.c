@@ -1,16 +1,13 @@
 /* catalogues/exchange/export_space_mjcf.c - write a spatial model as a model of MuJoCo 2.2 (its XML reference). */
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/owners.h"
 #include "base/real.h"
+#include "catalogues/exchange/export.h"
 #include "catalogues/exchange/export_space.h"
-
-#define DIGITS 15
+#include "catalogues/exchange/mjcf.h"
 
 #define STEP   2e-4                            /* of time, unless springs need a smaller one [s]          */
-#define DRIVE  0.3                             /* angular frequency of a drive, times the step            */
-#define RATIO  0.3                             /* of its damping to the critical one                      */
 #define LITTLE 1e-5                            /* mass of a body without mass, over that of all bodies    */
 #define SLIM   1e-4                            /* least principal moment of a body over its greatest one  */
 #define HINGE  0.3                             /* half the distance of the points that close a hinge, over the size */
@@ -21,7 +18,7 @@ typedef struct writer {
     double            size, mass, step;        /* mass: of all bodies                                     */
     bool              weighed;                 /* the model has masses                                    */
     lw_space_twist   *twist;                   /* (n_link) velocities at the start; NULL: all are 0       */
-    lw_space_tree     tree;
+    lw_export_tree    tree;
     lw_owners         joints, tracers, springs, forces;          /* by links                              */
     lw_owners         inputs, joint_springs;                     /* by the joints, or tracers, of their measures */
 } writer;
@@ -29,51 +26,13 @@ typedef struct writer {
 /* ---- text ---------------------------------------------------------------------------------------- */
 
 static void put(writer *w, const char *text) { lw_bytes_text(w->out, text); }
-static void put_number(writer *w, double v) { lw_bytes_number(w->out, v, DIGITS); }
+static void put_tag(writer *w, int depth, const char *text) { lw_mjcf_tag(w->out, depth, text); }
+static void put_numbers(writer *w, const char *attribute, const double *v, int n) { lw_mjcf_numbers(w->out, attribute, v, n); }
+static void put_attribute(writer *w, const char *attribute, double v) { lw_mjcf_number(w->out, attribute, v); }
+static void put_vec(writer *w, const char *attribute, lw_vec3 v) { lw_mjcf_vec(w->out, attribute, v); }
 
-static void put_numbers(writer *w, const char *attribute, const double *v, int n)
-{
-    put(w, " ");
-    put(w, attribute);
-    put(w, "=\"");
-    for (int i = 0; i < n; i++) {
-        put(w, i ? " " : "");
-        put_number(w, v[i]);
-    }
-    put(w, "\"");
-}
-
-static void put_attribute(writer *w, const char *attribute, double v) { put_numbers(w, attribute, &v, 1); }
-
-static void put_vec(writer *w, const char *attribute, lw_vec3 v)
-{
-    put_numbers(w, attribute, (double[]){ v.x, v.y, v.z }, 3);
-}
-
-static void put_tag(writer *w, int depth, const char *text)
-{
-    put(w, "\n");
-    for (int i = 0; i < depth && i < LW_MJCF_DEEPEST; i++)
-        put(w, "  ");
-    put(w, text);
-}
-
-static void put_name(writer *w, const char *attribute, const char *name, const char *more)
-{
-    put(w, " ");
-    put(w, attribute);
-    put(w, "=\"");
-    lw_bytes_xml(w->out, name);
-    put(w, more);
-    put(w, "\"");
-}
-
-/* The name "world" is reserved in MuJoCo. */
-static void put_link(writer *w, const char *attribute, int link)
-{
-    const char *name = w->m->body[link].name;
-    put_name(w, attribute, name, strcmp(name, "world") == 0 ? " link" : "");
-}
+static void put_name(writer *w, const char *attribute, const char *name, const char *more) { lw_mjcf_name(w->out, attribute, name, more); }
+static void put_link(writer *w, const char *attribute, int link) { lw_mjcf_link(w->out, attribute, w->m->body[link].name); }
 
 static lw_vec3 from_origin(const writer *w, int link, lw_vec3 at) { return lw_v3_sub(at, w->tree.origin[link]); }
 
@@ -119,40 +78,25 @@ static void put_coordinate(writer *w, const char *attribute, lw_spatial_measure 
     put_name(w, attribute, p->name, !(kind->turns && kind->slides) ? "" : of.of == LW_OF_TURN ? " turn" : " slide");
 }
 
-/* Value in the posture, springs, dampers and stops of a coordinate. A driven one also has an inertia of its drive: that
- * of all bodies at the distance of the model's size, so that the frequency of the drive changes little over the motion,
- * which does not depend on it. */
+/* What acts on a coordinate. A driven one also has an inertia of its drive: that of all bodies at the distance of the model's
+ * size, so that the frequency of the drive changes little over the motion, which does not depend on it. */
 static void put_reference(writer *w, lw_spatial_measure of)
 {
     const lw_spatial *m = w->m;
-    double at = reference_of(w, of), stiffness = 0, damping = 0, pull = 0;
-    if (at != 0)
-        put_attribute(w, "ref", at);
+    const lw_spatial_joint *p = &m->joint[of.index];
+    lw_mjcf_coordinate c = { .at = reference_of(w, of) };
+    c.has_at = c.at != 0;
     for (int i = w->joint_springs.start[of.index]; i < w->joint_springs.start[of.index + 1]; i++) {
-        const lw_spatial_joint_spring *p = &m->joint_spring[w->joint_springs.entry[i]];
-        if (same(p->measure, of)) {
-            stiffness += p->stiffness;
-            damping += p->damping;
-            pull += p->stiffness*p->free;
-        }
+        const lw_spatial_joint_spring *spring = &m->joint_spring[w->joint_springs.entry[i]];
+        if (same(spring->measure, of))
+            lw_mjcf_coordinate_add(&c, spring->stiffness, spring->damping, spring->free);
     }
-    if (stiffness > 0) {
-        put_attribute(w, "stiffness", stiffness);
-        put_attribute(w, "springref", at + pull/stiffness);
-    }
-    if (damping > 0)
-        put_attribute(w, "damping", damping);
-    const lw_joint_stop *stop = &m->joint[of.index].stop;
-    bool stops = stop->has_least || stop->has_greatest;
-    if (stops && of.of == (lw_spatial_kind_of(m->joint[of.index].kind)->turns ? LW_OF_TURN : LW_OF_SLIDE)) {
-        double range[2] = { at + (stop->has_least ? stop->least : -1e6),
-                           at + (stop->has_greatest ? stop->greatest : 1e6) };
-        put(w, " limited=\"true\"");
-        put_numbers(w, "range", range, 2);
-    }
+    if (of.of == (lw_spatial_kind_of(p->kind)->turns ? LW_OF_TURN : LW_OF_SLIDE))
+        c.stop = &p->stop;
     for (int i = 0; i < n_actuator(w); i++)
         if (is_actuated(w, i) && same(actuated(w, i), of))
-            put_attribute(w, "armature", drive_inertia(w, of));
+            c.armature = drive_inertia(w, of);
+    lw_mjcf_coordinate_put(w->out, &c);
 }
 
 static void put_speeds(writer *w, lw_vec3 v, int n)
@@ -160,7 +104,7 @@ static void put_speeds(writer *w, lw_vec3 v, int n)
     double value[3] = { v.x, v.y, v.z };
     for (int i = 0; i < n; i++) {
         lw_bytes_text(&w->speeds, " ");
-        lw_bytes_number(&w->speeds, value[i], DIGITS);
+        lw_bytes_number(&w->speeds, value[i], LW_MJCF_DIGITS);
     }
 }
 
@@ -290,34 +234,23 @@ static void put_shape(writer *w, int depth, int link)
         put_rod(w, depth, lw_v3(0, 0, 0));
 }
 
-static void put_site(writer *w, int depth, const char *name, const char *more, int link, lw_vec3 at,
-                     const lw_quaternion *turn)
-{
-    put_tag(w, depth, "<site");
-    put_name(w, "name", name, more);
-    put_vec(w, "pos", from_origin(w, link, at));
-    if (turn)
-        put_numbers(w, "quat", (double[]){ turn->w, turn->x, turn->y, turn->z }, 4);
-    put_attribute(w, "size", (turn ? 0.02 : 0.01)*w->size);
-    put(w, "/>");
-}
-
 /* Tracers, and the points of springs and forces. */
 static void put_sites(writer *w, int depth, int link)
 {
     const lw_spatial *m = w->m;
     for (int at = w->tracers.start[link]; at < w->tracers.start[link + 1]; at++) {
         const lw_spatial_tracer *p = &m->tracer[w->tracers.entry[at]];
-        put_site(w, depth, p->name, "", link, p->at, &p->frame);
+        const double turn[] = { p->frame.w, p->frame.x, p->frame.y, p->frame.z };
+        lw_mjcf_site(w->out, depth, p->name, "", from_origin(w, link, p->at), "quat", turn, 4, 0.02*w->size);
     }
     for (int at = w->springs.start[link]; at < w->springs.start[link + 1]; at++) {
         const lw_spatial_spring *p = &m->spring[w->springs.entry[at]/2];
         int end = w->springs.entry[at]%2;
-        put_site(w, depth, p->name, end ? " end" : " start", link, p->at[end], NULL);
+        lw_mjcf_site(w->out, depth, p->name, end ? " end" : " start", from_origin(w, link, p->at[end]), NULL, NULL, 0, 0.01*w->size);
     }
     for (int at = w->forces.start[link]; at < w->forces.start[link + 1]; at++) {
         const lw_spatial_force *p = &m->force[w->forces.entry[at]];
-        put_site(w, depth, p->name, " force", link, p->at, NULL);
+        lw_mjcf_site(w->out, depth, p->name, " force", from_origin(w, link, p->at), NULL, NULL, 0, 0.01*w->size);
     }
 }
 
@@ -357,8 +290,9 @@ static void put_runners(writer *w, int depth, int link)
     }
 }
 
-static void put_link_begin(writer *w, int depth, int link)
+static void put_body(void *context, int depth, int link)
 {
+    writer *w = context;
     const lw_spatial *m = w->m;
     const lw_spatial_body *b = &m->body[link];
     if (link != m->ground) {
@@ -373,30 +307,6 @@ static void put_link_begin(writer *w, int depth, int link)
     }
     put_sites(w, depth + 1, link);
     put_runners(w, depth + 1, link);
-}
-
-/* All links, each inside its parent; without recursion, since a chain may be as long as memory holds. */
-static void put_links(writer *w)
-{
-    int depth = 1, link = w->m->ground;
-    put_link_begin(w, depth, link);
-    for (;;) {
-        int next = w->tree.child[link];
-        if (next >= 0) {
-            depth += link != w->m->ground;
-            put_link_begin(w, depth, link = next);
-            continue;
-        }
-        while (link != w->m->ground && w->tree.next[link] < 0) {
-            put_tag(w, depth, "</body>");
-            link = w->tree.parent[link];
-            depth -= link != w->m->ground;
-        }
-        if (link == w->m->ground)
-            return;
-        put_tag(w, depth, "</body>");
-        put_link_begin(w, depth, link = w->tree.next[link]);
-    }
 }
 
 /* ---- what closes the loops ------------------------------------------------------------------------ */
@@ -549,9 +459,6 @@ static double choose_step(const writer *w)
     return fmax(1e-6, fmin(STEP, stiffest > 0 && isfinite(least) ? 0.2*sqrt(least/stiffest) : STEP));
 }
 
-/* A drive is a spring of its own inertia's frequency DRIVE/step, with damping; its control is the joint's coordinate.
- * Forces and motors need no control: they are the bias of an actuator. A force that keeps its direction acts along axes
- * of the world. */
 static void put_actuators(writer *w)
 {
     const lw_spatial *m = w->m;
@@ -560,40 +467,24 @@ static void put_actuators(writer *w)
         if (!is_actuated(w, i))
             continue;
         lw_spatial_measure of = actuated(w, i);
-        double omega = DRIVE/w->step, kp = drive_inertia(w, of)*omega*omega;
         put(w, "\n    <general biastype=\"affine\"");
         put_name(w, "name", m->joint[of.index].name, " drive");
         put_coordinate(w, "joint", of);
-        put_attribute(w, "gainprm", kp);
-        put_numbers(w, "biasprm", (double[]){ 0, -kp, -2*RATIO*kp/omega }, 3);
+        lw_mjcf_drive(w->out, drive_inertia(w, of), w->step);
         put(w, "/>");
     }
-    for (int i = 0; i < m->n_motor; i++) {
-        const lw_spatial_motor *p = &m->motor[i];
-        put(w, "\n    <general gainprm=\"0\" biastype=\"affine\"");
-        put_name(w, "name", p->name, " motor");
-        put_name(w, "joint", m->joint[p->joint].name, "");
-        put_numbers(w, "biasprm", (double[]){ p->stall, 0, -p->stall/p->free_speed }, 3);
-        put(w, "/>");
-    }
+    for (int i = 0; i < m->n_motor; i++)
+        lw_mjcf_motor(w->out, m->motor[i].name, m->joint[m->motor[i].joint].name, m->motor[i].stall, m->motor[i].free_speed);
     for (int i = 0; i < m->n_force; i++) {
         const lw_spatial_force *p = &m->force[i];
         double value[6];
         for (int c = 0; c < 6; c++)
             value[c] = lw_export_constant(c < 3 ? p->force[c] : p->torque[c - 3]);
-        put(w, "\n    <general gainprm=\"0\" biastype=\"affine\" biasprm=\"1 0 0\"");
-        put_name(w, "name", p->name, " force");
-        put_name(w, "site", p->name, " force");
-        put(w, p->follows ? "" : " refsite=\"axes of the world\"");
-        put_numbers(w, "gear", value, 6);
-        put(w, "/>");
+        lw_mjcf_force(w->out, p->name, p->follows, value);
     }
     put(w, "\n  </actuator>\n  <sensor>");
-    for (int t = 0; t < m->n_tracer; t++) {
-        put(w, "\n    <framepos objtype=\"site\"");
-        put_name(w, "objname", m->tracer[t].name, "");
-        put(w, "/>");
-    }
+    for (int t = 0; t < m->n_tracer; t++)
+        lw_mjcf_sensor(w->out, m->tracer[t].name);
     put(w, "\n  </sensor>");
 }
 
@@ -611,7 +502,7 @@ static void put_keyframe(writer *w)
         for (int i = 0, n = 0; i < n_actuator(w); i++)
             if (is_actuated(w, i)) {
                 put(w, n++ ? " " : "");
-                put_number(w, reference_of(w, actuated(w, i)));
+                lw_bytes_number(w->out, reference_of(w, actuated(w, i)), LW_MJCF_DIGITS);
             }
         for (int i = 0; i < w->m->n_motor + w->m->n_force; i++)
             put(w, " 0");
@@ -623,29 +514,6 @@ static void put_keyframe(writer *w)
         put(w, "\"");
     }
     put(w, "/>\n  </keyframe>");
-}
-
-static void put_head(writer *w)
-{
-    put(w, "<mujoco");
-    put_name(w, "model", w->m->name[0] ? w->m->name : "model", "");
-    put(w, ">\n  <!-- The controls of the drives are coordinates of their joints; those of the posture, and its "
-           "speeds, are in the keyframe. -->"
-           "\n  <compiler angle=\"radian\" boundmass=\"1e-12\" boundinertia=\"1e-18\"/>"
-           "\n  <option integrator=\"RK4\"");
-    put_vec(w, "gravity", w->weighed ? w->m->gravity : lw_v3(0, 0, 0));
-    put_attribute(w, "timestep", w->step);
-    put(w, "/>\n  <statistic");
-    put_attribute(w, "extent", w->size);
-    put(w, "/>\n  <default>\n    <joint limited=\"false\"");
-    put_numbers(w, "solreflimit", (double[]){ 2*w->step, LW_MJCF_STOP }, 2);
-    put(w, " solimplimit=\"0.9999 0.9999 0.001\"/>"
-           "\n    <geom contype=\"0\" conaffinity=\"0\" density=\"7850\" rgba=\"0.35 0.55 0.75 1\"/>"
-           "\n    <site rgba=\"0.85 0.35 0 1\"/>\n    <equality");
-    put_numbers(w, "solref", (double[]){ 2*w->step, 1 }, 2);
-    put(w, " solimp=\"0.9999 0.9999 0.001\"/>\n  </default>\n  <worldbody>");
-    if (w->m->n_force > 0)
-        put(w, "\n    <site name=\"axes of the world\" pos=\"0 0 0\" rgba=\"0 0 0 0\"/>");
 }
 
 static bool list_owners(writer *w)
@@ -676,8 +544,9 @@ lw_status lw_export_space_mjcf(const lw_spatial *m, lw_bytes *out, lw_error *e)
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         w.step = choose_step(&w);
-        put_head(&w);
-        put_links(&w);
+        lw_mjcf_head(out, m->name[0] ? m->name : "model", "those of the posture, and its speeds, are",
+                     w.weighed ? m->gravity : lw_v3(0, 0, 0), w.step, w.size, m->n_force > 0);
+        lw_mjcf_bodies(out, &w.tree, m->ground, 1, put_body, &w);
         put(&w, "\n  </worldbody>");
         put_closures(&w);
         put_tendons(&w);
@@ -691,7 +560,7 @@ lw_status lw_export_space_mjcf(const lw_spatial *m, lw_bytes *out, lw_error *e)
         lw_bytes_free(out);
     lw_bytes_free(&w.speeds);
     free(w.twist);
-    lw_space_tree_free(&w.tree);
+    lw_export_tree_free(&w.tree);
     lw_owners *const lists[] = { &w.joints, &w.tracers, &w.springs, &w.forces, &w.inputs, &w.joint_springs };
     for (size_t i = 0; i < sizeof lists/sizeof *lists; i++)
         lw_owners_free(lists[i]);

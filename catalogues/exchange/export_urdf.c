@@ -68,7 +68,7 @@ typedef struct rods { int n; lw_vec2 *to; double mass, inertia; lw_vec2 centre; 
 
 static void add_rod(const writer *w, rods *r, int link, lw_vec2 at)
 {
-    lw_vec2 to = lw_v2_sub(at, w->tree.origin[link]);
+    lw_vec2 to = lw_v2_sub(at, lw_export_origin(&w->tree, link));
     if (lw_v2_norm(to) > 1e-9*w->size)
         r->to[r->n++] = to;
 }
@@ -137,11 +137,11 @@ static void put_link(writer *w, int link)
     find_rods(w, link, &r);
     put_name(w, "  <link name=\"", w->k->link_name[link], "", "\">\n");
     if (w->sdf)
-        put_place(w, "    ", w->tree.origin[link], 0, 0);
+        put_place(w, "    ", lw_export_origin(&w->tree, link), 0, 0);
     if (w->weighed) {                                  /* engines need some mass in every body */
         const lw_body *b = &w->m->body[link];
         double mass = b->mass > 0 ? b->mass : 1e-6;
-        put_inertia(w, mass, b->given ? lw_v2_sub(b->centre, w->tree.origin[link]) : lw_v2(0, 0),
+        put_inertia(w, mass, b->given ? lw_v2_sub(b->centre, lw_export_origin(&w->tree, link)) : lw_v2(0, 0),
                     b->inertia > 0 ? b->inertia : 1e-6*mass*w->size*w->size);
     } else {
         put_inertia(w, r.mass, r.centre, r.inertia);
@@ -217,7 +217,7 @@ static const char *body_name(const writer *w, int link)
 static void put_pair(writer *w, int j, int parent, int child)
 {
     const lw_joint *p = &w->k->joint[j];
-    lw_vec2 from = w->sdf ? w->tree.origin[child] : parent == w->k->ground ? lw_v2(0, 0) : w->tree.origin[parent];
+    lw_vec2 from = w->sdf ? lw_export_origin(&w->tree, child) : parent == w->k->ground ? lw_v2(0, 0) : lw_export_origin(&w->tree, parent);
     lw_vec2 at = lw_v2_sub(p->at, from);
     double sign = lw_export_count_sign(w->k, j, child);
     const char *a = body_name(w, parent), *b = body_name(w, child);

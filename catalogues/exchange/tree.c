@@ -1,7 +1,6 @@
 #include "catalogues/exchange/tree.h"
 
 #include <stdlib.h>
-#include <string.h>
 #include "base/owners.h"
 #include "base/union_find.h"
 #include "catalogues/exchange/export.h"
@@ -41,16 +40,26 @@ static lw_status mark_gears(const lw_assembly *linkage, bool *at_gear, lw_error 
     return LW_OK;
 }
 
-lw_status lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int n_link, int *group, bool *in_tree,
-                  int *parent, int *joint)
+static const int *links_of(const void *joints, size_t stride, size_t offset, int j)
 {
-    lw_owners joints;
-    int most = 0, reached = 1, *queue = group;
-    if (!lw_owners_make(&joints, n_link, link, sizeof *link, 0, n_joint, 2))
+    return (const int *)(const void *)((const char *)joints + (size_t)j*stride + offset);
+}
+
+lw_status lw_span(const void *joints, size_t stride, size_t offset, const int *rank, int n_joint, int ground, int n_link, lw_export_tree *t)
+{
+    size_t n = (size_t)n_link + 1;
+    lw_owners of = { 0 };                                  /* joints of each link */
+    int most = 0, reached = 1, *group = calloc(n, sizeof *group), *queue = group;
+    *t = (lw_export_tree){ .in_tree = calloc((size_t)n_joint + 1, sizeof *t->in_tree), .parent = calloc(4*n, sizeof *t->parent),
+                           .origin = calloc(n, sizeof *t->origin) };
+    if (!group || !t->in_tree || !t->parent || !t->origin || !lw_owners_make(&of, n_link, joints, stride, offset, n_joint, 2)) {
+        free(group);
         return LW_E_MEMORY;
+    }
+    t->joint = t->parent + n, t->child = t->joint + n, t->next = t->child + n;
     for (int i = 0; i < n_link; i++) {
         group[i] = i;
-        parent[i] = joint[i] = -1;
+        t->parent[i] = t->joint[i] = t->child[i] = t->next[i] = -1;
     }
     for (int j = 0; j < n_joint; j++)
         most = rank[j] > most ? rank[j] : most;
@@ -58,55 +67,57 @@ lw_status lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int 
         for (int j = 0; j < n_joint; j++) {
             if (rank[j] != r)
                 continue;
-            int a = lw_root_of(group, link[j][0]), b = lw_root_of(group, link[j][1]);
-            in_tree[j] = a != b;
+            const int *link = links_of(joints, stride, offset, j);
+            int a = lw_root_of(group, link[0]), b = lw_root_of(group, link[1]);
+            t->in_tree[j] = a != b;
             group[b] = a;
         }
     queue[0] = ground;
     for (int head = 0; head < reached; head++)
-        for (int at = joints.start[queue[head]]; at < joints.start[queue[head] + 1]; at++) {
-            int j = joints.entry[at]/2, to = link[j][1 - joints.entry[at]%2];
-            if (!in_tree[j] || to == ground || parent[to] >= 0)
+        for (int at = of.start[queue[head]]; at < of.start[queue[head] + 1]; at++) {
+            int j = of.entry[at]/2, to = links_of(joints, stride, offset, j)[1 - of.entry[at]%2];
+            if (!t->in_tree[j] || to == ground || t->parent[to] >= 0)
                 continue;
-            parent[to] = queue[head];
-            joint[to] = j;
+            t->parent[to] = queue[head];
+            t->joint[to] = j;
             queue[reached++] = to;
         }
-    lw_owners_free(&joints);
+    for (int i = n_link - 1; i >= 0; i--)
+        if (t->parent[i] >= 0) {
+            t->next[i] = t->child[t->parent[i]];
+            t->child[t->parent[i]] = i;
+        }
+    lw_owners_free(&of);
+    free(group);
     return reached == n_link ? LW_OK : LW_E_KIND;
 }
 
 lw_status lw_export_span(const lw_assembly *linkage, const lw_model *m, lw_export_tree *t, lw_error *e)
 {
-    size_t joints = (size_t)linkage->n_joint + 1, links = (size_t)linkage->n_link + 1;
+    size_t joints = (size_t)linkage->n_joint + 1;
     bool *at_gear = calloc(2*joints, sizeof *at_gear), *loaded = at_gear + joints;
-    int (*link)[2] = calloc(joints, sizeof *link), *rank = calloc(joints + links, sizeof *rank);
-    *t = (lw_export_tree){ calloc(joints, sizeof *t->in_tree), calloc(links, sizeof *t->parent), calloc(links, sizeof *t->joint),
-                           calloc(links, sizeof *t->origin) };
-    bool room = at_gear && link && rank && t->in_tree && t->parent && t->joint && t->origin;
-    lw_status s = room ? mark_gears(linkage, at_gear, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    int *rank = calloc(joints, sizeof *rank);
+    *t = (lw_export_tree){ 0 };
+    lw_status s = at_gear && rank ? mark_gears(linkage, at_gear, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK)
         mark_loaded(linkage, m, loaded);
-    for (int j = 0; s == LW_OK && j < linkage->n_joint; j++) {
+    for (int j = 0; s == LW_OK && j < linkage->n_joint; j++)
         rank[j] = rank_of(linkage->joint[j].kind, loaded[j], at_gear[j]);
-        for (int side = 0; side < 2; side++)
-            link[j][side] = linkage->joint[j].link[side];
-    }
-    if (s == LW_OK && (s = lw_span(link, rank, linkage->n_joint, linkage->ground, linkage->n_link, rank + joints, t->in_tree,
-                                   t->parent, t->joint)) != LW_OK)
+    if (s == LW_OK && (s = lw_span(linkage->joint, sizeof *linkage->joint, offsetof(lw_joint, link), rank, linkage->n_joint,
+                                   linkage->ground, linkage->n_link, t)) != LW_OK)
         lw_error_set(e, s, s == LW_E_MEMORY ? "out of memory"
                      : "a link hangs on a gear alone, which has no form in a tree of bodies");
     for (int i = 0; s == LW_OK && i < linkage->n_link; i++)
         if (t->joint[i] >= 0)
-            t->origin[i] = linkage->joint[t->joint[i]].at;
-    free(at_gear), free(link), free(rank);
+            t->origin[i] = lw_v3(linkage->joint[t->joint[i]].at.x, linkage->joint[t->joint[i]].at.y, 0);
+    free(at_gear), free(rank);
     return s;
 }
 
 void lw_export_tree_free(lw_export_tree *t)
 {
-    free(t->in_tree), free(t->parent), free(t->joint), free(t->origin);
-    memset(t, 0, sizeof *t);
+    free(t->in_tree), free(t->parent), free(t->origin);
+    *t = (lw_export_tree){ 0 };
 }
 
 double lw_export_count_sign(const lw_assembly *linkage, int joint, int child)
