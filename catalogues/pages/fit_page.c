@@ -11,7 +11,7 @@
 
 #define NAME_SIZE 256                  /* of a target, in titles                       */
 
-const lw_candidate *lw_fitted_candidate(const lw_fitted *f, int i)
+static const lw_candidate *candidate_of(const lw_fitted *f, int i)
 {
     return &f->fit->candidate[f->results->candidate[i]];
 }
@@ -34,7 +34,7 @@ bool lw_fitted_near_change_point(const lw_fit_report *r)
 void lw_fitted_dimensions(const lw_fitted *f, int result, FILE *to)
 {
     const lw_fit_report *r = &f->results->report[result];
-    const lw_candidate *c = lw_fitted_candidate(f, result);
+    const lw_candidate *c = candidate_of(f, result);
     static const char *const place[] = { "cx", "cy", "x0", "y0", "theta0" };
     const bool has_place = lw_task_has_place(f->task);
     for (int d = 0; d < c->n_dim; d++) {           /* what no one can make is printed as 0 */
@@ -153,11 +153,11 @@ lw_status lw_fitted_curves(const lw_fitted *f, lw_drawing *d, lw_error *e)
     for (int i = 0; i < f->results->n && i < SHOWN && ok && st == LW_OK; i++) {
         lw_scene_options o = lw_scene_options_default();
         o.n_frame = 720;
-        const char *type = lw_family_title(lw_fitted_candidate(f, i)->family);
+        const char *type = lw_family_title(candidate_of(f, i)->family);
         snprintf(c.name[i], sizeof c.name[i], "%d %.*s", i + 1, (int)strcspn(type, ","), type);
         st = lw_scene_make(&f->results->report[i].linkage, NULL, &o, scene, e);
         c.series[c.n++] = (lw_series){ .name = c.name[i] };
-        ok = st != LW_OK || (function ? add_function(&c, scene, t, lw_fitted_candidate(f, i)->intended.sense) : add_path(&c, scene, 1 + t->n_also));
+        ok = st != LW_OK || (function ? add_function(&c, scene, t, candidate_of(f, i)->intended.sense) : add_path(&c, scene, 1 + t->n_also));
         lw_scene_free(scene);
     }
     double *x = malloc((2*(size_t)c.n_point + 1)*sizeof *x), *y = x ? x + c.n_point : NULL;
@@ -187,7 +187,7 @@ lw_status lw_fitted_scene(const lw_fitted *f, int i, lw_scene *scene, lw_error *
 {
     char title[NAME_SIZE + 128];
     lw_scene_options o = lw_scene_options_default();
-    const lw_candidate *c = lw_fitted_candidate(f, i);
+    const lw_candidate *c = candidate_of(f, i);
     snprintf(title, sizeof title, "%.*s: %s", NAME_SIZE, f->name, lw_family_title(c->family));
     o.title = title;
     return lw_scene_make(&f->results->report[i].linkage, f->target->x ? f->target : NULL, &o, scene, e);
@@ -212,7 +212,7 @@ static lw_status write_dimensions(const lw_fitted *f, int i, sheet *h, lw_error 
         return lw_error_set(e, LW_E_MEMORY, "no memory for a page");
     lw_fitted_dimensions(f, i, text);
     fprintf(text, "; the input is at input0 %c angle, the angle of the output's link plus tool0 is theta; angles in deg",
-            lw_fitted_candidate(f, i)->intended.sense < 0 ? '-' : '+');
+            candidate_of(f, i)->intended.sense < 0 ? '-' : '+');
     fclose(text);
     return LW_OK;
 }
@@ -220,7 +220,7 @@ static lw_status write_dimensions(const lw_fitted *f, int i, sheet *h, lw_error 
 static void describe(const lw_fitted *f, int i, sheet *h)
 {
     const lw_fit_report *r = &f->results->report[i];
-    const lw_candidate *c = lw_fitted_candidate(f, i);
+    const lw_candidate *c = candidate_of(f, i);
     if (r->has_class)
         snprintf(h->class_name[i], sizeof h->class_name[i], "%s %s%s", r->barker.symbol, r->barker.name,
                  lw_fitted_near_change_point(r) ? ", near a change point" : "");

@@ -18,8 +18,6 @@ typedef struct lw_fitted {
     const lw_fit_results *results;
 } lw_fitted;
 
-const lw_candidate *lw_fitted_candidate(const lw_fitted *f, int i);
-
 /* Value of dimension d of a result in these units of length: angles in radians. */
 double lw_fitted_value(const lw_units *u, const lw_fit_report *r, int d, double si);
 

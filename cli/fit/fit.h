@@ -71,11 +71,9 @@ void cli_fit_points_summary(const cli_fit_set *s, FILE *f);
 void cli_fit_points_row(const cli_fit_set *s, int i, FILE *f);
 void cli_fit_points_json(const cli_fit_set *s, int i, cli_json *j);
 
-/* Add the linkages of a file that cli_read_linkage accepts, all results in it (fit_start.c). */
+/* Add the linkages of a file that cli_read_model accepts, all results in it (fit_start.c). */
 lw_status cli_fit_start_read(const char *path, cli_fit_start *s, lw_error *e);
 
-/* Candidate of result i. */
-const lw_candidate *cli_fit_candidate(const cli_fit_set *s, int i);
 
 /* For the plot and the page. */
 lw_fitted cli_fitted(const cli_fit_set *s);

@@ -5,6 +5,7 @@
 #include "base/number.h"
 #include "base/real.h"
 #include "cli/fit/fit.h"
+
 static double length(const cli_fit_set *s, double metres)
 {
     return metres/s->target.units.metre;
@@ -15,7 +16,8 @@ lw_fitted cli_fitted(const cli_fit_set *s)
     return (lw_fitted){ s->name, &s->target, s->spec.task, &s->search.found.fit, &s->search.results };
 }
 
-const lw_candidate *cli_fit_candidate(const cli_fit_set *s, int i)
+/* Candidate of result i. */
+static const lw_candidate *candidate_of(const cli_fit_set *s, int i)
 {
     return &s->search.found.fit.candidate[s->search.results.candidate[i]];
 }
@@ -40,7 +42,7 @@ static int title_width(const cli_fit_set *s)
 {
     size_t width = 16;
     for (int i = 0; i < s->search.results.n; i++) {
-        size_t own = strlen(lw_family_title(cli_fit_candidate(s, i)->family));
+        size_t own = strlen(lw_family_title(candidate_of(s, i)->family));
         width = own > width ? own : width;
     }
     return (int)width;
@@ -49,7 +51,7 @@ static int title_width(const cli_fit_set *s)
 static void table_row(const cli_fit_set *s, int i, int width, FILE *f)
 {
     const lw_fit_report *r = &s->search.results.report[i];
-    const lw_candidate *c = cli_fit_candidate(s, i);
+    const lw_candidate *c = candidate_of(s, i);
     double deg = 180/LW_PI;
     char class[24] = "-";
     if (r->has_class)
@@ -105,7 +107,7 @@ static void print_stages(const cli_fit_set *s, FILE *f)
         else
             fprintf(f, "%.4g %% of the path", s->search.results.report[l->best].error_percent);
         if (l->best >= 0)
-            fprintf(f, " (%s)", lw_family_title(cli_fit_candidate(s, l->best)->family));
+            fprintf(f, " (%s)", lw_family_title(candidate_of(s, l->best)->family));
         fprintf(f, "; %ld start%s, %ld local fit%s, %.1f s\n", l->starts, lw_plural(l->starts), l->improved, lw_plural(l->improved), l->seconds);
     }
 }
@@ -346,7 +348,7 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fi
 
 static lw_status robustness(const cli_fit_set *s, int i, lw_robustness *out, lw_error *e)
 {
-    lw_status st = lw_robustness_of(&s->target, cli_fit_candidate(s, i), &s->search.results.report[i], &s->spec.tolerances,
+    lw_status st = lw_robustness_of(&s->target, candidate_of(s, i), &s->search.results.report[i], &s->spec.tolerances,
                                     out, e);
     if (st == LW_E_MEMORY)
         cli_lost();
@@ -403,7 +405,7 @@ static void print_robustness(const cli_fit_set *s, FILE *f)
 static void json_result(const cli_fit_set *s, int i, cli_json *j)
 {
     const lw_fit_report *r = &s->search.results.report[i];
-    const lw_candidate *c = cli_fit_candidate(s, i);
+    const lw_candidate *c = candidate_of(s, i);
     cli_json_object(j, NULL);
     cli_json_int(j, "rank", i + 1);
     cli_json_text(j, "type", lw_family_type(c->family));
@@ -446,7 +448,7 @@ static void json_stages(const cli_fit_set *s, cli_json *j)
         cli_json_object(j, NULL);
         cli_json_int(j, "links", l->links);
         cli_json_int(j, "best_rank", l->best + 1);
-        cli_json_real(j, "objective", l->best >= 0 ? cli_fit_candidate(s, l->best)->objective : NAN);
+        cli_json_real(j, "objective", l->best >= 0 ? candidate_of(s, l->best)->objective : NAN);
         cli_json_real(j, "error_percent", l->best >= 0 ? s->search.results.report[l->best].error_percent : NAN);
         cli_json_int(j, "starts", l->starts);
         cli_json_int(j, "local_fits", l->improved);
@@ -588,7 +590,7 @@ void cli_fit_points_row(const cli_fit_set *s, int i, FILE *f)
 void cli_fit_points_json(const cli_fit_set *s, int i, cli_json *j)
 {
     const lw_fit_report *r = &s->search.results.report[i];
-    const lw_candidate *c = cli_fit_candidate(s, i);
+    const lw_candidate *c = candidate_of(s, i);
     if (r->n_also == 0)
         return;
     cli_json_array(j, "further_points");

@@ -20,13 +20,14 @@ double cli_curve_unit(const cli_curve_trace *t, int input)
     return is_slider(t, input) ? t->k.units.metre : t->k.units.radian;
 }
 
-const char *cli_curve_unit_name(const cli_curve_trace *t, int input)
+static const char *unit_name(const cli_curve_trace *t, int input)
 {
     const char *length = t->k.units.length[0] ? t->k.units.length : "length";
     return is_slider(t, input) ? length : t->k.units.angle;
 }
 
-void cli_curve_values(cli_curve_trace *t, const double *series, bool first, cli_row *row)
+/* Compute the values of all tracers from a series of a posture (4 x n_q) into row. */
+static void tracer_values(cli_curve_trace *t, const double *series, bool first, cli_row *row)
 {
     static const double factorial[] = { 1, 1, 2, 6 };
     for (int k = 0; k < t->k.n_tracer; k++) {
@@ -214,7 +215,7 @@ static void curve_row(cli_curve_trace *t, const cli_stretch *s, int i, double u,
     double rounds = rounds_at(t, motion, s, u);
     row->rates = fill_series(t, motion, station_at(motion, s, u, rounds), series) && !limit;
     count_turns(t, motion, rounds, series);
-    cli_curve_values(t, series, i == 0, row);
+    tracer_values(t, series, i == 0, row);
     if (t->groups && (i == 0 || i == t->steps) && (s->limit[0] || s->limit[1]))
         t->groups->seeded = false;                            /* both sides of a limit have nearly the same input */
     else if (t->groups)
@@ -263,7 +264,7 @@ static void cycle_rows(cli_curve_trace *t, int curve)
         row.rates = fill_series(t, motion, station, series);
         row.lead[0] = arc;
         row.lead[1] = lw_motion_curve_input(motion, series)/cli_curve_unit(t, 0);
-        cli_curve_values(t, series, i == 0, &row);
+        tracer_values(t, series, i == 0, &row);
         cli_rows_put(&t->rows, &row);
     }
 }
@@ -403,8 +404,8 @@ static void print_csv(cli_curve_trace *t, bool cycle)
 {
     char lead[128];
     fprintf(t->rows.f, "# %s\n", t->line);
-    snprintf(lead, sizeof lead, "%sinput %s", cycle ? "along 1; " : "", cli_curve_unit_name(t, 0));
-    cli_rows_units(&t->rows, lead, t->timed ? "s" : is_slider(t, 0) ? cli_curve_unit_name(t, 0) : "rad");
+    snprintf(lead, sizeof lead, "%sinput %s", cycle ? "along 1; " : "", unit_name(t, 0));
+    cli_rows_units(&t->rows, lead, t->timed ? "s" : is_slider(t, 0) ? unit_name(t, 0) : "rad");
     for (int i = 0; i < t->curves.n; i++)
         csv_curve(t, i);
     for (int i = 0; i < t->n_stretch && !cycle; i++)
@@ -462,7 +463,7 @@ static void lead_text(const cli_curve_trace *t, bool units, char *text, size_t s
         if (i > 0)
             snprintf(number, sizeof number, "_%d", i + 1);
         n += (size_t)snprintf(text + n, size - n, units ? "; input%s %s" : ",input%s", number,
-                              cli_curve_unit_name(t, i));
+                              unit_name(t, i));
     }
 }
 
@@ -500,7 +501,7 @@ static void put_posture(cli_curve_trace *t, lw_prescribed_motion *d, bool first)
     lw_prescribed_motion_of_model((void *)t->model, lw_prescribed_motion_time(d), 0, u);
     for (int i = 0; i < t->k.n_input; i++)
         row.lead[1 + i] = u[i]/cli_curve_unit(t, i);
-    cli_curve_values(t, series, first, &row);
+    tracer_values(t, series, first, &row);
     cli_rows_put(&t->rows, &row);
 }
 

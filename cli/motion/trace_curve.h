@@ -85,9 +85,6 @@ void cli_curve_print(cli_curve_trace *t, bool cycle);
  * LW_E_NUMERIC: the rows end early; e has the reason. */
 lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e);
 
-/* Compute the values of all tracers from a series of a posture (4 x n_q) into row. */
-void cli_curve_values(cli_curve_trace *t, const double *series, bool first, cli_row *row);
 double cli_curve_unit(const cli_curve_trace *t, int input);       /* metre or radian of the file       */
-const char *cli_curve_unit_name(const cli_curve_trace *t, int input);
 
 #endif

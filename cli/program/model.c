@@ -26,17 +26,6 @@ lw_status cli_linkage_text(const char *path, int which, const char *text, size_t
     return hint(path, text, size, lw_linkage_read_result(text, size, path, which, linkage, e), e);
 }
 
-lw_status cli_read_linkage(const char *path, int which, lw_linkage *linkage, lw_error *e)
-{
-    char *text = NULL;
-    size_t size = 0;
-    lw_status s = cli_read_file(path, "a linkage (JSON)", &text, &size, e);
-    if (s == LW_OK)
-        s = cli_linkage_text(path, which, text, size, linkage, e);
-    free(text);
-    return s;
-}
-
 /* A text that is no planar linkage, as `s` says, may be a spatial model. */
 static lw_status or_spatial(const char *path, const char *text, size_t size, lw_status s, lw_spatial **out, lw_error *e)
 {

@@ -5,12 +5,10 @@
 #include "grammar/linkage/assembly.h"
 #include "optimise/task/read_file.h"
 
-/* Read a linkage from a file ("-" is standard input). The file holds one linkage as in docs/notation.md, or an object
- * with `results` as `linkwright fit --json` prints it; result number `which` (1 is the best) is taken. which 0: the
- * first result; files without results are accepted too. */
-lw_status cli_read_linkage(const char *path, int which, lw_linkage *linkage, lw_error *e);
-
-/* The same with motions, masses and loads (grammar/model/model.h). Free it with cli_free_model. NULL: see e. */
+/* Read a linkage with its motions, masses and loads (grammar/model/model.h) from a file ("-" is standard input). The file holds
+ * one linkage as in docs/notation.md, or an object with `results` as `linkwright fit --json` prints it; result number `which`
+ * (1 is the best) is taken. which 0: the first result; files without results are accepted too. Free it with cli_free_model.
+ * NULL: see e. */
 struct lw_model;
 struct lw_model *cli_read_model(const char *path, int which, lw_error *e);
 void             cli_free_model(struct lw_model *m);               /* NULL is fine */
@@ -24,7 +22,7 @@ lw_status cli_any_model_text(const char *text, size_t size, const char *path, in
                              struct lw_spatial **spatial, lw_error *e);
 void      cli_free_spatial(struct lw_spatial *m);                  /* NULL is fine */
 
-/* cli_read_linkage of text in memory. LW_E_ARG: it has no result `which`. */
+/* The linkage alone, from text in memory. LW_E_ARG: it has no result `which`. */
 lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage, lw_error *e);
 
 /* A planar linkage of any size, or a spatial model, from text in memory. */
