@@ -1,4 +1,6 @@
 """What every module of the package uses: errors, texts, structs, callbacks, work that Ctrl-C may end."""
+import json
+import os
 import threading
 
 from ._c import ffi, lib
@@ -74,6 +76,31 @@ def take_bytes(pointer, size):
         lib.lw_free(pointer)
 
 
+def make(kind, function, *arguments, says=True):
+    """The lw_`kind` that function(*arguments, out, error) makes for the caller; says=False: it has no error."""
+    out, error = ffi.new(f"lw_{kind} **"), [new_error()] if says else []
+    check(function(*arguments, out, *error), *error)
+    return out[0]
+
+
+def load(kind, path):
+    """What lw_`kind`_load reads from a file."""
+    return make(kind, getattr(lib, f"lw_{kind}_load"), os.fsencode(path))
+
+
+def parse(kind, data):
+    """What lw_`kind`_parse reads from the text of a JSON file, given as Python values."""
+    text = json.dumps(data).encode()
+    return make(kind, getattr(lib, f"lw_{kind}_parse"), text, len(text), ffi.NULL)
+
+
+def write(function, *arguments):
+    """Bytes that function(*arguments, out, size, error) writes."""
+    out, size, error = ffi.new("char **"), ffi.new("size_t *"), new_error()
+    check(function(*arguments, out, size, error), error)
+    return take_bytes(out[0], size[0])
+
+
 def chars(text, keep):
     """char[] of a str or None, kept alive by the list `keep`."""
     if text is None:
@@ -119,6 +146,12 @@ def plain(value, kind=None):
         return {name: plain(getattr(value, name), field.type) for name, field in kind.fields
                 if field.type.kind != "pointer" or field.type.item.cname == "char"}
     return value
+
+
+def simulation_options(options, keep):
+    """lw_simulation_options with these fields; "from_" stands for "from"."""
+    named = {"from" if name == "from_" else name: value for name, value in options.items()}
+    return fill(ffi.new("lw_simulation_options *", lib.lw_simulation_options_default()), named, keep, special=("stop", "force"))
 
 
 class Calls:
@@ -183,7 +216,8 @@ def _force(context, t, link, load):
 
 
 def interruptible(work, stop):
-    """The result of work(), done in a thread so that Ctrl-C arrives.  stop() asks the work to end; it is waited for.
+    """The result of work(), done in a thread so that Ctrl-C arrives.  It asks the work to end by stop(), or by the int to
+    which stop points; the work is waited for.
 
     Returns (result, interrupted).
     """
@@ -203,7 +237,10 @@ def interruptible(work, stop):
             done.wait(0.1)
         except KeyboardInterrupt:
             interrupted = True
-            stop()
+            if isinstance(stop, ffi.CData):
+                stop[0] = 1
+            else:
+                stop()
     if "failure" in outcome:
         raise outcome["failure"]
     return outcome["result"], interrupted

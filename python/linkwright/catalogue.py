@@ -5,7 +5,7 @@ import os
 from typing import Callable, NamedTuple, Optional, Union
 
 from ._c import ffi, lib
-from ._core import Calls, chars, check, fill, interruptible, new_error, text_of
+from ._core import Calls, chars, check, fill, interruptible, make, new_error, text_of
 from .linkage import Linkage
 
 
@@ -35,9 +35,8 @@ class Catalogue:
     """One catalogue file; used by one thread.  One program writes at a time, any number may read."""
 
     def __init__(self, path: Union[str, os.PathLike], write: bool = False, wait: float = 5.0):
-        out, error = ffi.new("lw_catalogue **"), new_error()
-        check(lib.lw_catalogue_open(os.fsencode(path), write, wait, out, error), error)
-        self._handle = ffi.gc(out[0], lib.lw_catalogue_close)
+        catalogue = make("catalogue", lib.lw_catalogue_open, os.fsencode(path), write, wait)
+        self._handle = ffi.gc(catalogue, lib.lw_catalogue_close)
 
     def close(self) -> None:
         ffi.release(self._handle)
@@ -53,12 +52,8 @@ class Catalogue:
         calls = Calls(progress=progress)
         work = fill(ffi.new("lw_catalogue_work *"), options, keep, special=("progress", "context", "stop"))
         work.progress, work.context, work.stop = lib.lw_py_progress, calls.handle, stop
-
-        def end():
-            stop[0] = 1
-
         status, interrupted = interruptible(
-            lambda: function(self._handle, *arguments, work, *([n] if count else []), error), end)
+            lambda: function(self._handle, *arguments, work, *([n] if count else []), error), stop)
         if interrupted:
             raise KeyboardInterrupt
         calls.finish(status, error, allowed=(lib.LW_STOPPED,))
@@ -112,9 +107,8 @@ class Catalogue:
         found, error = [], new_error()
 
         def visit(hit):
-            out = ffi.new("lw_linkage **")
-            check(lib.lw_linkage_copy(hit.linkage, out))
-            found.append(Hit(hit.distance, hit.distance_m, text_of(hit.family), Linkage(out[0]),
+            linkage = Linkage(make("linkage", lib.lw_linkage_copy, hit.linkage, says=False))
+            found.append(Hit(hit.distance, hit.distance_m, text_of(hit.family), linkage,
                              None if hit.turns < 0 else hit.turns == 1, hit.transmission))
 
         only = ffi.new("lw_catalogue_filter *", {"turns": turns, "min_transmission": min_transmission,

@@ -1,14 +1,14 @@
 """Models with masses, loads and springs, and their simulation."""
 from __future__ import annotations
 
-import json
 import os
 from typing import Callable, Optional, Union
 
 import numpy as np
 
 from ._c import ffi, lib
-from ._core import Calls, Error, chars, check, fill, interruptible, new_error, plain, take_bytes
+from ._core import (Calls, Error, chars, check, interruptible, load, make, new_error, parse, plain, simulation_options, take_bytes,
+                    text_of, write)
 from .linkage import Linkage, inputs_of, joints_of, picture, tracers_of
 
 
@@ -72,23 +72,17 @@ class Model:
 
     def __init__(self, linkage: Union[Linkage, "ffi.CData"]):
         if isinstance(linkage, Linkage):
-            out = ffi.new("lw_model **")
-            check(lib.lw_model_create(linkage._handle, out))
-            linkage = out[0]
+            linkage = make("model", lib.lw_model_create, linkage._handle, says=False)
         self._handle = ffi.gc(linkage, lib.lw_model_destroy)
 
     @classmethod
     def load(cls, path: Union[str, os.PathLike]) -> "Model":
         """From a JSON file (docs/notation.md, "Model")."""
-        out, error = ffi.new("lw_model **"), new_error()
-        check(lib.lw_model_load(os.fsencode(path), out, error), error)
-        return cls(out[0])
+        return cls(load("model", path))
 
     @classmethod
     def from_dict(cls, data: dict) -> "Model":
-        out, error, text = ffi.new("lw_model **"), new_error(), json.dumps(data).encode()
-        check(lib.lw_model_parse(text, len(text), ffi.NULL, out, error), error)
-        return cls(out[0])
+        return cls(parse("model", data))
 
     @property
     def linkage(self) -> Linkage:
@@ -105,7 +99,7 @@ class Model:
 
     @property
     def link_names(self) -> list[str]:
-        return [ffi.string(lib.lw_model_link_name(self._handle, i)).decode() for i in range(self.links)]
+        return [text_of(lib.lw_model_link_name(self._handle, i)) for i in range(self.links)]
 
     @property
     def joints(self) -> list[dict]:
@@ -121,21 +115,18 @@ class Model:
 
     def export(self, format: str) -> bytes:
         """As Linkage.export, with masses and loads where the format holds them; for models of any size."""
-        out, size, error = ffi.new("char **"), ffi.new("size_t *"), new_error()
-        check(lib.lw_model_export(self._handle, format.encode(), ffi.NULL, out, size, error), error)
-        return take_bytes(out[0], size[0])
+        return write(lib.lw_model_export, self._handle, format.encode(), ffi.NULL)
 
     def picture(self, kind: str = "svg", title: Optional[str] = None, width: int = 0, height: int = 0) -> bytes:
         """As Linkage.picture, for models of any size."""
-        out, error, keep = ffi.new("lw_picture **"), new_error(), []
-        check(lib.lw_picture_of_model(self._handle, ffi.NULL, chars(title, keep), out, error), error)
-        return picture(out[0], kind, width, height)
+        keep = []
+        drawn = make("picture", lib.lw_picture_of_model, self._handle, ffi.NULL, chars(title, keep))
+        return picture(drawn, kind, width, height)
 
     @property
     def states(self) -> list[str]:
         """Names of the first-order states (docs/notation.md, "States")."""
-        return [ffi.string(lib.lw_model_state_name(self._handle, i)).decode()
-                for i in range(lib.lw_model_n_state(self._handle))]
+        return [text_of(lib.lw_model_state_name(self._handle, i)) for i in range(lib.lw_model_n_state(self._handle))]
 
     def drive(self, motion: str, input: int = 0) -> None:
         """Move an input by an expression of t: "0.5 + 10*t" [rad] or [m]."""
@@ -163,10 +154,7 @@ class Model:
         rigid bars).  Ctrl-C ends it.
         """
         keep, error, stop, samples = [], new_error(), ffi.new("int *"), []
-        what = ffi.new("lw_simulation_options *", lib.lw_simulation_options_default())
-        if "from_" in options:
-            options["from"] = options.pop("from_")
-        fill(what, {**options, "to": to, "intervals": n}, keep, special=("stop", "force"))
+        what = simulation_options({**options, "to": to, "intervals": n}, keep)
         what.stop = stop
         links, joints, inputs, tracers = (getattr(lib, "lw_model_n_" + what)(self._handle)
                                           for what in ("link", "joint", "input", "tracer"))
@@ -189,12 +177,8 @@ class Model:
         out, report = ffi.new("lw_simulation **"), ffi.new("lw_simulation_report *")
         calls.finish(lib.lw_simulation_create(self._handle, what, out, error), error)
         simulation = ffi.gc(out[0], lib.lw_simulation_destroy)
-
-        def end():
-            stop[0] = 1
-
         status, interrupted = interruptible(
-            lambda: lib.lw_simulation_run(simulation, lib.lw_py_sample, calls.handle, report, error), end)
+            lambda: lib.lw_simulation_run(simulation, lib.lw_py_sample, calls.handle, report, error), stop)
         if interrupted:
             raise KeyboardInterrupt
         calls.finish(status, error)
@@ -217,15 +201,11 @@ class Stepper:
     """
 
     def __init__(self, model: Model, **options):
-        keep, error, out = [], new_error(), ffi.new("lw_stepper **")
-        what = ffi.new("lw_simulation_options *", lib.lw_simulation_options_default())
-        if "from_" in options:
-            options["from"] = options.pop("from_")
-        fill(what, options, keep, special=("stop", "force"))
+        keep = []
+        what = simulation_options(options, keep)
         self._model, self._names = model, model.states
         self._links = model.links
-        check(lib.lw_stepper_create(model._handle, what, out, error), error)
-        self._handle = ffi.gc(out[0], lib.lw_stepper_destroy)
+        self._handle = ffi.gc(make("stepper", lib.lw_stepper_create, model._handle, what), lib.lw_stepper_destroy)
 
     def advance(self, t: float) -> "Stepper":
         """Go on to t [s]."""
@@ -256,9 +236,7 @@ class Stepper:
     def save(self) -> bytes:
         out, size = ffi.new("char **"), ffi.new("size_t *")
         check(lib.lw_stepper_save(self._handle, out, size))
-        saved = bytes(ffi.buffer(out[0], size[0]))
-        lib.lw_free(out[0])
-        return saved
+        return take_bytes(out[0], size[0])
 
     def restore(self, saved: bytes) -> "Stepper":
         error = new_error()

@@ -5,7 +5,7 @@ import os
 from typing import Optional, Union
 
 from ._c import ffi, lib
-from ._core import check, new_error, plain, text_of
+from ._core import check, load, make, new_error, plain, text_of
 from .dynamics import Model
 
 
@@ -13,9 +13,7 @@ class Family:
     """A master file (docs/family.md)."""
 
     def __init__(self, path: Union[str, os.PathLike]):
-        out, error = ffi.new("lw_master **"), new_error()
-        check(lib.lw_master_load(os.fsencode(path), out, error), error)
-        self._handle = ffi.gc(out[0], lib.lw_master_destroy)
+        self._handle = ffi.gc(load("master", path), lib.lw_master_destroy)
 
     def _names(self, name_of) -> list[str]:
         names = []
@@ -44,9 +42,8 @@ class Variant:
     """One choice of the parameters of a family."""
 
     def __init__(self, family, configuration, view, values):
-        out, error = ffi.new("lw_variant **"), new_error()
-        check(lib.lw_variant_create(family._handle, out))
-        self._family, self._handle = family, ffi.gc(out[0], lib.lw_variant_destroy)
+        error, variant = new_error(), make("variant", lib.lw_variant_create, family._handle, says=False)
+        self._family, self._handle = family, ffi.gc(variant, lib.lw_variant_destroy)
         for choose, name in ((lib.lw_variant_configure, configuration), (lib.lw_variant_look, view)):
             if name is not None:
                 check(choose(self._handle, name.encode(), error), error)
@@ -62,18 +59,15 @@ class Variant:
 
     def model(self) -> Model:
         """The planar model; raises Error with the place in the master when a check of the family does not hold."""
-        out, error = ffi.new("lw_model **"), new_error()
+        error = new_error()
         check(lib.lw_variant_hold_checks(self._handle, error), error)
-        check(lib.lw_variant_model(self._handle, out, error), error)
-        return Model(out[0])
+        return Model(make("model", lib.lw_variant_model, self._handle))
 
 
 def simulate_servo(path: Union[str, os.PathLike], to: float = 0.0) -> dict:
     """Run the servo axis of a file (docs/drive.md) until `to` [s]; 0: its motion and half as long again.  The fields of
     lw_servo_report: greatest error, settling, overshoot, currents, energies."""
-    out, error = ffi.new("lw_servo **"), new_error()
-    check(lib.lw_servo_load(os.fsencode(path), out, error), error)
-    servo = ffi.gc(out[0], lib.lw_servo_destroy)
+    error, servo = new_error(), ffi.gc(load("servo", path), lib.lw_servo_destroy)
     options = ffi.new("lw_servo_options *", lib.lw_servo_options_default())
     options.to = to
     report = ffi.new("lw_servo_report *")

@@ -8,7 +8,7 @@ from typing import Callable, Optional, Union
 import numpy as np
 
 from ._c import ffi, lib
-from ._core import Calls, Stopped, check, chars, fill, interruptible, new_error, plain, take_bytes, text_of
+from ._core import Calls, Stopped, check, fill, interruptible, make, new_error, plain, text_of, write
 from .linkage import Linkage, doubles, pointer
 
 
@@ -20,19 +20,17 @@ class Target:
         sizes = {values.size for values in given if values is not None}
         if len(sizes) != 1:
             raise ValueError("a target needs arrays of one length")
-        out, error = ffi.new("lw_target **"), new_error()
         pointers = [ffi.NULL if values is None else pointer(values) for values in given]
-        check(lib.lw_target_create(sizes.pop(), *pointers, -1 if closed is None else int(closed), out, error), error)
-        self._handle = ffi.gc(out[0], lib.lw_target_destroy)
+        target = make("target", lib.lw_target_create, sizes.pop(), *pointers, -1 if closed is None else int(closed))
+        self._handle = ffi.gc(target, lib.lw_target_destroy)
 
     @classmethod
     def load(cls, path: Union[str, os.PathLike], **options) -> "Target":
         """From CSV, SVG or DXF.  Options: closed (1, 0, -1), length_unit, angle_unit, curve, stations, smooth."""
-        keep, out, error = [], ffi.new("lw_target **"), new_error()
+        keep = []
         what = fill(ffi.new("lw_target_options *", {"closed": -1}), options, keep)
-        check(lib.lw_target_load(os.fsencode(path), what, out, error), error)
         target = cls.__new__(cls)
-        target._handle = ffi.gc(out[0], lib.lw_target_destroy)
+        target._handle = ffi.gc(make("target", lib.lw_target_load, os.fsencode(path), what), lib.lw_target_destroy)
         return target
 
     def __len__(self):
@@ -82,8 +80,7 @@ class Result:
     @property
     def linkage(self) -> Linkage:
         """In the posture of the first station; tracer 0 is the point that was fitted."""
-        out = ffi.new("lw_linkage **")
-        return Linkage._made(lib.lw_results_linkage(self._results, self._number, out), out)
+        return Linkage(make("linkage", lib.lw_results_linkage, self._results, self._number, says=False))
 
     @property
     def dimensions(self) -> dict[str, float]:
@@ -124,9 +121,7 @@ class Results(Sequence):
 
     def page(self, title: str = "linkwright") -> str:
         """All results with moving pictures as one HTML page."""
-        out, size, error = ffi.new("char **"), ffi.new("size_t *"), new_error()
-        check(lib.lw_results_page(self._handle, title.encode(), out, size, error), error)
-        return take_bytes(out[0], size[0]).decode()
+        return write(lib.lw_results_page, self._handle, title.encode()).decode()
 
     def _repr_html_(self):
         rows = "".join(
@@ -154,11 +149,7 @@ def _search(function, target, progress, options):
     fill(what, options, keep, special=("stop", "progress", "context", "n_start", "n_bound", "n_zone"))
     calls = Calls(progress=progress)
     what.stop, what.progress, what.context = stop, lib.lw_py_progress, calls.handle
-
-    def end():
-        stop[0] = 1
-
-    status, interrupted = interruptible(lambda: function(target._handle, what, out, error), end)
+    status, interrupted = interruptible(lambda: function(target._handle, what, out, error), stop)
     results = Results(out[0], target) if out[0] != ffi.NULL else []
     if interrupted:
         raise Stopped(results)

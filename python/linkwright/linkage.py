@@ -8,7 +8,7 @@ from typing import NamedTuple, Optional, Union
 import numpy as np
 
 from ._c import ffi, lib
-from ._core import Calls, chars, check, new_error, plain, take_bytes, take_text, text_of
+from ._core import Calls, chars, check, load, make, new_error, plain, take_text, text_of, write
 
 FULL_TURN = 2*np.pi
 
@@ -29,9 +29,7 @@ def pointer(array):
 def picture(handle, kind, width=0, height=0):
     """Bytes of a picture in a format; the picture is freed."""
     handle = ffi.gc(handle, lib.lw_picture_destroy)
-    out, size, error = ffi.new("char **"), ffi.new("size_t *"), new_error()
-    check(lib.lw_picture_write(handle, kind.encode(), width, height, out, size, error), error)
-    return take_bytes(out[0], size[0])
+    return write(lib.lw_picture_write, handle, kind.encode(), width, height)
 
 
 def _parts(owner, what, handle):
@@ -94,21 +92,15 @@ class Linkage:
         self._owner = owner
 
     @classmethod
-    def _made(cls, status, out, error=None):
-        check(status, error)
-        return cls(out[0])
-
-    @classmethod
     def load(cls, path: Union[str, os.PathLike]) -> "Linkage":
         """From a file: JSON, Pyslvs, PMKS or ADAMS."""
-        out, error = ffi.new("lw_linkage **"), new_error()
-        return cls._made(lib.lw_linkage_load(os.fsencode(path), out, error), out, error)
+        return cls(load("linkage", path))
 
     @classmethod
     def from_text(cls, text: str, format: Optional[str] = None) -> "Linkage":
         """From "json", "pyslvs", "adams" or "pmks"; None: found from how the text begins."""
-        out, error, keep, data = ffi.new("lw_linkage **"), new_error(), [], text.encode()
-        return cls._made(lib.lw_linkage_parse(data, len(data), ffi.NULL, chars(format, keep), out, error), out, error)
+        keep, data = [], text.encode()
+        return cls(make("linkage", lib.lw_linkage_parse, data, len(data), ffi.NULL, chars(format, keep)))
 
     @classmethod
     def from_dict(cls, data: dict) -> "Linkage":
@@ -119,14 +111,11 @@ class Linkage:
         return json.loads(self.export("json"))
 
     def copy(self) -> "Linkage":
-        out = ffi.new("lw_linkage **")
-        return Linkage._made(lib.lw_linkage_copy(self._handle, out), out)
+        return Linkage(make("linkage", lib.lw_linkage_copy, self._handle, says=False))
 
     def export(self, format: str) -> bytes:
         """As "json", "pyslvs", "pmks", "adams", "acf", "mjcf", "dxf", "scad", "slvs", "svg", "poses", "motiongen"."""
-        out, size, error = ffi.new("char **"), ffi.new("size_t *"), new_error()
-        check(lib.lw_linkage_export(self._handle, format.encode(), out, size, error), error)
-        return take_bytes(out[0], size[0])
+        return write(lib.lw_linkage_export, self._handle, format.encode())
 
     def save(self, path: Union[str, os.PathLike], format: Optional[str] = None) -> None:
         """Write a file; format None: by the end of its name."""
@@ -136,10 +125,10 @@ class Linkage:
     def picture(self, kind: str = "svg", target=None, title: Optional[str] = None, width: int = 0,
                 height: int = 0) -> bytes:
         """Drawing with its curves as "svg", "pdf", "png", "gif" or "html"; the last two move."""
-        out, error, keep = ffi.new("lw_picture **"), new_error(), []
+        keep = []
         stations = ffi.NULL if target is None else target._handle
-        check(lib.lw_picture_of_linkage(self._handle, stations, chars(title, keep), out, error), error)
-        return picture(out[0], kind, width, height)
+        drawn = make("picture", lib.lw_picture_of_linkage, self._handle, stations, chars(title, keep))
+        return picture(drawn, kind, width, height)
 
     @property
     def name(self) -> Optional[str]:
@@ -188,8 +177,7 @@ class Linkage:
     def mechanism(self):
         """Its topology."""
         from .topology import Mechanism
-        out, error = ffi.new("lw_mechanism **"), new_error()
-        return Mechanism._made(lib.lw_linkage_mechanism(self._handle, out, error), out, error)
+        return Mechanism(make("mechanism", lib.lw_linkage_mechanism, self._handle))
 
     def lay(self, turn: float = 0, size: float = 1, shift: tuple[float, float] = (0, 0), mirrored: bool = False) -> None:
         """Mirror in the x axis if so, then turn [rad], scale and move [m]."""
@@ -208,9 +196,8 @@ class Linkage:
 
         Found from random postures; the search ends after `patience` of them without a new curve.
         """
-        out, error = ffi.new("lw_motion_curves **"), new_error()
-        check(lib.lw_motion_curves_create(self._handle, patience, seed, out, error), error)
-        curves, found = ffi.gc(out[0], lib.lw_motion_curves_destroy), []
+        curves = make("motion_curves", lib.lw_motion_curves_create, self._handle, patience, seed)
+        curves, found = ffi.gc(curves, lib.lw_motion_curves_destroy), []
         for i in range(lib.lw_motion_curves_count(curves)):
             info, arrays = ffi.new("lw_motion_curve_info *"), [np.empty(n) for _ in range(3)]
             check(lib.lw_motion_curves_info(curves, i, info))
@@ -238,14 +225,12 @@ class Kinematics:
     """
 
     def __init__(self, linkage: Linkage):
-        out, error = ffi.new("lw_kinematics **"), new_error()
-        check(lib.lw_kinematics_create(linkage._handle, out, error), error)
-        self._handle = ffi.gc(out[0], lib.lw_kinematics_destroy)
+        self._handle = ffi.gc(make("kinematics", lib.lw_kinematics_create, linkage._handle), lib.lw_kinematics_destroy)
         self._count = (lib.lw_linkage_n_joint(linkage._handle), linkage.links,
                        lib.lw_linkage_n_tracer(linkage._handle))
         names = (lib.lw_kinematics_dimension_name(self._handle, i)
                  for i in range(lib.lw_kinematics_n_dimension(self._handle)))
-        self._number = {ffi.string(name).decode(): i for i, name in enumerate(names)}
+        self._number = {text_of(name): i for i, name in enumerate(names)}
 
     @property
     def input(self) -> float:
@@ -315,9 +300,7 @@ class Kinematics:
 
     def linkage(self, input: float) -> Linkage:
         """The linkage in the posture at this input."""
-        out, error = ffi.new("lw_linkage **"), new_error()
-        status = lib.lw_kinematics_linkage(self._handle, input, out, error)
-        return Linkage._made(status, out, error)
+        return Linkage(make("linkage", lib.lw_kinematics_linkage, self._handle, input))
 
     def explain(self) -> str:
         """The Assur groups in the order of solution and how each is solved."""

@@ -1,14 +1,13 @@
 """Models in space: bodies, joints, and how they move and what they carry."""
 from __future__ import annotations
 
-import json
 import os
 from typing import NamedTuple, Optional, Union
 
 import numpy as np
 
 from ._c import ffi, lib
-from ._core import Calls, check, fill, interruptible, new_error, plain, take_bytes, text_of
+from ._core import Calls, check, interruptible, load, new_error, parse, plain, simulation_options, text_of, write
 
 
 class Frames(NamedTuple):
@@ -80,16 +79,12 @@ class SpatialModel:
     @classmethod
     def load(cls, path: Union[str, os.PathLike]) -> "SpatialModel":
         """From a JSON file."""
-        out, error = ffi.new("lw_spatial **"), new_error()
-        check(lib.lw_spatial_load(os.fsencode(path), out, error), error)
-        return cls(out[0])
+        return cls(load("spatial", path))
 
     @classmethod
     def from_dict(cls, data: dict) -> "SpatialModel":
         """From what such a file holds."""
-        out, error, text = ffi.new("lw_spatial **"), new_error(), json.dumps(data).encode()
-        check(lib.lw_spatial_parse(text, len(text), ffi.NULL, out, error), error)
-        return cls(out[0])
+        return cls(parse("spatial", data))
 
     def _count(self, what):
         return lib.lw_spatial_count(self._handle, what)
@@ -113,9 +108,7 @@ class SpatialModel:
 
     def export(self, format: str) -> bytes:
         """As "mjcf" (MuJoCo), "adams" or "acf"."""
-        out, size, error = ffi.new("char **"), ffi.new("size_t *"), new_error()
-        check(lib.lw_spatial_export(self._handle, format.encode(), out, size, error), error)
-        return take_bytes(out[0], size[0])
+        return write(lib.lw_spatial_export, self._handle, format.encode())
 
     def analyse_mobility(self, tolerance: float = 1e-12, seed: int = 1) -> dict:
         """How freely it moves, found by moving it: kind ("rigid", "shaky", "moves"), freedom, idle, redundant, ..."""
@@ -154,10 +147,7 @@ class SpatialModel:
         "driven", "index1", "cvode"), tolerance, max_steps, max_seconds, rigid.  Ctrl-C ends it.
         """
         keep, stop, report = [], ffi.new("int *"), ffi.new("lw_simulation_report *")
-        what = ffi.new("lw_simulation_options *", lib.lw_simulation_options_default())
-        if "from_" in options:
-            options["from"] = options.pop("from_")
-        fill(what, {**options, "to": to, "intervals": n}, keep, special=("stop", "force"))
+        what = simulation_options({**options, "to": to, "intervals": n}, keep)
         what.stop = stop
         links, tracers, joints, inputs, couplings = (self._count(k) for k in (b"l", b"t", b"j", b"i", b"c"))
         drives, frame = self._count(b"d") or inputs, ffi.sizeof("lw_frame_motion")
@@ -168,11 +158,8 @@ class SpatialModel:
                             _bytes(s.input, 8*inputs), _bytes(s.rate, 8*inputs), _bytes(s.drive, 8*drives),
                             (s.kinetic, s.potential, s.work), s.residual, _bytes(s.coupling, 8*couplings)))
 
-        def end():
-            stop[0] = 1
-
         self._run(lambda calls, error: lib.lw_spatial_simulate(self._handle, what, lib.lw_py_spatial_sample,
-                                                               calls.handle, report, error), visit, end)
+                                                               calls.handle, report, error), visit, stop)
         t, link, tracer, joint, place, rate, drive, energy, residual, coupling = zip(*samples)
         return SpatialSimulation(np.array(t), _frames(link, links), _frames(tracer, tracers), _numbers(joint, joints, 6),
                                  _numbers(place, inputs), _numbers(rate, inputs), _numbers(drive, drives),
@@ -181,13 +168,13 @@ class SpatialModel:
 
     @staticmethod
     def _run(work, visit, end=None):
-        """Do work(calls, error), which calls visit; Ctrl-C ends it by end(), or at the next visit."""
+        """Do work(calls, error), which calls visit; Ctrl-C ends it by the int at end, or at the next visit."""
         calls, error = Calls(visit), new_error()
 
         def stop():
             calls.stopped = True
             if end:
-                end()
+                end[0] = 1
 
         status, interrupted = interruptible(lambda: work(calls, error), stop)
         if interrupted:

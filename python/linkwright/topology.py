@@ -8,7 +8,7 @@ from typing import Iterator, Optional
 import numpy as np
 
 from ._c import ffi, lib
-from ._core import Calls, chars, check, fill, new_error, take_text, text_of
+from ._core import Calls, chars, check, fill, make, new_error, take_text, text_of
 
 
 class _Topology:
@@ -20,16 +20,10 @@ class _Topology:
         self._handle = ffi.gc(handle, getattr(lib, f"lw_{self._name}_destroy"))
 
     @classmethod
-    def _made(cls, status, out, error=None):
-        check(status, error)
-        return cls(out[0])
-
-    @classmethod
     def from_text(cls, text: str, notation: Optional[str] = None):
         """Read "graph6", "lam", "sentence", "franke", "edges" or "json"; None: found from how it begins."""
-        out, error, keep, data = ffi.new(f"lw_{cls._name} **"), new_error(), [], text.encode()
-        read = getattr(lib, f"lw_{cls._name}_from_text")
-        return cls._made(read(data, len(data), chars(notation, keep), out, error), out, error)
+        keep, data = [], text.encode()
+        return cls(make(cls._name, getattr(lib, f"lw_{cls._name}_from_text"), data, len(data), chars(notation, keep)))
 
     def to_text(self, notation: str = "graph6") -> str:
         """Write "graph6", "lam", "sentence", "franke", "edges", "json", "dot" or "graphml"."""
@@ -68,8 +62,7 @@ class Chain(_Topology):
     @classmethod
     def from_joints(cls, links: int, joints) -> "Chain":
         """Chain of so many links (1 to 32); joints: pairs of links (i, k), or (i, k, freedom) with 1 or 2."""
-        out = ffi.new("lw_chain **")
-        chain = cls._made(lib.lw_chain_create(links, out), out)
+        chain = cls(make("chain", lib.lw_chain_create, links, says=False))
         for i, k, *freedom in joints:
             check(lib.lw_chain_join(chain._handle, i, k, freedom[0] if freedom else 1))
         return chain
@@ -117,8 +110,7 @@ class Chain(_Topology):
 
     def canonical(self) -> "Chain":
         """The same chain with its links in canonical order; isomorphic chains give equal texts."""
-        out = ffi.new("lw_chain **")
-        form = Chain._made(lib.lw_chain_create(self.links, out), out)
+        form = Chain(make("chain", lib.lw_chain_create, self.links, says=False))
         check(lib.lw_chain_canonical(self._handle, form._handle))
         return form
 
@@ -129,8 +121,7 @@ class Chain(_Topology):
 
     def mechanism(self) -> "Mechanism":
         """As a mechanism with nothing chosen: joints r and p."""
-        out = ffi.new("lw_mechanism **")
-        return Mechanism._made(lib.lw_mechanism_of_chain(self._handle, out), out)
+        return Mechanism(make("mechanism", lib.lw_mechanism_of_chain, self._handle, says=False))
 
     def mechanisms(self, **choices) -> list["Mechanism"]:
         """See Mechanism.mechanisms."""
@@ -182,8 +173,7 @@ class Mechanism(_Topology):
 
     def chain(self) -> Chain:
         """Its chain: kinds and choices are forgotten."""
-        out = ffi.new("lw_chain **")
-        chain = Chain._made(lib.lw_chain_create(self.links, out), out)
+        chain = Chain(make("chain", lib.lw_chain_create, self.links, says=False))
         lib.lw_mechanism_chain(self._handle, chain._handle)
         return chain
 
@@ -201,8 +191,7 @@ class Mechanism(_Topology):
         fill(what, choices, keep)
 
         def visit(mechanism):
-            out = ffi.new("lw_mechanism **")
-            found.append(Mechanism._made(lib.lw_mechanism_copy(mechanism, out), out))
+            found.append(Mechanism(make("mechanism", lib.lw_mechanism_copy, mechanism, says=False)))
 
         calls = Calls(visit)
         calls.finish(lib.lw_enumerate_mechanisms(self._handle, what, lib.lw_py_mechanism, calls.handle, ffi.NULL, error),
@@ -227,18 +216,16 @@ class Mechanism(_Topology):
     def linkage(self, seed: int = 1):
         """A linkage of this topology with dimensions drawn by `seed`; ground, inputs and output must be chosen."""
         from .linkage import Linkage
-        out, error = ffi.new("lw_linkage **"), new_error()
-        return Linkage._made(lib.lw_linkage_of_mechanism(self._handle, seed, out, error), out, error)
+        return Linkage(make("linkage", lib.lw_linkage_of_mechanism, self._handle, seed))
 
     def __repr__(self):
         return f"Mechanism.from_text({self.to_text('sentence').strip()!r})"
 
     def _repr_svg_(self):
         from .linkage import picture
-        out, error = ffi.new("lw_picture **"), new_error()
         one = ffi.new("lw_mechanism *[1]", [self._handle])
-        check(lib.lw_picture_of_mechanisms(1, one, ffi.NULL, 1, ffi.NULL, out, error), error)
-        return picture(out[0], "svg", 240, 240).decode()
+        drawn = make("picture", lib.lw_picture_of_mechanisms, 1, one, ffi.NULL, 1, ffi.NULL)
+        return picture(drawn, "svg", 240, 240).decode()
 
 
 def _enumeration(links, dof, options, keep):
@@ -256,8 +243,7 @@ def chains(links: int, dof: int = 1, **options) -> Iterator[Chain]:
     what, batch = _enumeration(links, dof, options, keep), []
 
     def visit(chain):
-        out = ffi.new("lw_chain **")
-        batch.append(Chain._made(lib.lw_chain_copy(chain, out), out))
+        batch.append(Chain(make("chain", lib.lw_chain_copy, chain, says=False)))
         if len(batch) == 64:
             put(batch.copy())
             batch.clear()
