@@ -485,3 +485,31 @@ lw_status lw_symmetry_group_elements(const lw_symmetry_group *group, uint8_t (**
     *n = set.n;
     return status;
 }
+
+lw_status lw_graph_symmetry(const lw_graph *g, uint8_t *lowest, uint64_t *order)
+{
+    lw_symmetry_group group;
+    uint8_t (*element)[LW_GRAPH_MAX] = NULL;
+    size_t n = 1;
+    lw_status status = lw_graph_group(g, &group);
+    if (status == LW_OK && lowest)
+        memcpy(lowest, group.orbit, (size_t)g->n);
+    if (status == LW_OK && order) {
+        if (group.n_generator > 0)
+            status = lw_symmetry_group_elements(&group, &element, &n);
+        *order = n;
+    }
+    free(element);
+    lw_symmetry_group_free(&group);
+    return status;
+}
+
+lw_status lw_graph_elements(const lw_graph *g, uint8_t (**element)[LW_GRAPH_MAX], size_t *n)
+{
+    lw_symmetry_group group;
+    lw_status status = lw_graph_group(g, &group);
+    if (status == LW_OK)
+        status = lw_symmetry_group_elements(&group, element, n);
+    lw_symmetry_group_free(&group);
+    return status;
+}

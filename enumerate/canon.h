@@ -63,4 +63,11 @@ void      lw_symmetry_group_free(lw_symmetry_group *group);
  * LW_E_MEMORY also when there are more than 2^24. */
 lw_status lw_symmetry_group_elements(const lw_symmetry_group *group, uint8_t (**element)[LW_GRAPH_MAX], size_t *n);
 
+/* Of the group of a graph: the lowest vertex of the orbit of each vertex (n; NULL: not wanted), and its order (NULL: not wanted).
+ * LW_E_MEMORY also for an order above 2^24, if it is wanted. */
+lw_status lw_graph_symmetry(const lw_graph *g, uint8_t *lowest, uint64_t *order);
+
+/* All elements of the group of a graph, as lw_symmetry_group_elements. */
+lw_status lw_graph_elements(const lw_graph *g, uint8_t (**element)[LW_GRAPH_MAX], size_t *n);
+
 #endif

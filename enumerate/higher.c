@@ -33,16 +33,10 @@ static bool fits(const lw_chain *c, uint32_t marks, int i)
 static lw_status find_symmetry(marking *k)
 {
     lw_graph g;
-    lw_symmetry_group group;
     if (k->symmetry)
         return LW_OK;
     lw_graph_of_chain(k->chain, &g);
-    lw_status s = lw_graph_group(&g, &group);
-    if (s != LW_OK)
-        return s;
-    s = lw_symmetry_group_elements(&group, &k->symmetry, &k->n_symmetry);
-    lw_symmetry_group_free(&group);
-    return s;
+    return lw_graph_elements(&g, &k->symmetry, &k->n_symmetry);
 }
 
 /* True if this set is the first of its equivalent sets: it contains the lowest link in which they differ. */

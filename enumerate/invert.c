@@ -6,16 +6,11 @@
 lw_status lw_chain_orbits(const lw_chain *c, uint8_t *lowest, int *n_class)
 {
     lw_graph g;
-    lw_symmetry_group group;
+    uint8_t ground[LW_LINK_MAX];
     lw_graph_of_chain(c, &g);
-    lw_status status = lw_graph_group(&g, &group);
-    if (status == LW_OK) {
-        uint8_t ground[LW_LINK_MAX];
-        memcpy(lowest, group.orbit, (size_t)c->n_link);
-        if (n_class)
-            *n_class = lw_ground_choices(lowest, c->n_link, ground);
-    }
-    lw_symmetry_group_free(&group);
+    lw_status status = lw_graph_symmetry(&g, lowest, NULL);
+    if (status == LW_OK && n_class)
+        *n_class = lw_ground_choices(lowest, c->n_link, ground);
     return status;
 }
 

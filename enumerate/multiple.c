@@ -125,20 +125,12 @@ lw_status lw_multiple_canonical(const lw_multiple *m, lw_multiple *form)
 lw_status lw_multiple_symmetry(const lw_multiple *m, uint8_t *lowest, uint64_t *order)
 {
     lw_graph g;
-    lw_symmetry_group group;
-    uint8_t (*element)[LW_GRAPH_MAX] = NULL;
-    size_t n = 1;
+    uint8_t all[LW_GRAPH_MAX];               /* links, then pins */
     lw_status s = graph_of(m, &g);
     if (s == LW_OK)
-        s = lw_graph_group(&g, &group);
-    if (s != LW_OK)
-        return s;
-    if (group.n_generator > 0)
-        s = lw_symmetry_group_elements(&group, &element, &n);
-    memcpy(lowest, group.orbit, (size_t)m->n_link);
-    *order = n;
-    free(element);
-    lw_symmetry_group_free(&group);
+        s = lw_graph_symmetry(&g, all, order);
+    if (s == LW_OK)
+        memcpy(lowest, all, (size_t)m->n_link);
     return s;
 }
 

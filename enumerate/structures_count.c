@@ -20,15 +20,9 @@ typedef struct block {
 static lw_status count_automorphisms(const lw_structure *s, long double *order)
 {
     lw_graph g;
-    lw_symmetry_group group;
-    uint8_t (*element)[LW_GRAPH_MAX] = NULL;
-    size_t n = 1;
+    uint64_t n = 1;
     lw_graph_of_structure(s, &g);
-    lw_status status = lw_graph_group(&g, &group);
-    if (status == LW_OK && group.n_generator > 0)
-        status = lw_symmetry_group_elements(&group, &element, &n);
-    free(element);
-    lw_symmetry_group_free(&group);
+    lw_status status = lw_graph_symmetry(&g, NULL, &n);
     *order = (long double)n;
     for (int e = 1, alike = 1; e < s->n_line; e++) {
         alike = memcmp(s->end[e - 1], s->end[e], 2) == 0 ? alike + 1 : 1;

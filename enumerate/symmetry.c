@@ -37,14 +37,9 @@ static void graph_of(const lw_mechanism *m, bool kinds, lw_graph *g)
 lw_status lw_symmetry_of(const lw_mechanism *m, bool kinds, lw_symmetry *s)
 {
     lw_graph g;
-    lw_symmetry_group group;
     graph_of(m, kinds, &g);
     *s = (lw_symmetry){ .n_link = m->n_link, .n_joint = m->n_joint };
-    lw_status status = lw_graph_group(&g, &group);
-    if (status != LW_OK)
-        return status;
-    status = lw_symmetry_group_elements(&group, &s->link, &s->n);
-    lw_symmetry_group_free(&group);
+    lw_status status = lw_graph_elements(&g, &s->link, &s->n);
     if (status != LW_OK)
         return status;
     s->joint = malloc(s->n*sizeof *s->joint);
@@ -78,7 +73,6 @@ void lw_symmetry_free(lw_symmetry *s)
 lw_status lw_mechanism_orbits(const lw_mechanism *m, uint8_t *lowest)
 {
     lw_graph g;
-    lw_symmetry_group group;
     graph_of(m, true, &g);
     if (m->directed) {
         lw_symmetry s;
@@ -92,12 +86,7 @@ lw_status lw_mechanism_orbits(const lw_mechanism *m, uint8_t *lowest)
             lw_symmetry_free(&s);
         return status;
     }
-    lw_status status = lw_graph_group(&g, &group);
-    if (status != LW_OK)
-        return status;
-    memcpy(lowest, group.orbit, (size_t)m->n_link);
-    lw_symmetry_group_free(&group);
-    return LW_OK;
+    return lw_graph_symmetry(&g, lowest, NULL);
 }
 
 lw_status lw_mechanism_canonical(const lw_mechanism *m, lw_mechanism *form)

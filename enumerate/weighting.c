@@ -50,13 +50,9 @@ static lw_status fill_lines(lw_weighting *w)
 static lw_status find_group(lw_weighting *w)
 {
     lw_graph graph;
-    lw_symmetry_group group;
     forget_group(w);
     lw_graph_of_structure(&w->s, &graph);
-    lw_status status = lw_graph_group(&graph, &group);
-    if (status == LW_OK)
-        status = lw_symmetry_group_elements(&group, &w->circle, &w->n_element);
-    lw_symmetry_group_free(&group);
+    lw_status status = lw_graph_elements(&graph, &w->circle, &w->n_element);
     return status == LW_OK ? fill_lines(w) : status;
 }
 

@@ -71,18 +71,8 @@ lw_status lw_chain_is_isomorphic(const lw_chain *a, const lw_chain *b, bool *sam
 lw_status lw_chain_symmetries(const lw_chain *chain, uint64_t *order)
 {
     lw_graph g;
-    lw_symmetry_group group;
-    uint8_t (*element)[LW_GRAPH_MAX] = NULL;
-    size_t n = 0;
     lw_graph_of_chain(chain, &g);
-    lw_status s = lw_graph_group(&g, &group);
-    if (s != LW_OK)
-        return s;
-    s = lw_symmetry_group_elements(&group, &element, &n);
-    lw_symmetry_group_free(&group);
-    free(element);
-    *order = n;
-    return s;
+    return lw_graph_symmetry(&g, NULL, order);
 }
 
 /* ---- mechanisms --------------------------------------------------------------------------------------------- */

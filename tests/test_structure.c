@@ -346,15 +346,9 @@ static void count_blocks(series *b, int n)
 static uint64_t symmetries(const lw_structure *s)
 {
     lw_graph g;
-    lw_symmetry_group group;
-    uint8_t (*element)[LW_GRAPH_MAX] = NULL;
-    size_t n = 0;
+    uint64_t all = 0;
     lw_graph_of_structure(s, &g);
-    CHECK_INT(lw_graph_group(&g, &group), LW_OK);
-    CHECK_INT(lw_symmetry_group_elements(&group, &element, &n), LW_OK);
-    free(element);
-    lw_symmetry_group_free(&group);
-    uint64_t all = n;
+    CHECK_INT(lw_graph_symmetry(&g, NULL, &all), LW_OK);
     for (int i = 0; i < g.n; i++)
         for (int k = i + 1; k < g.n; k++)
             all = times(all, factorial(g.tie[i][k]));

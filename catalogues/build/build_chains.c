@@ -119,29 +119,22 @@ static lw_status take_mechanism(void *context, const lw_mechanism *m)
 static lw_status count_symmetry(const lw_chain *c, entry *x)
 {
     lw_graph g;
-    lw_symmetry_group group;
-    uint8_t (*element)[LW_GRAPH_MAX] = NULL;
-    size_t n = 1;
+    uint8_t lowest[LW_GRAPH_MAX];
     lw_graph_of_chain(c, &g);
-    lw_status s = lw_graph_group(&g, &group);
+    lw_status s = lw_graph_symmetry(&g, lowest, &x->row.symmetry);
     if (s != LW_OK)
         return s;
-    if (group.n_generator > 0)
-        s = lw_symmetry_group_elements(&group, &element, &n);
-    x->row.symmetry = n;
     x->row.n_ground = 0;
     for (int i = 0; i < c->n_link; i++) {
         int alike = 0;
         for (int k = 0; k < c->n_link; k++)
-            alike += group.orbit[k] == i;
+            alike += lowest[k] == i;
         if (alike > 0) {
             x->ground[x->row.n_ground] = (uint8_t)(i + 1);
             x->alike[x->row.n_ground++] = (uint8_t)alike;
         }
     }
-    free(element);
-    lw_symmetry_group_free(&group);
-    return s;
+    return LW_OK;
 }
 
 static void print_assortment(const lw_chain *c, entry *x, char text[LW_LINK_MAX*4])
