@@ -2,9 +2,8 @@
 #ifndef LW_TESTS_EXAMPLE_LINKAGE_H
 #define LW_TESTS_EXAMPLE_LINKAGE_H
 
-#include "base/file.h"
-#include "tests/check.h"
 #include "tests/mbs_linkage.h"
+#include "tests/planar_models.h"
 
 static const char *const example_names[] = {
     "hoeken", "chebyshev", "inverted-slider-crank", "jansen", "klann", "scott-russell", "slider-crank", "trammel",
@@ -15,13 +14,9 @@ static const char *const example_names[] = {
 static inline lw_linkage example(const char *name)
 {
     static lw_linkage k;
-    char path[128], *text = NULL;
-    size_t size = 0;
-    lw_error e = { 0 };
+    char path[128];
     snprintf(path, sizeof path, "examples/%s.json", name);
-    CHECK_INT(lw_file_read(path, &text, &size, &e), LW_OK);
-    CHECK_INT(lw_linkage_read(text, size, path, &k, &e), LW_OK);
-    free(text);
+    load_linkage(path, &k);
     return k;
 }
 

@@ -68,7 +68,7 @@ TEST(teeth_mesh)
     lw_linkage k;
     lw_error e;
     lw_wheel w[2];
-    CHECK_INT(model_read("geared-five-bar", &k), LW_OK);
+    k = example("geared-five-bar");
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
     check_mesh(&s, 5);
     CHECK(lw_body_shapes_gear(&s, 5, w));
@@ -126,14 +126,11 @@ TEST(welds_join_their_links)
 /* Of both cylinders of the loader, in every frame: the rod's pin stands outside of the tube, the piston inside. */
 TEST(pistons_stay_in_their_tubes)
 {
-    char *text = NULL;
-    size_t size;
     lw_error e;
     lw_scene s;
     lw_model m;
     lw_scene_options o = lw_scene_options_default();
-    CHECK_INT(lw_file_read("examples/loader.json", &text, &size, &e), LW_OK);
-    CHECK_INT(lw_model_read(text, size, "loader", &m, &e), LW_OK);
+    load_planar("examples/loader.json", &m);
     o.model = &m;
     CHECK_INT(lw_scene_make(m.small, NULL, &o, &s, &e), LW_OK);
     for (int j = 2; j <= 6; j += 4) {
@@ -150,5 +147,4 @@ TEST(pistons_stay_in_their_tubes)
     CHECK(!lw_body_shapes_cylinder(&s, 0, &(lw_cylinder){ .tube = 0 }));
     lw_scene_free(&s);
     lw_model_free(&m);
-    free(text);
 }

@@ -2,8 +2,8 @@
  * input. */
 #include "mbs/clearance/clearance.h"
 #include "mbs/elastic/contact.h"
-#include "tests/json_text.h"
 #include "tests/clearance_models.h"
+#include "tests/planar_models.h"
 
 static const double rpm = 2.0*LW_PI/60.0;
 
@@ -78,10 +78,9 @@ TEST(limits_of_the_models)
  * Without damping contact lasts 2 (pi - atan(v w/g))/w, w^2 = K/m, v^2 = 2 g R. */
 static void bounces(lw_model *m, double stiffness)
 {
-    static char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'disc', 'mass': 2, 'centre': [1, 2], 'inertia': 0.3}], 'joints': [{'name': 'A', "
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'disc', 'mass': 2, 'centre': [1, 2], 'inertia': 0.3}], 'joints': [{'name': 'A', "
         "'links': ['ground', 'disc'], 'at': [1, 2], 'clearance': {'model': 'impact', 'gap': 0.01, 'stiffness': 1e5}}], 'gravity': [0, -9.81]}";
-    lw_error e = { 0 };
-    CHECK_INT(lw_model_read(json_quotes(text), sizeof text - 1, "disc", m, &e), LW_OK);
+    read_planar(text, "disc", m);
     m->clearance[0].stiffness = stiffness;
 }
 
@@ -260,7 +259,6 @@ TEST(reaction_without_clearance)
 TEST(driven_crank)
 {
     lw_model m;
-    lw_error e = { 0 };
     char text[6000];
     FILE *f = fopen("examples/clearance-four-bar.json", "rb");
     size_t n = f ? fread(text, 1, 3000, f) : 0;
@@ -275,7 +273,7 @@ TEST(driven_crank)
     const char *rest = strchr(speed, '}');
     memmove(speed + sizeof motion - 1, rest, strlen(rest) + 1);
     memcpy(speed, motion, sizeof motion - 1);
-    CHECK_INT(lw_model_read(json_quotes(text), strlen(text), "driven", &m, &e), LW_OK);
+    read_planar(text, "driven", &m);
     lw_clearance_options o = lw_clearance_options_default();
     o.time = 0.4, o.settle = 0.1, o.every = 0.01;
     track t;

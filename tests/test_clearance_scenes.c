@@ -4,6 +4,7 @@
 #include "mbs/elastic/contact.h"
 #include "tests/clearance_models.h"
 #include "tests/dynamics_run.h"
+#include "tests/planar_models.h"
 
 static lw_clearance_result run(const lw_model *m, lw_clearance_options o, track *t)
 {
@@ -96,19 +97,10 @@ static const char slider_crank[] = "{'linkwright': 1, 'links': ['ground',{'name'
     "'piston'], 'at': [0.3, 0], 'clearance': {'model': 'zero', 'gap': 1e-4, 'stiffness': 1e7, 'damping': 1000, 'depth': 1e-6}},{'name': 'P', 'kind': 't', "
     "'links': ['ground', 'piston'], 'at': [0.3, 0], 'along': [1, 0]}],'input': {'joint': 'O', 'speed': 8}, 'gravity': [0, -9.81]}";
 
-static void read_text(const char *text, lw_model *m)
-{
-    char *json = json_quotes(strdup(text));
-    lw_error e = { 0 };
-    CHECK_INT(lw_model_read(json, strlen(json), "text", m, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
-    free(json);
-}
-
 TEST(friction_of_a_slider)
 {
     lw_model m;
-    read_text(slider_crank, &m);
+    read_planar(slider_crank, "text", &m);
     give_friction(&m, 0.15, 0.01, 0.02);
     same_motion(&m, 0.8, 40, 1e-7);
     m.clearance[2].model = LW_CLEARANCE_NONE;        /* the same with the journal elsewhere */
@@ -121,7 +113,7 @@ TEST(friction_of_a_slider)
 TEST(stops_without_gap)
 {
     lw_model m;
-    read_text(slider_crank, &m);
+    read_planar(slider_crank, "text", &m);
     for (int i = 0; i < 3; i++) {
         m.stop[3] = (lw_joint_stop){ .has_least = true, .least = -0.12,
                                      .restitution = i == 0 ? 0.9 : i == 1 ? 0.3 : 0 };
@@ -144,7 +136,7 @@ static void six_bar(lw_model *m)
         "'depth': 1e-6}},{'name': 'D', 'links': ['ground', 'rocker'], 'at': [0.3, 0]},{'name': 'E', 'links': ['coupler', 'arm'], 'at': [0.11, 0.24]},"
         "{'name': 'F', 'links': ['arm', 'stay'], 'at': [-0.04, 0.52], 'clearance': {'model': 'impact', 'gap': 1e-4, 'stiffness': 1e7, 'damping': 2000, "
         "'depth': 1e-6}},{'name': 'G', 'links': ['ground', 'stay'], 'at': [-0.3, 0.25]}],'input': {'joint': 'A', 'speed': 6}, 'gravity': [0, -9.81]}";
-    read_text(text, m);
+    read_planar(text, "text", m);
 }
 
 static const lw_clearance_model laws[] = { LW_CLEARANCE_LINK, LW_CLEARANCE_MLSD, LW_CLEARANCE_IMPACT,
@@ -226,7 +218,7 @@ TEST(impulse_with_friction)
         "{'model': 'impact', 'gap': 0.01, 'stiffness': 1e8}}],'input': {'joint': 'A', 'speed': 20}, 'gravity': [0, -9.81]}";
     lw_model m;
     track k;
-    read_text(text, &m);
+    read_planar(text, "text", &m);
     lw_clearance_options o = lw_clearance_options_default();
     double fall = sqrt(2*0.01/9.81), v = 9.81*fall, mu = 0.05, radius = 0.1;
     o.time = 1.5*fall, o.settle = 0, o.every = o.time, o.tolerance = 1e-12;
@@ -254,7 +246,7 @@ TEST(torques_of_the_time)
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'disc', 'mass': 2, 'centre': [0, 0], 'inertia': 0.5}], 'joints': "
                  "[{'name': 'A', 'links': ['ground', 'disc'], 'at': [0, 0], 'clearance': {'model': 'zero', 'gap': 0.01}%s}], 'input': {'joint': 'A', "
                  "'speed': 0}, 'forces': [{'link': 'disc', 'at': [0, 0], 'torque': '%s'}]}", row[i/2].stop, row[i/2].torque);
-        read_text(text, &m);
+        read_planar(text, "text", &m);
         lw_clearance_options o = lw_clearance_options_default();
         o.time = 1, o.settle = 0.3, o.every = i%2 ? 1 : 0.05, o.tolerance = 1e-9;
         run(&m, o, &k);
@@ -271,7 +263,7 @@ TEST(passes)
     lw_error e = { 0 };
     lw_clearance_scene *scene;
     lw_clearance_result r;
-    read_text(slider_crank, &m);
+    read_planar(slider_crank, "text", &m);
     m.clearance[2].model = LW_CLEARANCE_IMPACT;
     CHECK_INT(lw_model_drive(&m, 0, "pi/2 - 40*t", &e), LW_OK);
     lw_clearance_options o = lw_clearance_options_default();

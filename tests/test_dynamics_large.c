@@ -11,6 +11,7 @@
 #include "grammar/model/spatial.h"
 #include "mbs/analysis/reactions.h"
 #include "tests/large_models.h"
+#include "tests/planar_models.h"
 
 /* ---- runs ----------------------------------------------------------------------------------------------- */
 
@@ -153,18 +154,19 @@ TEST(stops_in_any_number)
     lw_model_free(&m);
 }
 
+static void read_example(const char *name, lw_model *m)
+{
+    char path[100];
+    snprintf(path, sizeof path, "examples/%s.json", name);
+    load_planar(path, m);
+}
+
 TEST(examples_agree)
 {
     static const char *const name[] = { "andrews", "pendulum", "two-four-bars", "loader" };
     for (size_t i = 0; i < sizeof name/sizeof *name; i++) {
-        char path[100], *content = NULL;
-        size_t size;
         lw_model m;
-        lw_error e = { 0 };
-        snprintf(path, sizeof path, "examples/%s.json", name[i]);
-        CHECK_INT(lw_file_read(path, &content, &size, &e), LW_OK);
-        CHECK_INT(lw_model_read(content, size, path, &m, &e), LW_OK);
-        free(content);
+        read_example(name[i], &m);
         for (int l = 0; l < m.linkage.n_link; l++)           /* each link has a mass */
             if (!(m.body[l].mass > 0 && m.body[l].inertia > 0)) {
                 int j = 0;
@@ -454,17 +456,6 @@ static void driven_agree(lw_model *m, lw_analysis analysis, double to, double ti
     }
     CHECK(without <= (int)r.without_forces);
     free(small.value), free(large.value);
-}
-
-static void read_example(const char *name, lw_model *m)
-{
-    char path[100], *content = NULL;
-    size_t size;
-    lw_error e = { 0 };
-    snprintf(path, sizeof path, "examples/%s.json", name);
-    CHECK_INT(lw_file_read(path, &content, &size, &e), LW_OK);
-    CHECK_INT(lw_model_read(content, size, path, m, &e), LW_OK);
-    free(content);
 }
 
 TEST(driven_agree_with_certified_steps)

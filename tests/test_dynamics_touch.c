@@ -4,6 +4,7 @@
 #include "mbs/dynamics/statics.h"
 #include "mbs/equations/complementarity.h"
 #include "tests/dynamics_run.h"
+#include "tests/planar_models.h"
 
 static drun d;
 
@@ -695,7 +696,7 @@ static fallen falling_chain(int n, const char *law, double to, lw_formulation fo
     o.to = to;
     o.intervals = 4;
     fallen f = { .d = NULL };
-    CHECK_INT(lw_model_read(json_quotes(text), strlen(text), "text", &m, &e), LW_OK);
+    read_planar(text, "text", &m);
     CHECK_INT(lw_dynamics_make(&m, &o, &run, &e), LW_OK);
     f.d = run;
     CHECK_INT(lw_dynamics_run(run, keep_fallen, &f, &r, &e), LW_OK);

@@ -5,7 +5,7 @@
 #include "mbs/dynamics/modes.h"
 #include "mbs/dynamics/statics.h"
 #include "mbs/elastic/expand_space.h"
-#include "tests/json_text.h"
+#include "tests/planar_models.h"
 #include "tests/spatial_models.h"
 #include "tests/temporary.h"
 
@@ -192,8 +192,7 @@ static void swing_as_in_the_plane(const char *more)
     lw_rng_seed(&rng, check_seed(), 1);
     o.intervals = 20;
     o.relative = o.absolute = 1e-8;
-    json_quotes(planar);
-    CHECK_INT(lw_model_read(planar, strlen(planar), "test", &f, &e), LW_OK);
+    read_planar(planar, "test", &f);
     CHECK_INT(lw_dynamics_make(&f, &o, &flat.d, &e), LW_OK);
     CHECK_INT(lw_dynamics_run(flat.d, keep_flat, &flat, &report, &e), LW_OK);
     lw_dynamics_free(flat.d);
@@ -724,9 +723,8 @@ static void hinged_bar(const char *elastic, lw_elastic_expansion *x, double out[
     lw_rest rest;
     snprintf(text, sizeof text, "{'linkwright': 1, 'gravity': [0, -0.01], 'links': ['ground', {'name': 'bar', 'elastic': {%s}}], 'joints': [{'name': 'A', "
              "'links': ['ground', 'bar'], 'at': [0, 0]}, {'name': 'B', 'kind': 't', 'links': ['ground', 'bar'], 'at': [0.6, 0.8], 'along': [0.6, 0.8]}]}", elastic);
-    json_quotes(text);
     o.analysis = LW_ANALYSIS_STATIC;
-    CHECK_INT(lw_model_read(text, strlen(text), "test", &m, &e), LW_OK);
+    read_planar(text, "test", &m);
     lw_status st = lw_dynamics_make(&m, &o, &d, &e);
     if (st != LW_OK)
         fprintf(stderr, "%s\n", e.text);

@@ -2,6 +2,7 @@
  * that come to rest; and against the plane. */
 #include "base/rng.h"
 #include "mbs/dynamics/dynamics_space.h"
+#include "tests/planar_models.h"
 #include "tests/spatial_models.h"
 
 static lw_formulation asked;
@@ -201,7 +202,7 @@ TEST(as_in_the_plane)
         lw_dynamics_report r;
         lw_dynamics_options o = lw_dynamics_options_default();
         o.intervals = 20, o.to = 2, o.relative = o.absolute = 1e-11;
-        CHECK_INT(lw_model_read(json_quotes(flat), strlen(flat), "plane", &m, &e), LW_OK);
+        read_planar(flat, "plane", &m);
         n_plane = 0;
         CHECK_INT(lw_dynamics_make(&m, &o, &p, &e), LW_OK);
         CHECK_INT(lw_dynamics_run(p, keep_plane, p, &r, &e), LW_OK);
@@ -292,7 +293,7 @@ TEST(elastic_links_rub)
                  "'damping': 0.001}}], 'joints': [{'name': 'J', 'links': ['ground', 'A'], 'at': [0, 0], %s}], 'gravity': "
                  "[0, -9.81], 'tracers': [{'name': 'P', 'link': 'A', 'at': [0.5, 0]}]}", in_plane[i]);
         n_plane = 0;
-        CHECK_INT(lw_model_read(json_quotes(text), strlen(text), "plane", &m, &e), LW_OK);
+        read_planar(text, "plane", &m);
         CHECK_INT(lw_dynamics_make(&m, &o, &p, &e), LW_OK);
         CHECK_INT(lw_dynamics_run(p, keep_end, p, &r, &e), LW_OK);
         CHECK_INT(n_plane, k.n);

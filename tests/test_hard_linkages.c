@@ -9,6 +9,7 @@
 #include "tests/kept_system.h"
 #include "tests/mbs_random.h"
 #include "tests/motion_curve.h"
+#include "tests/planar_models.h"
 
 /* --- exact straight lines --- */
 
@@ -173,12 +174,8 @@ static void by_plan_and_curve(const char *file)
     lw_linkage l;
     lw_plan plan;
     static lw_posture posture;
-    char *text = NULL;
-    size_t size;
     double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
-    CHECK_INT(lw_file_read(file, &text, &size, NULL), LW_OK);
-    CHECK_INT(lw_linkage_read(text, size, file, &l, NULL), LW_OK);
-    free(text);
+    load_linkage(file, &l);
     CHECK_INT(lw_plan_make(&l, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &l, dim, mode, &input, NULL), LW_OK);
     curve *v = follow(&l, 0);

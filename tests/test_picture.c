@@ -179,7 +179,7 @@ TEST(labels_do_not_overlap)
         lw_linkage k;
         lw_scene s;
         lw_error e;
-        CHECK_INT(model_read(model_files[i], &k), LW_OK);
+        k = example(model_files[i]);
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
         for (int q = 0; q < 3; q++) {
             lw_drawing d = draw(&s, size[q][0], size[q][1]);
@@ -205,7 +205,7 @@ TEST(nothing_goes_without_its_label)
         lw_linkage k;
         lw_scene s;
         lw_error e;
-        CHECK_INT(model_read(model_files[i], &k), LW_OK);
+        k = example(model_files[i]);
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
         lw_drawing d = draw(&s, 1000, 750);
         int n_joint = 0, n_length = 0, n_want = 0;
@@ -461,7 +461,7 @@ TEST(guides_cover_the_travel)
     lw_linkage k;
     lw_scene s;
     lw_error e;
-    CHECK_INT(model_read("trammel", &k), LW_OK);
+    k = example("trammel");
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
     for (int j = 0; j < k.n_joint; j++) {
         if (k.joint[j].kind != LW_JOINT_SLIDER)
@@ -481,18 +481,13 @@ typedef struct parts { int guides, links, hatching; double lowest; } parts;
 
 static parts parts_of(const char *path)
 {
-    char *text = NULL;
-    size_t size;
     lw_model m;
     lw_scene s;
     lw_scene_options o = lw_scene_options_default();
     lw_error e;
     parts n = { .lowest = -1 };
     o.model = &m;
-    if (lw_file_read(path, &text, &size, &e) != LW_OK || lw_model_read(text, size, path, &m, &e) != LW_OK) {
-        CHECK(!"the model is read");
-        return n;
-    }
+    load_planar(path, &m);
     CHECK_INT(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &e), LW_OK);
     lw_drawing d = draw(&s, 1000, 750);
     for (size_t i = 0; i < d.n_shape; i++) {
@@ -505,7 +500,6 @@ static parts parts_of(const char *path)
     lw_drawing_free(&d);
     lw_scene_free(&s);
     lw_model_free(&m);
-    free(text);
     return n;
 }
 
@@ -526,7 +520,7 @@ TEST(legends_are_free_of_curves)
     lw_scene s;
     lw_error e;
     double lowest = 0, legend = INFINITY;
-    CHECK_INT(model_read("gallery/evans", &k), LW_OK);
+    k = example("gallery/evans");
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
     lw_drawing d = draw(&s, 1000, 750);
     CHECK_INT(d.n_view, 2);

@@ -1,7 +1,6 @@
 /* Postures within rounding of a limit of motion: finite, whatever the order asked for. */
-#include "base/file.h"
 #include "mbs/batch/posture.h"
-#include "tests/check.h"
+#include "tests/planar_models.h"
 
 static void check_finite(const lw_posture *p, const lw_plan *plan)
 {
@@ -19,12 +18,8 @@ TEST(finite_around_every_limit)
     static lw_plan plan;
     static lw_posture posture;
     double dim[LW_DIM_MAX], file_mode[LW_MODE_MAX], file_input;
-    char *text;
-    size_t size;
     lw_error e;
-    CHECK_INT(lw_file_read("examples/jansen.json", &text, &size, &e), LW_OK);
-    CHECK_INT(lw_linkage_read(text, size, "jansen.json", &k, &e), LW_OK);
-    free(text);
+    load_linkage("examples/jansen.json", &k);
     CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, &e), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &k, dim, file_mode, &file_input, &e), LW_OK);
     int n_limit = 0;

@@ -9,6 +9,7 @@
 #include "mbs/dynamics/modes.h"
 #include "mbs/space/space_adjust.h"
 #include "mbs/space/space_mobility.h"
+#include "tests/planar_models.h"
 #include "tests/spatial_models.h"
 
 static bool make(const char *file, lw_spatial *m, lw_robot *r)
@@ -344,7 +345,7 @@ TEST(a_stop_beyond_half_a_turn)
 /* A five-bar whose rods come into one line 0.22 along this way, where the next posture of the same cranks is near. */
 TEST(a_five_bar_is_stretched)
 {
-    static char text[] = "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', 'd'], 'joints': [{'name': 'A', 'kind': 'r', 'links': ['ground', 'a'], "
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', 'd'], 'joints': [{'name': 'A', 'kind': 'r', 'links': ['ground', 'a'], "
         "'at': [-0.3323, 0]}, {'name': 'B', 'kind': 'r', 'links': ['ground', 'b'], 'at': [0.3662, -0.0158]}, {'name': 'C', 'kind': 'r', 'links': ['a', "
         "'c'], 'at': [-0.371, 0.4874]}, {'name': 'D', 'kind': 'r', 'links': ['b', 'd'], 'at': [0.6394, 0.4602]}, {'name': 'P', 'kind': 'r', 'links': "
         "['c', 'd'], 'at': [-0.3779, 0.58]}], 'inputs': [{'joint': 'A'}, {'joint': 'B'}], 'tracers': [{'name': 'P', 'link': 'c', 'at': [-0.3779, 0.58]}]}";
@@ -355,7 +356,7 @@ TEST(a_five_bar_is_stretched)
     lw_robot r;
     lw_error e = { 0 };
     double far, least = 0, first = 0;
-    CHECK_INT(lw_model_read(json_quotes(text), sizeof text - 1, "five-bar", &p, &e), LW_OK);
+    read_planar(text, "five-bar", &p);
     CHECK_INT(lw_spatial_of_planar(&p, &m, &e), LW_OK);
     CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
     CHECK_INT(lw_robot_reach(&r, way, 2, &far, &e), LW_OK);
@@ -419,7 +420,7 @@ TEST(five_bars_in_closed_form)
             continue;
         n++;
         char text[1200];
-        int size = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', 'd'], 'joints': ["
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', 'd'], 'joints': ["
             "{'name': 'A', 'kind': 'r', 'links': ['ground', 'a'], 'at': [%.17g, 0]}, {'name': 'B', 'kind': 'r', 'links': ['ground', "
             "'b'], 'at': [%.17g, 0]}, {'name': 'C', 'kind': 'r', 'links': ['a', 'c'], 'at': [%.17g, %.17g]}, {'name': 'D', "
             "'kind': 'r', 'links': ['b', 'd'], 'at': [%.17g, %.17g]}, {'name': 'P', 'kind': 'r', 'links': ['c', 'd'], 'at': "
@@ -429,7 +430,7 @@ TEST(five_bars_in_closed_form)
         lw_spatial m;
         lw_robot r;
         lw_error e = { 0 };
-        CHECK_INT(lw_model_read(json_quotes(text), (size_t)size, "five-bar", &p, &e), LW_OK);
+        read_planar(text, "five-bar", &p);
         CHECK_INT(lw_spatial_of_planar(&p, &m, &e), LW_OK);
         CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
         for (int i = 0; i < 12; i++) {                     /* one after the other: none begins with what the end of another left */
@@ -556,14 +557,10 @@ TEST(bad_robots)
 
 static bool make_planar(const char *file, lw_spatial *m, lw_robot *r)
 {
-    char *text;
-    size_t size;
     lw_error e = { 0 };
     lw_model p;
-    if (lw_file_read(file, &text, &size, &e) != LW_OK || lw_model_read(text, size, file, &p, &e) != LW_OK)
-        return false;
+    load_planar(file, &p);
     lw_status s = lw_spatial_of_planar(&p, m, &e);
-    free(text);
     lw_model_free(&p);
     return s == LW_OK && lw_robot_make(m, NULL, r, &e) == LW_OK;
 }

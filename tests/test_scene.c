@@ -65,7 +65,7 @@ TEST(examples_move_as_one)
         lw_linkage k;
         lw_scene s;
         lw_error e;
-        CHECK_INT(model_read(model_files[i], &k), LW_OK);
+        k = example(model_files[i]);
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
         CHECK_TEXT(s.note, "");
         CHECK_INT(s.n_frame, 120);
@@ -88,7 +88,7 @@ TEST(what_is_not_made_of_dyads_moves)
         lw_linkage k;
         lw_scene s;
         lw_error e;
-        CHECK_INT(model_read(known[i].name, &k), LW_OK);
+        k = example(known[i].name);
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
         CHECK_TEXT(s.note, "");
         CHECK_INT(s.n_frame, 120);
@@ -119,7 +119,7 @@ TEST(drafts_lie_on_the_whole_curves)
         lw_scene whole, s;
         lw_error e;
         lw_scene_options o = { .n_frame = 60, .n_curve_point = 600 };
-        CHECK_INT(model_read(known[i].name, &k), LW_OK);
+        k = example(known[i].name);
         CHECK_INT(lw_scene_make(&k, NULL, &o, &whole, &e), LW_OK);
         check_joined(&whole, known[i].size, 1e-5);
         o.draft = true;
@@ -149,7 +149,7 @@ TEST(gears_turn_against_each_other)
     lw_linkage k;
     lw_scene s;
     lw_error e;
-    CHECK_INT(model_read("geared-five-bar", &k), LW_OK);
+    k = example("geared-five-bar");
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
     double before[2] = { 0, 0 }, sum[2] = { 0, 0 };
     for (size_t f = 1; f < s.n_frame; f++) {
@@ -174,7 +174,7 @@ TEST(wanted_range_of_a_curve)
         lw_linkage k;
         lw_scene s;
         lw_error e;
-        CHECK_INT(model_read(known[i].name, &k), LW_OK);
+        k = example(known[i].name);
         k.n_input = 1;
         if (i == 1) {                                               /* the other cylinder is shut */
             k.joint[6].kind = LW_JOINT_FIXED;
@@ -198,16 +198,9 @@ TEST(wanted_range_of_a_curve)
 
 static lw_status timed_scene(const char *path, double until, lw_model *m, lw_scene *s)
 {
-    char *content = NULL;
-    size_t size;
     lw_error e;
     lw_scene_options o = lw_scene_options_default();
-    lw_status st = lw_file_read(path, &content, &size, &e);
-    if (st == LW_OK)
-        st = lw_model_read(content, size, path, m, &e);
-    free(content);
-    if (st != LW_OK)
-        return st;
+    load_planar(path, m);
     o.model = m;
     o.until = until;
     return lw_scene_make(m->small, NULL, &o, s, &e);
@@ -247,7 +240,7 @@ TEST(ranges_of_several_inputs)
     lw_linkage k;
     lw_scene s;
     lw_error e;
-    CHECK_INT(model_read("five-bar", &k), LW_OK);
+    k = example("five-bar");
     for (int i = 0; i < 2; i++) {
         k.input[i].first = k.input[i].value;
         k.input[i].last = k.input[i].value + (i ? -0.2 : 0.3);

@@ -8,6 +8,7 @@
 #include "mbs/equations/equations_space.h"
 #include "mbs/space/kernel_tree_internal.h"
 #include "tests/dynamics_run.h"
+#include "tests/planar_models.h"
 #include "tests/spatial_models.h"
 
 typedef struct sample { double t, input, input_rate, drive[8], energy, work, q[64], v[64]; lw_vec3 tracer, linear,
@@ -361,7 +362,7 @@ static lw_status keep_planar(void *context, const lw_moment *m)
 
 TEST(a_planar_four_bar_in_space)
 {
-    static char plane[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0.1, 0.2], 'inertia': 0.02}, {'name': 'b', 'mass': "
+    static const char plane[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0.1, 0.2], 'inertia': 0.02}, {'name': 'b', 'mass': "
                                 "2, 'centre': [0.6, 0.5], 'inertia': 0.1}, {'name': 'c', 'mass': 1.5, 'centre': [1.1, 0.3], 'inertia': 0.05}], 'joints': "
                                 "[{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0.2, 0.4]}, {'name': "
                                 "'C', 'links': ['b', 'c'], 'at': [1.2, 0.7]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [1, 0]}], 'input': {'joint': "
@@ -384,7 +385,7 @@ TEST(a_planar_four_bar_in_space)
     CHECK_INT(q.redundant, 3);
     CHECK_HAS(q.why, "parallel");
     CHECK(!lw_spatial_text(plane, strlen(plane)));
-    CHECK_INT(lw_model_read(json_quotes(plane), strlen(plane), "plane", &p, &e), LW_OK);
+    read_planar(plane, "plane", &p);
     lw_dynamics_options o = lw_dynamics_options_default();
     o.to = 1;
     o.intervals = 10;
@@ -1197,7 +1198,7 @@ TEST(a_pendulum_bounces)
     static const char space[] = "{'linkwright': 1, 'gravity': [0, -9.81, 0], 'links': ['ground', {'name': 'a', 'mass': 2, "
         "'centre': [0.4, 0, 0], 'inertia': [0.01, 0.03, 0.03]}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], "
         "'at': [0, 0, 0], 'axis': [0, 0, 1], 'stop': {'least': -0.5, 'restitution': 0.4}}]}";
-    static char plane[] = "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.4, 0], 'inertia': 0.03}], "
+    static const char plane[] = "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.4, 0], 'inertia': 0.03}], "
         "'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0], 'stop': {'least': -0.5, 'restitution': 0.4}}]}";
     lw_spatial m;
     lw_model p;
@@ -1209,7 +1210,7 @@ TEST(a_pendulum_bounces)
     CHECK(q.n_event_seen > 5 && q.event[0].impact);
     CHECK_NEAR(q.event[1].speed/q.event[0].speed, 0.4, 1e-9, 0);
     CHECK(q.energy_error < 1e-10*q.energy_scale);
-    CHECK_INT(lw_model_read(json_quotes(plane), strlen(plane), "plane", &p, &e), LW_OK);
+    read_planar(plane, "plane", &p);
     lw_dynamics_options o = lw_dynamics_options_default();
     o.to = 2;
     o.relative = o.absolute = 1e-12;
