@@ -24,6 +24,15 @@ static inline double lw_greatest(int n, const double *x)
     return most;
 }
 
+/* The greatest magnitude; INFINITY if one of them is not finite. */
+static inline double lw_greatest_or_infinite(int n, const double *x)
+{
+    double most = 0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, isfinite(x[i]) ? fabs(x[i]) : INFINITY);
+    return most;
+}
+
 static inline int lw_compare_numbers(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;

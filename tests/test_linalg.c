@@ -1,6 +1,7 @@
 /* tests/test_linalg.c - the small QR, and eigenvalues of tridiagonal matrices, against known systems and against the definition. */
 #include "base/eigen.h"
 #include "base/linalg.h"
+#include "base/vector.h"
 #include "tests/check.h"
 
 static double uniform(uint64_t *s)          /* own generator: splitmix64, not the library's */
@@ -142,4 +143,17 @@ TEST(tridiagonal_matrices)
     }
     double nan[2] = { NAN, 1 }, one[2] = { 1, 0 }, unit[2] = { 1, 0 };
     CHECK_INT(lw_eigen_tridiagonal(2, nan, one, 1, unit), LW_E_ARG);
+}
+
+/* Wherever a value that is not finite stands, it is not lost beside greater ones. */
+TEST(greatest_magnitudes)
+{
+    const double bad[] = { NAN, INFINITY, -INFINITY };
+    for (int k = 0; k < 3; k++)
+        for (int at = 0; at < 3; at++) {
+            double x[] = { 1, -3, 2 };
+            CHECK(lw_greatest(3, x) == 3 && lw_greatest_or_infinite(3, x) == 3);
+            x[at] = bad[k];
+            CHECK(lw_greatest_or_infinite(3, x) == INFINITY);
+        }
 }

@@ -614,14 +614,6 @@ double lw_mbs_impulse(lw_dynamics *d, const double *g, double *change)
 
 /* ---- onto the constraints ------------------------------------------------------------------------ */
 
-static double greatest(const double *x, int n)
-{
-    double most = 0;
-    for (int i = 0; i < n; i++)
-        most = !(fabs(x[i]) <= most) ? fabs(x[i]) : most;
-    return most;
-}
-
 /* The least x with J x = rhs, in the metric of the masses or of the coordinates. */
 static void least_change(lw_dynamics *d, const double *rhs, double *x)
 {
@@ -638,11 +630,11 @@ lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double longest)
         lw_status s = lw_mbs_rows(d, t, q);
         if (s != LW_OK)
             return s;
-        double off = greatest(d->phi, d->n_c);
+        double off = lw_greatest_or_infinite(d->n_c, d->phi);
         if (!(off < INFINITY))
             return LW_E_NUMERIC;
         /* rounding of the rows grows with the distance travelled */
-        if (off <= 4*DBL_EPSILON || (off < 1e-12*fmax(1, greatest(q, d->n_q)) && off >= 0.5*before)) {
+        if (off <= 4*DBL_EPSILON || (off < 1e-12*fmax(1, lw_greatest_or_infinite(d->n_q, q)) && off >= 0.5*before)) {
             if (pass == 0)
                 s = lw_mbs_factor(d, false);
             return s;
@@ -654,7 +646,7 @@ lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double longest)
         for (int r = 0; r < d->n_c; r++)
             d->rhs[r] = -d->phi[r];
         least_change(d, d->rhs, step);
-        if (!(greatest(step, d->n_v) <= longest))
+        if (!(lw_greatest_or_infinite(d->n_v, step) <= longest))
             return LW_OPEN;
         d->eq.move(d->eq.context, q, step);
     }
@@ -668,7 +660,7 @@ lw_status lw_mbs_project_v(lw_dynamics *d, double t, double *v)
     for (int pass = 0; pass < 8; pass++) {
         if (lw_mbs_rate_wanted(d, t) != LW_OK)
             return LW_E_NUMERIC;
-        double off = 0, size = greatest(v, d->n_v);
+        double off = 0, size = lw_greatest_or_infinite(d->n_v, v);
         for (int r = 0; r < d->n_c; r++) {
             missing[r] = d->rhs[r] - row_dot(d, r, v);
             off = fmax(off, fabs(missing[r]));

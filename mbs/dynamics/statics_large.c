@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
+#include "base/vector.h"
 #include "mbs/dynamics/statics_internal.h"
 #include "mbs/dynamics/tangent_internal.h"
 #include "mbs/dynamics/vibration_internal.h"
@@ -28,14 +29,6 @@ static const double rounded = 1e-10;         /* the same when steps no longer be
 static const double drifts = 1e-5;           /* the same along a motion that nothing resists, by the rounding of forces */
 static const double slowest = 1e-6;          /* rate of such a motion, by rounding, over that of falling */
 
-static double greatest(const double *x, int n)
-{
-    double most = 0;
-    for (int i = 0; i < n; i++)
-        most = fmax(most, isfinite(x[i]) ? fabs(x[i]) : INFINITY);
-    return most;
-}
-
 /* Forces added to those of the model: a part of the load that the start lacks, and of a load that pushes aside. */
 typedef struct loads { double left, aside; } loads;
 
@@ -52,7 +45,7 @@ static lw_status find_residual(search *s, loads w)
     lw_tangent_push(d, s->l, s->residual);
     for (int k = 0; k < s->c; k++)
         s->residual[s->n + k] = d->phi[d->kept[k]];
-    return isfinite(greatest(s->residual, s->n + s->c)) ? LW_OK : LW_E_NUMERIC;
+    return isfinite(lw_greatest_or_infinite(s->n + s->c, s->residual)) ? LW_OK : LW_E_NUMERIC;
 }
 
 /* One step with `mass` times the masses in the matrix.  Returns its length; INFINITY: there is none. */
@@ -65,7 +58,7 @@ static double newton_step(search *s, double mass)
     for (int i = 0; i < s->n + s->c; i++)
         s->step[i] = -s->residual[i];
     lw_tangent_solve(&s->tangent, s->step);
-    return greatest(s->step, s->n);
+    return lw_greatest_or_infinite(s->n, s->step);
 }
 
 static void move(search *s)
@@ -78,7 +71,7 @@ static void move(search *s)
 /* Is a step of this size the last one that Newton's method needs?  before: size of the step before it. */
 static bool is_last(const search *s, double size, double still, double before)
 {
-    double all = fmax(1, greatest(s->q, s->n_q));
+    double all = fmax(1, lw_greatest_or_infinite(s->n_q, s->q));
     return size <= settled*all || (size < still*all && size > 0.3*before);
 }
 
@@ -243,7 +236,7 @@ static lw_status leave_saddle(search *s, const lw_mode *mode, bool falls, lw_res
         most = fmax(most, fabs(s->aside[i]));
     }
     for (double share = 0.1; st == LW_OPEN && share > 1e-4 && !falls; share *= 0.3) {
-        double scale = share*greatest(s->load, s->n)/most, moved = 0;
+        double scale = share*lw_greatest_or_infinite(s->n, s->load)/most, moved = 0;
         for (int i = 0; i < s->n; i++)
             s->aside[i] *= scale;
         most *= scale;
@@ -288,7 +281,7 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
         st = downhill(&s, r);
     }
     for (int k = 0; st == LW_OK; k++) {                       /* off an equilibrium that is not stable */
-        r->residual = greatest(s.residual, s.n);
+        r->residual = lw_greatest_or_infinite(s.n, s.residual);
         st = lw_modes_about(d, 4, false, NULL, t, q, &modes, &ignored);
         r->stable = st == LW_NOTHING;
         r->unknown = st == LW_E_KIND;
