@@ -31,6 +31,7 @@ static const double ahead = 20;              /* places this many steps away are 
 static const double exact = 1e-8, allowed = 1e-5;
 static const double give = 1e-9;             /* share by which rows of contacts give way */
 static const double resolved = 0.1;          /* step over the time constant of a compliant place */
+static const double unstable = 1e-4;         /* change of a state whose rate turns, over that of other states */
 static const double moment = 1e-8;           /* a step for the forces at the start, over the length of the run */
 enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENSE_MOST = 250, LEAST_CONTACTS = 24, HALVINGS = 8 };
 
@@ -68,7 +69,8 @@ static lw_status rates_of(capture *g, double t, const double *q, const double *v
 }
 
 /* Move the states z over `whole` from t on, at (q, v), by the midpoint rule, in so many parts that its two rates hardly
- * differ: the states of motors are far faster than steps of contact. */
+ * differ: the states of motors are far faster than steps of contact.  Near rest the rates differ little in steps that are too
+ * long for the rule to be stable; there a rate must not turn to a greater one of the other sign. */
 static lw_status move_states(capture *g, double t, double whole, const double *q, const double *v, double *z)
 {
     const lw_equations *eq = &g->d->eq;
@@ -78,7 +80,7 @@ static lw_status move_states(capture *g, double t, double whole, const double *q
         return LW_OK;
     eq->place(eq->context, q);
     while (s == LW_OK && done < whole) {
-        double off = 0;
+        double off = 0, grows = 0;
         h = fmin(h, whole - done);
         if ((s = rates_of(g, t + done, q, v, z, g->rate)) != LW_OK)
             break;
@@ -86,9 +88,13 @@ static lw_status move_states(capture *g, double t, double whole, const double *q
             g->try_z[i] = z[i] + 0.5*h*g->rate[i];
         if ((s = rates_of(g, t + done + 0.5*h, q, v, g->try_z, g->other)) != LW_OK)
             break;
-        for (int i = 0; i < eq->n_z; i++)
-            off = fmax(off, h*fabs(g->other[i] - g->rate[i])/(fabs(z[i]) + eq->state_scale(eq->context, i)));
-        if (!(off < g->part) && h > 1e-6*whole) {
+        for (int i = 0; i < eq->n_z; i++) {
+            double change = h*fabs(g->other[i] - g->rate[i])/(fabs(z[i]) + eq->state_scale(eq->context, i));
+            off = fmax(off, change);
+            if (fabs(g->other[i] - g->rate[i]) > fabs(g->rate[i]))
+                grows = fmax(grows, change);
+        }
+        if (!(off < g->part && grows < unstable*g->part) && h > 1e-6*whole) {
             h *= 0.5;
             continue;
         }
@@ -646,7 +652,7 @@ static lw_status run_steps(capture *g, double *y)
         look(g, 2*h*speed + closed*g->part*g->size, &missing);
         if (missing)
             s = choose_places(g, ahead*h*speed + 0.1*g->size);
-        double overlap = 0, whole = h;
+        double overlap = 0, left = end - g->t, whole = left/ceil(left/h - 1e-9);     /* a short last step would have wrong mean forces */
         s = s == LW_OK ? LW_OPEN : s;
         for (int k = 0; s == LW_OPEN && k < HALVINGS; k++, whole *= 0.5) {
             bool last = g->t + whole > end - 1e-9*whole;
