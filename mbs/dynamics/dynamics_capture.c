@@ -13,8 +13,9 @@
  * its pattern; those out of force become 0, so that a pass is one sparse factorisation.  Rows of contacts have a
  * compliance of rounding, which shares loads that are undetermined.
  *
- * Between contacts the error is of second order in h; times of impacts and overlaps are of first order.  The report says
- * both. */
+ * While no place changes, J v', and N v' and T v' of what presses and sticks, are the rates at the end of the step, to second order: with those
+ * of its middle a linkage would lose energy in proportion to h.  So the error is of second order then, but for forces that depend on velocities.
+ * Times of impacts and overlaps are of first order.  The report says both. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
@@ -40,7 +41,9 @@ typedef struct place {
     int    touch, row;
     bool   rubs, shut, presses;              /* shut: closed in the middle of the step */
     int    slips;                            /* 0: sticks */
-    double mu, target, normal, across;      /* impulses; target: least rate of the gap */
+    double mu, normal, across;               /* impulses */
+    double target, glide;                    /* least rate of the gap; rate of the slip of what sticks */
+    bool   struck;
 } place;
 
 typedef struct capture {
@@ -319,7 +322,7 @@ static lw_status solve_guess(capture *g, double h)
         const place *p = &g->at[k];
         g->wanted[p->row] = p->presses ? p->target : 0;
         if (p->rubs)
-            g->wanted[p->row + 1] = 0;
+            g->wanted[p->row + 1] = p->presses && p->slips == 0 ? p->glide : 0;
     }
     hold_back(g, g->wanted, g->next_v);
     return LW_OK;
@@ -330,7 +333,7 @@ static lw_status solve_guess(capture *g, double h)
 static bool revise_place(capture *g, place *p, const double *l, double tiny)
 {
     const lw_dynamics *d = g->d;
-    double slip = p->rubs ? lw_mbs_row_rate(d, p->row + 1, g->next_v) : 0;
+    double slip = p->rubs ? lw_mbs_row_rate(d, p->row + 1, g->next_v) - p->glide : 0;
     p->normal = p->presses ? -l[p->row] : 0;
     p->across = 0;
     if (!p->presses) {
@@ -432,6 +435,7 @@ static lw_status solve_densely(capture *g, double h, int m)
         law[n].friction = p->rubs ? p->mu : 0;
         row[2*n] = p->row;
         row[2*n + 1] = p->rubs ? p->row + 1 : -1;
+        b[2*n + 1] = -p->glide;
         b[2*n++] = -p->target;
     }
     if (s == LW_OK)
@@ -455,6 +459,18 @@ static lw_status solve_densely(capture *g, double h, int m)
     return s;
 }
 
+/* Where places change in a step, what the old velocities say about its end is of no use: the rows get the rates of its middle. */
+static lw_status aim_at_middle(capture *g, double t)
+{
+    lw_status s = lw_mbs_rate_wanted(g->d, t);
+    memcpy(g->wanted, g->d->rhs, (size_t)g->d->n_c*sizeof *g->wanted);
+    for (int k = 0; k < g->n; k++) {
+        g->at[k].glide = 0;
+        g->at[k].target = g->at[k].struck ? g->at[k].target : 0;
+    }
+    return s;
+}
+
 /* New velocities for a step of length h with the middle at next_q.  LW_OPEN: the passes do not end. */
 static lw_status solve_step(capture *g, double t, double h)
 {
@@ -468,6 +484,10 @@ static lw_status solve_step(capture *g, double t, double h)
     if (s != LW_OK)
         return s;
     memcpy(g->wanted, d->rhs, (size_t)d->n_c*sizeof *g->wanted);
+    if ((s = lw_mbs_acceleration_wanted(d, t, g->v)) != LW_OK)
+        return s;
+    for (int r = 0; r < first_row(d); r++)
+        g->wanted[r] += 0.5*h*d->rhs[r];
     memcpy(g->full, lw_mbs_jac(d, first_row(d)), (size_t)((d->n_c - first_row(d))*d->row_size)*sizeof *d->jac);
     d->eq.place_states(d->eq.context, g->next_z);
     d->eq.forces(d->eq.context, t, g->next_q, g->v, g->force, &g->power);
@@ -490,14 +510,20 @@ static lw_status solve_step(capture *g, double t, double h)
         p->shut = m.gap < closed*g->part*g->size && !lw_touch_past_end(touch, &m);
         shut += p->shut;
         p->presses = p->presses && p->shut;
-        p->target = m.rate < -3*pull ? -touch->surface->restitution*m.rate : 0;
+        p->target = p->presses ? -0.5*h*m.bias : 0;
+        p->glide = p->presses && p->slips == 0 ? -0.5*h*m.slip_bias : 0;
+        p->struck = m.rate < -3*(pull + fabs(p->target));
+        if (p->struck)
+            p->target = -touch->surface->restitution*m.rate;
         p->normal = p->across = 0;
     }
     for (int pass = 0; pass < PASSES; pass++) {
         bool densely = shut <= DENSE_SOON ? pass == TOGETHER : pass == LATE && shut <= DENSE_MOST;
         if (densely && (s = solve_densely(g, h, shut)) != LW_NOTHING)
             return s;
-        s = solve_guess(g, h);
+        s = pass == 1 ? aim_at_middle(g, t) : LW_OK;
+        if (s == LW_OK)
+            s = solve_guess(g, h);
         restore_rows(g);
         if (s != LW_OK || revise(g, d->l, pass, (pass < HARD ? exact : allowed)*(fastest + pull)) == 0)
             return s;

@@ -98,7 +98,7 @@ lw_status lw_mbs_rate_wanted(lw_dynamics *d, double t)
     return LW_OK;
 }
 
-static lw_status acceleration_wanted(lw_dynamics *d, double t, const double *v)
+lw_status lw_mbs_acceleration_wanted(lw_dynamics *d, double t, const double *v)
 {
     int row = d->n_row;
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
@@ -550,7 +550,7 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
         else if (!isfinite(d->force[i]))
             return lw_error_set(d->e, LW_E_NUMERIC, "a force on link \"%s\" is not a number at t = %.9g s",
                                 d->eq.name(d->eq.context, LW_NAMED_BLOCK, i/LW_BLOCK), t);
-    if (acceleration_wanted(d, t, v) != LW_OK)
+    if (lw_mbs_acceleration_wanted(d, t, v) != LW_OK)
         return LW_E_NUMERIC;
     lw_status s = LW_OK;
     if (d->eq.more_inertia) {

@@ -170,6 +170,8 @@ void lw_mbs_times(const lw_dynamics *d, const double *x, double *out);
 
 /* d->rhs: the value that J v must have. */
 lw_status lw_mbs_rate_wanted(lw_dynamics *d, double t);
+/* d->rhs: the value that J a must have at the velocities v. */
+lw_status lw_mbs_acceleration_wanted(lw_dynamics *d, double t, const double *v);
 
 /* a and l at (t, q, v): rows, factors and solution.  LW_OPEN: singular. */
 lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
