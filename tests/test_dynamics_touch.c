@@ -1279,6 +1279,31 @@ TEST(wall_of_boxes)
     lw_model_free(&d.model);
 }
 
+/* The pin of a driver turns a Geneva wheel of four slots by a right angle: halfway it has turned by half of that, but for the clearance of 0.4 mm. */
+TEST(geneva_wheel)
+{
+    double c = 0.1, r = c*sqrt(0.5), pin = 0.006, half = 0.0064, deep = c - r - 1.5*pin, a = 130*LW_PI/180;
+    char text[3000];
+    int n = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'driver', 'mass': 1, 'centre': [0.1, 0], 'inertia': 0.01, 'shapes':"
+                     "[{'circle': [%.9g, %.9g], 'radius': 0.006}]}, {'name': 'wheel', 'mass': 1, 'centre': [0, 0], 'inertia': 0.002, 'shapes': [{'polygon': [",
+                     c + r*cos(a), r*sin(a));
+    for (int k = 0; k < 16; k++) {
+        double x = k%4 == 0 || k%4 == 3 ? r : deep, y = k%4 < 2 ? -half : half, turn = LW_PI*(k/4 + 0.5)/2;
+        n += snprintf(text + n, sizeof text - (size_t)n, "%s[%.9g, %.9g]", k ? ", " : "", x*cos(turn) - y*sin(turn), x*sin(turn) + y*cos(turn));
+    }
+    snprintf(text + n, sizeof text - (size_t)n, "]}]}], 'joints': [{'name': 'D', 'links': ['ground', 'driver'], 'at': [0.1, 0]}, {'name': 'W', 'links':"
+             "['ground', 'wheel'], 'at': [0, 0]}], 'contacts': [{'links': ['driver', 'wheel'], 'friction': 0.05}], 'dampers': [{'joint': 'W', 'damping':"
+             "0.02}], 'input': {'joint': 'D', 'motion': 't'}}");
+    drun_read_text(&d, text);
+    for (int f = 0; f < 2; f++) {
+        CHECK_INT(drun_to(&d, f ? LW_FORMULATION_CAPTURE : LW_FORMULATION_INDEX1, 1e-8, LW_PI - a, 5), LW_OK);
+        CHECK_NEAR(d.q[5], asin(0.0004/(c - r)) - LW_PI/4, f ? 1e-4 : 1e-6, 0);
+        CHECK_INT(drun_to(&d, d.o.formulation, 1e-8, 2, 5), LW_OK);
+        CHECK_NEAR(d.q[5], -LW_PI/2, 0.1, 0);
+    }
+    lw_model_free(&d.model);
+}
+
 int main(void)
 {
     check_run();

@@ -12,7 +12,7 @@
 /* ---- discs and faces of a shape ------------------------------------------------------------------ */
 
 typedef struct disc { lw_vec2 at, edge[2], into; double radius, size; } disc;
-typedef struct face { lw_vec2 from, to, next[2]; double radius, deepest, slope[2]; bool infinite, two_sided; } face;
+typedef struct face { lw_vec2 from, to, next[2]; double radius, deepest, slope[2], notch[2]; bool infinite, two_sided; } face;
 
 static int disc_count(const lw_contour *p)
 {
@@ -62,6 +62,16 @@ static double bisector(const lw_contour *p, int i)
     return angle > 0 && angle < LW_PI ? tan(0.5*angle) : INFINITY;
 }
 
+/* How far the body goes on behind a notch, to half the way to the nearest other side, as the side of a square; 0: corner i is no notch. */
+static double notch_depth(const lw_contour *p, int i)
+{
+    double least = INFINITY;
+    for (int j = 0; j < p->n && is_notch(p, i); j++)
+        if (j != i && j != (i + p->n - 1)%p->n)
+            least = fmin(least, lw_v2_segment_distance(p->at[i], p->at[j], p->at[(j + 1)%p->n]));
+    return least < INFINITY ? 0.35*least : 0;
+}
+
 /* Half the least thickness of the polygon behind face i. */
 static double half_thickness(const lw_contour *p, int i)
 {
@@ -109,6 +119,8 @@ static face face_of(const lw_contour *p, int i)
     f.deepest = half_thickness(p, i);
     f.slope[0] = bisector(p, (i + 1)%p->n);
     f.slope[1] = bisector(p, i);
+    f.notch[0] = notch_depth(p, (i + 1)%p->n);
+    f.notch[1] = notch_depth(p, i);
     f.next[0] = next_normal(p, (i + 1)%p->n, (i + 1)%p->n);
     f.next[1] = next_normal(p, (i + p->n - 1)%p->n, i);
     return f;
@@ -157,6 +169,7 @@ static void add_discs(maker *w, const lw_contour *p, const lw_contour *o, bool d
             for (int k = 0; k < 2; k++) {
                 t->edge[k] = lw_v2_scale(a.edge[k], 1/unit);
                 t->next[k] = f.next[k];
+                t->notch[k] = f.notch[k]/unit;
             }
             t->into = a.into;
             t->radius[0] = a.radius/unit;
@@ -443,7 +456,7 @@ static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, 
         return;
     /* at a notch the next face holds the disc, up to interpolation: this face goes on there */
     bool corner = t->side == 0;
-    double begin = corner && !(t->slope[0] < INFINITY) ? t->deepest : 0, end = corner && !(t->slope[1] < INFINITY) ? t->deepest : 0;
+    double begin = t->notch[0], end = t->notch[1], deepest = m->place < 0 ? begin : m->place > t->length ? end : t->deepest;
     double past = t->length < INFINITY ? fmax(-m->place - begin, m->place - t->length - end) : 0, depth = -height;
     bool this_holds = false;
     for (int e = 0; corner && t->length < INFINITY && is_beside(t, m->place) && depth > -LW_TOUCH_END && e < 2; e++) {
@@ -460,7 +473,7 @@ static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, 
     if (past > 0)                            /* an end: the disc there repels, and this less than that */
         m->gap = hypot(past, height) - reach + past;
     else if (t->side == 0 && depth > 0 && t->length < INFINITY &&
-             (depth > t->deepest || (begin == 0 && depth > m->place*t->slope[0]) ||
+             (depth > deepest || (begin == 0 && depth > m->place*t->slope[0]) ||
               (end == 0 && depth > (t->length - m->place)*t->slope[1])))
         m->gap = depth;
 }

@@ -42,6 +42,7 @@ typedef struct lw_touch {
     double  length;                      /* of the face; infinite for a line                            */
     lw_vec2 next[2];                     /* normals of the faces at its ends, in the frame of body 1; 0: none */
     double  deepest, slope[2];           /* where behind a face a disc counts as inside, see touch.c     */
+    double  notch[2];                    /* how far the face goes on, and the body behind it, beyond a notch at its ends; 0: no notch */
     int     side;                        /* face of a bar: the side of the disc, -1, 1 or LW_TOUCH_NO_SIDE; 0: one side only */
     double  size, least_size;            /* way of a disc through the body, away from its corners; a shorter one is not looked for */
     double  sign, limit;                 /* stop: gap = sign (measure - limit); rope: limit is its length */
