@@ -763,7 +763,7 @@ TEST(prescribed_motion)
     }
     for (int n = 3; n < 200; n *= 8) {
         free_model(TURNING(""), -1.0999999, -1.0999999);
-        CHECK_INT(carry(LW_ANALYSIS_KINEMATIC, 1.6, n, &z, keep_carried), LW_E_KIND);
+        CHECK_INT(carry(LW_ANALYSIS_KINEMATIC, 1.6, n, &z, keep_carried), LW_E_NUMERIC);
         CHECK_HAS(d.e.text, "touch at t = 0.785");
         lw_model_free(&d.model);
         free_model(TURNING(""), -1.1000001, -1.1000001);

@@ -76,8 +76,8 @@ TEST(through_flat_postures)
 /* Times whose digits or whose phase are used up are refused; what is assumed is printed; 10 km are travelled at 100 m/s. */
 TEST(far_away)
 {
-    expect("$P simulate " PENDULUM " --to 1e100 -n 4", 3, "# incomplete", "less than one digit");
-    expect("$P simulate " PENDULUM " --to 1e16 -n 4", 3, "# incomplete", "too few digits");
+    expect("$P simulate " PENDULUM " --to 1e100 -n 4", 4, "# incomplete", "less than one digit");
+    expect("$P simulate " PENDULUM " --to 1e16 -n 4", 4, "# incomplete", "too few digits");
     expect("$P simulate " PENDULUM " --to 1e16 -n 4 --speed 1", 3, "# incomplete", "too few digits");
     expect("$P simulate " PENDULUM " --to 1e9 -n 4", 0, "# assumed: inputs without a speed start at rest: A", "its phase good to");
     expect("cat > $D/cart.json <<'EOF'\n"

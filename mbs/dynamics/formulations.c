@@ -357,8 +357,8 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
     lw_status s = run_one(&run);
-    if (s == LW_E_ARG && r->t > d->o.from && !run.refused)     /* on the way, where links without mass move alone */
-        s = LW_E_NUMERIC;
+    if ((s == LW_E_ARG || s == LW_E_KIND) && (r->t > d->o.from || r->samples > 0))      /* the model ran until here */
+        s = run.e->status = LW_E_NUMERIC;
     run.shown = r->samples;
     if (s == LW_E_NUMERIC && others && !run.refused)
         s = run_others(&run, s);
