@@ -1279,6 +1279,28 @@ TEST(wall_of_boxes)
     lw_model_free(&d.model);
 }
 
+/* A heavy disc slides over a round hill and leaves it where nothing presses it on, also while a box stands beside it, whose two corners
+ * share the friction in many ways. */
+TEST(leaves_a_hill)
+{
+    static const char format[] = "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [{'circle': [0, 0], 'radius': 1},"
+        "{'polygon': [[3, -1], [4, -1], [4, 0], [3, 0]]}]}, {'name': 'disc', 'mass': 1, 'centre': [0, 1.1], 'inertia': 5, 'velocity': [%.17g, 0], 'shapes':"
+        "[{'circle': [0, 1.1], 'radius': 0.1}]}, {'name': 'box', 'mass': 1, 'centre': [3.5, 0.1], 'inertia': 0.01, 'shapes': [{'polygon': [[3.35, 0], [3.65, 0],"
+        "[3.65, 0.2], [3.35, 0.2]]}]}], 'joints': [{'name': 'F0', 'kind': 'n', 'links': ['ground', 'disc']}, {'name': 'F1', 'kind': 'n', 'links': ['ground',"
+        "'box']}], 'contacts': [{'links': ['ground', 'disc'], 'friction': 0.3}, {'name': 'floor', 'links': ['ground', 'box'], 'friction': %.17g}]}";
+    for (int k = 0; k < 3; k++) {
+        double left[2] = { 0, 1 };
+        for (int sticks = 0; sticks < 2; sticks++) {
+            drun_read_format(&d, format, 1.7 + 0.3*k, 0.5*sticks);
+            CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-6, 1, 20), LW_OK);
+            for (int i = d.report.n_event - 1; i >= 0; i--)
+                left[sticks] = d.report.event[i].impact ? left[sticks] : d.report.event[i].t;
+            lw_model_free(&d.model);
+        }
+        CHECK_NEAR(left[1], left[0], 1e-6, 0);
+    }
+}
+
 /* The pin of a driver turns a Geneva wheel of four slots by a right angle: halfway it has turned by half of that, but for the clearance of 0.4 mm. */
 TEST(geneva_wheel)
 {

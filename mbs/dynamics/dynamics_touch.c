@@ -72,11 +72,8 @@ lw_status lw_run_touch_events(void *context, double t, const double *y, double *
             double force = w->list.touch[w->row[k].touch].force = -l[k];
             least(&g[PULL], fmin(w->n_redundant ? INFINITY : force + w->least_force, w->most_force - force));
         }
-    if (w->n_redundant) {
-        bool pulls;
-        double margin = lw_mbs_touch_share(d, v, d->l, &pulls);
-        least(&g[pulls ? PULL : STICK], margin);
-    }
+    if (w->n_redundant)                          /* one event for both: another one at the limit would be a jump, which cannot be located */
+        least(&g[STICK], lw_mbs_touch_share(d, v, d->l));
     for (int k = 0; k < w->n_row && !w->n_redundant; k++) {
         lw_touch *p = &w->list.touch[w->row[k].touch];
         if (!w->row[k].tangent)

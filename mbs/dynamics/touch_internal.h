@@ -39,9 +39,9 @@ lw_status lw_mbs_touch_share_make(lw_dynamics *d);
 
 /* The margin of the forces of all these places to their limits, scaled, when they share the load so that it is greatest; below 0: no sharing keeps
  * to the limits.
- * l: multipliers (n_c); the rows and their factors are those of lw_mbs_accelerate.  *pulls: a normal force is at its limit, not friction; places
- * whose friction is get `yields`. */
-double lw_mbs_touch_share(lw_dynamics *d, const double *v, const double *l, bool *pulls);
+ * l: multipliers (n_c); the rows and their factors are those of lw_mbs_accelerate.  Places whose friction is at its limit get
+ * `yields`, none where a normal force is. */
+double lw_mbs_touch_share(lw_dynamics *d, const double *v, const double *l);
 
 /* Has any of its places friction? */
 bool      lw_mbs_touch_rubs(const lw_dynamics *d);

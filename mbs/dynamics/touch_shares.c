@@ -117,7 +117,7 @@ static double solve_program(const struct lw_touching *w, int n, const double *c,
     return lw_lcp_solve(all, m, q, work, z) == LW_OK ? least + scale*z[2*r] : least;
 }
 
-double lw_mbs_touch_share(lw_dynamics *d, const double *v, const double *l, bool *pulls)
+double lw_mbs_touch_share(lw_dynamics *d, const double *v, const double *l)
 {
     struct lw_touching *w = d->touch;
     int r = w->n_redundant, width = 1 + r, all = unknown_max(w), forces = w->n_row + r;
@@ -131,7 +131,6 @@ double lw_mbs_touch_share(lw_dynamics *d, const double *v, const double *l, bool
         least = fmin(least, c[i*(width + 1)]);
         scale = fmax(scale, fabs(c[i*(width + 1)]));
     }
-    *pulls = false;
     if (least > 0 || n == 0)
         return least;
     double margin = solve_program(w, n, c, least, scale, m, q, z, work);
@@ -139,15 +138,12 @@ double lw_mbs_touch_share(lw_dynamics *d, const double *v, const double *l, bool
         redundant[j] += scale*(z[j] - z[r + j]);
     if (margin > 0)
         return margin;
-    *pulls = true;
     for (int k = 0; k < forces; k++)
         w->list.touch[force_at(w, k).touch].yields = false;
     for (int i = 0; i < n; i++) {
         lw_touch_row own = force_at(w, (int)c[i*(width + 1) + width]);
-        if (!own.tangent || !(z[first + i] > 1e-9))
-            continue;
-        w->list.touch[own.touch].yields = true;
-        *pulls = false;
+        if (own.tangent && z[first + i] > 1e-9)
+            w->list.touch[own.touch].yields = true;
     }
     return margin;
 }
