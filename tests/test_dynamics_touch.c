@@ -1301,6 +1301,25 @@ TEST(leaves_a_hill)
     }
 }
 
+/* A beam on three feet is pushed along the floor.  If they rub alike, or not at all, it moves in one way however they share the load; if one rubs
+ * that depends on its share, which is said from where it slips. */
+TEST(feet_that_rub_differently)
+{
+    static const char format[] = "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [" FLOOR "]}, {'name': 'beam', 'mass': 1,"
+        "'centre': [0, 0.2], 'inertia': 0.05, 'shapes': [{'circle': [-0.5, 0.1], 'radius': 0.1}, {'circle': [0.1, 0.1], 'radius': 0.1}]}, {'name': 'foot', 'mass':"
+        "0.01, 'centre': [0.5, 0.1], 'inertia': 1e-5, 'shapes': [{'circle': [0.5, 0.1], 'radius': 0.1}]}], 'joints': [{'name': 'F', 'kind': 'n', 'links': ['ground',"
+        "'beam']}, {'name': 'W', 'kind': 'f', 'links': ['beam', 'foot'], 'at': [0.5, 0.15]}], 'contacts': [{'name': 'two', 'links': ['ground', 'beam'], 'friction':"
+        "%.17g}, {'name': 'one', 'links': ['ground', 'foot'], 'friction': %.17g}], 'forces': [{'link': 'beam', 'at': [0, 0.2], 'fx': '2.5*t'}]}";
+    static const struct { double two, one, from; } each[] = { { 0.3, 0.3, INFINITY }, { 0, 0, INFINITY }, { 0, 0.3, 0 }, { 0.3, 0, 0.1 } };
+    for (int k = 0; k < 4; k++) {
+        drun_read_format(&d, format, each[k].two, each[k].one);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-8, 2, 2), LW_OK);
+        CHECK((d.report.undetermined != NULL) == isfinite(each[k].from));
+        CHECK(!d.report.undetermined || d.report.undetermined_t >= each[k].from);
+        lw_model_free(&d.model);
+    }
+}
+
 /* The pin of a driver turns a Geneva wheel of four slots by a right angle: halfway it has turned by half of that, but for the clearance of 0.4 mm. */
 TEST(geneva_wheel)
 {

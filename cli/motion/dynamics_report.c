@@ -29,6 +29,9 @@ void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status
         fputs("# assumed: friction is regularised by a speed of 0.001 m/s; a joint at rest under load creeps\n", f);
     if (r->no_friction)
         fputs("# assumed: equilibria without friction\n", f);
+    if (r->undetermined)
+        fprintf(f, "# several motions from t = %.12g s on: contact %s and others share a load in several ways while they slip\n", r->undetermined_t,
+                r->undetermined);
     if (r->captured_step > 0)
         fprintf(f, "# assumed: contacts are captured in steps of up to %.2g s; impacts are that late, overlaps within a step "
                 "reach %.2g m\n", r->captured_step, r->overlap);
@@ -64,6 +67,8 @@ void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_repo
     cli_json_int(j, "rows_without_forces", r->without_forces);
     cli_json_bool(j, "friction_creeps", r->smooth_friction);
     cli_json_bool(j, "friction_left_out", r->no_friction);
+    if (r->undetermined)
+        cli_json_real(j, "undetermined_from", r->undetermined_t);
     if (r->captured_step > 0) {
         cli_json_real(j, "captured_step", r->captured_step);
         cli_json_real(j, "overlap", r->overlap);
@@ -194,6 +199,9 @@ void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynami
     if (r->no_friction)
         cli_note(c, "equilibria are those without friction: with it the model also rests around them, and its drives need as much "
                  "more or less; a slow run in time (dynamic) shows it");
+    if (r->undetermined)
+        cli_note(c, "from t = %.12g s on contact %s and others share a load in several ways while they slip, each with other friction: rigid bodies have "
+                 "several motions then, of which one is given; a \"stiffness\" of the contacts determines it", r->undetermined_t, r->undetermined);
     if (r->captured_step > 0)
         cli_note(c, "contacts are captured in steps of up to %.2g s: impacts are that late, and overlaps within a step reach %.2g m; the error is "
                  "of first order (--formulation index1 locates each event)", r->captured_step, r->overlap);

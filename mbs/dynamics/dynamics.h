@@ -117,6 +117,8 @@ typedef struct lw_dynamics_report {
     double momentum_error, momentum_scale;   /* about the only joint to ground; scale 0: not conserved */
     int    n_event, n_event_seen;            /* events kept, and all */
     lw_run_event event[LW_REPORT_EVENT_MAX];
+    const char *undetermined;    /* a contact that shares a load with one that slips in several ways, each with another motion; NULL: none */
+    double undetermined_t;       /* the first time [s] */
     double captured_step, overlap;           /* of the capture formulation: longest step [s], greatest overlap [m] */
     bool   smooth_friction;      /* friction without a "speed" was regularised, and creeps instead of sticking */
     bool   no_friction;          /* friction of joints was left out, as in every equilibrium */

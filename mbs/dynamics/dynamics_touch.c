@@ -563,20 +563,73 @@ static void set_anchor(const lw_dynamics *d, lw_touch *p)
     p->anchor = m.path;
 }
 
-/* Does row k, which take_row refused, share its force with the normal force of a place that slips? */
-static bool shares_with_slip(const struct lw_touching *w, const closed *c, const double *factor, const int *taken, int n, int most)
+/* The row that take_row refused is the sum of those taken by x (n). */
+static const double *find_shares(const closed *c, const double *factor, int n, int most)
 {
     const double *left = factor + (size_t)n*(size_t)most;        /* the first half of the solution is there */
-    bool shares = false;
     double *x = c->sub;                                          /* not in use here */
     for (int i = n - 1; i >= 0; i--) {
         x[i] = left[i];
         for (int j = i + 1; j < n; j++)
             x[i] -= factor[(size_t)j*(size_t)most + (size_t)i]*x[j];
         x[i] /= factor[(size_t)i*(size_t)most + (size_t)i];
-        shares = shares || (taken[i]%2 == 0 && fabs(x[i]) > 1e-9 && w->list.touch[c->place[taken[i]/2]].slips != 0);
     }
+    return x;
+}
+
+/* Does the row that take_row refused share its force with the normal force of a place that slips? */
+static bool shares_with_slip(const struct lw_touching *w, const closed *c, const double *factor, const int *taken, int n, int most)
+{
+    const double *x = find_shares(c, factor, n, most);
+    bool shares = false;
+    for (int i = 0; i < n; i++)
+        shares = shares || (taken[i]%2 == 0 && fabs(x[i]) > 1e-9 && w->list.touch[c->place[taken[i]/2]].slips != 0);
     return shares;
+}
+
+/* Friction at place i per unit of its normal force, if it is at its limit there, as it is where there is no normal force yet. */
+static double friction_at_limit(const closed *c, int i)
+{
+    double mu = c->law[i].friction, across = c->force[2*i + 1], sense = across != 0 ? across : -c->rate[2*i + 1];
+    if (c->law[i].slips != 0)
+        return -c->law[i].slips*mu;
+    return fabs(across) < mu*c->force[2*i]*(1 - 1e-9) ? 0 : sense > 0 ? mu : sense < 0 ? -mu : 0;
+}
+
+/* Normal forces of the n rows taken can be shared with place `own`, whose row depends on them.  Does friction then move the bodies in another way? */
+static bool moves_otherwise(const closed *c, const double *factor, const int *taken, int n, int most, int own)
+{
+    const double *x = find_shares(c, factor, n, most);
+    double *f = c->sub + n, change = 0, size = 0;
+    size_t r = 2*(size_t)c->m;
+    for (int a = 0; a <= n; a++) {
+        int i = a < n ? taken[a]/2 : own;
+        f[a] = (a < n ? -x[a] : 1)*friction_at_limit(c, i);
+        for (int b = 0; b <= a; b++) {
+            int j = b < n ? taken[b]/2 : own;
+            double part = (a == b ? 1 : 2)*f[a]*f[b]*c->w[(2*(size_t)i + 1)*r + 2*(size_t)j + 1];
+            change += part;
+            size += fabs(part);
+        }
+    }
+    return change > 1e-9*size;
+}
+
+/* Report it if friction leaves several motions: a place at its limit shares its load in several ways.  The n rows taken are all normal forces.
+ * Where something sticks, that may take the difference, and nothing is said. */
+static void note_several_motions(lw_run *run, double t, const closed *c, double *factor, int *taken, int n, int most)
+{
+    bool slips = false, sticks = false;
+    for (int i = 0; i < c->m; i++)
+        if (c->in[i] && c->law[i].friction > 0)
+            *(friction_at_limit(c, i) != 0 ? &slips : &sticks) = true;
+    for (int i = 0; slips && !sticks && !run->r->undetermined && i < c->m; i++) {
+        const lw_touch *p = &run->d->touch->list.touch[c->place[i]];
+        if (c->in[i] && p->state == LW_TOUCH_PASSIVE && !take_row(c, factor, taken, n, most, 2*i) && moves_otherwise(c, factor, taken, n, most, i)) {
+            run->r->undetermined = lw_touch_name(run->d->model, p);
+            run->r->undetermined_t = t;
+        }
+    }
 }
 
 /* States of the places from forces and rates; the rows that are held.  lets_go: friction no longer holds a place that
@@ -602,7 +655,9 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
         return LW_E_MEMORY;
     }
     w->n_redundant = 0;
-    for (int pass = 0; pass < 4; pass++)                 /* gaps with friction, other gaps, slips, what sticks */
+    for (int pass = 0; pass < 4; pass++) {               /* gaps with friction, other gaps, slips, what sticks */
+        if (pass == 2)
+            note_several_motions(run, t, c, factor, taken, n, most);
         for (int i = 0; i < c->m; i++) {
             lw_touch *p = &w->list.touch[c->place[i]];
             bool presses = c->in[i] && c->force[2*i] > w->least_force;
@@ -641,6 +696,7 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
             if (p->sticks && !p->stuck)
                 set_anchor(d, p);
         }
+    }
     free(factor);
     free(taken);
     w->n_row = n;
