@@ -1279,6 +1279,27 @@ TEST(wall_of_boxes)
     lw_model_free(&d.model);
 }
 
+/* A pinned bar strikes the floor at (x, -h) from its pin.  Its tip slips forward until the bar stands, then back, with friction against the slip:
+ * the bar comes back with  e (x - mu h)/(x + mu h)  of its speed. */
+TEST(pinned_bar_strikes)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 31);
+    for (int k = 0; k < 40; k++) {
+        double x = lw_rng_range(&rng, 0.3, 1), h = lw_rng_range(&rng, 0.1, 1), mu = lw_rng_range(&rng, 0, 0.9*x/h), e = lw_rng_range(&rng, 0.2, 1);
+        double a = -atan2(h, x) + 0.05, l = hypot(x, h), w = -lw_rng_range(&rng, 0.5, 5);
+        char text[1500];
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': [{'name': 'ground', 'shapes': [{'line': [[0, %.17g], [1, %.17g]]}]}, {'name': 'bar', 'mass': 1, 'centre':"
+                 "[0.1, 0], 'inertia': 0.1, 'shapes': [{'segment': [[0, 0], [%.17g, %.17g]]}]}], 'joints': [{'name': 'A', 'links': ['ground', 'bar'], 'at': [0, 0]}],"
+                 "'contacts': [{'links': ['ground', 'bar'], 'friction': %.17g, 'restitution': %.17g}], 'input': {'joint': 'A', 'speed': %.17g}}", -h, -h, l*cos(a),
+                 l*sin(a), mu, e, w);
+        drun_read_text(&d, text);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, k%2 ? 1e-10 : 1e-8, 0.06/-w, 1), LW_OK);
+        CHECK_NEAR(d.v[2], -w*e*(x - mu*h)/(x + mu*h), 0, 1e-7);
+        lw_model_free(&d.model);
+    }
+}
+
 /* A heavy disc slides over a round hill and leaves it where nothing presses it on, also while a box stands beside it, whose two corners
  * share the friction in many ways. */
 TEST(leaves_a_hill)

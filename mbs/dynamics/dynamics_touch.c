@@ -365,17 +365,43 @@ static void note(lw_run *run, int place, double t, bool impact, double rate)
     r->n_event_seen++;
 }
 
+/* Impulses c->force that end the approach of the places in c->in, and the rates c->rate after them.  A linkage that comes to rest has no slip then, and
+ * its friction may be anything up to the limit; but it slipped until then, and friction was at the limit.  So slips go on where that satisfies
+ * Coulomb's law. */
+static lw_status compress(const lw_dynamics *d, const closed *c)
+{
+    double fastest = 0;
+    for (int k = 0; k < 2*c->m; k++)
+        fastest = fmax(fastest, fabs(c->u[k]));
+    for (int i = 0; i < c->m; i++) {
+        const lw_touch *p = &d->touch->list.touch[c->place[i]];
+        double slip = c->u[2*i + 1], friction = has_set_valued_friction(p) ? p->surface->friction : 0;
+        bool slips = c->in[i] && friction > 0 && fabs(slip) > no_slip*fastest;
+        c->law[i] = (lw_touch_law){ .friction = friction, .slips = !slips ? 0 : slip > 0 ? 1 : -1 };
+    }
+    for (;;) {
+        lw_status s = solve(c, c->u, c->force, c->rate);
+        bool changed = false;
+        for (int i = 0; i < c->m; i++) {
+            int slips = c->law[i].slips;
+            if (slips != 0 && (s == LW_NOTHING || slips*c->rate[2*i + 1] < -no_slip*fastest)) {
+                c->law[i].slips = 0;
+                changed = true;
+            }
+        }
+        if (!changed)
+            return s;
+    }
+}
+
 /* Compression, then expansion with `part` of the restitution, of the places in c->in: c->force is the impulse, c->rate the
  * rates after it.  *gains: energy is gained, by more than rounding. */
 static lw_status impact_once(const lw_dynamics *d, const closed *c, double part, bool *gains)
 {
     bool bounces = false;
-    for (int i = 0; i < c->m; i++) {
-        const lw_touch *p = &d->touch->list.touch[c->place[i]];
-        c->law[i] = (lw_touch_law){ .friction = has_set_valued_friction(p) ? p->surface->friction : 0 };
-    }
-    lw_status s = solve(c, c->u, c->force, c->rate);
+    lw_status s = compress(d, c);
     for (int i = 0; s == LW_OK && i < c->m; i++) {
+        c->law[i].slips = 0;
         c->law[i].least = part*d->touch->list.touch[c->place[i]].surface->restitution*c->force[2*i];
         bounces = bounces || c->law[i].least > 0;
     }
