@@ -472,6 +472,23 @@ TEST(kinks_of_the_time)
     }
 }
 
+/* Poles, ever faster oscillations and jumps are found; functions that only have an infinite slope, or whose parts jump, have none. */
+TEST(breaks)
+{
+    static const struct { const char *text; double at, by; } known[] = {
+        { "1/(1-t)", 1, INFINITY }, { "1/(t-0.5)^2", 0.5, INFINITY }, { "1e-6/(t-1/3)", 1.0/3, INFINITY }, { "tan(2*t)", LW_PI/4, INFINITY },
+        { "sin(1/(1-t))", 1, INFINITY }, { "log(t-1)", INFINITY, 0 }, { "exp(100*t)", 0.28987896, INFINITY }, { "sign(t-1)", 1, 1 },
+        { "atan(1/(1-t))", 1, LW_PI }, { "2*step(t,1,0,1.5,1)", INFINITY, 0 }, { "sqrt(abs(t-1))", INFINITY, 0 }, { "exp(-1/(t-1)^2)", INFINITY, 0 },
+        { "mod(t,0.1)*(0.1-mod(t,0.1))", INFINITY, 0 }, { "1e4*sin(1e4*t)", INFINITY, 0 }, { "tanh(1e10*(t-1))", INFINITY, 0 }, { "1/(x(P)-t)", INFINITY, 0 } };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        lw_expression *x = parse(known[i].text);
+        double by = 0, t = x ? lw_expression_next_break(x, 0, 0, 2, 0.1, &by) : NAN;
+        CHECK(t == known[i].at || fabs(t - known[i].at) < 3e-5);
+        CHECK(t == INFINITY || by == known[i].by || fabs(by - known[i].by) < 1e-6);
+        lw_expression_free(x);
+    }
+}
+
 /* Between samples of a calm interval a function changes by less than the samples show, or by little: looked at a thousand times as
  * densely.  A smooth function takes few intervals. */
 TEST(calm_intervals)

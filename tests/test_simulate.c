@@ -143,6 +143,9 @@ TEST(wrong)
     expect("sed 's/\"mass\": 1/\"mass\": 0/' " PENDULUM " > $D/m.json; $P simulate $D/m.json", 3, NULL, "link \"bob\" can move");
     expect("sed 's/{\"joint\": \"A\"}/{\"joint\": \"A\", \"motion\": \"sqrt(t)\"}/' " PENDULUM " > $D/m.json; $P simulate $D/m.json", 4, NULL,
            "the motion of input \"A\", its rate or its acceleration is not a number at t = 0 s");
+    expect("sed 's/{\"joint\": \"A\"}/{\"joint\": \"A\", \"motion\": \"1\\/(1.01-t)\"}/' " PENDULUM " > $D/m.json; $P simulate $D/m.json --to 2", 3, "# incomplete",
+           "the motion of input \"A\" is so fast near t = 1.0099999");
+    expect("$P trace $D/m.json --time-range 0:2:0.1", 3, NULL, "as near a pole");
     expect("$P simulate " PENDULUM " --to 1e6 -n 2 --max-steps 10", 5, "# incomplete", "rows so far are kept");
     expect("$P simulate " PENDULUM " --plot $D/x.svg --columns nothing", 3, NULL, "no column");
     expect("$P simulate examples/jansen.json --formulation reduced", 3, NULL, NULL);

@@ -454,6 +454,9 @@ static int in_time(const job *j)
     if (!moved)
         return lw_error_at(&e, LW_E_ARG, j->call->parsed.word[0], 0, 0, "no input has a \"motion\", so nothing "
                            "moves in time; give one, or leave --time-range out"), cli_fail(j->call, &e);
+    for (int i = 0; i < k->n_input; i++)
+        if (lw_motion_check(j->m->motion[i], k->joint[k->input[i].joint].name, range[0], range[1], &e) != LW_OK)
+            return cli_fail(j->call, &e);
     cli_note(j->call, "followed in time by Newton's method");
     return run_curves(j, range);
 }

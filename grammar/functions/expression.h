@@ -77,6 +77,10 @@ double lw_expression_next_kink(const lw_expression *x, int t_variable, double t,
 #define LW_CALM_SAMPLES 8
 double lw_expression_calm(const lw_expression *x, int t_variable, double from, double t, double end);
 
+/* The first time between t and end near which an expression of t alone, without profiles, changes by more than most_change within rounding of the
+ * time: it jumps there by *by, or is so fast, as near a pole (*by infinite).  Infinite: there is none, or it is no number there. */
+double lw_expression_next_break(const lw_expression *x, int t_variable, double t, double end, double most_change, double *by);
+
 /* Operations that jump (sign, mod) where something else than t changes.  Returns how many; side (unless v is NULL) gets for each a
  * number that is > 0 on one side of the jump, at the values v of lw_expression_value. */
 int lw_expression_jumps(const lw_expression *x, int t_variable, const double *v, double *side);

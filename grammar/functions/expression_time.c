@@ -1,4 +1,4 @@
-/* grammar/functions/expression_time.c - where functions of the time alone have kinks, and how fast they change.
+/* grammar/functions/expression_time.c - where functions of the time alone have kinks, poles and jumps, and how fast they change.
  *
  * Interval arithmetic (Moore 1966) bounds each operation and its derivative over an interval of time, so that a kink or a pulse
  * cannot lie between two samples.  Bounds are not rounded outwards: errors of rounding move a kink by as much as they move the value. */
@@ -183,6 +183,8 @@ static void bound_operation(const lw_expression *x, const lw_expression_node *n,
     case LW_OP_MOD:
         if (b.lo == b.hi && most(q->d) == 0 && floor(a.lo/b.lo) == floor(a.hi/b.lo))
             f = minus(a, point(b.lo*floor(a.lo/b.lo))), d = p->d;
+        else
+            f = hull(point(0), b);
         break;
     default: has_d = false;
     }
@@ -392,7 +394,41 @@ double lw_expression_calm(const lw_expression *x, int t_variable, double from, d
     return any ? t + 1e-9*(end - from) : end;
 }
 
-/* ---- jumps ---------------------------------------------------------------------------------------- */
+/* ---- poles and jumps --------------------------------------------------------------------------------- */
+
+double lw_expression_next_break(const lw_expression *x, int t_variable, double t, double end, double most_change, double *by)
+{
+    enum { TRIES = 10000 };                                  /* what is behind is not looked at */
+    bound of[LW_EXPRESSION_NODE_MAX];
+    double a = t, h = end - t;
+    for (int tries = 0; a < end && tries < TRIES; tries++) {
+        double b = fmin(a + h, end), least = 4*DBL_EPSILON*fmax(fmax(fabs(a), fabs(b)), 1e-3);
+        enclose(x, t_variable, a, b, of);
+        bound whole_x = operand(&x->result, of);
+        if (!whole_x.is)
+            return INFINITY;
+        double fastest = most(whole_x.d);
+        bool finite = isfinite(most(whole_x.f));
+        if (!(finite && fastest*least <= most_change)) {
+            if (h > least) {
+                h = 0.5*(b - a);
+                continue;
+            }
+            double jump = fabs(lw_expression_value(x, &b) - lw_expression_value(x, &a));
+            bool fast = finite && fastest < INFINITY;        /* bounds are infinite where something jumps, the expression need not */
+            *by = fast || !finite ? INFINITY : jump;
+            if (isnan(jump))
+                return INFINITY;
+            if (fast || jump > most_change)
+                return a;
+        }
+        a = b;
+        h = fmax(2*h, least);
+    }
+    return INFINITY;
+}
+
+/* ---- jumps of other quantities ------------------------------------------------------------------------- */
 
 int lw_expression_jumps(const lw_expression *x, int t_variable, const double *v, double *side)
 {

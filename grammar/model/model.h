@@ -242,6 +242,10 @@ lw_status lw_model_small(const lw_model *m, const lw_linkage **linkage, lw_error
 /* Give an input a motion, replacing the one it has.  LW_E_NOTATION with the column in e. */
 lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e);
 
+/* Can the motion of an input be followed from `from` to `to` (NULL: there is none)?  LW_E_ARG: it has a pole or jumps there; the text names
+ * the input and the time. */
+lw_status lw_motion_check(const lw_expression *motion, const char *input, double from, double to, lw_error *e);
+
 /* Show the rates of states; motions, forces, laws and rates: NULL where one is missing. */
 void lw_states_expressions(const lw_states *s, lw_expression_sink *see, void *context);
 void lw_model_expressions(const lw_model *m, lw_expression_sink *see, void *context);

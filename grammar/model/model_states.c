@@ -276,6 +276,19 @@ lw_status lw_motion_replace(const char *text, const int *n_profile, lw_moves *co
     return LW_OK;
 }
 
+lw_status lw_motion_check(const lw_expression *motion, const char *input, double from, double to, lw_error *e)
+{
+    static const double most = 0.1;                          /* change within rounding of a time [rad] or [m] */
+    double by = 0, t = motion ? lw_expression_next_break(motion, lw_variable(LW_QUANTITY_T, 0), from, to, most, &by) : INFINITY;
+    if (t == INFINITY)
+        return LW_OK;
+    if (by < INFINITY)
+        return lw_error_set(e, LW_E_ARG, "the motion of input \"%s\" jumps by %.3g at t = %.9g s: end the run before it, or take step() "
+                            "with a short duration", input, by, t);
+    return lw_error_set(e, LW_E_ARG, "the motion of input \"%s\" is so fast near t = %.9g s, as near a pole, that the time has too few digits: "
+                        "end the run before it", input, t);
+}
+
 /* ---- names ------------------------------------------------------------------------------------------------ */
 
 static lw_status name_state(const lw_json_node *object, lw_states *z, const char *name, const char *what, const char *unit,

@@ -348,6 +348,11 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     if (!(d->o.from < d->o.to))
         return lw_error_set(e, LW_E_ARG, "a run in time needs from < to");
     d->e = run.e;
+    for (int i = 0; i < d->n_driven; i++) {
+        const lw_expression *motion = d->space ? d->space->model->input[d->driven[i]].motion : d->model->motion[d->driven[i]];
+        if (lw_motion_check(motion, lw_dynamics_input_name(d, d->driven[i]), d->o.from, d->o.to, run.e) != LW_OK)
+            return LW_E_ARG;
+    }
     bool others = d->o.formulation == LW_FORMULATION_AUTO && r->formulation != LW_FORMULATION_DRIVEN && !d->space && !d->large
                && !d->touch && !d->o.pieces;
     if (others && !(run.last_shown = malloc((size_t)d->n_q*sizeof *run.last_shown)))
