@@ -226,6 +226,24 @@ TEST(sign_is_crossed)
         }
 }
 
+/* A mass at 1 m/s passes a detent of 1 mm on a way of 3 m and loses 0.2 J of 0.5 J, by a smooth bump and by one with kinks.  Only steps that are made
+ * shorter for its sake see it. */
+TEST(detents_are_seen)
+{
+    static const struct { lw_formulation f; double tolerance; int most; } each[] = {
+        { LW_FORMULATION_REDUCED, 1e-7, 100 }, { LW_FORMULATION_INDEX1, 1e-7, 100 }, { LW_FORMULATION_CVODE, 1e-7, 1000 },
+        { LW_FORMULATION_GGL, 1e-7, 1000 }, { LW_FORMULATION_RADAU, 1e-7, 600 }, { LW_FORMULATION_ALPHA, 1e-5, 600 } };
+    static const char *force[] = { "-112.83791670955126*exp(-((x(P) - 0.7)/1e-3)^2)", "-200*max(0, 1 - abs(q(S) - 0.7)/1e-3)" };
+    for (int k = 0; k < 2; k++)
+        for (int f = 0; f < 6; f++) {
+            read_sign(force[k], 1);
+            CHECK_INT(drun_to(&d, each[f].f, each[f].tolerance, 3, 1), LW_OK);
+            CHECK_NEAR(d.v[0]*d.system.unit, sqrt(0.6), (k ? 3000 : 30)*each[f].tolerance, 0);
+            CHECK(d.report.steps < each[f].most);
+            lw_model_free(&d.model);
+        }
+}
+
 /* Where it slides along the jump, none answers: a mass that friction of its own stops, that a force cannot move, a sliding mode. */
 TEST(sign_that_holds_is_an_error)
 {

@@ -501,7 +501,7 @@ TEST(calm_intervals)
         lw_expression *x = parse(known[i].text);
         int n = 0;
         for (double t = 0; x && t < 3 && n < 1000; n++) {
-            double end = lw_expression_calm(x, 0, 0, t, 3), low = INFINITY, high = -INFINITY;
+            double end = lw_expression_calm(x, 0, false, 0, t, 3, 3e-9), low = INFINITY, high = -INFINITY;
             CHECK(end > t && end <= 3);
             for (int k = 0; k <= LW_CALM_SAMPLES; k++) {
                 double at = t + (end - t)*k/LW_CALM_SAMPLES, f = lw_expression_value(x, &at);

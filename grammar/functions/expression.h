@@ -16,6 +16,7 @@
 #ifndef LW_GRAMMAR_FUNCTIONS_EXPRESSION_H
 #define LW_GRAMMAR_FUNCTIONS_EXPRESSION_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include "base/error.h"
 
@@ -72,10 +73,14 @@ void lw_expression_series(const lw_expression *x, int order, const double *v, do
  * max change over; t_variable: the caller's number of t.  Infinite: none. */
 double lw_expression_next_kink(const lw_expression *x, int t_variable, double t, double end);
 
-/* The end of an interval from t on in which functions of t alone have no pulse between LW_CALM_SAMPLES evenly spaced samples; none of
- * their kinks is between t and end.  from: the start of the run, to judge what is small. */
+/* The end of an interval from t towards `end` (later or earlier) in which functions of a variable alone have no pulse between LW_CALM_SAMPLES evenly
+ * spaced samples, or t +- least.  with_kinks: functions with kinks, too; else there are none of these between t and end.  from: values between it
+ * and `end` tell what is small. */
 #define LW_CALM_SAMPLES 8
-double lw_expression_calm(const lw_expression *x, int t_variable, double from, double t, double end);
+double lw_expression_calm(const lw_expression *x, int variable, bool with_kinks, double from, double t, double end, double least);
+
+/* Can functions of this variable alone have a pulse, with kinks or without? */
+bool lw_expression_may_pulse(const lw_expression *x, int variable);
 
 /* The first time between t and end near which an expression of t alone, without profiles, changes by more than most_change within rounding of the
  * time: it jumps there by *by, or is so fast, as near a pole (*by infinite).  Infinite: there is none, or it is no number there. */
@@ -85,8 +90,9 @@ double lw_expression_next_break(const lw_expression *x, int t_variable, double t
  * number that is > 0 on one side of the jump, at the values v of lw_expression_value. */
 int lw_expression_jumps(const lw_expression *x, int t_variable, const double *v, double *side);
 
-/* Takes an expression of a model, or NULL. */
+/* Takes an expression of a model, or NULL; _at: with the values of its variables. */
 typedef void lw_expression_sink(void *context, const lw_expression *x);
+typedef void lw_expression_sink_at(void *context, const lw_expression *x, const double *v);
 
 /* The text as it was given. */
 const char *lw_expression_text(const lw_expression *x);

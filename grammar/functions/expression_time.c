@@ -353,25 +353,37 @@ double lw_expression_next_kink(const lw_expression *x, int t_variable, double t,
  * so little of its size there, or of its greatest size in the run. */
 static const double changes = 4, even = 1e-3, nothing = 1e-8;
 
-static bool may_pulse(lw_op op)
+/* Kinks at known times are ends of steps; those of other quantities are not. */
+static bool may_pulse(lw_op op, bool with_kinks)
 {
-    return op >= LW_OP_DIVIDE && op <= LW_OP_HYPOT && !has_kinks(op);
+    bool jumps = op == LW_OP_SIGN || op == LW_OP_MOD;        /* located by their sides (lw_expression_jumps) */
+    return op >= LW_OP_DIVIDE && op <= LW_OP_SPLINE && !jumps && (with_kinks || !has_kinks(op));
 }
 
-double lw_expression_calm(const lw_expression *x, int t_variable, double from, double t, double end)
+bool lw_expression_may_pulse(const lw_expression *x, int variable)
+{
+    bound of[LW_EXPRESSION_NODE_MAX];
+    bool any = false;
+    enclose(x, variable, 0, 0, of);
+    for (int i = 0; i < x->n_node; i++)
+        any = any || (of[i].is && may_pulse(x->node[i].op, true));
+    return any;
+}
+
+double lw_expression_calm(const lw_expression *x, int variable, bool with_kinks, double from, double t, double end, double least)
 {
     bound of[LW_EXPRESSION_NODE_MAX];
     double peak[LW_EXPRESSION_NODE_MAX], low[LW_EXPRESSION_NODE_MAX], high[LW_EXPRESSION_NODE_MAX], value[LW_EXPRESSION_NODE_MAX];
     bool any = false;
-    enclose(x, t_variable, from, end, of);
+    enclose(x, variable, fmin(from, end), fmax(from, end), of);
     for (int i = 0; i < x->n_node; i++) {
-        bool looked_at = of[i].is && may_pulse(x->node[i].op);
+        bool looked_at = of[i].is && may_pulse(x->node[i].op, with_kinks);
         any = any || looked_at;
         peak[i] = looked_at ? most(of[i].f) : 0;
     }
-    for (double h = end - t; any && h > 1e-9*(end - from); h *= 0.5) {
+    for (double h = end - t; any && fabs(h) > least; h *= 0.5) {
         bool calm = true;
-        enclose(x, t_variable, t, t + h, of);
+        enclose(x, variable, fmin(t, t + h), fmax(t, t + h), of);
         for (int pass = 0; pass < 2 && calm; pass++) {       /* the first needs no samples */
             for (int k = 0; pass && k <= LW_CALM_SAMPLES; k++) {
                 values_at(x, of, t + h*k/LW_CALM_SAMPLES, value);
@@ -382,16 +394,16 @@ double lw_expression_calm(const lw_expression *x, int t_variable, double from, d
                     }
             }
             for (int i = 0; i < x->n_node && calm; i++) {
-                double shown = pass ? high[i] - low[i] : of[i].f.hi - of[i].f.lo, change = h*most(of[i].d);
+                double shown = pass ? high[i] - low[i] : of[i].f.hi - of[i].f.lo, change = fabs(h)*most(of[i].d);
                 bool small = isfinite(peak[i]) && change <= nothing*peak[i];
-                if (of[i].is && may_pulse(x->node[i].op) && !small)
+                if (of[i].is && may_pulse(x->node[i].op, with_kinks) && !small)
                     calm = change <= changes*shown + even*most(of[i].f);
             }
         }
         if (calm)
             return t + h;
     }
-    return any ? t + 1e-9*(end - from) : end;
+    return any ? t + copysign(fmin(least, fabs(end - t)), end - t) : end;
 }
 
 /* ---- poles and jumps --------------------------------------------------------------------------------- */

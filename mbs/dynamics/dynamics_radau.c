@@ -741,7 +741,9 @@ static lw_status state_at(void *context, double t, double *y)
  * is no kink is taken instead of it. */
 static double next_step(const stages *g, double h, double *end)
 {
-    *end = g->alpha ? lw_run_near(g->run, g->t) : lw_run_end(g->run, g->t);
+    *end = lw_run_near(g->run, g->t);
+    if (!g->alpha)
+        *end = fmin(lw_run_end(g->run, g->t), g->t + (g->s - 2)*(*end - g->t));
     double sample = g->dense ? INFINITY : lw_run_time(g->run->d, g->run->next);
     if (sample < *end || (sample - *end <= 1e-9*(*end - g->t) && !lw_run_at_kink(g->run, *end)))
         *end = sample;

@@ -110,7 +110,7 @@ static lw_status state_at(void *context, double t, double *y)
 }
 
 /* Energies come from the registers, so that a step costs little more than its evaluations.  The turns of the links
- * are found every few steps only, which is often enough to count revolutions. */
+ * are found every few steps only, which is often enough to count revolutions, unless lw_run_jumps looks at them. */
 static lw_status watch(motion *m, const lw_integrator *w, double *y)
 {
     lw_run *run = m->run;
@@ -123,7 +123,7 @@ static lw_status watch(motion *m, const lw_integrator *w, double *y)
     lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
     lw_reduced_count_turns(m->r);
     predict_turns(m, y, w->t - w->t_old, w->y[1]/sqrt(mass), y);
-    return w->n_step % turns_every ? LW_OK : bodies_state(m, w->y, y);
+    return w->n_step % turns_every && !run->sides && !run->pulses ? LW_OK : bodies_state(m, w->y, y);
 }
 
 /* Near a dead point the links move like the square root of the distance to it, which magnifies rounding and the

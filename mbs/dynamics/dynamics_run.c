@@ -86,9 +86,128 @@ lw_status lw_run_slides(lw_run *run, double t)
                         "jump, where that force is not defined. Give the joint \"friction\", or take a smooth function, as tanh(x/0.001)", t);
 }
 
+/* ---- pulses ------------------------------------------------------------------------------------------- */
+
+/* A variable of an expression: its last value, its mean rate over the last step, how far it may move without a pulse (forwards, back). */
+typedef struct pulse { double value, rate, reach[2]; } pulse;
+
+struct lw_pulses {
+    int     n, next, looks;                  /* looks: number of moments looked at */
+    double  t, t_old, h;                     /* of the last moment, of the one before; greatest length of the next step */
+    double *force, *q;                       /* (n_v), (n_q) scratch */
+    pulse   of[];
+};
+
+/* Values farther away do not tell what is small; shorter pulses are not looked for [rad], [m]. */
+static const double pulse_range = 1e3, pulse_least = 1e-7;
+
+static bool is_motion(int variable)
+{
+    lw_quantity what = lw_variable_quantity(variable);
+    return what != LW_QUANTITY_T && what != LW_QUANTITY_STATE;
+}
+
+static void count_pulses(void *context, const lw_expression *x)
+{
+    const int *which;
+    for (int i = 0, n = x ? lw_expression_variables(x, &which) : 0; i < n; i++)
+        *(int *)context += is_motion(which[i]) && lw_expression_may_pulse(x, which[i]);
+}
+
+/* How far the variable may move from u in the direction `way`: from the reach before, which it doubles or halves. */
+static double reach_of(const lw_expression *x, int variable, double u, double way, double before)
+{
+    double most = before > 0 ? fmin(4*before, pulse_range) : pulse_range;
+    return fabs(lw_expression_calm(x, variable, true, u - way*pulse_range, u, u + way*most, pulse_least) - u);
+}
+
+/* Time in which a variable with this rate and acceleration moves by `way`. */
+static double time_for(double way, double rate, double acceleration)
+{
+    return 2*way/(fabs(rate) + sqrt(rate*rate + 2*fabs(acceleration)*way) + 1e-300);
+}
+
+static void look_at_pulses(void *context, const lw_expression *x, const double *v)
+{
+    struct lw_pulses *p = context;
+    const int *which;
+    for (int i = 0, n = lw_expression_variables(x, &which); i < n; i++) {
+        if (!is_motion(which[i]) || !lw_expression_may_pulse(x, which[i]) || p->next == p->n)
+            continue;
+        pulse *z = &p->of[p->next++];
+        double h = p->t - p->t_old, mean = h > 0 ? (v[i] - z->value)/h : 0, bend = h > 0 && p->looks > 1 ? (mean - z->rate)/h : 0;
+        double now = mean + 0.5*h*bend;
+        z->value = v[i];
+        z->rate = mean;
+        for (int back = 0; back < 2; back++) {
+            bool goes = (back ? -now : now) + fabs(bend)*h > 0;      /* in this direction, if not at once */
+            if (!goes)
+                continue;
+            z->reach[back] = reach_of(x, which[i], v[i], back ? -1 : 1, z->reach[back]);
+            if (z->reach[back] < pulse_range)
+                p->h = fmin(p->h, time_for(z->reach[back], now, bend));
+        }
+    }
+}
+
+lw_status lw_run_make_pulses(lw_run *run)
+{
+    const lw_equations *eq = &run->d->eq;
+    int n = 0;
+    if (eq->expressions)
+        eq->expressions(eq->context, count_pulses, &n);
+    if (n == 0)
+        return LW_OK;
+    run->pulses = calloc(1, sizeof *run->pulses + (size_t)n*sizeof *run->pulses->of + (size_t)(eq->n_v + eq->n_q)*sizeof(double));
+    if (!run->pulses)
+        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    run->pulses->n = n;
+    run->pulses->force = (double *)(run->pulses->of + n);
+    run->pulses->q = run->pulses->force + eq->n_v;
+    return LW_OK;
+}
+
+void lw_run_free_pulses(lw_run *run) { free(run->pulses); }
+
+static void look_at_moment(lw_run *run, double t, const double *q, const double *v)
+{
+    const lw_equations *eq = &run->d->eq;
+    struct lw_pulses *p = run->pulses;
+    p->next = 0;
+    p->t_old = p->looks > 0 ? p->t : t;
+    p->t = t;
+    p->h = INFINITY;
+    eq->values(eq->context, t, q, v, p->force, look_at_pulses, p);
+    p->looks++;
+}
+
+/* At the start of a run, the moment before is that from which the velocities lead here. */
+static void limit_by_pulses(lw_run *run, double t, const double *y)
+{
+    const lw_equations *eq = &run->d->eq;
+    struct lw_pulses *p = run->pulses;
+    const double *v = y + eq->n_q, before = 1e-7*(run->d->o.to - run->d->o.from);
+    eq->place_states(eq->context, y + lw_run_states(run));
+    if (t <= run->d->o.from) {
+        p->looks = 0;
+        memcpy(p->q, y, (size_t)eq->n_q*sizeof *p->q);
+        for (int i = 0; i < eq->n_v; i++)
+            p->force[i] = -before*v[i];
+        eq->move(eq->context, p->q, p->force);
+        look_at_moment(run, t - before, p->q, v);
+    }
+    look_at_moment(run, t, y, v);
+    run->pulse_t[0] = t + p->h;
+    run->pulse_t[1] = t + p->h/LW_CALM_SAMPLES;
+}
+
+/* ---- jumps -------------------------------------------------------------------------------------------- */
+
 lw_status lw_run_jumps(lw_run *run, double t, const double *y)
 {
     const lw_equations *eq = &run->d->eq;
+    if (run->pulses)
+        limit_by_pulses(run, t, y);
     if (!run->sides)
         return LW_OK;
     double *side = run->sides, *now = side + eq->n_switch, *force = now + eq->n_switch, *before = force + eq->n_v, change = 0;
@@ -352,6 +471,9 @@ static void note_start(lw_run *run, const double *y)
     run->next = 0;
     lw_run_watch(run, y);
     run->next = 1;
+    run->pulse_t[0] = run->pulse_t[1] = INFINITY;
+    if (run->pulses)
+        limit_by_pulses(run, d->o.from, y);
     run->timed = (lw_timed){ .expressions = d->eq.expressions, .context = d->eq.context, .from = d->o.from, .to = d->o.to,
                               .kink = d->o.from, .calm = d->o.from };
 }

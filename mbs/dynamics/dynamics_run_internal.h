@@ -38,6 +38,8 @@ typedef struct lw_run {
     double *behind, fell;            /* with friction: states (2 x n) after the last two steps with their times; last decrease of the pivot */
     double  chosen;                  /* greatest value of the least pivot since the basis of the rows was chosen */
     double *sides;                   /* memory of lw_run_jumps; NULL: nothing jumps */
+    struct lw_pulses *pulses;        /* of lw_run_pulses; NULL: no function of a joint or another measure can have a pulse */
+    double  pulse_t[2];              /* when the next step must end because of them; _near */
     double  most_force, jumps_t, jumped[LW_RUN_JUMPS];       /* greatest force so far; time of the last check; times of the last jumps */
     long    n_jumped;
     int     n_near, n_steady;        /* successive short steps beside a jump; how many series of such steps stayed as near; */
@@ -91,8 +93,9 @@ lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void 
 
 /* Time at which the next step from t must end; _near: for methods that evaluate loads only at the ends of steps.  A solver
  * returns LW_ODE_END at each of these times; lw_run_stop changes that into LW_ODE_STEP before the end of the run. */
-static inline double lw_run_end(lw_run *run, double t) { return lw_timed_end(&run->timed, t); }
-static inline double lw_run_near(lw_run *run, double t) { return lw_timed_near(&run->timed, t); }
+static inline double lw_run_before(double end, double t, double pulse) { return pulse > t && pulse < end ? pulse : end; }
+static inline double lw_run_end(lw_run *run, double t) { return lw_run_before(lw_timed_end(&run->timed, t), t, run->pulse_t[0]); }
+static inline double lw_run_near(lw_run *run, double t) { return lw_run_before(lw_timed_near(&run->timed, t), t, run->pulse_t[1]); }
 static inline lw_ode_stop lw_run_stop(const lw_run *run, double t, lw_ode_stop stop)
 {
     return t >= run->d->o.to ? LW_ODE_END : stop == LW_ODE_END ? LW_ODE_STEP : stop;
@@ -113,6 +116,11 @@ void lw_run_note_energy(lw_run *run, double kinetic, double change, double work,
  * would have to slide along the jump. */
 lw_status lw_run_jumps(lw_run *run, double t, const double *y);
 lw_status lw_run_slides(lw_run *run, double t);          /* sets this error */
+
+/* Expressions of joints, points, springs and their rates can change within a short way, as a detent does.  lw_run_jumps limits the next
+ * step to where such a change is seen: from the values after the last three steps, and the bounds of lw_expression_calm.  LW_E_MEMORY. */
+lw_status lw_run_make_pulses(lw_run *run);
+void      lw_run_free_pulses(lw_run *run);
 
 /* Kinetic and potential energy at y less the work done since the start [J], which is constant. */
 double lw_run_energy(const lw_run *run, const double *y);

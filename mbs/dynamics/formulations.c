@@ -287,7 +287,7 @@ static lw_status confirm(const lw_run *run, lw_formulation f, const char *why)
         ending end = { q + (size_t)k*n, d->n_q };
         lw_error e = { 0 };
         lw_dynamics_report r = { .formulation = f };
-        lw_run dry = { .d = d, .sink = keep_posture, .context = &end, .sides = run->sides };
+        lw_run dry = { .d = d, .sink = keep_posture, .context = &end, .sides = run->sides, .pulses = run->pulses };
         d->o.relative = given.relative*(k ? 1 : 10), d->o.absolute = given.absolute*(k ? 1 : 10);
         s = run_again(&dry, why, &r, &e);
     }
@@ -320,7 +320,7 @@ static lw_status run_others(lw_run *run, lw_status s)
             s = lw_error_set(&said, other, "out of memory");
         if (other != LW_OK)
             continue;
-        lw_run again = { .d = d, .sink = run->sink, .context = run->context, .sides = run->sides, .shown = run->shown,
+        lw_run again = { .d = d, .sink = run->sink, .context = run->context, .sides = run->sides, .pulses = run->pulses, .shown = run->shown,
                          .last_shown = run->last_shown };
         other = run_again(&again, why, &next, &e);
         run->shown = next.samples > run->shown ? next.samples : run->shown;
@@ -361,7 +361,9 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
         free(run.last_shown);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
-    lw_status s = run_one(&run);
+    lw_status s = lw_run_make_pulses(&run);
+    if (s == LW_OK)
+        s = run_one(&run);
     if ((s == LW_E_ARG || s == LW_E_KIND) && (r->t > d->o.from || r->samples > 0))      /* the model ran until here */
         s = run.e->status = LW_E_NUMERIC;
     run.shown = r->samples;
@@ -369,5 +371,6 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
         s = run_others(&run, s);
     free(run.last_shown);
     free(run.sides);
+    lw_run_free_pulses(&run);
     return s;
 }

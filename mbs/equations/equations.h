@@ -20,7 +20,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include "base/error.h"
-#include "grammar/functions/expression.h"
+#include "mbs/equations/timed.h"
 
 #define LW_BLOCK      3                      /* velocities of a block */
 #define LW_ROW_BLOCKS 4                      /* most blocks that a measure touches, and a row of a joint */
@@ -93,6 +93,7 @@ typedef struct lw_equations {
     double (*damper)(void *context, int k, const double *q, const double *v, double *g);
     /* Show the expressions of forces, motions and states (timed.h).  NULL: there are none. */
     void   (*expressions)(void *context, lw_expression_sink *see, void *of);
+    lw_timed_values *values;
     /* Forces have smooth pieces, such as contacts that are open or closed.  How far a posture is from the end of its piece,
      * < 0 beyond it; take the piece that begins at (q, v), or at the start of a run.  NULL: there is one piece only. */
     double (*piece_left)(void *context, const double *q);

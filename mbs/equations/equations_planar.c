@@ -346,12 +346,17 @@ static void expressions(void *context, lw_expression_sink *see, void *of)
     lw_model_expressions(((const lw_planar *)context)->f->model, see, of);
 }
 
+static void values(void *context, double t, const double *q, const double *v, double *force, lw_expression_sink_at *see, void *of)
+{
+    lw_forces_values(((const lw_planar *)context)->f, t, q, v, force, see, of);
+}
+
 static void switches(void *context, double t, const double *q, const double *v, double *force, double *side)
 {
     const lw_planar *d = context;
     lw_forces_stop_sides(d->f, q, v, side);
     if (d->n_jump)
-        lw_forces_jumps(d->f, t, q, v, force, side + 2*d->f->n_stop);
+        lw_timed_sides(values, context, t, q, v, force, side + 2*d->f->n_stop);
 }
 
 static const char *name(void *context, lw_named what, int i)
@@ -428,7 +433,7 @@ lw_equations lw_planar_equations(lw_planar *p)
                            .more_mass = consistent || m->n_super ? more_mass : NULL,
                            .more_inertia = m->n_super && !consistent ? more_inertia : NULL, .damper = damper,
                            .expressions = has_expressions(m) ? expressions : NULL,
-                           .n_switch = 2*p->f->n_stop + p->n_jump, .n_jump = p->n_jump, .switches = switches, .place_states = place_states,
+                           .n_switch = 2*p->f->n_stop + p->n_jump, .n_jump = p->n_jump, .switches = switches, .values = values, .place_states = place_states,
                            .state_rates = state_rates, .state_start = state_start, .state_scale = state_scale,
                            .kinetic = kinetic, .potential = potential, .momentum = keeps_momentum(p) ? momentum : NULL,
                            .move = move, .rates = rates };

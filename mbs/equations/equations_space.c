@@ -557,13 +557,20 @@ static int count_stops(const lw_spatial_scene *c)
     return n;
 }
 
+static void values(void *context, double t, const double *q, const double *v, double *force, lw_expression_sink_at *see, void *of)
+{
+    lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_values(&c->f, t, c->frame, v, force, see, of);
+}
+
 static void switches(void *context, double t, const double *q, const double *v, double *force, double *side)
 {
     lw_spatial_scene *c = context;
     lw_space_place(&c->s, q, c->frame);
     lw_space_stop_sides(&c->f, c->frame, v, side);
     if (c->n_jump)
-        lw_space_jumps(&c->f, t, c->frame, v, force, side + count_stops(c));
+        lw_timed_sides(values, c, t, q, v, force, side + count_stops(c));
 }
 
 static void note_momenta(void *context, double t, const double *q, const double *v)
@@ -598,7 +605,7 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .more_inertia = c->model->n_super ? more_inertia : NULL,
                            .damper = damper, .n_z = c->model->states.n_state, .z = c->f.z, .place_states = place_states, .state_rates = state_rates,
                            .state_start = state_start, .state_scale = state_scale,
-                           .n_switch = count_stops(c) + c->n_jump, .n_jump = c->n_jump, .switches = switches,
+                           .n_switch = count_stops(c) + c->n_jump, .n_jump = c->n_jump, .switches = switches, .values = values,
                            .piece_left = c->model->n_contact ? piece_left : NULL,
                            .next_piece = c->model->n_contact ? next_piece : NULL,
                            .watch = c->model->n_contact ? watch : NULL, .expressions = has_expressions(c) ? expressions : NULL, .kinetic = kinetic,

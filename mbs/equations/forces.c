@@ -219,12 +219,6 @@ static void add(sum *to, const lw_measure *m, const double *v, double f, double 
     }
 }
 
-static void note_jumps(const lw_forces *f, const lw_expression *x, const double *value)
-{
-    if (f->side)
-        *f->side += lw_expression_jumps(x, lw_variable(LW_QUANTITY_T, 0), value, *f->side);
-}
-
 /* Pull of a spring with a law, and its derivatives by length and rate. */
 static double law_at(const lw_forces *f, const lw_expression *law, const lw_measure *m, double t, double by[2])
 {
@@ -234,7 +228,8 @@ static double law_at(const lw_forces *f, const lw_expression *law, const lw_meas
     for (int i = 0; i < n; i++)
         v[i] = which[i] == lw_variable(LW_QUANTITY_LENGTH, 0) ? m->value
              : which[i] == lw_variable(LW_QUANTITY_RATE, 0) ? m->rate : t;
-    note_jumps(f, law, v);
+    if (f->see)
+        f->see(f->see_of, law, v);
     double pull = lw_expression_gradient(law, v, d);
     by[0] = by[1] = 0;
     for (int i = 0; i < n; i++)
@@ -308,7 +303,8 @@ static double evaluate(const lw_forces *f, const lw_expression *x, const lw_meas
         measure_of(f, which[i], own, q, v, to->second, &m[i], &rate[i]);
         value[i] = rate[i] ? m[i].rate : m[i].value;
     }
-    note_jumps(f, x, value);
+    if (f->see)
+        f->see(f->see_of, x, value);
     if (!to->second)
         return lw_expression_value(x, value);
     double result = lw_expression_gradient(x, value, d);
@@ -621,10 +617,11 @@ void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const 
         evaluate(f, f->model->states.state[i].rate, NULL, t, q, v, &(rows_of){ 1, { to.n + i }, { 1 }, true }, &to);
 }
 
-void lw_forces_jumps(const lw_forces *f, double t, const double *q, const double *v, double *force, double *side)
+void lw_forces_values(const lw_forces *f, double t, const double *q, const double *v, double *force, lw_expression_sink_at *see, void *of)
 {
     lw_forces noting = *f;
-    noting.side = &side;
+    noting.see = see;
+    noting.see_of = of;
     sum to = { .n = f->system->n_q, .force = force };
     apply_all(&noting, t, q, v, &to);
     for (int i = 0; i < f->model->states.n_state; i++)

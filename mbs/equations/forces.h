@@ -29,7 +29,8 @@ typedef struct lw_forces {
     bool    any_state;                      /* loads other than gravity */
     bool    coupled;                        /* first-order states, or laws of other quantities than their own measure */
     double *z;                              /* (model->n_state) the states at which forces are wanted */
-    double **side;                          /* evaluations write the sides of jumps here and advance the pointer; NULL: not */
+    lw_expression_sink_at *see;             /* is shown the expressions with their values as they are evaluated; NULL: not */
+    void    *see_of;
     lw_superelements superelements;              /* of elastic links */
     lw_caller_force caller;                 /* apply NULL: none */
     lw_link_motion *caller_link;            /* (n_link) scratch for the caller's forces, */
@@ -60,9 +61,9 @@ void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const 
 /* Are the derivatives of the caller's forces complete?  In large models only those of the force on a link by its own motion are known. */
 bool lw_forces_caller_exact(const lw_forces *f);
 
-/* Sides of the jumps of expressions (lw_expression_jumps), those of forces, laws and rates one after the other; force (n_q) gets the
- * forces without the caller's. */
-void lw_forces_jumps(const lw_forces *f, double t, const double *q, const double *v, double *force, double *side);
+/* Show the expressions of forces, laws and rates, one after the other, with the values of their variables; force (n_q) gets the forces
+ * without the caller's. */
+void lw_forces_values(const lw_forces *f, double t, const double *q, const double *v, double *force, lw_expression_sink_at *see, void *of);
 
 /* The same calls for every entry that can differ from 0, with any values, to learn the pattern. */
 void lw_forces_pattern(const lw_forces *f, const lw_force_sink *sink);

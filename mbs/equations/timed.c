@@ -22,12 +22,25 @@ static void find_kink(void *context, const lw_expression *x)
 static void find_calm(void *context, const lw_expression *x)
 {
     search *s = context;
-    s->found = x ? fmin(s->found, lw_expression_calm(x, lw_variable(LW_QUANTITY_T, 0), s->from, s->t, s->found)) : s->found;
+    if (x)
+        s->found = fmin(s->found, lw_expression_calm(x, lw_variable(LW_QUANTITY_T, 0), false, s->from, s->t, s->found, 1e-9*(s->found - s->from)));
 }
 
 static void count_jumps(void *context, const lw_expression *x)
 {
     *(int *)context += x ? lw_expression_jumps(x, lw_variable(LW_QUANTITY_T, 0), NULL, NULL) : 0;
+}
+
+/* Where the sides of jumps are written next. */
+static void note_sides(void *context, const lw_expression *x, const double *v)
+{
+    double **side = context;
+    *side += lw_expression_jumps(x, lw_variable(LW_QUANTITY_T, 0), v, *side);
+}
+
+void lw_timed_sides(lw_timed_values *values, void *context, double t, const double *q, const double *v, double *force, double *side)
+{
+    values(context, t, q, v, force, note_sides, &side);
 }
 
 int lw_timed_jumps(const lw_timed *w)

@@ -13,6 +13,13 @@ typedef struct lw_timed {
     double  kink, calm, spacing;             /* the next kink; until when no pulse lies between samples that are so far apart */
 } lw_timed;
 
+/* Shows the expressions of forces, laws and rates, one after the other, with the values of their variables at (t, q, v); force (n_v) gets the
+ * forces. */
+typedef void lw_timed_values(void *context, double t, const double *q, const double *v, double *force, lw_expression_sink_at *see, void *of);
+
+/* The sides of the jumps of these expressions (lw_expression_jumps). */
+void lw_timed_sides(lw_timed_values *values, void *context, double t, const double *q, const double *v, double *force, double *side);
+
 /* How often the functions jump where something else than the time changes (lw_expression_jumps). */
 int lw_timed_jumps(const lw_timed *w);
 

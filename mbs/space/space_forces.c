@@ -244,8 +244,8 @@ static law evaluate(const lw_space_forces *f, const lw_expression *x, double t, 
         out.is_rate[out.n++] = is_rate(what);
         at[i] = is_rate(what) ? to->rate : to->value;
     }
-    if (f->side)
-        *f->side += lw_expression_jumps(x, lw_variable(LW_QUANTITY_T, 0), at, *f->side);
+    if (f->see)
+        f->see(f->see_of, x, at);
     if (!m) {
         out.value = lw_expression_value(x, at);
         return out;
@@ -889,11 +889,13 @@ void lw_space_state_rates(const lw_space_forces *f, double t, const lw_space_fra
         rate[i] = evaluate(f, z->state[i].rate, t, frame, v, 0, 0, NULL).value;
 }
 
-void lw_space_jumps(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *force, double *side)
+void lw_space_values(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *force,
+                     lw_expression_sink_at *see, void *of)
 {
     lw_space_forces noting = *f;
     const lw_states *z = &f->s->model->states;
-    noting.side = &side;
+    noting.see = see;
+    noting.see_of = of;
     lw_space_forces_apply(&noting, t, frame, v, force, NULL, NULL);
     for (int i = 0; i < z->n_state; i++)
         evaluate(&noting, z->state[i].rate, t, frame, v, 0, 0, NULL);

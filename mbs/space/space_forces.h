@@ -44,7 +44,8 @@ typedef struct lw_space_forces {
     double          *z;                  /* (n_state) the states at which forces are wanted */
     const double    *held;               /* (6 n_link) the caller's loads: force at the centre of a link [N] and torque [N m], ground
                                             axes; NULL: none.  The caller's, who makes conservative false */
-    double         **side;               /* where evaluations write the sides of jumps, and go on behind; NULL: nowhere */
+    lw_expression_sink_at *see;          /* is shown the expressions with their values as they are evaluated; NULL: not */
+    void            *see_of;
     bool conservative;                   /* no dampers, motors, laws, forces */
     void *memory;
 } lw_space_forces;
@@ -88,9 +89,9 @@ void   lw_space_state_rates(const lw_space_forces *f, double t, const lw_space_f
 void   lw_space_state_start(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *z);
 double lw_space_signal(const lw_space_forces *f, int i, double t, const lw_space_frame *frame, const double *v);
 
-/* Sides of the jumps of expressions (lw_expression_jumps), those of forces, laws and rates one after the other; force (n_v) gets the
- * forces. */
-void lw_space_jumps(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *force, double *side);
+/* Show the expressions of forces, laws and rates, one after the other, with the values of their variables; force (n_v) gets the forces. */
+void lw_space_values(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *force,
+                     lw_expression_sink_at *see, void *of);
 
 /* The same calls for every entry that can differ from 0, with any values, to learn the pattern. */
 void lw_space_forces_pattern(const lw_space_forces *f, const lw_space_sink *sink);
