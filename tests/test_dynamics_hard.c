@@ -244,6 +244,27 @@ TEST(detents_are_seen)
         }
 }
 
+/* The law of a spring, too: with a spring that pushes for 1 mm, a mass of 1 kg at 1 m/s loses 0.2 J of 0.5 J; a law without detents is for quadrature. */
+TEST(detents_of_springs_are_seen)
+{
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [1, 0], 'inertia': 1}], 'joints': [{'name': 'S', 'kind': 't', "
+        "'links': ['ground', 'a'], 'at': [1, 0], 'along': [1, 0]}], 'input': {'joint': 'S', 'speed': 1}, 'springs': [{'links': ['ground', 'a'], "
+        "'at': [[0, 0], [1, 0]], 'law': '%s'}]}";
+    char all_text[1000];
+    json_format(all_text, sizeof all_text, text, "112.83791670955126*exp(-((length - 1.7)/1e-3)^2)");
+    drun_read_text(&d, all_text);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-9, 3, 1), LW_OK);
+    CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
+    CHECK_NEAR(d.v[0]*d.system.unit, sqrt(0.6), 1e-7, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_QUADRATURE, 1e-9, 3, 1), LW_E_KIND);
+    lw_model_free(&d.model);
+    json_format(all_text, sizeof all_text, text, "100*(length - 1) + 30*(length - 1)^3");
+    drun_read_text(&d, all_text);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-9, 3, 1), LW_OK);
+    CHECK_INT(d.report.formulation, LW_FORMULATION_QUADRATURE);
+    lw_model_free(&d.model);
+}
+
 /* Where it slides along the jump, none answers: a mass that friction of its own stops, that a force cannot move, a sliding mode. */
 TEST(sign_that_holds_is_an_error)
 {

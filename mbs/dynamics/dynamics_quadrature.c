@@ -613,6 +613,21 @@ static bool by_posture(const lw_dynamics *d)
     return yes;
 }
 
+/* Do no laws of springs have a pulse, as a detent has, between lengths or angles of this size?  Panels could pass over one. */
+static bool are_even(const lw_dynamics *d)
+{
+    const double most = 10*fmax(1, d->s.unit);
+    const lw_model *m = d->model;
+    bool yes = true;
+    for (int i = 0; i < m->n_spring + m->n_joint_spring; i++) {
+        bool pin = i >= m->n_spring;
+        const lw_expression *law = pin ? m->joint_spring[i - m->n_spring].law : m->spring[i].law;
+        double from = pin ? -most : 0;
+        yes = yes && (!law || lw_expression_calm(law, lw_variable(LW_QUANTITY_LENGTH, 0), true, from, from, most, 1e-3*most) == most);
+    }
+    return yes;
+}
+
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
     lw_status s = lw_reduced_able(d);
@@ -620,6 +635,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, s, 0, d->not_reduced);
     if (!by_posture(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "forces depend on time or speed");
+    if (!are_even(d))
+        return lw_formulation_say(r, LW_E_KIND, 0, "the law of a spring changes too fast for its panels");
     d->rule = d->rule ? d->rule : malloc(sizeof *d->rule);
     if (!d->rule || lw_panel_rule_make(d->rule) != LW_OK)
         return lw_formulation_say(r, LW_E_MEMORY, 0, "out of memory");
