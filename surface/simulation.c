@@ -125,10 +125,11 @@ static lw_status make_simulation(const lw_model *model, const lw_simulation_opti
 static lw_status reserve_nodes(lw_simulation *s, const lw_dynamics *d)
 {
     const lw_elastic_expansion *x = lw_dynamics_elastic(d);
+    int all = 0;                                 /* with those that carry modes */
     for (int c = 0; x && c < x->n_chain; c++)
-        s->n_node += x->chain[c].n_node;
+        s->n_node += x->chain[c].n_bound, all += x->chain[c].n_node;
     s->node = calloc((size_t)s->n_node + 1, sizeof *s->node);
-    s->inner = calloc((size_t)s->n_node + 1, sizeof *s->inner);
+    s->inner = calloc((size_t)all + 1, sizeof *s->inner);
     return s->node && s->inner ? LW_OK : LW_E_MEMORY;
 }
 
@@ -163,10 +164,10 @@ static void put_nodes(const lw_simulation *s, const lw_moment *m)
 {
     const lw_system *sys = lw_dynamics_system(s->d);
     const lw_elastic_expansion *x = lw_dynamics_elastic(s->d);
-    for (int c = 0, n = 0; x && c < x->n_chain; n += x->chain[c++].n_node) {
+    for (int c = 0, n = 0; x && c < x->n_chain; n += x->chain[c++].n_bound) {
         const lw_elastic_chain *chain = &x->chain[c];
         lw_reactions_inner(s->d, m, c, s->inner);
-        for (int i = 0; i < chain->n_node; i++) {
+        for (int i = 0; i < chain->n_bound; i++) {
             int b = sys->body[chain->node[i]];
             const lw_inner_force *f = &s->inner[i];
             s->node[n + i] = (lw_elastic_node){ chain->link, i, lw_system_point(sys, b, lw_v2(0, 0), m->q), m->q[3*b + 2],

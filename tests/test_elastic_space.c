@@ -174,13 +174,13 @@ static lw_status keep_flat(void *context, const lw_moment *m)
 #define SOFT_WITH(more) "{'section': " SQUARE ", 'material': {'E': 1e8, 'nu': 0.3, 'density': 1000}, 'segments': 3, 'damping': 1e-4" more "}"
 #define SOFT SOFT_WITH("")
 
-/* An elastic pendulum with a bob, in a plane of any direction, moves as in the plane: `more` of its elastic link. */
-static void swing_as_in_the_plane(const char *more)
+/* An elastic pendulum with a bob, in a plane of any direction, moves as in the plane: `flat_more` and `more` of its elastic link. */
+static void swing_as_in_the_plane(const char *flat_more, const char *more)
 {
     char planar[1000];
     snprintf(planar, sizeof planar, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'bar', 'elastic': " SOFT_WITH("%s") "}, {'name': 'bob', "
         "'mass': 3, 'centre': [1, -0.2], 'inertia': 0.05}], 'joints': [{'name': 'A', 'links': ['ground', 'bar'], 'at': [0, 0]}, {'name': "
-        "'B', 'links': ['bar', 'bob'], 'at': [1, 0]}], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [1, -0.2]}]}", more);
+        "'B', 'links': ['bar', 'bob'], 'at': [1, 0]}], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [1, -0.2]}]}", flat_more);
     static record r;
     flat_record flat = { 0 };
     lw_dynamics_report report;
@@ -218,8 +218,9 @@ static void swing_as_in_the_plane(const char *more)
 
 TEST(as_in_the_plane)
 {
-    swing_as_in_the_plane("");
-    swing_as_in_the_plane(", 'superelements': 1");
+    swing_as_in_the_plane("", "");
+    swing_as_in_the_plane(", 'superelements': 1", ", 'superelements': 1");
+    swing_as_in_the_plane(", 'superelements': 1, 'modes': 6", ", 'superelements': 1, 'modes': 12");          /* all of them */
 }
 
 /* Bathe & Bolourchi's bend (1979): an arc of 45 degrees, radius 100, loaded across its plane.  Published ends of eight elements of
@@ -748,13 +749,15 @@ static void hinged_bar(const char *elastic, lw_elastic_expansion *x, double out[
     lw_model_free(&m);
 }
 
-/* In the plane, a bar condensed to pieces rests as its elements do and has their frequencies, from above; its matrices from files are the same
- * superelement. */
+/* In the plane, a bar condensed to pieces rests as its elements do and has their frequencies, from above, and nearer with modes, which are those in the
+ * plane; its matrices from files are the same superelement. */
 TEST(condensed_in_the_plane)
 {
+    enum { PIECES = 12, ROWS = 6*(PIECES + 1) };
+    static double matrix[2][ROWS*ROWS];
     static const char bar[] = "'section': {'shape': 'rectangle', 'width': 0.02, 'height': 0.03}, 'material': 'steel', 'segments': 12";
     double whole[4], got[4], same[4];
-    char text[1000], path[2][300];
+    char text[2000], path[2][300], nodes[1000] = "";
     lw_elastic_expansion x;
     hinged_bar(bar, NULL, whole);
     snprintf(text, sizeof text, "%s, 'superelements': 4", bar);
@@ -775,6 +778,27 @@ TEST(condensed_in_the_plane)
     write_matrix(path[1], 12, p->rate);
     lw_elastic_expansion_free(&x);
     snprintf(text, sizeof text, "'nodes': [[0, 0], [0.6, 0.8]], 'stiffness': '%s', 'mass': '%s'", path[0], path[1]);
+    hinged_bar(text, NULL, same);
+    for (int i = 0; i < 4; i++)
+        CHECK_NEAR(same[i], got[i], 0, i < 2 ? 1e-9 : 1e-7);
+    snprintf(text, sizeof text, "%s, 'superelements': 1, 'modes': 6", bar);
+    hinged_bar(text, NULL, got);
+    CHECK(got[0] > whole[0] && got[0] < (1 + 1e-6)*whole[0] && got[1] > whole[1] && got[1] < (1 + 1e-4)*whole[1]);
+    CHECK_NEAR(got[2], whole[2], 0, 1e-6);
+    snprintf(text, sizeof text, "%s, 'superelements': %d", bar, PIECES);
+    hinged_bar(text, &x, same);
+    for (int k = 0; k < PIECES; k++)
+        for (int i = 0; i < 144; i++) {
+            int to = (6*k + i/12)*ROWS + 6*k + i%12;
+            matrix[0][to] += x.model.super[k].stiffness[i];
+            matrix[1][to] += x.model.super[k].rate[i];
+        }
+    lw_elastic_expansion_free(&x);
+    for (int i = 0; i <= PIECES; i++)
+        snprintf(nodes + strlen(nodes), sizeof nodes - strlen(nodes), "%s[%.17g, %.17g]", i ? ", " : "", 0.6*i/PIECES, 0.8*i/PIECES);
+    for (int i = 0; i < 2; i++)
+        write_matrix(path[i], ROWS, matrix[i]);
+    snprintf(text, sizeof text, "'nodes': [%s], 'stiffness': '%s', 'mass': '%s', 'modes': 6", nodes, path[0], path[1]);
     hinged_bar(text, NULL, same);
     for (int i = 0; i < 4; i++)
         CHECK_NEAR(same[i], got[i], 0, i < 2 ? 1e-9 : 1e-7);

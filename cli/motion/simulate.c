@@ -81,7 +81,7 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
         const lw_elastic_chain *chain = &elastic->chain[c];
         if (chain->elastic->n_node > 0)              /* without a section */
             continue;
-        for (int i = 0; i < chain->n_node; i++) {
+        for (int i = 0; i < chain->n_bound; i++) {
             const char *name = k->link_name[chain->node[i]];
             add(s, "N", 1, "%s.normal", name);
             add(s, "N", 1, "%s.shear", name);
@@ -219,7 +219,7 @@ static double *put_inner(cli_simulate *s, const lw_moment *m, int chain, double 
 {
     const lw_elastic_chain *c = &lw_dynamics_elastic(s->d)->chain[chain];
     const lw_system *sys = lw_dynamics_system(s->d);
-    int n = c->n_node;
+    int n = c->n_bound;
     double most = 0;
     lw_reactions_inner(s->d, m, chain, s->inner);
     for (int i = 0; c->condensed && i + 1 < n; i++) {

@@ -118,7 +118,7 @@ static lw_place place_of(const cli_simulate *s, int link, const double *q)
     int b = sys->body[link];
     for (int c = 0; x && c < x->n_chain; c++)
         if (x->chain[c].link == link) {
-            int last = sys->body[x->chain[c].node[x->chain[c].n_node - 1]];
+            int last = sys->body[x->chain[c].node[x->chain[c].n_bound - 1]];
             lw_vec2 from = lw_system_point(sys, b, lw_v2(0, 0), q), d = lw_v2_sub(lw_system_point(sys, last, lw_v2(0, 0), q), from);
             return (lw_place){ from, lw_v2_scale(d, 1/lw_v2_norm(d)) };
         }
@@ -190,9 +190,9 @@ static lw_status make_bends(const cli_simulate *s, lw_bent_bar **bend, int *n, l
     bool room = *bend != NULL;
     for (int c = 0; room && c < *n; c++) {
         const lw_elastic_chain *k = &x->chain[c];
-        size_t nodes = (size_t)k->n_node;
+        size_t nodes = (size_t)k->n_bound;
         lw_vec2 *p = calloc(s->n_row*nodes + 1, sizeof *p);
-        (*bend)[c] = (lw_bent_bar){ k->link, k->n_node, p };
+        (*bend)[c] = (lw_bent_bar){ k->link, k->n_bound, p };
         room = p != NULL;
         for (size_t i = 0; room && i < s->n_row*nodes; i++)
             p[i] = lw_system_point(sys, sys->body[k->node[i % nodes]], lw_v2(0, 0), s->q + i/nodes*(size_t)sys->n_q);

@@ -248,21 +248,21 @@ void lw_elastic_free(lw_elastic *p)
 
 lw_status lw_elastic_read(const lw_json_node *n, double metre, bool space, lw_elastic *p, lw_error *e)
 {
-    static const char *const known[] = { "section", "material", "segments", "frequency", "damping", "mass", "axis", "superelements", "height",
-                                         "modes" };
-    static const char *const masses[] = { "lumped", "consistent" }, *const only_space[] = { "height", "modes" };
+    static const char *const known[] = { "section", "material", "segments", "frequency", "damping", "mass", "axis", "superelements", "modes",
+                                         "height" };
+    static const char *const masses[] = { "lumped", "consistent" };
     lw_json_node section, at;
     int mass = 0;
     const lw_number_key frequency = { "frequency", 1, LW_POSITIVE, &p->frequency, NULL };
     double pieces = 0;
     const lw_number_key condensed = { "superelements", 1, 1, 100, &pieces, NULL };
     lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
-    for (int i = 0; s == LW_OK && !space && i < COUNT(only_space); i++)
-        if (lw_json_member(n, only_space[i], &at))
-            s = lw_json_fault(&at, e, "\"%s\" is for models in space: give every place three numbers, joints with \"axis\": [0, 0, 1]", only_space[i]);
+    p->plane = !space;
+    if (s == LW_OK && !space && lw_json_member(n, "height", &at))
+        s = lw_json_fault(&at, e, "\"height\" is for models in space: give every place three numbers, joints with \"axis\": [0, 0, 1]");
     if (s == LW_OK && (lw_json_member(n, "stiffness", &at) || lw_json_member(n, "nodes", &at)))
         return read_superelement(n, metre, space, p, e);
-    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known) - 2*!space, e)) == LW_OK &&
+    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known) - !space, e)) == LW_OK &&
         (s = lw_read_need(n, "section", &section, e)) == LW_OK &&
         (s = lw_section_read(&section, metre, &p->section, e)) == LW_OK &&
         (s = lw_read_need(n, "material", &at, e)) == LW_OK)

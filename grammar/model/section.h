@@ -37,6 +37,7 @@ typedef struct lw_elastic {
     lw_vec3 *axis;                   /* in the posture [m]; in the plane z = 0 */
     int    pieces;                   /* > 0: condensed to superelements, as many along the axis */
     int    modes;                    /* > 0: Craig and Bampton's modes of each superelement, a multiple of 6 */
+    bool   plane;                    /* of a planar model: the modes are motions in its plane    */
     int    n_node;                   /* > 0: instead of all but damping and consistent, a superelement with its own matrices, */
     lw_vec3 *node;                   /* nodes in the posture [m], */
     double *stiffness, *mass;        /* (6 n_node squared) by displacement and turn of each node about ground axes [N/m] [kg] */

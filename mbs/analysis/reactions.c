@@ -119,15 +119,14 @@ void lw_reactions_inner(const lw_dynamics *d, const lw_moment *m, int chain, lw_
 {
     const lw_elastic_chain *c = &lw_dynamics_elastic(d)->chain[chain];
     const lw_forces *f = lw_dynamics_forces(d);
-    memset(out, 0, (size_t)c->n_node*sizeof *out);
-    for (int i = 0; c->elastic->n_node > 0 && i < c->n_node; i++)
-        out[i] = (lw_inner_force){ NAN, NAN, NAN, NAN };
-    for (int i = 0; c->elastic->n_node == 0 && i + 1 < c->n_node; i++) {
+    for (int i = 0; i < c->n_node; i++)
+        out[i] = c->elastic->n_node == 0 && i < c->n_bound ? (lw_inner_force){ 0 } : (lw_inner_force){ NAN, NAN, NAN, NAN };
+    for (int i = 0; c->elastic->n_node == 0 && i + 1 < c->n_bound; i++) {
         int element = c->first_beam + i;
         for (int end = 0; end < 2; end++) {
             lw_inner_force *to = &out[i + end];
             double on[3], direction = load_of(d, m, c, element, end, on);
-            double share = i + end == 0 || i + end == c->n_node - 1 ? 1 : 0.5, sign = end ? -1 : 1, about;
+            double share = i + end == 0 || i + end == c->n_bound - 1 ? 1 : 0.5, sign = end ? -1 : 1, about;
             int body = f->system->body[c->node[i + end]];
             lw_vec2 load = line_loads(d, m, element, c->node[i + end], &about);
             lw_vec2 along = lw_v2_polar(1, direction + (body < 0 ? 0 : m->q[3*body + 2]));

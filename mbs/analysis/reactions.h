@@ -20,7 +20,7 @@ lw_reaction lw_reactions_shaking(const lw_dynamics *d, const lw_moment *m);
  * elements on both sides the mean; and the stress of greatest absolute value, N/A + M/W on the side of the sign of N [N/m^2]. */
 typedef struct lw_inner_force { double normal, shear, moment, stress; } lw_inner_force;
 
-/* out (n_node of the chain, see lw_dynamics_elastic). */
+/* out (n_node of the chain, see lw_dynamics_elastic); NAN where a link with its own matrices, or a node that carries modes, has none. */
 void lw_reactions_inner(const lw_dynamics *d, const lw_moment *m, int chain, lw_inner_force *out);
 
 /* Forces of the contacts of the model on their second links, contact (n_contact), and tensions of its ropes, rope

@@ -42,6 +42,8 @@ void lw_expression_list_free(lw_expression_list *list)
     free(list->x);
 }
 
+int lw_elastic_modal_nodes(const lw_elastic *p) { return p->modes/(p->plane ? 3 : 6); }
+
 int lw_elastic_chain_of(const lw_elastic_chain *chain, int n, int link)
 {
     int k = 0;
@@ -68,7 +70,7 @@ lw_status lw_elastic_chain_take(lw_elastic_chain *c, const lw_elastic_axis *a, l
     c->mass = c->elastic->material.density*c->elastic->section.area*a->length;
     c->first = a->first;
     c->frequency = a->frequency;
-    c->n_node = a->n_node;
+    c->n_node = c->n_bound = a->n_node;
     c->node = calloc((size_t)a->n_node, sizeof *c->node);
     return c->node ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }

@@ -9,7 +9,7 @@ typedef struct lw_elastic_chain {
     int    link;                     /* of the model */
     const lw_elastic *elastic;       /* the model's */
     int    n_node, *node;            /* links of the expanded model, along the axis */
-    int    n_bound;                  /* condensed: of the nodes, how many are places; those behind them carry modes */
+    int    n_bound;                  /* of the nodes, how many are places; those behind them carry modes of superelements */
     int    first_beam;               /* element i is between nodes i and i + 1: beam[first_beam + i]; of a condensed bar super[] */
     bool   condensed;                /* superelements between the nodes instead */
     double length, mass;             /* [m] [kg] */
@@ -28,6 +28,9 @@ void      lw_expression_list_free(lw_expression_list *list);
 /* Why lw_elastic_line_pushes refuses. */
 lw_status lw_elastic_line_off_axis(const char *force, const char *link, lw_error *e);
 lw_status lw_elastic_line_on_nodes(const char *force, const char *link, lw_error *e);      /* of a link with its own matrices */
+
+/* Number of nodes that carry the modes of a superelement: six modes each; in the plane three, along x and y and about z. */
+int lw_elastic_modal_nodes(const lw_elastic *p);
 
 /* Which of these n chains is that of the link; n: it is not elastic. */
 int lw_elastic_chain_of(const lw_elastic_chain *chain, int n, int link);

@@ -81,7 +81,7 @@ static lw_status take_nodes(work *w, int chain, lw_error *e)
     int n = 0;
     c->condensed = true;
     c->length = from->length, c->mass = from->mass, c->first = from->first, c->frequency = from->frequency;
-    c->n_node = c->n_bound = from->n_node;
+    c->n_node = from->n_node, c->n_bound = from->n_bound;
     c->node = calloc((size_t)c->n_node, sizeof *c->node);
     for (int i = 0; i < a->n_node; i++)
         for (int k = 0; k < from->n_node; k++)
@@ -235,7 +235,7 @@ static int node_for(const work *w, int link, lw_vec2 at)
     const lw_body *body = w->x->model.body;
     if (c->elastic->n_node == 0)
         return c->node[lw_elastic_axis_node(&w->axis[k], lw_v3(at.x, at.y, 0))];
-    for (int i = 1; i < c->n_node; i++)
+    for (int i = 1; i < c->n_bound; i++)
         if (lw_v2_norm(lw_v2_sub(body[c->node[i]].centre, at)) < lw_v2_norm(lw_v2_sub(body[c->node[best]].centre, at)))
             best = i;
     return c->node[best];
@@ -276,7 +276,7 @@ static lw_status spread_force(work *w, int *i, lw_error *e)
     lw_status s = LW_OK;
     if (c->elastic->n_node > 0)
         return lw_elastic_line_on_nodes(p->name, w->m->linkage.link_name[c->link], e);
-    for (int k = 0; s == LW_OK && k + 1 < c->n_node; k++) {
+    for (int k = 0; s == LW_OK && k + 1 < c->n_bound; k++) {
         int n = lw_elastic_line_pushes(&w->axis[chain], k, end[0], end[1], p->line == LW_LINE_VARYING, push);
         if (n < 0)
             return lw_elastic_line_off_axis(p->name, w->m->linkage.link_name[c->link], e);
@@ -360,7 +360,7 @@ lw_status lw_elastic_rigid(const lw_model *m, lw_model *rigid, lw_error *e)
         return lw_elastic_rigid_free(rigid), lw_error_set(e, LW_E_MEMORY, "out of memory");
     memcpy(bars.elastic, m->elastic, (size_t)m->linkage.n_link*sizeof *bars.elastic);
     for (int i = 0; i < m->linkage.n_link; i++)
-        bars.elastic[i].pieces = 0;
+        bars.elastic[i].pieces = bars.elastic[i].modes = 0;
     lw_status s = lw_elastic_expand(&bars, false, &x, e);
     for (int k = 0; s == LW_OK && k < x.n_chain; k++) {
         lw_body *b = &rigid->body[x.chain[k].link];

@@ -74,15 +74,15 @@ static lw_status keep_nodes(work *w, int chain, const lw_elastic_places *at, lw_
 static lw_status too_many_modes(const work *w, const lw_elastic_chain *c, int inner, lw_error *e)
 {
     return lw_error_set(e, LW_E_ARG, "the elastic link \"%s\" has %d \"modes\" in a superelement of %d inner nodes, which has %d; take fewer, or "
-                        "a finer mesh", w->m->body[c->link].name, c->elastic->modes, inner, 6*inner);
+                        "a finer mesh", w->m->body[c->link].name, c->elastic->modes, inner, (c->elastic->plane ? 3 : 6)*inner);
 }
 
-/* The nodes of a link with its own matrices: all; or, with modes, those on which something acts, two at least, and one per six modes. */
+/* The nodes of a link with its own matrices: all; or, with modes, those on which something acts, two at least, and those that carry modes. */
 static lw_status plan_matrices(work *w, int chain, lw_error *e)
 {
     lw_elastic_chain *c = &w->x->chain[chain];
     const lw_elastic *p = c->elastic;
-    int more = p->modes/6, n = 0, *keep = w->keep[chain] = calloc((size_t)p->n_node + 1, sizeof *keep);
+    int more = lw_elastic_modal_nodes(p), n = 0, *keep = w->keep[chain] = calloc((size_t)p->n_node + 1, sizeof *keep);
     bool *kept = calloc((size_t)p->n_node, sizeof *kept);
     lw_elastic_places at = { 0 };
     lw_status s = keep && kept ? find_places(w->m, c->link, &at, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -134,9 +134,8 @@ static lw_status plan_chain(work *w, int chain, lw_error *e)
     free(at.at);
     if (s != LW_OK || (s = lw_elastic_chain_take(c, a, e)) != LW_OK)
         return s;
-    c->n_bound = c->n_node;
     if (c->elastic->modes) {
-        c->n_node += (c->n_node - 1)*c->elastic->modes/6;
+        c->n_node += (c->n_node - 1)*lw_elastic_modal_nodes(c->elastic);
         int *node = realloc(c->node, (size_t)c->n_node*sizeof *node);
         if (!node)
             return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -264,7 +263,7 @@ static lw_status fill_nodes(work *w, lw_elastic_chain *c, const lw_elastic_axis 
         int link = i ? to->n_link++ : c->link;
         c->node[i] = link;
         bool modal = i >= c->n_bound;        /* at the first node of its superelement */
-        int at = !modal ? i : c->elastic->n_node ? 0 : (i - c->n_bound)/(c->elastic->modes/6);
+        int at = !modal ? i : c->elastic->n_node ? 0 : (i - c->n_bound)/lw_elastic_modal_nodes(c->elastic);
         to->body[link] = (lw_spatial_body){ .given = true, .centre = axis ? lw_elastic_axis_point(axis, axis->node[at])
                                                                            : c->elastic->node[keep[at]] };
         if (snprintf(to->body[link].name, LW_NAME_SIZE, "%s.%d", w->m->body[c->link].name, i) >= LW_NAME_SIZE)
@@ -351,40 +350,40 @@ static lw_status add_superelement(work *w, int n, int n_bound, const int *link, 
 }
 
 /* Matrices of the elements first .. last of a chain, whose nodes are links 0, 1, ... of m, condensed to its two ends and modes. */
-static lw_status condense(const lw_spatial *m, int first, int last, bool consistent, int modes, matrices *out)
+static lw_status condense(const lw_spatial *m, int first, int last, const lw_elastic *p, matrices *out)
 {
     int nodes = last - first + 1, rows = 6*nodes;
     double *k = out->stiffness = calloc((size_t)rows*(size_t)rows, sizeof *k), *a = out->mass = calloc((size_t)rows*(size_t)rows, sizeof *a);
     if (!k || !a)
         return LW_E_MEMORY;
     for (int i = first; i < last; i++) {
-        const lw_spatial_beam *p = &m->beam[i];
-        lw_beam_space b = { .length = p->length, .axes = { p->axes, p->axes } };
+        const lw_spatial_beam *beam = &m->beam[i];
+        lw_beam_space b = { .length = beam->length, .axes = { beam->axes, beam->axes } };
         lw_beam_node node[2] = { { .at = m->body[i].centre }, { .at = m->body[i + 1].centre } };
         lw_beam_space_state z;
         double more[12][12] = { { 0 } };
         for (int side = 0; side < 2; side++)
             node[side].turn = lw_m3_columns(lw_v3(1, 0, 0), lw_v3(0, 1, 0), lw_v3(0, 0, 1));
-        memcpy(b.stiffness, p->stiffness, sizeof b.stiffness);
+        memcpy(b.stiffness, beam->stiffness, sizeof b.stiffness);
         lw_beam_space_at(&b, node, true, &z);
-        if (consistent)
-            lw_beam_space_mass(p, more);
-        const double lump[6] = { p->mass/2, p->mass/2, p->mass/2, p->mass*(p->gyration[0] + p->gyration[1])/2, p->mass*p->gyration[0]/2,
-                                 p->mass*p->gyration[1]/2 };
+        if (p->consistent)
+            lw_beam_space_mass(beam, more);
+        const double half = beam->mass/2, *gyration = beam->gyration;
+        const double lump[6] = { half, half, half, half*(gyration[0] + gyration[1]), half*gyration[0], half*gyration[1] };
         for (int x = 0; x < 12; x++)
             more[x][x] += lump[x%6];
         for (int x = 0; x < 12; x++)
             for (int y = 0; y < 12; y++) {
                 int at = (6*(i - first) + x)*rows + 6*(i - first) + y;
-                const double *row[2] = { &p->axes.row[x%3].x, &p->axes.row[y%3].x };
+                const double *row[2] = { &beam->axes.row[x%3].x, &beam->axes.row[y%3].x };
                 k[at] -= 0.5*(z.by_x[x][y] + z.by_x[y][x]);
                 for (int c = 0; c < 3; c++)
                     for (int d = 0; d < 3; d++)
                         a[at] += row[0][c]*more[x/3*3 + c][y/3*3 + d]*row[1][d];
             }
     }
-    return lw_super_reduce(rows, k, a, 2, (const int[]){ 0, nodes - 1 }, (const lw_vec3[]){ m->body[first].centre, m->body[last].centre }, modes,
-                           &out->rate, &out->turn);
+    return lw_super_reduce(rows, k, a, 2, (const int[]){ 0, nodes - 1 }, (const lw_vec3[]){ m->body[first].centre, m->body[last].centre },
+                           lw_elastic_modal_nodes(p), p->plane, &out->rate, &out->turn);
 }
 
 /* A bar of elements condensed to superelements between its nodes that are kept. */
@@ -393,7 +392,7 @@ static lw_status fill_pieces(work *w, int chain, lw_error *e)
     lw_elastic_chain *c = &w->x->chain[chain], all = *c;
     const lw_elastic_axis *full = &w->full[chain], *kept = &w->axis[chain];
     size_t n = (size_t)full->n_node + 1;
-    int modes = c->elastic->modes, link[LW_SUPER_NODES];
+    int more = lw_elastic_modal_nodes(c->elastic), link[LW_SUPER_NODES];
     lw_spatial named = { .body = &((lw_spatial *)(uintptr_t)w->m)->body[c->link] };
     lw_spatial_expansion mesh = { .model = { .n_link = 1, .body = calloc(n, sizeof *mesh.model.body), .beam = calloc(n, sizeof *mesh.model.beam) },
                                   .chain = &all };
@@ -408,15 +407,15 @@ static lw_status fill_pieces(work *w, int chain, lw_error *e)
         matrices of = { 0 };
         while (full->node[last] < kept->node[i + 1])
             last++;
-        if (6*(last - first - 1) < modes) {
+        if (last - first - 1 < more) {
             s = too_many_modes(w, c, last - first - 1, e);
             break;
         }
-        s = condense(&mesh.model, first, last, c->elastic->consistent, modes, &of);
-        for (int k = 0; k < 2 + modes/6; k++)
-            link[k] = c->node[k < 2 ? i + k : c->n_bound + i*(modes/6) + k - 2];
+        s = condense(&mesh.model, first, last, c->elastic, &of);
+        for (int k = 0; k < 2 + more; k++)
+            link[k] = c->node[k < 2 ? i + k : c->n_bound + i*more + k - 2];
         if (s == LW_OK)
-            s = add_superelement(w, 2 + modes/6, 2, link, c->elastic->damping, &of, e);
+            s = add_superelement(w, 2 + more, 2, link, c->elastic->damping, &of, e);
         else {
             free_matrices(&of);
             lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed", named.body->name);
@@ -447,7 +446,8 @@ static lw_status fill_matrices(work *w, int chain, lw_error *e)
     }
     for (int i = 0; s == LW_OK && i < c->n_bound; i++)
         at[i] = p->node[w->keep[chain][i]];
-    if (s == LW_OK && (s = lw_super_reduce(6*p->n_node, m.stiffness, m.mass, c->n_bound, w->keep[chain], at, p->modes, &m.rate, &m.turn)) != LW_OK)
+    if (s == LW_OK && (s = lw_super_reduce(6*p->n_node, m.stiffness, m.mass, c->n_bound, w->keep[chain], at,
+                                           lw_elastic_modal_nodes(p), p->plane, &m.rate, &m.turn)) != LW_OK)
         lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed: its stiffness does not hold the inner nodes, or their mass is not "
                      "positive definite", w->m->body[c->link].name);
     free(at);

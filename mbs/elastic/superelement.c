@@ -441,24 +441,41 @@ void lw_super_mass(const lw_super *s, const lw_beam_node *node, double *out)
 
 /* ---- mass and condensation ---------------------------------------------------------------------------------------- */
 
-/* The lowest modes of the inner coordinates with those kept at rest: squared frequencies w, shapes x (inner x modes). */
-static lw_status inner_modes(int n, const double *k, const double *mass, int inner, const int *other, int modes, double *w, double *x)
+static bool across(int coordinate) { return coordinate%6 >= 2 && coordinate%6 <= 4; }
+
+/* The lowest modes of `inner` coordinates (indices `other`) with the rest of the mesh at rest: squared frequencies w, shapes x (inner x modes).
+ * plane: those along x and y and about z are modes in the plane, the others are modes across it. */
+static lw_status inner_modes(int n, const double *k, const double *mass, int inner, const int *other, int modes, bool plane, double *w, double *x)
 {
     size_t size = (size_t)inner;
     double *work = calloc(3*size*size + size, sizeof *work), *m = work + size*size, *all = m + size*size, *values = all + size*size;
-    for (int i = 0; work && i < inner*inner; i++)
-        work[i] = k[other[i/inner]*n + other[i%inner]], m[i] = mass[other[i/inner]*n + other[i%inner]];
-    lw_status s = work ? lw_eigen_symmetric(inner, work, m, values, all) : LW_E_MEMORY;
-    if (s == LW_OK) {
-        memcpy(w, values, (size_t)modes*sizeof *w);
-        memcpy(x, all, (size_t)modes*size*sizeof *x);
+    int *own = calloc(size, sizeof *own);
+    lw_status s = work && own ? LW_OK : LW_E_MEMORY;
+    for (int side = 0; s == LW_OK && side <= plane; side++) {
+        int count = 0, found = 0;
+        for (int i = 0; i < inner; i++)
+            if (!plane || across(other[i]) == side)
+                own[count++] = i;
+        for (int i = 0; i < count*count; i++) {
+            int at = other[own[i/count]]*n + other[own[i%count]];
+            work[i] = k[at], m[i] = mass[at];
+        }
+        s = lw_eigen_symmetric(count, work, m, values, all);
+        for (int j = 0; s == LW_OK && j < modes; j++) {
+            if (plane && across(j) != side)
+                continue;
+            w[j] = values[found];
+            for (int i = 0; i < count; i++)
+                x[(size_t)j*size + (size_t)own[i]] = all[found*count + i];
+            found++;
+        }
     }
-    free(work);
+    free(work), free(own);
     return s;
 }
 
 /* Condense; shapes (n x (m + modes)): the motion of all coordinates with each that is kept. */
-static lw_status condense(int n, double *k, double *mass, int m, const int *keep, int modes, double *shapes)
+static lw_status condense(int n, double *k, double *mass, int m, const int *keep, int modes, bool plane, double *shapes)
 {
     int inner = n - m, *other = calloc((size_t)n + 1, sizeof *other), found = 0, rows = m + modes;
     size_t size = (size_t)inner + 1, both = (size_t)rows + 1;
@@ -483,7 +500,7 @@ static lw_status condense(int n, double *k, double *mass, int m, const int *keep
             lw_qr_solve(inner, inner, a, diag, b);
     }
     if (s == LW_OK && modes > 0)
-        s = inner_modes(n, k, mass, inner, other, modes, w, shape + (size_t)m*(size_t)inner);
+        s = inner_modes(n, k, mass, inner, other, modes, plane, w, shape + (size_t)m*(size_t)inner);
     for (int which = 1; s == LW_OK && which >= 0; which--)
         for (int j = 0; j < rows; j++) {
             const double *x = which ? mass : k, *v = shape + (size_t)j*(size_t)inner;
@@ -587,9 +604,10 @@ static lw_status turning(int n, const double *mass, int rows, int nodes, const d
     return LW_OK;
 }
 
-lw_status lw_super_reduce(int n, double *k, double *mass, int nodes, const int *keep, const lw_vec3 *at, int modes, double **rate, double **turn)
+lw_status lw_super_reduce(int n, double *k, double *mass, int nodes, const int *keep, const lw_vec3 *at, int more, bool plane,
+                          double **rate, double **turn)
 {
-    int rows = 6*nodes + modes, *kept = calloc(6*(size_t)nodes, sizeof *kept);
+    int rows = 6*(nodes + more), *kept = calloc(6*(size_t)nodes, sizeof *kept);
     size_t all = (size_t)n*(size_t)n, square = (size_t)rows*(size_t)rows;
     double *whole = malloc(all*sizeof *whole), *shapes = calloc((size_t)n*(size_t)rows, sizeof *shapes);
     *rate = malloc(square*sizeof **rate);
@@ -598,12 +616,15 @@ lw_status lw_super_reduce(int n, double *k, double *mass, int nodes, const int *
     for (int i = 0; s == LW_OK && i < 6*nodes; i++)
         kept[i] = 6*keep[i/6] + i%6;
     if (s == LW_OK) {
+        for (int i = 0; plane && i < n*n; i++)
+            if (across(i/n) != across(i%n))
+                k[i] = mass[i] = 0;
         memcpy(whole, mass, all*sizeof *whole);
-        s = condense(n, k, mass, 6*nodes, kept, modes, shapes);
+        s = condense(n, k, mass, 6*nodes, kept, 6*more, plane, shapes);
     }
     if (s == LW_OK) {
         memcpy(*rate, mass, square*sizeof **rate);
-        modal_nodes(nodes, modes/6, at, k, mass, n, *rate, shapes);
+        modal_nodes(nodes, more, at, k, mass, n, *rate, shapes);
         s = *turn ? turning(n, whole, rows, nodes, shapes, *turn) : LW_OK;
     }
     free(kept), free(whole), free(shapes);
