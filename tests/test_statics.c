@@ -45,8 +45,8 @@ static void drop(void)
 static const char pendulum[] = "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.1}], "
     "'joints': [{'name': 'O', 'links': ['ground', 'rod'], 'at': [0, 0]}], 'gravity': [0, -9.81]}";
 
-/* From the upper rest, from just beside it and from the side the pendulum goes down.  With its centre in the pin it
- * rests anywhere. */
+/* From the upper rest, from just beside it and from the side the pendulum goes down, even if its centre is as little above the pin as may be
+ * and a stiff spring stands beside it.  With its centre in the pin it rests anywhere. */
 TEST(saddles)
 {
     static const double start[][2] = { { 0, 1 }, { 1e-9, 1 }, { 1, 0 }, { -0.6, 0.8 } };
@@ -63,6 +63,15 @@ TEST(saddles)
     CHECK(!found.stable && found.neutral);
     CHECK_NEAR(q[2], 0, 1e-12, 0);
     drop();
+    for (int k = 3; k <= 6; k++) {
+        CHECK_INT(rest_of("{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': 1, 'centre': [0, %.17g], 'inertia': 0.01}, {'name': 'block', "
+                          "'mass': 1, 'centre': [0.5, 0], 'inertia': 0.01}], 'joints': [{'name': 'O', 'links': ['ground', 'rod'], 'at': [0, 0]}, {'name': 'S', "
+                          "'kind': 't', 'links': ['ground', 'block'], 'at': [0.5, 0], 'along': [0, 1]}], 'springs': [{'joint': 'S', 'stiffness': %.17g}], "
+                          "'gravity': [0, -9.81]}", 1e-6, pow(10, k), &unique), LW_OK);
+        CHECK(found.stable && unique);
+        CHECK_NEAR(fabs(remainder(q[2], 2*LW_PI)), LW_PI, 1e-9, 0);
+        drop();
+    }
 }
 
 /* A rod of length 1 at (0, 0), its tip at angle a, a spring of free length 2 from there to (0, 2): the spring has its

@@ -245,9 +245,8 @@ lw_status lw_vibration_linearise(lw_vibration *v, double t, const double *q)
 
 /* By Newton's method on the reduced equations. Where the stiffness is not positive definite, a multiple of the masses is
  * added until it is, which leads downhill and away from saddles. */
-/* A stiffness that becomes positive definite by so small a shift, in stiffnesses over masses, hardly drives away; */
-#define SLIGHT 1e-9
-#define NEUTRAL 1e-13                    /* by one so small, as rounding makes it, not at all */
+#define SLIGHT 1e-9                      /* the first shift, in stiffnesses over masses */
+#define NEUTRAL 1e-13                    /* a stiffness that becomes positive definite by so small a one, as rounding makes it, does not drive away */
 
 #define CONVERGED 1e-11                  /* two steps below this in a row: rounding stops Newton's method */
 
@@ -294,7 +293,10 @@ static double find_step(const lw_vibration *v, double *x, bool *neutral)
     *neutral = false;
     for (int tries = 0; tries < 60; tries++) {
         if (solve_shifted(v, shift, little, x)) {
-            *neutral = shift == SLIGHT*unit && solve_shifted(v, NEUTRAL*unit, little, x) && solve_shifted(v, shift, little, x);
+            if (shift == SLIGHT*unit) {
+                *neutral = solve_shifted(v, NEUTRAL*unit, little, x);
+                solve_shifted(v, shift, little, x);
+            }
             double size = lw_norm(v->n_free, x);
             for (int i = 0; size > 0.5 && i < v->n_free; i++)
                 x[i] *= 0.5/size;
@@ -358,7 +360,7 @@ lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw
         r->stable = shift == 0.0;
         bool done = size < 1e-14 || r->residual <= 1e-15*lw_greatest(v->n_q, v->force)
                  || (last < CONVERGED && size < CONVERGED);
-        if (done && (shift <= 2.0*SLIGHT || saddles == 5))
+        if (done && (r->stable || r->neutral || saddles == 5))
             return LW_OK;
         last = done ? INFINITY : size;
         saddles += done;
