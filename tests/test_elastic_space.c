@@ -133,6 +133,25 @@ TEST(cantilever)
     }
 }
 
+/* The radii of gyration of the mass may be others than those of the area (Simo & Vu-Quoc 1988: rho A 1, rho I 20, 10, 10): first torsion of a chain
+ * of n lumps, pi c/(2 L) sin(x)/x, x = pi/(4n). */
+TEST(mass_beside_the_area)
+{
+    lw_spatial m;
+    lw_error e;
+    double f[1], x = LW_PI/32, c = sqrt(1e-3*1e2/(0.1*0.1 + 0.2*0.2));
+    CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'general', 'area': 1, 'Iy': 1, 'Iz': 1, "
+                        "'It': 1e-3, 'gyration_y': 0.1, 'gyration_z': 0.2}, 'height': [0, 1, 0], 'material': {'E': 1e6, 'G': 1e2, 'density': 1}, 'segments': 8}}], "
+                        "'joints': [{'name': 'A', 'kind': 'fixed', 'links': ['ground', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', "
+                        "'at': [2, 0, 0]}]}"), LW_OK);
+    frequencies(&m, false, 1, f);
+    CHECK_NEAR(f[0], c/8*sin(x)/x, 0, 1e-9);
+    CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'general', 'area': 1, 'Iy': 1, 'Iz': 1, "
+                        "'It': 1, 'gyration_y': 0.1}, 'material': 'steel'}}], 'joints': [{'name': 'A', 'kind': 'fixed', 'links': ['ground', 'bar'], 'at': [0, 0, "
+                        "0]}]}"), LW_E_NOTATION);
+    CHECK(strstr(e.text, "\"height\"") != NULL);
+}
+
 /* The weak and the strong direction of a section follow its height; unequal ends and either order of the axis give the same. */
 TEST(height)
 {

@@ -176,7 +176,7 @@ typedef struct lw_beam {
     double length, direction;            /* in the posture, from the first node to the second [m] [rad] */
     double stiffness[3];                 /* stretch [N/m], shear [N/m], bending [N m/rad]           */
     double damping;                      /* [s]                                                    */
-    double mass, gyration;               /* [kg]; I/A [m^2]                                         */
+    double mass, gyration;               /* [kg]; squared radius of gyration of the mass [m^2] */
     bool   consistent;                   /* modes use the mass of the shape functions                */
 } lw_beam;
 

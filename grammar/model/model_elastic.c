@@ -67,9 +67,10 @@ static lw_status read_height(const lw_json_node *elastic, const lw_json_node *se
         return lw_json_fault(section, e, "in space a section needs \"Iy\" and \"It\", too");
     if (lw_json_member(elastic, "height", &n))
         return lw_read_direction(&n, &p->height, e);
-    if (fabs(q->iy - q->iz) <= 1e-9*q->iz && fabs(q->zeta_y - q->zeta_z) <= 1e-9*q->zeta_y)
+    if (fabs(q->iy - q->iz) <= 1e-9*q->iz && fabs(q->zeta_y - q->zeta_z) <= 1e-9*q->zeta_y
+        && fabs(lw_section_mass_y(q) - lw_section_mass_z(q)) <= 1e-9*lw_section_mass_z(q))
         return LW_OK;
-    return lw_json_fault(section, e, "this section is stiffer in one direction than in the other: add \"height\": [x, y, z], the "
+    return lw_json_fault(section, e, "this section is stiffer or heavier in one direction than in the other: add \"height\": [x, y, z], the "
                          "direction in which its height lies");
 }
 

@@ -7,11 +7,11 @@
 
 /* ---- shapes ---------------------------------------------------------------------------------------- */
 
-enum { WIDTH, HEIGHT, DIAMETER, WALL, WEB, FLANGE, AREA, IY, IZ, IT, ZETA, N_SIZE };
+enum { WIDTH, HEIGHT, DIAMETER, WALL, WEB, FLANGE, AREA, IY, IZ, IT, ZETA, GYRATION_Y, GYRATION_Z, N_SIZE };
 
 static const struct { const char *key; double power; } size_of[N_SIZE] = {
     { "width", 1 }, { "height", 1 }, { "diameter", 1 }, { "wall", 1 }, { "web", 1 }, { "flange", 1 },
-    { "area", 2 }, { "Iy", 4 }, { "Iz", 4 }, { "It", 4 }, { "zeta", 0 }
+    { "area", 2 }, { "Iy", 4 }, { "Iz", 4 }, { "It", 4 }, { "zeta", 0 }, { "gyration_y", 1 }, { "gyration_z", 1 }
 };
 
 static const char *const shapes[] = { "rectangle", "box", "round", "tube", "I", "general" };
@@ -24,7 +24,7 @@ static const unsigned needed[N_SHAPE] = {
 };
 static const unsigned allowed[N_SHAPE] = {
     BIT(WIDTH) | BIT(HEIGHT), BIT(WIDTH) | BIT(HEIGHT) | BIT(WALL), BIT(DIAMETER), BIT(DIAMETER) | BIT(WALL),
-    BIT(WIDTH) | BIT(HEIGHT) | BIT(WEB) | BIT(FLANGE), BIT(AREA) | BIT(IZ) | BIT(IY) | BIT(IT) | BIT(ZETA) | BIT(HEIGHT) | BIT(WIDTH)
+    BIT(WIDTH) | BIT(HEIGHT) | BIT(WEB) | BIT(FLANGE), BIT(AREA) | BIT(IZ) | BIT(IY) | BIT(IT) | BIT(ZETA) | BIT(HEIGHT) | BIT(WIDTH) | BIT(GYRATION_Y) | BIT(GYRATION_Z)
 };
 
 /* Torsion constant of a rectangle a >= b (Timoshenko & Goodier 1951, section 109: the series, summed). */
@@ -55,7 +55,7 @@ static void fill(int shape, const double *v, lw_section *s)
     double b = v[WIDTH], h = v[HEIGHT], t = v[WALL], r = v[DIAMETER]/2, web = v[WEB], flange = v[FLANGE];
     switch (shape) {
     case RECTANGLE:
-        *s = (lw_section){ b*h, h*b*b*b/12, b*h*h*h/12, rectangle_torsion(fmax(b, h), fmin(b, h)), 1.2, 1.2, h/2, b/2, false, false };
+        *s = (lw_section){ b*h, h*b*b*b/12, b*h*h*h/12, rectangle_torsion(fmax(b, h), fmin(b, h)), 1.2, 1.2, .y = h/2, .z = b/2 };
         return;
     case BOX:                                        /* torsion: Bredt's formula for a thin closed wall */
         hollow(s, b, h, b - 2*t, h - 2*t, 2*(h - 2*t)*t, 2*(b - 2*t)*t);
@@ -64,7 +64,7 @@ static void fill(int shape, const double *v, lw_section *s)
         return;
     case ROUND: case TUBE: {
         double in = shape == TUBE ? r - t : 0, i = LW_PI/4*(pow(r, 4) - pow(in, 4)), zeta = ring_shear(in/r);
-        *s = (lw_section){ LW_PI*(r*r - in*in), i, i, 2*i, zeta, zeta, r, r, .round = true };
+        *s = (lw_section){ LW_PI*(r*r - in*in), i, i, 2*i, zeta, zeta, .y = r, .z = r, .round = true };
         return;
     }
     case I_PROFILE:                                  /* torsion: sum of thin strips */
@@ -73,7 +73,7 @@ static void fill(int shape, const double *v, lw_section *s)
         s->it = (2*b*flange*flange*flange + (h - 2*flange)*web*web*web)/3;
         return;
     default:
-        *s = (lw_section){ v[AREA], v[IY] > 0 ? v[IY] : v[IZ], v[IZ], v[IT] > 0 ? v[IT] : 2*v[IZ], v[ZETA], v[ZETA], h/2, b/2, false, false };
+        *s = (lw_section){ v[AREA], v[IY] > 0 ? v[IY] : v[IZ], v[IZ], v[IT] > 0 ? v[IT] : 2*v[IZ], v[ZETA], v[ZETA], .y = h/2, .z = b/2 };
     }
 }
 
@@ -125,9 +125,13 @@ lw_status lw_section_read(const lw_json_node *n, double metre, lw_section *s, lw
         return lw_json_fault(&at, e, "this \"%s\" is too thick: it leaves no hollow in the section", thick);
     }
     fill(shape, v, s);
+    s->gyration_y = v[GYRATION_Y], s->gyration_z = v[GYRATION_Z];
     s->whole = shape != GENERAL || (v[IY] > 0 && v[IT] > 0);
     return LW_OK;
 }
+
+double lw_section_mass_y(const lw_section *s) { return s->gyration_y > 0 ? s->gyration_y*s->gyration_y : s->iy/s->area; }
+double lw_section_mass_z(const lw_section *s) { return s->gyration_z > 0 ? s->gyration_z*s->gyration_z : s->iz/s->area; }
 
 /* ---- materials -------------------------------------------------------------------------------------- */
 

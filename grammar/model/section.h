@@ -16,9 +16,14 @@ typedef struct lw_section {
     double it;                       /* torsion constant [m^4] */
     double zeta_y, zeta_z;           /* shear factors for forces along y and z */
     double y, z;                     /* distance of the outermost fibre from the axis [m] */
+    double gyration_y, gyration_z;   /* radii of gyration of the mass about y and z [m]; 0: those of the area */
     bool   whole;                    /* Iy and It are given, not taken for Iz and 2 Iz */
     bool   round;                    /* a circle or a ring: bends about any axis alike */
 } lw_section;
+
+/* Squared radii of gyration of the mass about y and z [m^2]. */
+double lw_section_mass_y(const lw_section *s);
+double lw_section_mass_z(const lw_section *s);
 
 typedef struct lw_material { double e, g, density; } lw_material;       /* [N/m^2] [N/m^2] [kg/m^3] */
 

@@ -130,7 +130,7 @@ typedef struct lw_spatial_beam {
     double  stiffness[6];                /* stretch, shear along y and z [N/m]; torsion, bending about y and z [N m/rad] */
     double  damping;                     /* [s]                                                        */
     lw_mat3 axes;                        /* in the posture: x along the element, y and z of its section */
-    double  mass, gyration[2];           /* [kg]; Iy/A, Iz/A [m^2]                                     */
+    double  mass, gyration[2];           /* [kg]; squared radii of gyration of the mass [m^2] */
     bool    consistent;                  /* modes use the mass of the shape functions                  */
 } lw_spatial_beam;
 

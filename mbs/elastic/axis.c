@@ -142,18 +142,17 @@ int lw_elastic_line_pushes(const lw_elastic_axis *a, int i, lw_vec3 at, lw_vec3 
 static const double lumped_bend = 0.277, consistent_bend = 1.2, lumped_stretch = 0.48;
 
 /* Bending that counts: in the plane; in space, where the height has a direction, the softer one. */
-static double second_moment(const lw_elastic *p)
-{
-    return lw_v3_norm(p->height) > 0 ? fmin(p->section.iy, p->section.iz) : p->section.iz;
-}
+static bool soft_about_y(const lw_elastic *p) { return lw_v3_norm(p->height) > 0 && p->section.iy < p->section.iz; }
+static double second_moment(const lw_elastic *p) { return soft_about_y(p) ? p->section.iy : p->section.iz; }
 
 /* Wave numbers [1/m] of bending (Timoshenko) and of stretch at the angular frequency w. */
 static double wave_number(const lw_elastic *p, double w, bool bend)
 {
-    double a = p->material.density/p->material.e, b = p->material.density*p->section.zeta_y/p->material.g;
     if (!bend)
-        return w*sqrt(a);
-    double c = 4*p->material.density*p->section.area/(p->material.e*second_moment(p)*w*w);
+        return w*sqrt(p->material.density/p->material.e);
+    double line = p->material.density*p->section.area/(p->material.e*second_moment(p));
+    double a = line*(soft_about_y(p) ? lw_section_mass_y(&p->section) : lw_section_mass_z(&p->section)), b = p->material.density*p->section.zeta_y/p->material.g;
+    double c = 4*line/(w*w);
     return w*sqrt(0.5*(a + b + sqrt((a - b)*(a - b) + c)));
 }
 

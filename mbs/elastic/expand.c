@@ -51,7 +51,7 @@ static lw_status condense(work *w, int chain, const lw_elastic_places *at, lw_er
     const lw_elastic_chain *c = &w->x->chain[chain];
     lw_elastic elastic[2] = { { .given = false }, *c->elastic };
     lw_section *q = &elastic[1].section;
-    q->iy = q->iz, q->zeta_z = q->zeta_y, q->it = 2*q->iz;               /* y across the plane */
+    q->iy = q->iz, q->zeta_z = q->zeta_y, q->it = 2*q->iz, q->gyration_y = q->gyration_z;               /* y across the plane */
     elastic[1].height = lw_v3(0, 0, 1);
     lw_spatial_body body[2] = { { .given = false } };
     lw_spatial_joint *joint = calloc((size_t)at->n + 1, sizeof *joint);
@@ -205,12 +205,12 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
     for (int i = 0; i + 1 < c->n_node; i++) {
         lw_beam *b = &to->beam[to->n_beam++];
         lw_vec2 d = lw_v2_sub(to->body[c->node[i + 1]].centre, to->body[c->node[i]].centre);
-        double h = lw_v2_norm(d), mass = p->material.density*p->section.area*h, i_over_a = p->section.iz/p->section.area;
+        double h = lw_v2_norm(d), mass = p->material.density*p->section.area*h, gyration = lw_section_mass_z(&p->section);
         *b = (lw_beam){ .link = { c->node[i], c->node[i + 1] }, .length = h, .direction = atan2(d.y, d.x),
-                        .damping = p->damping, .mass = mass, .consistent = p->consistent, .gyration = i_over_a };
+                        .damping = p->damping, .mass = mass, .consistent = p->consistent, .gyration = gyration };
         lw_beam_stiffness(&p->section, &p->material, h, b->stiffness);
         for (int end = 0; end < 2; end++)
-            add_mass(&to->body[b->link[end]], 0.5*mass, 0.5*mass*i_over_a);
+            add_mass(&to->body[b->link[end]], 0.5*mass, 0.5*mass*gyration);
     }
     /* 2/n^2 for n elements in line: lumps at the ends of each instead of a uniform bar */
     double sum = 0, first[2] = { 0 }, second = 0;

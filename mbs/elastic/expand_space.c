@@ -286,13 +286,13 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
     for (int i = 0; i + 1 < c->n_node; i++) {
         lw_spatial_beam *b = &to->beam[to->n_beam++];
         lw_vec3 d = lw_v3_sub(to->body[c->node[i + 1]].centre, to->body[c->node[i]].centre);
-        double h = lw_v3_norm(d), line = p->material.density*h;
-        *b = (lw_spatial_beam){ .link = { c->node[i], c->node[i + 1] }, .length = h, .damping = p->damping, .mass = line*q->area,
-                                .gyration = { q->iy/q->area, q->iz/q->area }, .consistent = p->consistent };
+        double h = lw_v3_norm(d);
+        *b = (lw_spatial_beam){ .link = { c->node[i], c->node[i + 1] }, .length = h, .damping = p->damping, .mass = p->material.density*q->area*h,
+                                .gyration = { lw_section_mass_y(q), lw_section_mass_z(q) }, .consistent = p->consistent };
         if ((s = element_axes(w, c, lw_v3_scale(d, 1/h), &b->axes, e)) != LW_OK)
             return s;
         lw_beam_space_stiffness(q, &p->material, h, b->stiffness);
-        const double inertia[3] = { 0.5*line*(q->iy + q->iz), 0.5*line*q->iy, 0.5*line*q->iz };
+        const double half = 0.5*b->mass, inertia[3] = { half*(b->gyration[0] + b->gyration[1]), half*b->gyration[0], half*b->gyration[1] };
         add_bar(to, b, w->from, &w->whole);
         for (int end = 0; end < 2; end++) {
             to->body[b->link[end]].mass += 0.5*b->mass;

@@ -43,8 +43,9 @@ lw_vec3 lw_super_moment(const lw_super *s, const lw_beam_node *node);
 /* Condensation of the matrices of a mesh (n x n, n/6 nodes) to the nodes `keep`, ascending, by Guyan (1965), and to the lowest modes of
  * the others with those at rest (Craig & Bampton 1968).  Six modes are the strains e of each of `more` nodes, which lie at the first and
  * move with the frame as long as they are 0.  k and mass become 6 (nodes + more) square.  plane: motions in the plane and across it are
- * taken apart, and the strains along x and y and about z are the lowest modes in the plane.  at: places of the nodes kept.  rate, turn: lw_superelement's; the caller frees them, after a failure too.  LW_E_NUMERIC: the other coordinates are not held
- * by the stiffness, or their mass is not positive definite. */
+ * taken apart, and the strains along x and y and about z are the lowest modes in the plane.  at: places of the nodes kept.  rate,
+ * turn: lw_superelement's; the caller frees them, after a failure too.  LW_E_NUMERIC: the other coordinates are not held by the stiffness,
+ * or their mass is not positive definite. */
 lw_status lw_super_reduce(int n, double *k, double *mass, int nodes, const int *keep, const lw_vec3 *at, int more, bool plane,
                           double **rate, double **turn);
 
