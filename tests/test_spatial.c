@@ -51,6 +51,8 @@ TEST(refuses_what_no_model_has)
         { "", ", 'axis': [0, 0, 1]", ",\n'couplings': [{'name': 'g', 'terms': [{'joint': 'A', 'factor': 0}, {'joint': 'A', 'factor': 2}]}]", "factor", 4 },
         { "", ", 'axis': [0, 0, 1]", ",\n'couplings': [{'name': 'g', 'terms': [{'joint': 'A', 'coordinate': 'slide', 'factor': 1}, "
           "{'joint': 'A', 'factor': 2}]}]", "no slide for a coupling", 4 },
+        { "", ", 'axis': [0, 0, 1]", ",\n'contacts': [{'links': ['ground', 'a']}]", "\"contacts\" is for planar models", 4 },
+        { ", 'shapes': []", ", 'axis': [0, 0, 1]", "", "\"shapes\" is for planar models", 2 },
     };
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
         lw_spatial m;

@@ -213,6 +213,18 @@ static lw_status read_mesh(const lw_json_node *mesh, const lw_mat3 *frame, doubl
     return LW_OK;
 }
 
+/* The keys of contacts are known in the plane alone. */
+static lw_status refuse_contact(const lw_json_node *object, lw_error *e)
+{
+    static const char *const planar[] = { "shapes", "contacts", "ropes" };
+    lw_json_node at;
+    for (int i = 0; i < COUNT(planar); i++)
+        if (lw_json_member(object, planar[i], &at))
+            return lw_json_fault(&at, e, "\"%s\" is for planar models: links in space do not touch each other. A \"stop\" of a joint, or a spring with a "
+                                 "\"law\" that only pushes or only pulls, limits motion there", planar[i]);
+    return LW_OK;
+}
+
 static lw_status read_link(const lw_json_node *link, lw_spatial *m, lw_error *e)
 {
     static const char *const known[] = { "name", "mass", "centre", "inertia", "frame", "velocity", "angular_velocity",
@@ -228,7 +240,7 @@ static lw_status read_link(const lw_json_node *link, lw_spatial *m, lw_error *e)
     if (lw_json_kind_of(link) != LW_JSON_OBJECT)
         return LW_OK;
     bool has_centre = lw_json_member(link, "centre", &centre), has_inertia = lw_json_member(link, "inertia", &n);
-    if ((s = lw_json_known_keys(link, known, COUNT(known), e)) == LW_OK && has_centre)
+    if ((s = refuse_contact(link, e)) == LW_OK && (s = lw_json_known_keys(link, known, COUNT(known), e)) == LW_OK && has_centre)
         s = lw_read_triple(&centre, m->units.metre, &b->centre, e);
     if (s == LW_OK && (s = read_frame(link, &frame, e)) == LW_OK &&
         (s = read_inertia(link, &frame, b->inertia, e)) == LW_OK)
@@ -966,7 +978,7 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
     const lw_reading r = reading_of(m);
     lw_json_node n;
     lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
-    if (s == LW_OK && (s = lw_read_version(root, e)) == LW_OK)
+    if (s == LW_OK && (s = lw_read_version(root, e)) == LW_OK && (s = refuse_contact(root, e)) == LW_OK)
         s = lw_json_known_keys(root, known, COUNT(known), e);
     if (s == LW_OK && lw_json_member(root, "name", &n)) {
         s = lw_json_expect(&n, LW_JSON_TEXT, e);
