@@ -87,9 +87,6 @@ TEST(runs)
     expect("$P simulate examples/space/superelement.json --to 0.001 -n 1", 0, NULL, "link \"boom\" has no section: its inner forces are known");
     expect("$P simulate examples/space/superelement.json --to 0.001 -n 1 2>&1 | grep -c 'times its inertia'", 1, "0", NULL);
     expect("$P simulate examples/space/superelement-modes.json --to 0.01 -n 1 --explain", 0, NULL, "superelements between 3 nodes, with modes");
-    expect("echo '{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"b\", \"elastic\": {\"section\": {\"shape\": \"round\", \"diameter\": "
-           "0.01}, \"material\": \"steel\", \"superelements\": 1, \"modes\": 6}}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"b\"], \"at\": [0, 0]}, "
-           "{\"name\": \"B\", \"links\": [\"ground\", \"b\"], \"at\": [1, 0]}]}' > $D/flat.json && $P simulate $D/flat.json", 3, NULL, "is for models in space");
     expect("$P simulate examples/space/superelement.json --to 0.001 -n 1 --formulation ggl", 3, NULL, "the mass of superelements and of consistent bars depends on the posture");
     expect("$P simulate examples/space/delta.json --to 0.1 -n 10 --explain", 0, "M1.drive", "every freedom is driven");
     expect("$P simulate examples/space/bricard.json -n 2", 0, "kinetic,potential,work", "at P");

@@ -33,16 +33,18 @@ static lw_dynamics_options held(void)
     return o;
 }
 
-/* The greatest speed of a motion over the run. */
-static double greatest_speed(const lw_expression *motion, double from, double to)
+/* The angular frequency with which an input excites vibrations [rad/s]: its speed, if it turns, or where it speeds up and slows down the
+ * ratio of its greatest acceleration to its greatest speed, if that is greater.  speed: without a motion. */
+static double excitation(const lw_expression *motion, bool turns, double speed, double from, double to)
 {
-    double most = 0;
+    double v = fabs(speed), up = 0, down = 0;
     for (int k = 0; motion && k <= 200; k++) {
-        double at[2] = { from + (to - from)*k/200, 1 }, out[2];
-        lw_expression_series(motion, 1, at, out);
-        most = isfinite(out[1]) ? fmax(most, fabs(out[1])) : most;
+        double at[3] = { from + (to - from)*k/200, 1, 0 }, out[3];
+        lw_expression_series(motion, 2, at, out);
+        if (isfinite(out[1]) && isfinite(out[2]))
+            v = fmax(v, fabs(out[1])), up = fmax(up, 2*out[2]), down = fmax(down, -2*out[2]);
     }
-    return most;
+    return fmax(turns ? v : 0, v > 0 && fmin(up, down) > 0.1*fmax(up, down) ? fmax(up, down)/v : 0);
 }
 
 static void explain_chain(const cli_call *call, const char *name, const lw_elastic_chain *k)
@@ -59,7 +61,7 @@ static void explain_chain(const cli_call *call, const char *name, const lw_elast
                  name, k->length, k->mass, k->n_node - 1, k->first);
 }
 
-/* first: the lowest frequency [Hz]; drive: the greatest speed of a turning input [rad/s]; pass: the shortest time in which a
+/* first: the lowest frequency [Hz]; drive: the angular frequency of the inputs [rad/s]; pass: the shortest time in which a
  * wave passes an element [s]. */
 static void explain_rules(const cli_call *call, double first, double drive, double pass)
 {
@@ -68,7 +70,7 @@ static void explain_rules(const cli_call *call, double first, double drive, doub
     if (first > 0)
         cli_note(call, "first frequency in the posture of the file, inputs held: %.4g Hz", first);
     if (ratio > 0)
-        cli_note(call, "that is %.3g times the greatest speed of the drive, %.4g rad/s: %s (rule of Sanders and Tesar: 20 times)",
+        cli_note(call, "that is %.3g times the frequency of the drive, %.4g rad/s (its speed, or acceleration over speed): %s (rule of Sanders and Tesar: 20 times)",
                  ratio, drive, ratio > 20 ? "vibrations are small, a quasi-static run (--analysis quasistatic) or rigid links (--rigid) are enough"
                  : "vibrations matter, run the model in time");
     if (drive > 0)
@@ -98,8 +100,8 @@ void cli_explain_elastic(const cli_call *call, const lw_model *m, const lw_dynam
     if (!x)
         return;
     for (int i = 0; i < m->linkage.n_input; i++)
-        if (lw_joint_turns(m->linkage.joint[m->linkage.input[i].joint].kind))
-            drive = fmax(drive, fmax(m->has_speed[i] ? fabs(m->speed[i]) : 0, greatest_speed(m->motion[i], from, to)));
+        drive = fmax(drive, excitation(m->motion[i], lw_joint_turns(m->linkage.joint[m->linkage.input[i].joint].kind),
+                                       m->has_speed[i] ? m->speed[i] : 0, from, to));
     lw_dynamics_options o = held();
     double first = lw_dynamics_make(m, &o, &d, NULL) == LW_OK ? first_frequency(d, lw_dynamics_system(d)->n_q) : 0;
     explain_rules(call, first, drive, pass);
@@ -119,8 +121,8 @@ void cli_explain_elastic_spatial(const cli_call *call, const lw_spatial *m, cons
     if (!x || x->n_chain == 0)
         return;
     for (int i = 0; i < m->n_input; i++)
-        if (m->input[i].measure.of == LW_OF_TURN)
-            drive = fmax(drive, fmax(m->input[i].has_speed ? fabs(m->input[i].speed) : 0, greatest_speed(m->input[i].motion, from, to)));
+        drive = fmax(drive, excitation(m->input[i].motion, m->input[i].measure.of == LW_OF_TURN,
+                                       m->input[i].has_speed ? m->input[i].speed : 0, from, to));
     lw_dynamics_options o = held();
     double first = lw_dynamics_make_spatial(m, &o, &d, NULL) == LW_OK ? first_frequency(d, lw_dynamics_space(d)->n_q) : 0;
     explain_rules(call, first, drive, pass);
