@@ -98,6 +98,15 @@ TEST(runs)
     expect("$P simulate examples/space/bricard.json --max-steps 3 --to 50", 5, NULL, "rows so far are kept");
 }
 
+/* A drive that moves to and fro excites by its acceleration over its speed, here in resonance; its speed alone would be 90 times slower. */
+TEST(advice_for_a_shaken_arm)
+{
+    expect("echo '{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"arm\", \"elastic\": {\"section\": {\"shape\": \"round\", \"diameter\": 0.02}, "
+           "\"material\": \"steel\", \"axis\": [[0, 0], [0.5, 0]], \"segments\": 8}}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"arm\"], "
+           "\"at\": [0, 0]}], \"input\": {\"joint\": \"A\", \"motion\": \"0.01*sin(400*t)\"}}' | $P simulate /dev/stdin --explain --to 0.05 -n 2", 0, NULL,
+           "0.902 times the frequency of the drive, 400 rad/s (its speed, or acceleration over speed): vibrations matter");
+}
+
 /* 20 kN pull at a closed cylinder: F/A1 is far beyond 1 bar, in the plane and in space; 100 N are not. */
 TEST(oil_below_vacuum)
 {
