@@ -1186,24 +1186,35 @@ static void see_state(void *context, int row, int column, double by_q, double by
         o->most = fmax(o->most, -by_q);
 }
 
+enum { PASSES = 12 };                    /* of the power method for the fastest decay or vibration */
+
 bool lw_mbs_friction_is_stiff(lw_dynamics *d)
 {
-    double most = 0, load = 0, *g = d->small_v, *change = d->v_try;
-    if (d->space || lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
+    static const double slow = 1e-9;         /* greatest velocity at which the joints slip: all of them rub in proportion to it */
+    double load = 0, decay = 0, *u = d->v_try;
+    if (lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
         return true;
     d->eq.forces(d->eq.context, d->o.from, d->start_q, d->start_v, d->force, NULL);
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
     if (lw_mbs_linear(d, d->force, d->rhs, d->a, d->l) != LW_OK)
         return true;
     for (int j = 0; j < d->n_friction; j++)
-        load = fmax(load, 2*lw_v2_norm(lw_friction_reaction(&d->s, d->friction[j].joint, d->l + d->friction_row[j])));
-    for (int j = 0; j < d->n_friction; j++) {
-        const lw_friction_joint *f = &d->friction[j];
-        double arm = f->lever_arm*lw_system_joint_unit(&d->s, f->joint), speed = f->speed > 0 ? f->speed : LW_FRICTION_SPEED;
-        lw_system_measure(&d->s, f->joint, d->start_q, g);
-        most = fmax(most, f->coefficient*arm*arm*load/speed*lw_mbs_impulse(d, g, change));
+        load = fmax(load, 2*lw_mbs_reaction(d, j));
+    for (int i = 0; i < d->n_v; i++)
+        u[i] = slow*(fmod(0.6180339887498949*(i + 1), 1) - 0.5);
+    for (int pass = 0; pass < PASSES; pass++) {
+        memset(d->force, 0, (size_t)d->n_v*sizeof *d->force);
+        for (int j = 0; j < d->n_friction; j++) {
+            lw_friction_joint f = d->friction[j];
+            f.speed = f.speed > 0 ? f.speed : LW_FRICTION_SPEED;
+            rub(d, &f, d->start_q, u, load, d->force);
+        }
+        lw_mbs_impulse(d, d->force, d->small_v);
+        decay = lw_greatest(d->n_v, d->small_v)/slow;
+        for (int i = 0; i < d->n_v; i++)
+            u[i] = decay > 0 ? d->small_v[i]/decay : 0;
     }
-    return most*(d->o.to - d->o.from) > stiff;
+    return !(decay*(d->o.to - d->o.from) <= stiff);
 }
 
 /* Forces on the velocities by a change of places or of velocities. */
@@ -1215,8 +1226,6 @@ static void add_response(void *context, int row, int column, double by_q, double
     if (row < r->n && column < r->n)
         r->force[row] += (r->by_v ? by_v : by_q)*r->change[column];
 }
-
-enum { PASSES = 12 };
 
 double lw_mbs_fastest(lw_dynamics *d, double t, const double *q, const double *v, bool by_v)
 {

@@ -253,7 +253,7 @@ bool lw_mbs_is_stiff(lw_dynamics *d);
 /* Do first-order states decay so fast that cvode takes less time than index1 at the tolerance? */
 bool lw_mbs_states_decay(lw_dynamics *d);
 
-/* Does regularised friction, at twice the reactions of the start, make joints that rest stiff?  Always, in space. */
+/* Does regularised friction, at twice the reactions of the start, make joints that rest stiff? */
 bool lw_mbs_friction_is_stiff(lw_dynamics *d);
 
 /* Do dampers, or springs, keep the steps of an explicit method so short that an implicit one of high order is faster?  reduced: dampers
