@@ -2,7 +2,6 @@
 #include <complex.h>
 
 #include "base/rng.h"
-#include "mbs/equations/rigid_stops_internal.h"
 #include "tests/dynamics_run.h"
 
 static drun d;
@@ -411,31 +410,4 @@ TEST(energy_of_examples)
             CHECK(d.report.energy_held < 1e-7*d.report.energy_scale);
             lw_model_free(&d.model);
         }
-}
-
-static double closed(void *context, int i, const double *y) { return ((void)i, (void)y, ((lw_gap *)context)->value); }
-
-static lw_status gap_given(void *context, int i, double t, const double *y, double *g, lw_gap *out)
-{
-    (void)i, (void)t, (void)y;
-    *out = *(lw_gap *)context, *g = 1;
-    return LW_OK;
-}
-
-/* A stop that is left begins no bounce, whatever rounding makes of its rate: the first step of a flight of 1e-17 s would be too short. */
-TEST(a_stop_is_left_without_a_bounce)
-{
-    static const struct { lw_gap gap; double flight; } row[] = {
-        { { 0, 1e-5, -10, 4e-15 }, 2e-6 }, { { 0, 5e-30, -1.6e-13, 4e-15 }, 0 }, { { 0, 1e-5, 10, 4e-15 }, 0 } };
-    for (int i = 0; i < 3; i++) {
-        lw_gap gap = row[i].gap;
-        lw_rigid_stop stop = { .sign = 1 };
-        double y[2] = { 0, 1 }, change, gradient, flight;
-        bool changed;
-        lw_error e;
-        lw_stops s = { .context = &gap, .n_stop = 1, .n = 1, .v = 1, .change = &change, .gradient = &gradient, .stop = &stop, .gap = closed, .motion = gap_given };
-        CHECK_INT(lw_stops_strike(&s, 0, y, &changed, &flight, &e), LW_OK);
-        CHECK(!changed);
-        CHECK_NEAR(flight, row[i].flight, 0, 1e-12);
-    }
 }

@@ -165,6 +165,26 @@ TEST(a_block_bounces)
         CHECK_NEAR(k.turn[i], x[i], 2e-10, 0);
 }
 
+/* A four-bar with friction strikes its stops, rests on them and leaves them by a force that turns: rounding of the acceleration there begins no bounce. */
+TEST(stops_are_left)
+{
+    static const struct { double restitution, stop, rate, phase; } row[] = { { 0, 0.05, 9, 0 }, { 0, 0.1, 9, 1 }, { 0.3, 0.05, 9, 1 } };
+    for (int i = 0; i < 3; i++) {
+        char text[1500];
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0.1, 0.2, 0], 'inertia': [0.02, 0.02, 0.02]}, "
+            "{'name': 'b', 'mass': 1, 'centre': [0.5, 0.45, 0], 'inertia': [0.02, 0.02, 0.02]}, {'name': 'c', 'mass': 1, 'centre': [0.85, 0.25, 0], 'inertia': "
+            "[0.02, 0.02, 0.02]}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0, 0], 'axis': [0, 0, 1], 'friction': {'coefficient': 0.1, "
+            "'radius': 0.03, 'speed': 0.01}}, {'name': 'B', 'links': ['a', 'b'], 'at': [0.2, 0.4, 0], 'axis': [0, 0, 1], 'stop': {'least': %g, 'greatest': %g, "
+            "'restitution': %g}}, {'name': 'C', 'links': ['b', 'c'], 'at': [0.8, 0.5, 0], 'axis': [0, 0, 1]}, {'name': 'D', 'links': ['ground', 'c'], 'at': "
+            "[0.9, 0, 0], 'axis': [0, 0, 1]}], 'forces': [{'link': 'b', 'at': [0.5, 0.45, 0], 'fx': '10*sin(%g*t + %g)', 'fy': '-1'}], 'tracers': [{'name': 'P', 'link': 'b', "
+            "'at': [0.5, 0.45, 0]}]}", -row[i].stop,
+            row[i].stop, row[i].restitution, row[i].rate, row[i].phase);
+        run(text, LW_FORMULATION_INDEX1, 2, 4, 1e-10);
+        CHECK_INT(k.n, 5);
+        CHECK(k.r.n_event > 4);
+    }
+}
+
 /* A four-bar with friction in all pins, turned into any plane of space, beside the planar program. */
 static int n_plane;
 static double plane[64];

@@ -444,10 +444,10 @@ static bool rub_in_passes(lw_dynamics *d, const double *q, const double *v, doub
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
     for (int pass = 0; ratio < least; pass++) {
         double most = 0;
-        memset(d->force, 0, (size_t)d->n_v*sizeof *d->force);
+        memset(d->hold, 0, (size_t)d->n_v*sizeof *d->hold);
         for (int j = 0; j < n; j++) {
             double more = reaction_size(d, j, l) - size[j] + (pass ? 0 : beside*scale*fmod(0.6180339887498949*(j + 1), 1));
-            work += rub(d, &d->friction[j], q, v, more, d->force);
+            work += rub(d, &d->friction[j], q, v, more, d->hold);
             size[j] += more;
             scale = fmax(scale, size[j]);
             most = !(fabs(more) <= most) ? fabs(more) : most;
@@ -462,7 +462,7 @@ static bool rub_in_passes(lw_dynamics *d, const double *q, const double *v, doub
             ratio = !(most <= ratio*before) ? most/before : ratio;
         if (pass > 0)
             before = most;
-        if (lw_mbs_linear(d, d->force, d->rhs, x, x + d->n_v) != LW_OK)
+        if (lw_mbs_linear(d, d->hold, d->rhs, x, x + d->n_v) != LW_OK)
             break;
         for (int i = 0; i < d->n_v; i++)
             a[i] += x[i];
@@ -505,9 +505,9 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
     for (int j = 0; s == LW_OK && j < n; j++) {
         double *to = response + (size_t)j*(size_t)stride;
         if (j < joints)
-            memset(d->force, 0, (size_t)d->n_v*sizeof *d->force);
-        unit_power[j] = j < joints ? rub(d, &d->friction[j], q, v, 1, d->force) : lw_mbs_touch_slip(d, j - joints, v, d->force);
-        s = lw_mbs_linear(d, d->force, d->rhs, to, to + d->n_v);
+            memset(d->hold, 0, (size_t)d->n_v*sizeof *d->hold);
+        unit_power[j] = j < joints ? rub(d, &d->friction[j], q, v, 1, d->hold) : lw_mbs_touch_slip(d, j - joints, v, d->hold);
+        s = lw_mbs_linear(d, d->hold, d->rhs, to, to + d->n_v);
     }
     if (s == LW_OK)
         s = lw_friction_add(&(lw_friction_scene){ d, dim, reaction_of, rubbing }, n, d->friction, response, t, d->n_v, a,

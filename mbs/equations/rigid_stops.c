@@ -178,7 +178,7 @@ static lw_status find_flight(const lw_stops *s, double t, const double *y, doubl
         lw_status st = s->motion(s->context, i, t, y, g, &gap);
         if (st != LW_OK)
             return st;
-        double f = gap.rate > rounding_of_rate(s, y) && gap.acceleration < 0 ? -2*gap.rate/gap.acceleration : 0;
+        double f = gap.rate > 0 && gap.acceleration < -gap.rounding ? -2*gap.rate/gap.acceleration : 0;
         if (f > 0 && (*flight == 0 || f < *flight))
             *flight = f;
     }
