@@ -245,12 +245,13 @@ static double rounding(const lw_collocation *w)
     return sqrt(sum/w->ode->n);
 }
 
-static double to_power(double x, int n)
+/* What all improvements after the i-th, of factor `by`, leave: their factors fall as 1/i, since h A is integrals over integrals. */
+static double still_to_come(double by, int i)
 {
-    double y = 1;
-    for (; n > 0; n /= 2, x *= x)
-        y = n%2 ? y*x : y;
-    return y;
+    double left = 1;
+    for (int j = i + 1; j <= MOST_ITERATIONS; j++)
+        left *= by*i/j;
+    return left;
 }
 
 /* Improve the states of a step until their error is allowed.  LW_OPEN: they do not converge fast enough. */
@@ -278,7 +279,7 @@ static lw_status iterate(lw_collocation *w, double h)
             w->fastest *= 0.5;               /* unless it is measured */
         if ((moved*by <= exact_enough*(1 - by) && moved <= most) || (i > 2 && by > 0.5 && moved <= exact_enough))
             return LW_OK;
-        if (i > 2 && (by > 0.9 || moved*to_power(by, MOST_ITERATIONS - i) > exact_enough))
+        if (i > 2 && (by > 0.9 || moved*still_to_come(by, i) > exact_enough))
             return LW_OPEN;
         last = moved;
     }
