@@ -43,15 +43,56 @@ static void reflect(const double *v, double factor, double *c, int n)
         c[i] -= sum*v[i];
 }
 
+enum { TOGETHER = 4 };                       /* columns, whose sums do not wait for each other */
+
+/* Reflect the rests of all columns behind k by column k. */
+static void reflect_columns(lw_rank *r, int k)
+{
+    const double *v = column(r, k) + k;
+    int n = r->m - k, j = k + 1;
+    for (; j + TOGETHER <= r->n; j += TOGETHER) {
+        double *c[TOGETHER], sum[TOGETHER];
+        for (int q = 0; q < TOGETHER; q++)
+            sum[q] = *(c[q] = column(r, j + q) + k);
+        for (int i = 1; i < n; i++)
+            for (int q = 0; q < TOGETHER; q++)
+                sum[q] += v[i]*c[q][i];
+        for (int q = 0; q < TOGETHER; q++) {
+            sum[q] *= r->left[k];
+            c[q][0] -= sum[q];
+            for (int i = 1; i < n; i++)
+                c[q][i] -= sum[q]*v[i];
+        }
+    }
+    for (; j < r->n; j++)
+        reflect(v, r->left[k], column(r, j) + k, n);
+}
+
+/* Lengths of the rests of columns j, j + 1, ... */
+static void lengths_of(const lw_rank *r, int k, int j, double length[TOGETHER])
+{
+    const double *c[TOGETHER];
+    double sum[TOGETHER] = { 0 };
+    for (int q = 0; q < TOGETHER; q++)
+        c[q] = column(r, j + q < r->n ? j + q : j);
+    for (int i = k; i < r->m; i++)
+        for (int q = 0; q < TOGETHER; q++)
+            sum[q] += c[q][i]*c[q][i];
+    for (int q = 0; q < TOGETHER; q++)
+        length[q] = sqrt(sum[q]);
+}
+
 /* The column with the longest rest goes to place k; returns that length. */
 static double pivot_longest_column(lw_rank *r, int k)
 {
     int best = k;
-    double longest = -1;
+    double longest = -1, length[TOGETHER];
     for (int j = k; j < r->n; j++) {
-        double d = lw_norm(r->m - k, column(r, j) + k);
-        if (d > longest || isnan(d)) {
-            longest = d;
+        int q = (j - k)%TOGETHER;
+        if (q == 0)
+            lengths_of(r, k, j, length);
+        if (length[q] > longest || isnan(length[q])) {
+            longest = length[q];
             best = j;
         }
     }
@@ -111,8 +152,7 @@ void lw_rank_factor(lw_rank *r, double least)
             break;
         double *c = column(r, k) + k;
         r->left[k] = reflector(c, r->m - k, lw_norm(r->m - k - 1, c + 1));
-        for (int j = k + 1; j < r->n; j++)
-            reflect(c, r->left[k], column(r, j) + k, r->m - k);
+        reflect_columns(r, k);
         r->weakest = longest/first;
         r->rank++;
     }
