@@ -69,7 +69,7 @@ static double seen[2];                       /* a mark of the solution to the la
 /* Run to t = 3 from x(0) = 1 + off; returns the greatest error of x, also within the steps, where the fast part has decayed. */
 static double run(problem *p, bool implicit, double tolerance, double off)
 {
-    lw_stages_ode ode = { 3, 1, implicit, p, rates, project, isa };
+    lw_stages_ode ode = { 3, 1, 1, implicit, p, rates, NULL, project, isa };
     lw_ode_options o = lw_ode_options_default();
     double *work = malloc(lw_collocation_work(3, true)*sizeof *work), y[3] = { 1 + off, 0, 0 }, worst = 0;
     seen[0] = seen[1] = 0;
@@ -136,6 +136,47 @@ TEST(instruction_sets_agree)
     }
 }
 
+/* A direction x = cos a, sin a that turns by a' = u, drawn to a = t + 0.5 sin t. */
+static double turned(double t) { return t + 0.5*sin(t); }
+
+static lw_status turning(void *context, const double t[LW_STAGES], const double *y, double *dy)
+{
+    (void)context;
+    for (int k = 0; k < 8; k++)
+        dy[16 + k] = 4*(y[k]*sin(turned(t[k])) - y[8 + k]*cos(turned(t[k]))) - 0.5*sin(t[k]);
+    return LW_OK;
+}
+
+static void turns(void *context, const double *y, double *dx)
+{
+    (void)context;
+    for (int k = 0; k < 8; k++)
+        dx[k] = -y[16 + k]*y[8 + k], dx[8 + k] = y[16 + k]*y[k];
+}
+
+/* Coordinates whose rates depend on the coordinates: steps are as long, and errors as small, at any tolerance. */
+TEST(coordinates_that_turn)
+{
+    for (int k = 1; k <= 14; k++) {
+        problem p = { 0 };
+        lw_stages_ode ode = { 3, 2, 1, false, &p, turning, turns, project, NULL };
+        lw_ode_options o = lw_ode_options_default();
+        double *work = malloc(lw_collocation_work(3, false)*sizeof *work), y[3] = { 1, 0, 1.5 };
+        o.relative = o.absolute = pow(10, -k);
+        lw_collocation_start(&w, &ode, &o, work, 0, y);
+        for (lw_ode_stop stop = LW_ODE_STEP; stop != LW_ODE_END;) {
+            lw_status s = lw_collocation_step(&w, 10, &stop, &e);
+            CHECK_INT(s, LW_OK);
+            if (s != LW_OK)
+                break;
+            CHECK_NEAR(w.y[0], cos(turned(w.t)), 20*o.absolute, 0);
+            CHECK_NEAR(w.y[1], sin(turned(w.t)), 20*o.absolute, 0);
+        }
+        CHECK(w.n_step < 60);
+        free(work);
+    }
+}
+
 static lw_status undefined(void *context, const double t[LW_STAGES], const double *y, double *dy)
 {
     lw_status s = rates(context, t, y, dy);
@@ -146,7 +187,7 @@ static lw_status undefined(void *context, const double t[LW_STAGES], const doubl
 TEST(ends)
 {
     problem p = { .stiffness = 4 };
-    lw_stages_ode ode = { 3, 1, false, &p, undefined, project, NULL };
+    lw_stages_ode ode = { 3, 1, 1, false, &p, undefined, NULL, project, NULL };
     lw_ode_options o = lw_ode_options_default();
     double *work = malloc(lw_collocation_work(3, false)*sizeof *work), y[3] = { 1, 0, 0 };
     lw_ode_stop stop;

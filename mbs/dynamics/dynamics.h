@@ -31,7 +31,7 @@ typedef enum lw_analysis {
  *     radau       the same by Radau IIA of order 5 or 9
  *     capture     impacts and contact forces together in steps of time (Moreau, Jean)
  *     recursive   M(x) u' + J^T l = Q in the coordinates of the joints of a spatial model: accelerations in one pass in and
- *                 one out, J of the loops alone; explicit method of order 8, or eight stages at once
+ *                 one out, J of the loops alone; eight stages at once, or explicit method of order 8
  *     index1      M a + J^T l = Q with J a = c solved in every evaluation, explicit method of order 8, the state put
  *                 back on the constraints after every step
  *     cvode       the same equations by an implicit method

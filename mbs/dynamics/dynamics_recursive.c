@@ -1,6 +1,6 @@
 /* mbs/dynamics/dynamics_recursive.c - forward dynamics of a spatial model in the coordinates of its joints (mbs/space/recursive.h)
- * by an explicit method of order 8, or BDF methods (CVODE) where dampers would keep its steps short; simple open chains by
- * collocation with eight states at once.  Open chains have no constraints left; loops are closed after every step.  Near singular postures of the loops the run goes on in the
+ * by collocation with eight states at once, if the loads are simple; else by an explicit method of order 8, or BDF methods (CVODE) where
+ * dampers would keep its steps short.  Loops are closed after every step.  Near singular postures of the loops the run goes on in the
  * coordinates of the bodies. */
 #include "base/number.h"
 #include "base/real.h"
@@ -215,7 +215,16 @@ static lw_status rates(void *context, const double t[LW_STAGES], const double *y
 {
     motion *m = context;
     lw_status s = lw_run_busy(m->run, t[0]);
-    return s != LW_OK ? s : lw_tree_stages_rates(&m->stages, y, dy) == LW_OK ? LW_OK : LW_OPEN;
+    if (s == LW_OK)
+        s = lw_tree_stages_rates(&m->stages, y, dy) == LW_OK ? LW_OK : LW_OPEN;
+    m->least = m->stages.weak;               /* of the last improvement; states before it may be far off */
+    return s;
+}
+
+static void joints_move(void *context, const double *y, double *dx)
+{
+    const motion *m = context;
+    lw_tree_stages_motion(&m->stages, y, dx);
 }
 
 static lw_status restart(stepper *w, const double *y)
@@ -255,6 +264,7 @@ static lw_status step_stages(stepper *w, double end, lw_ode_stop *stop)
         fastest = fmax(fastest, fabs(w->stages.y[w->m->r.n_x + k]));
     w->stages.o.greatest = 0.8*most_turn/fastest;
     w->m->before = w->stages.y_old;
+    lw_tree_stages_keep_rows(&w->m->stages, &w->m->r);
     return lw_collocation_step(&w->stages, end, stop, w->m->run->e);
 }
 
@@ -346,14 +356,14 @@ static lw_status run_one(motion *m, double *y, double *work)
     lw_ode_options o = lw_ode_options_default();
     double *out = m->shown, *each = NULL, t = d->o.from;
     lw_mbs_is_stiff(d);                      /* for its decay */
-    bool stiff = decays(d) > damped && m->r.n_u <= LW_IMPLICIT_MAX;
+    bool stiff = decays(d) > damped && m->r.n_u <= LW_IMPLICIT_MAX && m->r.n_x == m->r.n_u && m->r.n_row == 0;
     lw_status s = stiff || !takes_bdf(m) ? lw_tree_stages_make(&m->r, &d->space->f, run->has_work, &m->stages) : LW_E_KIND;
     if (s == LW_E_MEMORY)
         return lw_error_set(run->e, s, "out of memory");
     w.staged = s == LW_OK;
     w.implicit = !w.staged && takes_bdf(m);
     w.ode.project = w.implicit ? NULL : project;
-    w.at_stages = (lw_stages_ode){ w.ode.n, m->r.n_u, stiff, m, rates, project, m->stages.isa };
+    w.at_stages = (lw_stages_ode){ w.ode.n, m->r.n_x, m->r.n_u, stiff, m, rates, m->r.n_x > m->r.n_u ? joints_move : NULL, project, m->stages.isa };
     w.y = y + ode->n;
     double share = !w.implicit ? 1 : fmax(d->o.relative, d->o.absolute) < tight ? bdf_share_tight : bdf_share;
     o.relative = share*d->o.relative;

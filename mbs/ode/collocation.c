@@ -131,11 +131,14 @@ static lw_status rates_at(lw_collocation *w, double h)
     return w->ode->rates(w->ode->context, t, w->stage, w->f);
 }
 
-/* x' = u */
-static void copy_rates(lw_collocation *w)
+/* x' from the states */
+static void move(lw_collocation *w)
 {
-    size_t n = N*(size_t)w->ode->n_rate;
-    memcpy(w->f, w->stage + n, n*sizeof *w->f);
+    size_t n = N*(size_t)w->ode->n_x;
+    if (w->ode->motion)
+        w->ode->motion(w->ode->context, w->stage, w->f);
+    else
+        memcpy(w->f, w->stage + n, n*sizeof *w->f);
 }
 
 /* Numbers `from` to n at all points from their rates; returns the sum of squares of how far they moved, over the errors allowed. */
@@ -148,7 +151,7 @@ static double improve(lw_collocation *w, double h, int from, int n)
  * inverse diagonal, real and imaginary parts in turn. */
 static lw_status factor(lw_collocation *w, double h)
 {
-    const int n = w->ode->n_rate;
+    const int n = w->ode->n_u;
     const double *K = w->by, *D = K + n*n;
     for (int p = 0; p < PAIRS; p++) {
         double *m = w->lu + 2*p*n*n, a = h*eigenvalue[p][0], b = h*eigenvalue[p][1], aa = a*a - b*b, bb = 2*a*b;
@@ -176,7 +179,7 @@ static lw_status factor(lw_collocation *w, double h)
 /* x (2 n, real and imaginary parts in turn): solve with the factors of eigenvalue p. */
 static void solve(const lw_collocation *w, int p, double *x)
 {
-    const int n = w->ode->n_rate;
+    const int n = w->ode->n_u;
     const double *m = w->lu + 2*p*n*n;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++) {
@@ -197,7 +200,7 @@ static void solve(const lw_collocation *w, int p, double *x)
 /* A Newton step of u at all points; in the eigenvectors of A they separate. */
 static double newton_step(lw_collocation *w, double h)
 {
-    const int n = w->ode->n_rate, first = n;
+    const int n = w->ode->n_u, first = n;
     double x[PAIRS][2*LW_IMPLICIT_MAX], r[N], moved = 0;
     for (int i = 0; i < n; i++) {
         const double *stage = w->stage + N*(first + i);
@@ -227,11 +230,20 @@ static double newton_step(lw_collocation *w, double h)
 /* Improve the states at all points from their rates; returns how far they moved, over the error allowed. */
 static double improve_all(lw_collocation *w, double h, bool implicit)
 {
-    const int n = w->ode->n_rate;
-    double moved = implicit ? newton_step(w, h) : improve(w, h, n, 2*n);
-    copy_rates(w);                           /* u is improved before x */
-    moved += improve(w, h, 0, n) + improve(w, h, 2*n, w->ode->n);
+    const int n = w->ode->n_x, end = n + w->ode->n_u;
+    double moved = implicit ? newton_step(w, h) : improve(w, h, n, end);
+    move(w);                                 /* u is improved before x */
+    moved += improve(w, h, 0, n) + improve(w, h, end, w->ode->n);
     return sqrt(moved/w->ode->n);
+}
+
+/* States at all points from the predicted rates. */
+static void start_stages(lw_collocation *w, double h)
+{
+    predict(w, h);
+    if (w->ode->motion)                      /* it needs x */
+        improve(w, h, 0, w->ode->n_x);
+    improve_all(w, h, false);
 }
 
 /* How far rounding moves the states, over the error allowed. */
@@ -257,10 +269,10 @@ static double still_to_come(double by, int i)
 /* Improve the states of a step until their error is allowed.  LW_OPEN: they do not converge fast enough. */
 static lw_status iterate(lw_collocation *w, double h)
 {
-    double last = 0, by = w->fastest*h, none = 0;
+    double last = 0, by = fmax(least_factor, w->fastest*h), none = 0;
     /* integrals have the rates before the last Newton step */
-    const double most = w->ode->implicit && w->ode->n > 2*w->ode->n_rate ? 1 : INFINITY;
-    improve_all(w, h, false);
+    const double most = w->ode->implicit && w->ode->n > 2*w->ode->n_u ? 1 : INFINITY;
+    start_stages(w, h);
     none = fmin(exact_enough, rounding(w));
     for (int i = 1; i <= MOST_ITERATIONS; i++) {
         lw_status s = rates_at(w, h);
@@ -276,7 +288,7 @@ static lw_status iterate(lw_collocation *w, double h)
         if (i > 1 && last > 0)
             by = i > 2 ? fmax(moved/last, 0.5*by) : moved/last, w->fastest = by/h;
         else if (i == 1)
-            w->fastest *= 0.5;               /* unless it is measured */
+            w->fastest = fmax(0.5*w->fastest, least_factor/h);       /* unless it is measured */
         if ((moved*by <= exact_enough*(1 - by) && moved <= most) || (i > 2 && by > 0.5 && moved <= exact_enough))
             return LW_OK;
         if (i > 2 && (by > 0.9 || moved*still_to_come(by, i) > exact_enough))
@@ -292,10 +304,9 @@ static lw_status iterate(lw_collocation *w, double h)
 static lw_status differentiate(lw_collocation *w, double h)
 {
     const lw_stages_ode *o = w->ode;
-    const int n = o->n_rate, middle = N/2;
+    const int n = o->n_u, middle = N/2;
     double base[LW_IMPLICIT_MAX], t[N], *at = w->lost;
-    predict(w, h);
-    improve_all(w, h, false);
+    start_stages(w, h);
     for (int i = 0; i < o->n; i++)
         at[i] = w->stage[N*i + middle];
     for (int k = 0; k < N; k++)
@@ -325,7 +336,7 @@ static lw_status differentiate(lw_collocation *w, double h)
 /* Rates everywhere as at the start; and how far they may go on so: from rest, positions move by the rates of u alone. */
 static lw_status begin(lw_collocation *w, double span)
 {
-    int n = w->ode->n;
+    int n = w->ode->n, n_x = w->ode->n_x;
     double t[N], far[N] = { span }, first = 0, change[N] = { 0 };
     for (int k = 1; k < N; k++)
         far[k] = 0.25*far[k - 1];
@@ -334,19 +345,23 @@ static lw_status begin(lw_collocation *w, double span)
     lw_status s = rates_at(w, 0);
     if (s != LW_OK)
         return s;
-    copy_rates(w);
+    move(w);
     for (int i = 0; i < n; i++) {
         double rate = w->c[N*i] = w->f[N*i];
         first += rate*w->scale[i]*(rate*w->scale[i]);
-        double bend = i < w->ode->n_rate ? 0.5*w->f[N*(w->ode->n_rate + i)] : 0;
-        for (int k = 0; k < N; k++)
-            w->stage[N*i + k] = w->y[i] + far[k]*(rate + far[k]*bend);
     }
+    for (int i = n_x; i < n; i++)
+        for (int k = 0; k < N; k++)
+            w->stage[N*i + k] = w->y[i] + 0.5*far[k]*w->c[N*i];
+    move(w);                                 /* half way */
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < N; k++)
+            w->stage[N*i + k] = w->y[i] + far[k]*(i < n_x ? w->f[N*i + k] : w->c[N*i]);
     for (int k = 0; k < N; k++)
         t[k] = w->t + far[k];
     w->n_rate += N;
     s = w->ode->rates(w->ode->context, t, w->stage, w->f);
-    copy_rates(w);
+    move(w);
     for (int i = 0; i < n; i++)
         for (int k = 0; k < N; k++) {
             double by = (w->f[N*i + k] - w->c[N*i])*w->scale[i];
@@ -366,7 +381,7 @@ static double step_error(lw_collocation *w, double h)
 {
     const lw_stages_ode *o = w->ode;
     double size[N] = { 0 }, c[N];
-    for (int i = o->n_rate; o->implicit && i < 2*o->n_rate; i++) {
+    for (int i = o->n_u; o->implicit && i < 2*o->n_u; i++) {
         for (int k = 0; k < N; k++)
             c[k] = (w->stage[N*i + k] - w->y_old[i])/h;
         w->loops->sums(1, slope_column, c, w->f + N*i);
@@ -382,10 +397,11 @@ static double step_error(lw_collocation *w, double h)
     return h*last*fall/(2*(2*N + 1)*sqrt((double)o->n));
 }
 
-/* Take the step of length h, which is sound. */
-static lw_status arrive(lw_collocation *w, double h, double end)
+/* Take the step of length h, which is sound; *off: how far the projection moves it, over the error allowed. */
+static lw_status arrive(lw_collocation *w, double h, double end, double *off)
 {
     int n = w->ode->n;
+    double sum_off = 0;
     for (int i = 0; i < n; i++) {
         double sum = 0;
         for (int j = 0; j < N; j++)
@@ -396,9 +412,25 @@ static lw_status arrive(lw_collocation *w, double h, double end)
     }
     memcpy(w->stage, w->y, (size_t)n*sizeof *w->y);
     lw_status s = w->ode->project(w->ode->context, end, w->y);
+    for (int i = 0; i < n; i++) {
+        double by = (w->y[i] - w->stage[i])*w->scale[i];
+        sum_off += by*by;
+    }
+    *off = sqrt(sum_off/n);
     for (int i = 0; s == LW_OK && i < n; i++)
         w->low[i] = w->y[i] == w->stage[i] ? w->lost[i] : 0;
     return s;
+}
+
+/* A projection by more than the error allowed shows an error of the step, unless a shorter one did not help: rounding. */
+static bool moved_too_far(lw_collocation *w, double off)
+{
+    if (off <= 1)
+        return false;
+    if (off > 0.5*w->moved)
+        w->noise = fmax(w->noise, off);
+    w->moved = off;
+    return off > 4*w->noise;
 }
 
 /* One step from t_old of length h.  LW_OPEN: it fails, and *by is the part of it to try. */
@@ -410,7 +442,6 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
         s = factor(w, h);
     if (s != LW_OK)
         return s;
-    predict(w, h);
     double old = w->fastest;
     s = iterate(w, h);
     double error = s == LW_OK ? step_error(w, h) : INFINITY, of = h*w->fastest, rising = fmax(1, fmin(3, w->fastest/old));
@@ -424,7 +455,14 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
         *by = fmax(0.2, 0.8*pow(error, -1.0/9));
         return LW_OPEN;
     }
-    s = s == LW_OK ? arrive(w, h, end) : s;
+    if (s != LW_OK)
+        return s;
+    double off = 0;
+    s = arrive(w, h, end, &off);
+    if (s == LW_OK && moved_too_far(w, off)) {
+        *by = fmax(0.2, 0.8*pow(off, -1.0/9));
+        return LW_OPEN;
+    }
     if (s != LW_OK)
         return s;
     w->degree = w->n_step == 0 ? N/2 : best_degree(w, h);
@@ -444,6 +482,7 @@ lw_status lw_collocation_step(lw_collocation *w, double t_end, lw_ode_stop *stop
         return LW_OK;
     for (int i = 0; i < w->ode->n; i++)
         w->scale[i] = 1/((w->o.absolute_each ? w->o.absolute_each[i] : w->o.absolute) + w->o.relative*fabs(w->y[i]));
+    w->moved = INFINITY;
     w->t_old = w->t;
     memcpy(w->y_old, w->y, (size_t)w->ode->n*sizeof *w->y);
     lw_status s = w->h > 0 ? LW_OK : begin(w, t_end - w->t);

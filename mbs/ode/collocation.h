@@ -6,7 +6,8 @@
  * through vector instructions.  The improvements converge while h is below about 5 over the fastest rate; for stiff equations of
  * motion (`implicit`) they are steps of Newton's method with derivatives by differences, and h has no such limit.
  *
- * The state is x, u with x' = u, and integrals of functions of these.  The caller provides all memory; nothing is allocated.
+ * The state is x, u with x' = u, or with x' = a function of x and u (quaternions), and integrals of functions of these.  The caller
+ * provides all memory; nothing is allocated.
  */
 #ifndef LW_MBS_ODE_COLLOCATION_H
 #define LW_MBS_ODE_COLLOCATION_H
@@ -17,12 +18,14 @@ enum { LW_STAGES = 8, LW_IMPLICIT_MAX = 16 };
 
 /* Number i of the state at point k is y[LW_STAGES*i + k].  Statuses as in lw_ode. */
 typedef struct lw_stages_ode {
-    int   n, n_rate;                         /* numbers in y; in x and in u alike.  f does not depend on the others */
-    bool  implicit;                          /* n_rate is at most LW_IMPLICIT_MAX */
+    int   n, n_x, n_u;                       /* numbers in y; in x and in u.  f does not depend on the others */
+    bool  implicit;                          /* n_u is at most LW_IMPLICIT_MAX, and x' = u */
     void *context;
     /* dy but x' (n x LW_STAGES) */
     lw_status (*rates)(void *context, const double t[LW_STAGES], const double *y, double *dy);
-    lw_status (*project)(void *context, double t, double *y);        /* y (n), after every step that is accepted */
+    void (*motion)(void *context, const double *y, double *dx);      /* x' (n_x x LW_STAGES); NULL: u */
+    lw_status (*project)(void *context, double t, double *y);        /* y (n), after every step.  One that this moves by
+                                              * more than its allowed error is repeated shorter */
     const char *isa;                         /* instruction set of the processor, as lw_kernels names it; NULL: what all have */
 } lw_stages_ode;
 
@@ -37,6 +40,7 @@ typedef struct lw_collocation {
     double *f, *stage, *c, *c_old, *low, *scale, *lost;
     double *by, *lu;                         /* derivatives of u' by x and u; factors for each complex eigenvalue of A */
     double  h_done, t_low, fastest, most;    /* fastest: factor of an improvement over h; limit of h */
+    double  moved, noise;                    /* how far projections moved the last trial, move by rounding, over the error allowed */
     int     degree;                          /* of the polynomial that predicts f */
     bool    stale;                           /* the derivatives are to be found afresh */
 } lw_collocation;

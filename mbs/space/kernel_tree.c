@@ -1,5 +1,5 @@
-/* mbs/space/kernel_tree.c - the accelerations of an open tree in eight states at once: motion outwards, inertias and loads
- * inwards, accelerations outwards.  The formulas are those of mbs/space/recursive.c, one value for all lanes in each register.
+/* mbs/space/kernel_tree.c - the accelerations of a tree and its loops in eight states at once: motion outwards, inertias and loads
+ * inwards, accelerations outwards; then what the loops' rows add.  The formulas are those of mbs/space/recursive.c, one value for all lanes in each register.
  * Compiled once per instruction set. */
 #include "mbs/batch/kernel_run_internal.h"
 #include "mbs/space/kernel_tree_internal.h"
@@ -28,6 +28,13 @@ LW_INLINE pack root(pack a)
         a[k] = sqrt(a[k]);
     return a;
 }
+LW_INLINE double least_lane(pack a)
+{
+    double least = a[0];
+    for (int k = 1; k < WIDTH; k++)
+        least = a[k] < least ? a[k] : least;
+    return least;
+}
 LW_INLINE bool any_lane(mask m)
 {
     long long some = 0;
@@ -37,6 +44,7 @@ LW_INLINE bool any_lane(mask m)
 }
 
 static const double no_mass = 1e-13;         /* inertia along a rate, over the greatest: none */
+static const double no_pivot = 1e-13;        /* of loops, over the first: singular */
 
 typedef struct vec { pack x, y, z; } vec;
 static const vec none;
@@ -53,6 +61,7 @@ typedef struct body {
 } body;
 typedef struct rate { screw axis, push; pack by_inertia, free; } rate;
 _Static_assert(sizeof(body) == LW_TREE_BODY_PACKS*sizeof(pack), "size of a body's state");
+_Static_assert(sizeof(screw) == LW_TREE_SCREW_PACKS*sizeof(pack), "size of a screw");
 _Static_assert(sizeof(rate) == LW_TREE_RATE_PACKS*sizeof(pack), "size of a rate's state");
 
 LW_INLINE vec add(vec a, vec b) { return (vec){ a.x + b.x, a.y + b.y, a.z + b.z }; }
@@ -88,6 +97,13 @@ LW_INLINE void set_rows(body *b)
     b->row[2] = (vec){ xz - wy, yz + wx, 1 - xx - yy };
 }
 
+LW_INLINE quat unit_quat(const double *from)
+{
+    quat a = { pick(from), pick(from + 8), pick(from + 16), pick(from + 24) };
+    pack s = 1/root(a.w*a.w + a.x*a.x + a.y*a.y + a.z*a.z);
+    return (quat){ s*a.w, s*a.x, s*a.y, s*a.z };
+}
+
 LW_INLINE quat angle_part(const lw_stage_body *p, pack c, pack s)
 {
     return (quat){ c*p->part[0].w + s*p->part[1].w, c*p->part[0].x + s*p->part[1].x, c*p->part[0].y + s*p->part[1].y,
@@ -106,6 +122,7 @@ LW_INLINE quat relative(const lw_tree_stages *t, const lw_stage_body *p, const d
     case LW_SPATIAL_PLANAR:
         *slide = add(times(fixed(p->along[0]), pick(x)), times(fixed(p->along[1]), pick(x + 8)));
         return angle_part(p, pick(c), pick(s));
+    case LW_SPATIAL_FREE: *slide = (vec){ pick(x), pick(x + 8), pick(x + 16) }; return unit_quat(x + 24);
     default: break;
     }
     *slides = false;
@@ -114,6 +131,7 @@ LW_INLINE quat relative(const lw_tree_stages *t, const lw_stage_body *p, const d
         pack c1 = pick(c + 8), s1 = pick(s + 8);
         return quat_times(angle_part(p, pick(c), pick(s)), (quat){ c1, s1*p->second.x, s1*p->second.y, s1*p->second.z });
     }
+    case LW_SPATIAL_SPHERICAL: return quat_times(unit_quat(x), fixed_quat(p->part[0]));
     case LW_SPATIAL_FIXED: return fixed_quat(p->part[0]);
     default: return angle_part(p, pick(c), pick(s));
     }
@@ -140,6 +158,12 @@ LW_INLINE void slide_along(motion *m, vec axis)
     m->rate++, m->u += 8;
 }
 
+LW_INLINE vec column(const body *b, int k)
+{
+    const pack *x = &b->row[0].x + k, *y = &b->row[1].x + k, *z = &b->row[2].x + k;
+    return (vec){ *x, *y, *z };
+}
+
 static void place(const lw_tree_stages *t, const lw_stage_body *p, const double *y, int lane, const body *b, body *to, rate *rates)
 {
     vec slide;
@@ -163,6 +187,16 @@ static void place(const lw_tree_stages *t, const lw_stage_body *p, const double 
         slide_along(&m, turned(b0, p->along[0])), slide_along(&m, turned(b0, p->along[1])), turn_about(&m, z, 0);
         break;
     case LW_SPATIAL_UNIVERSAL: turn_about(&m, z, 0), turn_about(&m, second = turned(b1, p->second), 0); break;
+    case LW_SPATIAL_FREE:
+        for (int k = 0; k < 3; k++)
+            slide_along(&m, column(b0, k));
+        for (int k = 0; k < 3; k++)
+            turn_about(&m, column(b0, k), 0);
+        break;
+    case LW_SPATIAL_SPHERICAL:
+        for (int k = 0; k < 3; k++)
+            turn_about(&m, column(b0, k), 0);
+        break;
     case LW_SPATIAL_FIXED: break;
     default: turn_about(&m, z, 0);
     }
@@ -277,8 +311,151 @@ LW_INLINE void add_shifted(articulated *to, bool first, double mass, const artic
         to->m[k] += m[k];
 }
 
+/* ---- loops --------------------------------------------------------------------------------------------------- */
+
+typedef struct ends { vec arm[2], d, dd, rest; } ends;       /* of a joint: as in mbs/space/space_rows.c */
+
+static ends ends_of(const lw_stage_loop *p, const body *all)
+{
+    ends n;
+    for (int k = 0; k < 2; k++) {
+        const body *b = &all[p->body[k]];
+        vec arm = n.arm[k] = turned(b, p->arm[k]), turn = cross(b->velocity.turn, arm), at = add(b->at, arm);
+        vec v = add(b->velocity.move, turn), rest = cross(b->velocity.turn, turn);
+        n.d = k ? sub(at, n.d) : at, n.dd = k ? sub(v, n.dd) : v, n.rest = k ? sub(rest, n.rest) : rest;
+    }
+    return n;
+}
+
+typedef struct pulls { screw on[2]; pack goal; } pulls;      /* a row, and what it has to be times the accelerations */
+
+static pulls pulls_of(const lw_stage_row *p, const ends *n, const body *b0, const body *b1)
+{
+    vec w0 = b0->velocity.turn, w1 = b1->velocity.turn;
+    if (p->kind == LW_STAGE_TURN) {
+        vec a = turned(b0, p->a), b = turned(b1, p->b), c = cross(a, b), da = cross(w0, a), db = cross(w1, b);
+        return (pulls){ { { c, none }, { minus(c), none } }, dot(sub(w1, w0), add(cross(da, b), cross(a, db))) };
+    }
+    bool line = p->kind == LW_STAGE_LINE;
+    vec a = line ? turned(b0, p->a) : fixed(p->a), arm = line ? add(n->d, n->arm[0]) : n->arm[0];
+    pack bends = dot(a, n->rest);
+    if (line) {
+        vec da = cross(w0, a);
+        bends += dot(cross(w0, da), n->d) + 2*dot(da, n->dd);
+    }
+    return (pulls){ { { cross(a, arm), minus(a) }, { cross(n->arm[1], a), a } }, -bends };
+}
+
+/* A row of Y: what the pulls of a row leave at each rate, going inwards. */
+static void halve(const lw_tree_stages *t, const lw_stage_loop *p, const pulls *row, const body *all, const rate *rates, screw *pull, pack *y)
+{
+    for (int i = 0; i < p->n_path; i++)
+        pull[p->path[i]] = (screw){ none, none };
+    for (int k = 0; k < 2; k++)
+        if (p->body[k] >= 0)
+            pull[p->body[k]] = add_screw(pull[p->body[k]], row->on[k]);
+    for (int i = 0; i < p->n_path; i++) {
+        const lw_stage_body *b = &t->body[p->path[i]];
+        screw g = pull[p->path[i]];
+        for (int k = b->u + b->n_u - 1; k >= b->u; k--) {
+            y[k] = dot_screw(rates[k].axis, g);
+            g = add_screw(g, times_screw(rates[k].push, -y[k]*rates[k].by_inertia));
+        }
+        if (b->parent >= 0) {
+            g.turn = add(g.turn, cross(all[p->path[i]].from_parent, g.move));
+            pull[b->parent] = add_screw(pull[b->parent], g);
+        }
+    }
+}
+
+/* Y D Y^T l = l by the factors U^T D^-1 U in m, of which the upper triangle is given.  Returns the least pivot over the first, 0 if
+ * that is none. */
+static double solve_rows(int n, pack *m, pack *l)
+{
+    const pack first = m[0];
+    pack least = first;
+    mask singular = { 0 };
+    for (int k = 0; k < n; k++) {
+        pack *u = m + k*n, d = u[k];
+        singular |= ~(mask)(d > no_pivot*first);
+        least = choose((mask)(d < least), d, least);
+        u[k] = 1/d;
+        for (int i = k + 1; i < n; i++) {
+            pack by = u[i]*u[k], *to = m + i*n;
+            l[i] -= by*l[k];
+            for (int j = i; j < n; j++)
+                to[j] -= by*u[j];
+        }
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        pack sum = l[i];
+        for (int j = i + 1; j < n; j++)
+            sum -= m[i*n + j]*l[j];
+        l[i] = sum*m[i*n + i];
+    }
+    return any_lane(singular) ? 0 : least_lane(least/first);
+}
+
+/* What the kept rows add to the accelerations that all have without them.  Returns the least pivot, as solve_rows does. */
+static double hold_loops(const lw_tree_stages *t, body *all, rate *rates, double *du)
+{
+    const int n = t->n_kept;
+    screw *pull = (screw *)(void *)(rates + t->n_u) + 1;
+    pack *half = (pack *)(void *)(pull + t->n_body), *m = half + n*t->n_u, *l = m + n*n;
+    unsigned long long on[LW_STAGE_ROWS];
+    for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++) {
+        const body *b[2] = { &all[p->body[0]], &all[p->body[1]] };
+        ends e = ends_of(p, all);
+        for (int i = 0; i < p->n_row; i++) {
+            int at = p->row[i].at;
+            if (at < 0)
+                continue;
+            pulls row = pulls_of(&p->row[i], &e, b[0], b[1]);
+            l[at] = -row.goal;
+            for (int k = 0; k < 2; k++)
+                l[at] += dot_screw(row.on[k], add_screw(b[k]->trial, b[k]->load));
+            on[at] = p->rates;
+            halve(t, p, &row, all, rates, pull, half + at*t->n_u);
+        }
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = i; j < n; j++) {
+            const pack *y = half + i*t->n_u, *z = half + j*t->n_u;
+            pack sum = { 0 };
+            for (unsigned long long both = on[i] & on[j]; both; both &= both - 1) {
+                int k = __builtin_ctzll(both);
+                sum += y[k]*rates[k].by_inertia*z[k];
+            }
+            m[i*n + j] = sum;
+        }
+    double weak = solve_rows(n, m, l);
+    pull[-1] = (screw){ none, none };
+    for (int k = 0; k < t->n_u; k++)
+        rates[k].free = (pack){ 0 };
+    for (int i = 0; i < n; i++)
+        for (unsigned long long left = on[i]; left; left &= left - 1) {
+            int k = __builtin_ctzll(left);
+            rates[k].free -= half[i*t->n_u + k]*l[i];
+        }
+    for (int i = 0; i < t->n_body; i++) {
+        const lw_stage_body *p = &t->body[i];
+        screw a = pull[p->parent];
+        a.move = add(a.move, cross(a.turn, all[i].from_parent));
+        for (int k = p->u; k < p->u + p->n_u; k++) {
+            const rate *r = &rates[k];
+            pack more = (r->free - dot_screw(r->push, a))*r->by_inertia;
+            a = add_screw(a, times_screw(r->axis, more));
+            keep(du + 8*k, pick(du + 8*k) + more);
+        }
+        pull[i] = a;
+    }
+    return weak;
+}
+
+/* ---- all of it ------------------------------------------------------------------------------------------------- */
+
 /* The lanes from `lane` on, which y and dy begin with. */
-static bool rates_of_some(const lw_tree_stages *t, int lane, const double *y, double *dy)
+static double rates_of_some(const lw_tree_stages *t, int lane, const double *y, double *dy)
 {
     body *all = (body *)t->state + 1;        /* [-1]: the ground */
     rate *rates = (rate *)(void *)(all + t->n_body);
@@ -319,7 +496,7 @@ static bool rates_of_some(const lw_tree_stages *t, int lane, const double *y, do
         add_shifted(&to->inertia, p->last_child, t->body[p->parent].mass[0], &inertia, b->from_parent);
     }
     if (any_lane(massless))
-        return false;
+        return 0;
     ground->load = (screw){ none, none };
     for (int i = 0; i < t->n_body; i++) {
         const lw_stage_body *p = &t->body[i];
@@ -333,15 +510,17 @@ static bool rates_of_some(const lw_tree_stages *t, int lane, const double *y, do
         }
         all[i].load = a;
     }
-    return true;
+    return t->n_kept == 0 ? 1 : hold_loops(t, all, rates, dy + 8*t->n_x);
 }
 
-static bool rates_of(const lw_tree_stages *t, const double *y, double *dy)
+static double rates_of(const lw_tree_stages *t, const double *y, double *dy)
 {
-    bool sound = true;
-    for (int lane = 0; sound && lane < 8; lane += WIDTH)
-        sound = rates_of_some(t, lane, y + lane, dy + lane);
-    return sound;
+    double weak = 1;
+    for (int lane = 0; lane < 8; lane += WIDTH) {
+        double here = rates_of_some(t, lane, y + lane, dy + lane);
+        weak = here < weak ? here : weak;
+    }
+    return weak;
 }
 
 const lw_tree_kernel lw_tree_kernel_here = { LW_ISA_NAME, WIDTH, rates_of };

@@ -1,4 +1,4 @@
-/* mbs/space/recursive_stages.c - an open tree made ready for the kernels of eight states. */
+/* mbs/space/recursive_stages.c - a tree and its loops made ready for the kernels of eight states. */
 #include "mbs/space/kernel_tree_internal.h"
 
 #include <stdlib.h>
@@ -23,13 +23,16 @@ const lw_tree_kernel *lw_tree_kernel_of(const char *isa)
 static bool suits(const lw_recursive *r, const lw_space_forces *f)
 {
     const lw_spatial *m = r->s->model;
-    bool stops = false, laws = false;
+    bool stops = false, laws = false, screws = false;
     for (int i = 0; i < m->n_joint; i++)
         stops = stops || m->joint[i].stop.has_least || m->joint[i].stop.has_greatest;
     for (int i = 0; i < m->n_spring; i++)
         laws = laws || m->spring[i].law;
-    return r->n_row == 0 && r->n_x == r->n_u && !stops && !laws && !f->held && m->n_joint_spring + m->n_force + m->n_motor + m->n_beam + m->n_super == 0
-        && m->n_contact == 0 && m->states.n_state == 0;
+    for (int i = 0; i < r->n_cut; i++)
+        screws = screws || r->s->joint[r->cut[i]].kind == LW_SPATIAL_SCREW;
+    return !stops && !laws && !screws && !f->held && m->n_joint_spring + m->n_force + m->n_motor + m->n_beam + m->n_super == 0
+        && m->n_contact == 0 && m->states.n_state == 0 && r->n_extra + r->s->n_coupling == 0
+        && (r->n_row == 0 || (r->n_row <= LW_STAGE_ROWS && r->n_u <= LW_STAGE_RATES));
 }
 
 static lw_quaternion about(lw_vec3 axis) { return (lw_quaternion){ 0, axis.x, axis.y, axis.z }; }
@@ -41,7 +44,7 @@ static void put_body(const lw_recursive *r, const lw_space_forces *f, int i, lw_
     const double *m = r->mass + 6*p->body, *w = f->weight + 6*p->body;
     lw_stage_body *b = &s->body[i];
     *b = (lw_stage_body){ .parent = p->parent, .kind = p->kind, .back = p->back, .x = p->x, .u = p->u, .n_u = p->n_u, .leaf = true,
-                          .angle = s->n_angle, .arm = { p->arm[0], p->arm[1] }, .part = { p->fixed },
+                          .n_x = p->n_u + (p->kind == LW_SPATIAL_SPHERICAL || p->kind == LW_SPATIAL_FREE), .angle = s->n_angle, .arm = { p->arm[0], p->arm[1] }, .part = { p->fixed },
                           .mass = { m[0], m[3], m[4], m[5] }, .weight = { w[0], w[1], w[2] } };
     if (!j)
         return;
@@ -58,25 +61,94 @@ static void put_body(const lw_recursive *r, const lw_space_forces *f, int i, lw_
         s->turn[s->n_angle++] = p->x + 1;
 }
 
+/* The rows of lw_space_joint_rows, in its order. */
+static int put_rows(const lw_space_joint *j, lw_stage_row *row)
+{
+    lw_spatial_kind k = j->kind;
+    int n = 0;
+    if (k == LW_SPATIAL_SPHERICAL || k == LW_SPATIAL_REVOLUTE || k == LW_SPATIAL_UNIVERSAL || k == LW_SPATIAL_FIXED)
+        for (int i = 0; i < 3; i++)
+            row[n++] = (lw_stage_row){ .kind = LW_STAGE_POINT, .a = lw_v3(i == 0, i == 1, i == 2) };
+    else if (k == LW_SPATIAL_PLANAR)
+        row[n++] = (lw_stage_row){ .kind = LW_STAGE_LINE, .a = j->z[0] };
+    else {
+        row[n++] = (lw_stage_row){ .kind = LW_STAGE_LINE, .a = j->x[0] };
+        row[n++] = (lw_stage_row){ .kind = LW_STAGE_LINE, .a = j->y[0] };
+    }
+    if (k == LW_SPATIAL_SPHERICAL)
+        return n;
+    if (k == LW_SPATIAL_UNIVERSAL) {
+        row[n++] = (lw_stage_row){ .kind = LW_STAGE_TURN, .a = j->x[0], .b = j->x[1] };
+        return n;
+    }
+    row[n++] = (lw_stage_row){ .kind = LW_STAGE_TURN, .a = j->x[0], .b = j->z[1] };
+    row[n++] = (lw_stage_row){ .kind = LW_STAGE_TURN, .a = j->y[0], .b = j->z[1] };
+    if (k == LW_SPATIAL_FIXED || k == LW_SPATIAL_PRISMATIC)
+        row[n++] = (lw_stage_row){ .kind = LW_STAGE_TURN, .a = j->y[0], .b = j->x[1] };
+    return n;
+}
+
+static void put_loop(const lw_recursive *r, int cut, lw_tree_stages *s)
+{
+    const lw_space_joint *j = &r->s->joint[r->cut[cut]];
+    lw_stage_loop *p = &s->loop[cut];
+    int *path = p->path, at[2];
+    *p = (lw_stage_loop){ .path = path };
+    for (int k = 0; k < 2; k++) {
+        at[k] = p->body[k] = j->body[k] < 0 ? -1 : r->place[j->body[k]];
+        p->arm[k] = lw_v3_scale(j->arm[k], 1/r->s->unit);
+    }
+    p->n_row = put_rows(j, p->row);
+    while (at[0] >= 0 || at[1] >= 0) {
+        int last = at[0] > at[1] ? at[0] : at[1];
+        const lw_stage_body *b = &s->body[last];
+        path[p->n_path++] = last;
+        for (int k = b->u; k < b->u + b->n_u; k++)
+            p->rates |= 1ULL << k;
+        for (int k = 0; k < 2; k++)
+            at[k] = at[k] == last ? b->parent : at[k];
+    }
+}
+
+void lw_tree_stages_keep_rows(lw_tree_stages *s, const lw_recursive *r)
+{
+    int first = 0;
+    s->n_kept = r->rank;
+    for (int i = 0; i < s->n_loop; first += s->loop[i++].n_row)
+        for (int k = 0; k < s->loop[i].n_row; k++)
+            s->loop[i].row[k].at = -1;
+    for (int i = 0; i < s->n_kept; i++) {
+        lw_stage_loop *p = s->loop;
+        int row = r->order[i];
+        for (; row >= p->n_row; p++)
+            row -= p->n_row;
+        p->row[row].at = i;
+    }
+}
+
 lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, bool has_work, lw_tree_stages *s)
 {
     const lw_spatial *m = r->s->model;
-    size_t bodies = (size_t)r->s->n_body, u = (size_t)r->n_u, springs = (size_t)m->n_spring;
+    size_t bodies = (size_t)r->s->n_body, u = (size_t)r->n_u, springs = (size_t)m->n_spring, loops = (size_t)r->n_cut;
     const lw_kernels *best = lw_kernels_supported(0);
-    *s = (lw_tree_stages){ .n_body = r->s->n_body, .n_x = r->n_x, .n_u = r->n_u, .n_spring = m->n_spring, .has_work = has_work,
-                           .unit = r->s->unit, .turns = best->turns, .isa = best->isa, .kernel = lw_tree_kernel_of(best->isa) };
+    *s = (lw_tree_stages){ .n_body = r->s->n_body, .n_x = r->n_x, .n_u = r->n_u, .n_spring = m->n_spring, .n_loop = r->n_cut,
+                           .has_work = has_work, .unit = r->s->unit, .turns = best->turns, .isa = best->isa,
+                           .kernel = lw_tree_kernel_of(best->isa) };
     if (!suits(r, f))
         return LW_E_KIND;
-    size_t state = lw_tree_state_size(s->kernel, r->s->n_body, r->n_u);
-    char *at = s->memory = malloc(state + LW_SCRATCH_ALIGNMENT + bodies*sizeof *s->body + springs*sizeof *s->spring
-                                     + 3*8*(u + 1)*sizeof(double) + (u + 1)*sizeof(int));
+    size_t state = lw_tree_state_size(s->kernel, r->s->n_body, r->n_u, r->n_row);
+    char *at = s->memory = malloc(state + LW_SCRATCH_ALIGNMENT + bodies*sizeof *s->body + springs*sizeof *s->spring + loops*sizeof *s->loop
+                                     + 3*8*(u + 1)*sizeof(double) + (u + 1 + loops*bodies)*sizeof(int));
     if (!at)
         return LW_E_MEMORY;
     s->state = lw_scratch_align(at), at = (char *)s->state + state;
     s->body = (lw_stage_body *)(void *)at, at += bodies*sizeof *s->body;
     s->spring = (lw_stage_spring *)(void *)at, at += springs*sizeof *s->spring;
+    s->loop = (lw_stage_loop *)(void *)at, at += loops*sizeof *s->loop;
     s->angle = (double *)(void *)at, s->cosine = s->angle + 8*(u + 1), s->sine = s->cosine + 8*(u + 1);
     s->turn = (int *)(void *)(s->sine + 8*(u + 1));
+    for (size_t i = 0; i < loops; i++)
+        s->loop[i].path = s->turn + u + 1 + i*bodies;
     for (int i = 0; i < s->n_body; i++)
         put_body(r, f, i, s);
     for (int i = s->n_body - 1; i >= 0; i--)
@@ -85,6 +157,8 @@ lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, b
             s->body[i].last_child = parent->leaf;
             parent->leaf = false;
         }
+    for (int i = 0; i < s->n_loop; i++)
+        put_loop(r, i, s);
     for (int i = 0; i < s->n_spring; i++) {
         const lw_spatial_spring *p = &m->spring[i];
         s->spring[i] = (lw_stage_spring){ .stiffness = p->stiffness, .damping = p->damping, .free = p->free };
@@ -109,5 +183,30 @@ lw_status lw_tree_stages_rates(lw_tree_stages *s, const double *y, double *dy)
         for (int k = 0; k < 8; k++)
             s->angle[8*i + k] = 0.5*y[8*s->turn[i] + k];
     s->turns(8*(size_t)s->n_angle, s->angle, s->cosine, s->sine);
-    return s->kernel->rates(s, y, dy) ? LW_OK : LW_E_ARG;
+    s->weak = s->kernel->rates(s, y, dy);
+    return s->weak > 0 ? LW_OK : LW_E_ARG;
+}
+
+/* Half the product of the quaternion 0, w with q. */
+static void turn_rates(const double *w, const double *q, double *to)
+{
+    for (int k = 0; k < 8; k++) {
+        double x = 0.5*w[k], y = 0.5*w[8 + k], z = 0.5*w[16 + k];
+        to[k] = -x*q[8 + k] - y*q[16 + k] - z*q[24 + k];
+        to[8 + k] = x*q[k] + y*q[24 + k] - z*q[16 + k];
+        to[16 + k] = y*q[k] + z*q[8 + k] - x*q[24 + k];
+        to[24 + k] = z*q[k] + x*q[16 + k] - y*q[8 + k];
+    }
+}
+
+void lw_tree_stages_motion(const lw_tree_stages *s, const double *y, double *dx)
+{
+    for (int i = 0; i < s->n_body; i++) {
+        const lw_stage_body *b = &s->body[i];
+        const double *u = y + 8*(s->n_x + b->u);
+        int n = b->n_x > b->n_u ? b->n_u - 3 : b->n_u;
+        memcpy(dx + 8*b->x, u, 8*(size_t)n*sizeof *dx);
+        if (n < b->n_u)
+            turn_rates(u + 8*n, y + 8*(b->x + n), dx + 8*(b->x + n));
+    }
 }

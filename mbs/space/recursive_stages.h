@@ -1,8 +1,9 @@
-/* mbs/space/recursive_stages.h - the equations of an open tree (mbs/space/recursive.h) in eight states at once.
+/* mbs/space/recursive_stages.h - the equations of a spatial model in the coordinates of its joints (mbs/space/recursive.h) in eight
+ * states at once.
  *
- * For integrators whose stages do not depend on each other (mbs/ode/collocation.h).  All joints have coordinates whose rates are
- * their derivatives (no balls, no free bodies); the loads are gravity and linear springs and dampers between points.  Number i of
- * a state in lane k is y[8*i + k]; a state is x, u and, if wanted, the work that dampers have done [J]. */
+ * For integrators whose stages do not depend on each other (mbs/ode/collocation.h).  The loads are gravity and linear springs and
+ * dampers between points; joints of any kind close loops, but no screws, couplings or inputs.  Number i of a state in lane k is
+ * y[8*i + k]; a state is x, u and, if wanted, the work that dampers have done [J]. */
 #ifndef LW_MBS_SPACE_RECURSIVE_STAGES_H
 #define LW_MBS_SPACE_RECURSIVE_STAGES_H
 
@@ -14,7 +15,7 @@ typedef struct lw_stage_body {
     lw_spatial_kind kind;
     bool back;                               /* the body is link 0 of the joint */
     bool leaf, last_child;                   /* it has no children; it is the last one of its parent's */
-    int  x, u, n_u, angle;                   /* its first coordinate, rate, half angle */
+    int  x, u, n_x, n_u, angle;              /* its first coordinate, rate, half angle */
     lw_vec3 arm[2], z, along[2];             /* joint's point over unit; axis, and directions of slides in body 0; */
     lw_vec3 second;                          /* universal: the axis of body 1 */
     double  pitch;                           /* slide over unit for each radian */
@@ -25,12 +26,26 @@ typedef struct lw_stage_body {
 
 typedef struct lw_stage_spring { int body[2]; lw_vec3 arm[2]; double stiffness, damping, free; } lw_stage_spring;  /* over unit */
 
+/* A joint that closes a loop, and its rows (mbs/space/space_rows.c): e . d with e fixed in the ground, a . d, a . b. */
+typedef enum lw_stage_row_kind { LW_STAGE_POINT, LW_STAGE_LINE, LW_STAGE_TURN } lw_stage_row_kind;
+typedef struct lw_stage_row { lw_stage_row_kind kind; lw_vec3 a, b; int at; } lw_stage_row;  /* at: place among those kept, -1: none */
+typedef struct lw_stage_loop {
+    int     body[2], n_row, n_path;
+    lw_vec3 arm[2];                          /* over unit */
+    lw_stage_row row[6];
+    int    *path;                            /* (n_path) bodies between the ground and both bodies, outermost first */
+    unsigned long long rates;                /* bit k: rate k is one of theirs */
+} lw_stage_loop;
+
+enum { LW_STAGE_ROWS = 24, LW_STAGE_RATES = 64 };        /* most rows of loops, and rates where there are any */
+
 typedef struct lw_tree_stages {
-    int     n_body, n_x, n_u, n_angle, n_spring;
+    int     n_body, n_x, n_u, n_angle, n_spring, n_loop, n_kept;
     bool    has_work;
-    double  unit;
+    double  unit, weak;                      /* weak: least pivot of the loops over the first, of the last eight states; 1: no loops */
     lw_stage_body   *body;                   /* (n_body) */
     lw_stage_spring *spring;
+    lw_stage_loop   *loop;                   /* (n_loop) */
     int    *turn;                            /* (n_angle) coordinates of the angles */
     double *angle, *cosine, *sine;           /* (8 n_angle) halves */
     void   *state;                           /* scratch of the kernels, */
@@ -40,11 +55,17 @@ typedef struct lw_tree_stages {
     void   *memory;
 } lw_tree_stages;
 
-/* r is a tree without rows, f its loads; both must outlive s.  LW_E_KIND: it has rows, balls or other loads; LW_E_MEMORY. */
+/* f: the loads of r; both must outlive s.  LW_E_KIND: other loads or rows than those above, or too many rows; LW_E_MEMORY. */
 lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, bool has_work, lw_tree_stages *s);
 void      lw_tree_stages_free(lw_tree_stages *s);
 
-/* dy of eight states y, but x'.  LW_E_ARG: a motion without mass. */
+/* Keep the independent rows that r was factored with last, in that order, for the states to come. */
+void      lw_tree_stages_keep_rows(lw_tree_stages *s, const lw_recursive *r);
+
+/* dy of eight states y, but x'.  LW_E_ARG: a motion without mass, or loops in a singular posture. */
 lw_status lw_tree_stages_rates(lw_tree_stages *s, const double *y, double *dy);
+
+/* x' of eight states y. */
+void      lw_tree_stages_motion(const lw_tree_stages *s, const double *y, double *dx);
 
 #endif
