@@ -44,11 +44,10 @@ typedef struct motion {
 
 /* ---- rows of loops ---------------------------------------------------------------------------------------------- */
 
-static lw_status place(motion *m, double t, const double *x, const double *u, double *q, double *v)
+/* The motions wanted of the inputs, and the angles near which their measures count. */
+static lw_status want(motion *m, double t)
 {
     lw_dynamics *d = m->run->d;
-    lw_recursive_place(&m->r, x, q);
-    lw_recursive_velocities(&m->r, u, v);
     for (int i = 0, k = d->space->n_idle; i < d->n_driven; i++, k++) {
         lw_spatial_measure of = m->extra[k].measure;
         m->near[k] = of.of == LW_OF_TURN ? d->space->f.turn[of.index] : 0;
@@ -57,6 +56,13 @@ static lw_status place(motion *m, double t, const double *x, const double *u, do
                                 d->eq.name(d->eq.context, LW_NAMED_INPUT, d->driven[i]), t);
     }
     return LW_OK;
+}
+
+static lw_status place(motion *m, double t, const double *x, const double *u, double *q, double *v)
+{
+    lw_recursive_place(&m->r, x, q);
+    lw_recursive_velocities(&m->r, u, v);
+    return want(m, t);
 }
 
 static lw_status factor(motion *m)
@@ -85,26 +91,31 @@ static double missing_rates(motion *m, const double *v)
 static lw_status close_loops(motion *m, double t, double *x, double *u, double *q, double *v)
 {
     double before = INFINITY, most = 0, off = 0;
-    for (int pass = 0; pass < 12; pass++) {
-        off = 0;
-        lw_status s = place(m, t, x, u, q, v);
-        if (s != LW_OK || m->r.n_row == 0)
-            return s;
+    if (m->r.n_row == 0)
+        return place(m, t, x, u, q, v);
+    lw_status s = want(m, t);
+    for (int pass = 0; s == LW_OK && pass < 12; pass++) {
+        lw_recursive_place(&m->r, x, q);
         lw_recursive_rows(&m->r, m->near, (const double (*)[3])m->wanted, m->run->d->space->f.turn, NULL);
+        off = 0;
         for (int i = 0; i < m->r.n_row; i++)
             off = fmax(off, fabs(m->r.row[i].phi));
         if (!(off < 0.1))
             return LW_OPEN;
-        if ((pass == 0 || off > 1e-7) && (s = factor(m)) != LW_OK)
-            return s;
+        if (pass == 0 || off > 1e-7) {
+            lw_recursive_velocities(&m->r, u, v);        /* for the axes */
+            if ((s = factor(m)) != LW_OK)
+                return s;
+        }
         if (off <= 4e-16*(m->r.n_u + 4) || (off < 1e-12 && off >= 0.5*before))
             break;
         before = off;
         lw_recursive_solve(&m->r, NULL, LW_WANT_CLOSED, m->free);
         lw_recursive_move(&m->r, x, m->free);
     }
-    if (off > closed)
-        return LW_OPEN;
+    if (s != LW_OK || off > closed)
+        return s != LW_OK ? s : LW_OPEN;
+    lw_recursive_velocities(&m->r, u, v);
     for (int i = 0; i < m->run->d->n_v; i++)
         most = fmax(most, fabs(v[i]));
     for (int pass = 0; pass < 6 && missing_rates(m, v) > 4e-16*most; pass++) {

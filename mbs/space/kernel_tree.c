@@ -347,25 +347,27 @@ static pulls pulls_of(const lw_stage_row *p, const ends *n, const body *b0, cons
 }
 
 /* A row of Y: what the pulls of a row leave at each rate, going inwards. */
-static void halve(const lw_tree_stages *t, const lw_stage_loop *p, const pulls *row, const body *all, const rate *rates, screw *pull, pack *y)
+LW_INLINE screw halve_along(const lw_tree_stages *t, int n, const int *path, const body *all, const rate *rates, screw g, pack *y)
 {
-    for (int i = 0; i < p->n_path; i++)
-        pull[p->path[i]] = (screw){ none, none };
-    for (int k = 0; k < 2; k++)
-        if (p->body[k] >= 0)
-            pull[p->body[k]] = add_screw(pull[p->body[k]], row->on[k]);
-    for (int i = 0; i < p->n_path; i++) {
-        const lw_stage_body *b = &t->body[p->path[i]];
-        screw g = pull[p->path[i]];
-        for (int k = b->u + b->n_u - 1; k >= b->u; k--) {
-            y[k] = dot_screw(rates[k].axis, g);
-            g = add_screw(g, times_screw(rates[k].push, -y[k]*rates[k].by_inertia));
+    for (int i = 0; i < n; i++) {
+        const lw_stage_body *b = &t->body[path[i]];
+        for (const rate *r = rates + b->u + b->n_u - 1; r >= rates + b->u; r--) {
+            pack s = y[r - rates] = dot_screw(r->axis, g);
+            g = add_screw(g, times_screw(r->push, -s*r->by_inertia));
         }
-        if (b->parent >= 0) {
-            g.turn = add(g.turn, cross(all[p->path[i]].from_parent, g.move));
-            pull[b->parent] = add_screw(pull[b->parent], g);
-        }
+        g.turn = add(g.turn, cross(all[path[i]].from_parent, g.move));
     }
+    return g;
+}
+
+static void halve(const lw_tree_stages *t, const lw_stage_loop *p, const pulls *row, const body *all, const rate *rates, pack *y)
+{
+    screw g[2];
+    const int *path = p->path;
+    for (int k = 0; k < 2; path += p->n_path[k++])
+        g[k] = halve_along(t, p->n_path[k], path, all, rates, row->on[k], y);
+    if (p->n_path[2])
+        halve_along(t, p->n_path[2], path, all, rates, add_screw(g[0], g[1]), y);
 }
 
 /* Y D Y^T l = l by the factors U^T D^-1 U in m, of which the upper triangle is given.  Returns the least pivot over the first, 0 if
@@ -415,19 +417,26 @@ static double hold_loops(const lw_tree_stages *t, body *all, rate *rates, double
             for (int k = 0; k < 2; k++)
                 l[at] += dot_screw(row.on[k], add_screw(b[k]->trial, b[k]->load));
             on[at] = p->rates;
-            halve(t, p, &row, all, rates, pull, half + at*t->n_u);
+            halve(t, p, &row, all, rates, half + at*t->n_u);
         }
     }
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n; i++) {
+        const pack *y = half + i*t->n_u;
+        pack scaled[LW_STAGE_RATES];
+        for (unsigned long long left = on[i]; left; left &= left - 1) {
+            int k = __builtin_ctzll(left);
+            scaled[k] = y[k]*rates[k].by_inertia;
+        }
         for (int j = i; j < n; j++) {
-            const pack *y = half + i*t->n_u, *z = half + j*t->n_u;
+            const pack *z = half + j*t->n_u;
             pack sum = { 0 };
             for (unsigned long long both = on[i] & on[j]; both; both &= both - 1) {
                 int k = __builtin_ctzll(both);
-                sum += y[k]*rates[k].by_inertia*z[k];
+                sum += scaled[k]*z[k];
             }
             m[i*n + j] = sum;
         }
+    }
     double weak = solve_rows(n, m, l);
     pull[-1] = (screw){ none, none };
     for (int k = 0; k < t->n_u; k++)

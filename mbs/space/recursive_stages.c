@@ -88,25 +88,38 @@ static int put_rows(const lw_space_joint *j, lw_stage_row *row)
     return n;
 }
 
+/* The bodies from those of a loop inwards that lead to one of them alone, or (side 2) to both; returns how many. */
+static int walk(const lw_tree_stages *s, const lw_stage_loop *p, int side, int *path)
+{
+    int at[2] = { p->body[0], p->body[1] }, n = 0;
+    while (at[0] != at[1]) {
+        int k = at[0] < at[1];
+        if (k == side)
+            path[n++] = at[k];
+        at[k] = s->body[at[k]].parent;
+    }
+    for (int b = at[0]; side == 2 && b >= 0; b = s->body[b].parent)
+        path[n++] = b;
+    return n;
+}
+
 static void put_loop(const lw_recursive *r, int cut, lw_tree_stages *s)
 {
     const lw_space_joint *j = &r->s->joint[r->cut[cut]];
     lw_stage_loop *p = &s->loop[cut];
-    int *path = p->path, at[2];
-    *p = (lw_stage_loop){ .path = path };
+    int n = 0;
+    *p = (lw_stage_loop){ .path = p->path };
     for (int k = 0; k < 2; k++) {
-        at[k] = p->body[k] = j->body[k] < 0 ? -1 : r->place[j->body[k]];
+        p->body[k] = j->body[k] < 0 ? -1 : r->place[j->body[k]];
         p->arm[k] = lw_v3_scale(j->arm[k], 1/r->s->unit);
     }
     p->n_row = put_rows(j, p->row);
-    while (at[0] >= 0 || at[1] >= 0) {
-        int last = at[0] > at[1] ? at[0] : at[1];
-        const lw_stage_body *b = &s->body[last];
-        path[p->n_path++] = last;
+    for (int k = 0; k < 3; k++)
+        n += p->n_path[k] = walk(s, p, k, p->path + n);
+    for (int i = 0; i < n; i++) {
+        const lw_stage_body *b = &s->body[p->path[i]];
         for (int k = b->u; k < b->u + b->n_u; k++)
             p->rates |= 1ULL << k;
-        for (int k = 0; k < 2; k++)
-            at[k] = at[k] == last ? b->parent : at[k];
     }
 }
 

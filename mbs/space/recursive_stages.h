@@ -30,10 +30,10 @@ typedef struct lw_stage_spring { int body[2]; lw_vec3 arm[2]; double stiffness, 
 typedef enum lw_stage_row_kind { LW_STAGE_POINT, LW_STAGE_LINE, LW_STAGE_TURN } lw_stage_row_kind;
 typedef struct lw_stage_row { lw_stage_row_kind kind; lw_vec3 a, b; int at; } lw_stage_row;  /* at: place among those kept, -1: none */
 typedef struct lw_stage_loop {
-    int     body[2], n_row, n_path;
+    int     body[2], n_row, n_path[3];
     lw_vec3 arm[2];                          /* over unit */
     lw_stage_row row[6];
-    int    *path;                            /* (n_path) bodies between the ground and both bodies, outermost first */
+    int    *path;                            /* the ancestors of body 0 and itself, those of body 1, and those of both, outermost first */
     unsigned long long rates;                /* bit k: rate k is one of theirs */
 } lw_stage_loop;
 
