@@ -166,13 +166,17 @@ static bool join(neighbours *all, int i, int k, int *scratch)
 {
     const neighbours *a = &all[i], *b = &all[k];
     int n = 0, p = 0, q = 0;
-    while (p < a->n || q < b->n) {
-        int next = q >= b->n || (p < a->n && a->of[p] <= b->of[q]) ? a->of[p] : b->of[q];
-        p += p < a->n && a->of[p] == next;
-        q += q < b->n && b->of[q] == next;
-        if (next != i && next != k)
-            scratch[n++] = next;
+    while (p < a->n && q < b->n) {           /* without branches that depend on the numbers */
+        int x = a->of[p], y = b->of[q], next = x < y ? x : y;
+        p += x == next;
+        q += y == next;
+        scratch[n] = next;
+        n += next != i && next != k;
     }
+    for (; p < a->n; p++)
+        scratch[n] = a->of[p], n += a->of[p] != k;
+    for (; q < b->n; q++)
+        scratch[n] = b->of[q], n += b->of[q] != i;
     if (!has_room(&all[i], n))
         return false;
     memcpy(all[i].of, scratch, (size_t)n*sizeof *scratch);
@@ -181,6 +185,22 @@ static bool join(neighbours *all, int i, int k, int *scratch)
 }
 
 static int compare(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
+
+/* In ascending order; most lists are short, or nearly in order. */
+static void sort(int n, int *x)
+{
+    enum { FEW = 64 };
+    if (n > FEW) {
+        qsort(x, (size_t)n, sizeof *x, compare);
+        return;
+    }
+    for (int i = 1; i < n; i++) {
+        int next = x[i], k = i;
+        for (; k > 0 && x[k - 1] > next; k--)
+            x[k] = x[k - 1];
+        x[k] = next;
+    }
+}
 
 /* Eliminate all unknowns: the order, and in all[k].of the neighbours that k has then. */
 static bool eliminate(lw_cholesky *c, neighbours *all, tournament *t, int *scratch)
@@ -220,7 +240,7 @@ static bool list_products(lw_cholesky *c, const neighbours *all, int *place)
         c->at[i] = at;
         for (int k = 0; k < a->n; k++)
             c->list[at++] = place[a->of[k]];
-        qsort(c->list + c->at[i], (size_t)a->n, sizeof *c->list, compare);
+        sort(a->n, c->list + c->at[i]);
         c->at[i + 1] = at;
     }
     for (int i = 0; i < c->n; i++)
@@ -257,7 +277,7 @@ bool lw_cholesky_make(lw_cholesky *c, int n, const int *near_at, const int *near
             memcpy(all[i].of, near + near_at[i], (size_t)m*sizeof *near);
         if (ok) {
             all[i].n = m;
-            qsort(all[i].of, (size_t)m, sizeof *all[i].of, compare);
+            sort(m, all[i].of);
         }
     }
     ok = ok && eliminate(c, all, &t, scratch) && list_products(c, all, scratch + count);
