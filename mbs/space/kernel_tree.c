@@ -398,13 +398,15 @@ static double solve_rows(int n, pack *m, pack *l)
     return any_lane(singular) ? 0 : least_lane(least/first);
 }
 
-/* What the kept rows add to the accelerations that all have without them.  Returns the least pivot, as solve_rows does. */
-static double hold_loops(const lw_tree_stages *t, body *all, rate *rates, double *du)
+/* The kept rows. */
+typedef struct kept_rows {
+    int   n;
+    pack *y, *product, *l;                   /* Y (n x n_u); Y D Y^T (n x n); rows times the accelerations without them, less their goals */
+    unsigned long long rates[LW_STAGE_ROWS]; /* bit k: y of rate k is not 0 */
+} kept_rows;
+
+static void fill_rows(const lw_tree_stages *t, const body *all, const rate *rates, kept_rows *z)
 {
-    const int n = t->n_kept;
-    screw *pull = (screw *)(void *)(rates + t->n_u) + 1;
-    pack *half = (pack *)(void *)(pull + t->n_body), *m = half + n*t->n_u, *l = m + n*n;
-    unsigned long long on[LW_STAGE_ROWS];
     for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++) {
         const body *b[2] = { &all[p->body[0]], &all[p->body[1]] };
         ends e = ends_of(p, all);
@@ -413,50 +415,64 @@ static double hold_loops(const lw_tree_stages *t, body *all, rate *rates, double
             if (at < 0)
                 continue;
             pulls row = pulls_of(&p->row[i], &e, b[0], b[1]);
-            l[at] = -row.goal;
+            z->l[at] = -row.goal;
             for (int k = 0; k < 2; k++)
-                l[at] += dot_screw(row.on[k], add_screw(b[k]->trial, b[k]->load));
-            on[at] = p->rates;
-            halve(t, p, &row, all, rates, half + at*t->n_u);
+                z->l[at] += dot_screw(row.on[k], add_screw(b[k]->trial, b[k]->load));
+            z->rates[at] = p->rates;
+            halve(t, p, &row, all, rates, z->y + at*t->n_u);
         }
     }
-    for (int i = 0; i < n; i++) {
-        const pack *y = half + i*t->n_u;
+}
+
+/* The upper triangle of Y D Y^T. */
+static void form_product(const lw_tree_stages *t, const rate *rates, kept_rows *z)
+{
+    for (int i = 0; i < z->n; i++) {
+        const pack *y = z->y + i*t->n_u;
         pack scaled[LW_STAGE_RATES];
-        for (unsigned long long left = on[i]; left; left &= left - 1) {
+        for (unsigned long long left = z->rates[i]; left; left &= left - 1) {
             int k = __builtin_ctzll(left);
             scaled[k] = y[k]*rates[k].by_inertia;
         }
-        for (int j = i; j < n; j++) {
-            const pack *z = half + j*t->n_u;
+        for (int j = i; j < z->n; j++) {
             pack sum = { 0 };
-            for (unsigned long long both = on[i] & on[j]; both; both &= both - 1) {
+            for (unsigned long long both = z->rates[i] & z->rates[j]; both; both &= both - 1) {
                 int k = __builtin_ctzll(both);
-                sum += scaled[k]*z[k];
+                sum += scaled[k]*z->y[j*t->n_u + k];
             }
-            m[i*n + j] = sum;
+            z->product[i*z->n + j] = sum;
         }
     }
-    double weak = solve_rows(n, m, l);
-    pull[-1] = (screw){ none, none };
+}
+
+/* What the kept rows add to the accelerations that all have without them.  Returns the least pivot, as solve_rows does. */
+static double hold_loops(const lw_tree_stages *t, const body *all, rate *rates, double *du)
+{
+    kept_rows z = { .n = t->n_kept };
+    screw *more = (screw *)(void *)(rates + t->n_u) + 1;     /* accelerations of the bodies; [-1]: the ground */
+    z.y = (pack *)(void *)(more + t->n_body), z.product = z.y + z.n*t->n_u, z.l = z.product + z.n*z.n;
+    fill_rows(t, all, rates, &z);
+    form_product(t, rates, &z);
+    double weak = solve_rows(z.n, z.product, z.l);
     for (int k = 0; k < t->n_u; k++)
         rates[k].free = (pack){ 0 };
-    for (int i = 0; i < n; i++)
-        for (unsigned long long left = on[i]; left; left &= left - 1) {
+    for (int i = 0; i < z.n; i++)
+        for (unsigned long long left = z.rates[i]; left; left &= left - 1) {
             int k = __builtin_ctzll(left);
-            rates[k].free -= half[i*t->n_u + k]*l[i];
+            rates[k].free -= z.y[i*t->n_u + k]*z.l[i];
         }
+    more[-1] = (screw){ none, none };
     for (int i = 0; i < t->n_body; i++) {
         const lw_stage_body *p = &t->body[i];
-        screw a = pull[p->parent];
+        screw a = more[p->parent];
         a.move = add(a.move, cross(a.turn, all[i].from_parent));
         for (int k = p->u; k < p->u + p->n_u; k++) {
             const rate *r = &rates[k];
-            pack more = (r->free - dot_screw(r->push, a))*r->by_inertia;
-            a = add_screw(a, times_screw(r->axis, more));
-            keep(du + 8*k, pick(du + 8*k) + more);
+            pack by = (r->free - dot_screw(r->push, a))*r->by_inertia;
+            a = add_screw(a, times_screw(r->axis, by));
+            keep(du + 8*k, pick(du + 8*k) + by);
         }
-        pull[i] = a;
+        more[i] = a;
     }
     return weak;
 }
