@@ -256,7 +256,7 @@ TEST(the_front_has_no_gaps)
 }
 
 /* Two stages of one family each, a four-link mechanism whose slider drives it, and a six-bar, for an open path with default limits. */
-static void search_open_path(bool crank_only, double max_seconds, int n_stage, double unless, lw_staged_search *s)
+static void search_open_path(bool crank_only, double tolerance, double max_seconds, int n_stage, double unless, lw_staged_search *s)
 {
     enum { N = 8 };
     double x[2*N], y[2*N], angle[2*N];
@@ -264,11 +264,12 @@ static void search_open_path(bool crank_only, double max_seconds, int n_stage, d
     lw_type_linkage(lw_type_find("sliderdriven"), &slider);
     lw_family four = { .name = "slider", .linkage = &slider, .links = 4 }, six = { .name = "six-bar", .linkage = &k, .links = 6 };
     lw_search_stage stage[] = { { .links = 4, .families = lw_families_of(&four, 1) },
-                                { .links = 6, .families = lw_families_of(&six, 1), .unless = unless } };
+                                { .links = 6, .families = lw_families_of(&six, 1), .unless = unless, .until = unless } };
     lw_fit_options o = lw_fit_options_default();
     lw_target t;
     o.spec.timing = LW_TIMING_FREE;
     o.spec.crank_only = o.spec.exclude_drag_link = crank_only;
+    o.spec.tolerance = tolerance;
     o.budget = 400;
     o.max_seconds = max_seconds;
     six_bar_curve(&k, 2*N, x, y, angle);
@@ -292,8 +293,8 @@ static bool holds(const lw_staged_search *s, const lw_candidate *c)
 TEST(a_search_of_all_holds_that_of_cranks)
 {
     lw_staged_search all, cranks;
-    search_open_path(false, 0, 2, 0, &all);
-    search_open_path(true, 0, 2, 0, &cranks);
+    search_open_path(false, 0, 0, 2, 0, &all);
+    search_open_path(true, 0, 0, 2, 0, &cranks);
     CHECK(cranks.fit.n > 1 && all.stage[1].n_of[1] > 0);
     for (int i = 0; i < cranks.fit.n; i++)
         CHECK(holds(&all, &cranks.fit.candidate[i]));
@@ -301,11 +302,28 @@ TEST(a_search_of_all_holds_that_of_cranks)
     lw_staged_search_free(&cranks);
 }
 
+/* A search with a tolerance finds all that one without it finds, and smaller linkages within it. */
+TEST(a_search_within_a_tolerance_holds_that_without)
+{
+    lw_staged_search all, within;
+    int smaller = 0;
+    search_open_path(false, 0, 0, 2, 0, &all);
+    search_open_path(false, 1, 0, 2, 0, &within);
+    CHECK(all.fit.n > 1);
+    for (int i = 0; i < all.fit.n; i++)
+        CHECK(holds(&within, &all.fit.candidate[i]));
+    for (int i = 0; i < within.fit.n; i++)
+        smaller += within.fit.candidate[i].shrunk;
+    CHECK(smaller > 0);
+    lw_staged_search_free(&all);
+    lw_staged_search_free(&within);
+}
+
 /* A linkage whose input rocks is near enough: then cranks are searched, and only they. */
 TEST(more_links_are_left_out_if_a_crank_is_enough)
 {
     lw_staged_search s;
-    search_open_path(false, 0, 2, 1e9, &s);
+    search_open_path(false, 0, 0, 2, 1e9, &s);
     CHECK_INT(s.n_stage, 2);
     CHECK(s.stage[1].n_of[0] > 0);
     CHECK_INT(s.stage[1].n_of[1], 0);
@@ -317,7 +335,7 @@ TEST(reports_are_made_before_the_time_ends)
 {
     lw_staged_search s;
     int n_report = 0;                                   /* they may take as long as the search: on a busy machine some are left for later */
-    search_open_path(false, 1e4, 1, 0, &s);
+    search_open_path(false, 0, 1e4, 1, 0, &s);
     CHECK(s.fit.n > 1);
     for (int i = 0; i < s.fit.n; i++)
         n_report += s.fit.candidate[i].report != NULL;

@@ -412,8 +412,8 @@ void lw_problem_limit_size(lw_problem *p, double most)
 }
 
 /* Bound the lengths that are no variables: sides of links with three and more pins, within the range of the lengths;
- * distances of tracers from the pins of their links, at most its upper end.  The default range bounds them only if the smallest
- * linkage within a tolerance is asked for: elsewhere the search may do it later (n_side_known). */
+ * distances of tracers from the pins of their links, at most its upper end.  The default range does not bound them from the
+ * beginning: the search may do it later (n_side_known). */
 static lw_status make_sides(const lw_target *t, const lw_fit_spec *spec, lw_problem *p, lw_error *e)
 {
     lw_fit_spec range = *spec;
@@ -443,7 +443,7 @@ static lw_status make_sides(const lw_target *t, const lw_fit_spec *spec, lw_prob
                 }
             }
     }
-    p->n_side = asked || spec->tolerance > 0 ? p->n_side_known : 0;
+    p->n_side = asked ? p->n_side_known : 0;
     return LW_OK;
 }
 

@@ -80,6 +80,7 @@ typedef struct lw_candidate {
     int     beyond;              /* 0: it keeps the conditions; greater: the farther from that      */
     double  longest;             /* greatest length or coordinate of its dimensions [m], of a function lw_problem_size */
     double  gentle;              /* least transmission angle that it was fitted with beyond that of the specification [deg] */
+    bool    shrunk;              /* a find made smaller within spec.tolerance: only results look at it, a search goes on without it */
     int     n_sample;            /* without timing: curve samples whose distance from the target is in the objective */
     double  sample_weight;       /* of each, as lw_target.weight                                    */
     double *input;               /* of each station and sample [rad] or [m]   (n_station + n_sample) */

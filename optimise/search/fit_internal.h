@@ -87,6 +87,7 @@ typedef struct lw_search {
     lw_family_sweep             sweep;
     lw_workbench        *bench;        /* of each thread                                (n_thread)  */
     lw_pool              pool, raw;    /* polished finds; finds of this round before that           */
+    lw_pool              shrunk;       /* finds made smaller within spec.tolerance                  */
     lw_found            *found;        /* LW_KEEP of each job                                       */
     int                  n_found;      /* jobs that `found` has memory for                          */
     double               started;      /* wall clock                                                */
@@ -152,7 +153,7 @@ lw_status lw_search_round(lw_search *s, lw_error *e);
 lw_status lw_search_order_stations(lw_search *s, lw_fit *out, lw_error *e);
 
 /* Before the pool is ranked: fit its best finds again with less size and with greater transmission angles, so that the
- * results are a front. */
+ * results are a front.  With spec.tolerance, then put the smallest linkages within it into s->shrunk. */
 lw_status lw_search_widen(lw_search *s);
 
 /* ---- rank.c: the pool as candidates for the caller, best first, each curve once */

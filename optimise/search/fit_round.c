@@ -640,8 +640,8 @@ lw_status lw_search_order_stations(lw_search *s, lw_fit *out, lw_error *e)
 /* ---- the front ------------------------------------------------------------------------------------------- */
 
 /* A find is fitted again in chains, one for each of these least transmission angles [deg]: every fit begins with the linkage of
- * the one before, whose size is the most times SHRINK.  If the smallest linkage within a tolerance is asked for, the steps are
- * finer, and chains go on in smaller steps from the smallest linkages of all chains, which may be of a better kind. */
+ * the one before, whose size is the most times SHRINK.  If the smallest linkage within a tolerance is asked for, chains in finer
+ * steps follow, the last from the smallest linkages within it; what they find is kept apart, so that the search is the same without it. */
 static const double chain_angle[] = { 0, 30, 40 };
 enum { CHAINS = sizeof chain_angle/sizeof *chain_angle, WIDENED = 4, CHAIN = 9, LONG_CHAIN = 16, FAILURES = 2, FRONT = 24 };
 /* A chain follows one kind of linkage and may get stuck.  So the best finds of all chains are then fitted again at common sizes, the
@@ -653,8 +653,7 @@ enum { RUNGS = 16, RUNG_STEPS = 300 };
 static const double shrink_within[] = { 0.88, 0.96, 0.985 };
 #define ROUGH        0.05        /* sizes of the target: a chain ends where the error is more, and ... */
 #define MUCH_WORSE   100         /* ... the objective so many times that of the find                 */
-#define STEP         0.9         /* a find is kept beside better ones if its size is so much less, ...  */
-#define STEP_WITHIN  0.98        /* ... or so much if the smallest within a tolerance is asked for    */
+#define STEP         0.9         /* a find is kept beside better ones if its size is so much less        */
 #define TWIN         0.01        /* relative difference of f of linkages that differ little           */
 
 /* Is the smallest linkage within a tolerance asked for? */
@@ -665,7 +664,7 @@ static bool is_smallest_wanted(const lw_search *s)
 
 typedef struct chain {
     lw_found     find[LONG_CHAIN];           /* the first is given; f INFINITY: none                 */
-    double       size[LONG_CHAIN];           /* of each; 0: none.  With a tolerance uneven ones count as larger */
+    double       size[LONG_CHAIN];           /* of each; 0: none.  Within the tolerance uneven ones count as larger */
     long         spent;
     lw_variables of;
     lw_status    status;
@@ -676,6 +675,7 @@ typedef struct chain_list {
     int        n;
     double     until;                        /* wall clock; 0: no limit                              */
     double     shrink;                       /* factor of the size from step to step                 */
+    bool       within;                       /* finds shall stay within the tolerance                */
     int        n_rung;                       /* items after the chains                               */
     long       allowance;                    /* evaluations of an item, counted by their cost        */
     double     largest;                      /* size of the first rung, scaled                       */
@@ -712,13 +712,13 @@ static bool fit_smaller(lw_search *s, lw_problem *p, double most, double f_rough
     return false;
 }
 
-/* Greatest distance of the point from a station, at the inputs that were found last. */
-static double miss(const lw_problem *p, const lw_work *w)
+/* Does the find keep all conditions and, at the inputs that were found last, stay within the tolerance at every station? */
+static bool is_within(const lw_search *s, const lw_problem *p, const lw_work *w, const lw_found *c)
 {
     double most = 0;
     for (size_t k = 0; k < p->n; k++)
         most = fmax(most, hypot(w->jac.x[k] - p->x[k], w->jac.y[k] - p->y[k]));
-    return most;
+    return isfinite(c->f) && c->beyond == 0 && most*p->unit <= s->o->spec.tolerance;
 }
 
 /* The problem of a find with the conditions of its chain, in the find's intended motion; NULL: *st says why. */
@@ -757,7 +757,7 @@ static void run_chain(void *context, size_t job, int thread)
     chain_list *list = context;
     lw_search *s = list->s;
     chain *l = &list->item[job];
-    bool fine = is_smallest_wanted(s);
+    const bool fine = list->within;
     int length = fine ? LONG_CHAIN : CHAIN, angle = (int)job % CHAINS, failed = 0;
     lw_found now = l->find[0];
     lw_problem *p = chain_problem(s, thread, angle, &now, &l->status);
@@ -771,7 +771,7 @@ static void run_chain(void *context, size_t job, int thread)
     l->spent = -now.evals;
     double most = lw_problem_size(p, now.x), f_rough = fmax(MUCH_WORSE*now.f, ROUGH*ROUGH*(double)p->n);
     const double tolerance = s->o->spec.tolerance/p->unit;
-    if (fine)                                            /* beyond the tolerance in the mean: nobody asked for it   */
+    if (fine)                                            /* beyond the tolerance in the mean                        */
         f_rough = (double)p->n*tolerance*tolerance;
     for (int k = angle == 0; k < length && failed < FAILURES; k++) {
         if (chains_end(&o) || (l->spent + now.evals)*cost > list->allowance)
@@ -782,7 +782,7 @@ static void run_chain(void *context, size_t job, int thread)
         }
         l->find[k] = now;
         judge(s, p, work, &l->find[k]);
-        if (fine && !(isfinite(l->find[k].f) && miss(p, work) <= tolerance)) {
+        if (fine && !is_within(s, p, work, &l->find[k])) {
             l->find[k].f = INFINITY;
             failed++;
             continue;
@@ -865,9 +865,9 @@ static place next_find(const chain_list *list, bool taken[][LONG_CHAIN])
     return best;
 }
 
-/* Put finds into the pool that are smaller by `step` than all those with less f, or have a greater angle: the pool keeps the least f,
+/* Put finds into the pool that are smaller by STEP than all those with less f, or have a greater angle: the pool keeps the least f,
  * and would lose the smallest linkages if others filled it. */
-static void put_front(const chain_list *list, double step, lw_pool *pool)
+static void put_front(const chain_list *list, lw_pool *pool)
 {
     bool taken[(WIDENED + RUNGS)*CHAINS][LONG_CHAIN] = { { false } };
     place kept[(WIDENED*LONG_CHAIN + RUNGS)*CHAINS];
@@ -878,11 +878,24 @@ static void put_front(const chain_list *list, double step, lw_pool *pool)
         taken[now.chain][now.at] = true;
         for (int i = 0; i < n && wanted; i++)
             wanted = !(found_at(list, kept[i])->beyond <= c->beyond && kept[i].chain % CHAINS >= now.chain % CHAINS
-                       && size_at(list, kept[i])*step <= size_at(list, now));
+                       && size_at(list, kept[i])*STEP <= size_at(list, now));
         if (!wanted)
             continue;
         kept[n++] = now;
         lw_pool_put(pool, c, &list->item[now.chain].of);
+    }
+}
+
+/* Put the two smallest finds of each chain into the pool: between the stations the smallest may leave the tolerance. */
+static void put_smallest(const chain_list *list, lw_pool *pool)
+{
+    for (int i = 0; i < list->n; i++) {
+        const chain *l = &list->item[i];
+        for (int k = LONG_CHAIN - 1, kept = 0; k >= 0 && kept < 2; k--)
+            if (l->size[k] > 0) {
+                lw_pool_put(pool, &l->find[k], &l->of);
+                kept++;
+            }
     }
 }
 
@@ -909,25 +922,42 @@ static int choose_widened(lw_search *s, int *which)
     return chosen;
 }
 
-/* The smallest finds of the chains, one of each chain, into first[]; returns their number. */
-static int choose_smallest(const chain_list *list, lw_found *first)
+/* The size of a find within the tolerance, an uneven one as a larger one; INFINITY: it is not within. */
+static double size_within(lw_search *s, const lw_found *c)
 {
-    double size[WIDENED];
-    int chosen = 0;
-    for (int i = 0; i < list->n; i++) {
-        const chain *l = &list->item[i];
-        int last = LONG_CHAIN - 1;
-        while (last >= 0 && !(l->size[last] > 0))
-            last--;
-        if (last < 0 || (chosen == WIDENED && !(l->size[last] < size[chosen - 1])))
-            continue;
-        int at = chosen < WIDENED ? chosen++ : chosen - 1;
-        for (; at > 0 && l->size[last] < size[at - 1]; at--) {
-            size[at] = size[at - 1];
-            first[at] = first[at - 1];
+    lw_status st;
+    lw_problem *p = lw_search_problem(s, 0, c->candidate, false, &st);
+    if (!p)
+        return INFINITY;
+    p->intended = c->intended;
+    lw_problem_work_intended(p, s->bench[0].work);
+    bool within = lw_problem_settle(p, c->x, s->bench[0].work) && is_within(s, p, s->bench[0].work, c);
+    return within ? lw_problem_size(p, c->x)*lw_problem_uneven(p, c->x) : INFINITY;
+}
+
+/* The smallest finds that stay within the tolerance, one of each candidate and angle, into first[]; returns their number. */
+static int choose_smallest(lw_search *s, lw_found *first)
+{
+    const lw_found *find[2*LW_POOL_MAX];
+    double size[2*LW_POOL_MAX];
+    int chosen = 0, n = 0;
+    for (int i = 0; i < s->pool.n; i++)
+        find[n++] = &s->pool.item[i];
+    for (int i = 0; i < s->shrunk.n; i++)
+        find[n++] = &s->shrunk.item[i];
+    for (int i = 0; i < n; i++)
+        size[i] = size_within(s, find[i]);
+    for (int least = 0; chosen < WIDENED && least >= 0; ) {
+        least = -1;
+        for (int i = 0; i < n; i++) {
+            bool seen = false;
+            for (int k = 0; k < chosen && !seen; k++)
+                seen = first[k].candidate == find[i]->candidate && first[k].gentle == find[i]->gentle;
+            if (!seen && isfinite(size[i]) && (least < 0 || size[i] < size[least]))
+                least = i;
         }
-        size[at] = l->size[last];
-        first[at] = l->find[last];
+        if (least >= 0)
+            first[chosen++] = *find[least];
     }
     return chosen;
 }
@@ -936,7 +966,7 @@ static int choose_smallest(const chain_list *list, lw_found *first)
 static void begin_chains(chain_list *list, const lw_found *first, int n)
 {
     list->n = n*CHAINS;
-    list->n_rung = is_smallest_wanted(list->s) || n == 0 ? 0 : RUNGS*CHAINS;
+    list->n_rung = list->within || n == 0 ? 0 : RUNGS*CHAINS;
     for (int i = 0; i < list->n + list->n_rung; i++) {
         chain *l = &list->item[i];
         memset(l, 0, sizeof *l);
@@ -947,9 +977,11 @@ static void begin_chains(chain_list *list, const lw_found *first, int n)
     }
 }
 
-/* Run the chains and put what they find into the pool. */
-static lw_status run_chains(lw_search *s, chain_list *list)
+/* Run chains that begin with these n finds, and put what they find into the pool. */
+static lw_status run_chains(lw_search *s, chain_list *list, const lw_found *first, int n, lw_pool *pool)
 {
+    begin_chains(list, first, n);
+    list->allowance = s->o->families && list->n > 0 ? lw_search_budget(s)/(list->n + list->n_rung) : LONG_MAX;
     const lw_loop loop = { s->n_thread, (size_t)list->n, run_chain, list, { { list->item, sizeof *list->item }, { NULL, 0 } } };
     lw_status st = lw_loop_run(&loop, s->o->sharing);
     chain *rung = list->item + list->n;
@@ -962,7 +994,7 @@ static lw_status run_chains(lw_search *s, chain_list *list)
         s->evals += l->spent;
     }
     if (st == LW_OK)
-        put_front(list, is_smallest_wanted(s) ? STEP_WITHIN : STEP, &s->pool);
+        (list->within ? put_smallest : put_front)(list, pool);
     return st;
 }
 
@@ -989,16 +1021,14 @@ lw_status lw_search_widen(lw_search *s)
     list->until = lw_search_end(s) + lw_search_widening(s) + 0.5*lw_search_grace(s);
     if (s->o->max_seconds <= 0)
         list->until = lw_search_stopped(s) ? lw_clock_wall() + lw_search_grace(s) : 0;
-    bool fine = is_smallest_wanted(s);
-    int passes = fine ? (int)(sizeof shrink_within/sizeof *shrink_within) : 1;
-    lw_status st = LW_OK;
-    for (int pass = 0; pass < passes && st == LW_OK; pass++) {
-        n = pass > 0 ? choose_smallest(list, first) : n;
-        begin_chains(list, first, n);
-        list->allowance = s->o->families && list->n > 0 ? lw_search_budget(s)/(list->n + list->n_rung) : LONG_MAX;
-        list->shrink = fine ? shrink_within[pass] : SHRINK;
-        st = run_chains(s, list);
+    list->shrink = SHRINK;
+    lw_status st = run_chains(s, list, first, n, pool);
+    list->within = true;
+    for (size_t i = 0; is_smallest_wanted(s) && i < sizeof shrink_within/sizeof *shrink_within && st == LW_OK; i++) {
+        n = i > 0 ? choose_smallest(s, first) : n;
+        list->shrink = shrink_within[i];
+        st = run_chains(s, list, first, n, &s->shrunk);
     }
     free(list);
-    return st;
+    return st == LW_OK && s->no_memory ? LW_E_MEMORY : st;
 }

@@ -185,40 +185,55 @@ static bool is_as_exact(const lw_found *a, const lw_found *b)
     return fabs(a->f - b->f) <= SAME_ERROR*b->f;
 }
 
-lw_status lw_search_rank(lw_search *s, lw_fit *out)
+/* The candidates in `out` with their curves. */
+typedef struct ranking {
+    traced *seen;                /*                                                       (out->n) */
+    double *points;              /* coordinates of n stations each                                  */
+    size_t  n;
+    lw_fit *out;
+} ranking;
+
+/* Add up to `most` finds of a pool whose curves no candidate before has.  Shrunk finds replace none. */
+static void rank_pool(lw_search *s, const lw_pool *pool, int most, bool shrunk, ranking *r)
 {
-    int most = lw_fit_kept(s->o);
-    size_t n = s->t->n*(size_t)(1 + s->t->n_also);
-    traced *seen = calloc((size_t)most + 1, sizeof *seen);
-    double *points = malloc(sizeof *points*2*n*((size_t)most + 1));
-    out->candidate = calloc((size_t)most, sizeof *out->candidate);
-    if (!seen || !points || !out->candidate) {
-        free(seen);
-        free(points);
-        return LW_E_MEMORY;
-    }
-    for (int i = 0; i < s->pool.n && out->n < most; i++) {
-        const lw_found *c = &s->pool.item[i];
-        traced *t = &seen[out->n];
-        t->px = points + 2*n*(size_t)out->n;
-        t->py = t->px + n;
+    lw_fit *out = r->out;
+    most += out->n;
+    for (int i = 0; i < pool->n && out->n < most; i++) {
+        const lw_found *c = &pool->item[i];
+        traced *t = &r->seen[out->n];
+        t->px = r->points + 2*r->n*(size_t)out->n;
+        t->py = t->px + r->n;
         bool fresh = trace(s, c, t);
         for (int k = 0; fresh && k < out->n; k++) {
+            traced *before = &r->seen[k];
             lw_candidate instead;
-            fresh = !lw_task_has_place(s->o->spec.task) ? !same_proportions(s, t->of, seen[k].of)
-                                                        : !same_curves(t, &seen[k], n);
-            bool smaller = !fresh && is_smaller(s, c, seen[k].of), exact = is_as_exact(c, seen[k].of);
-            fresh |= !exact && (smaller || c->gentle > seen[k].of->gentle);
+            fresh = !lw_task_has_place(s->o->spec.task) ? !same_proportions(s, t->of, before->of)
+                                                        : !same_curves(t, before, r->n);
+            bool smaller = !fresh && is_smaller(s, c, before->of), exact = is_as_exact(c, before->of);
+            fresh |= (shrunk || !exact) && (smaller || c->gentle > before->of->gentle);
             if (fresh || !smaller || !exact || !lw_search_fill(s, c, &instead))
                 continue;
             lw_candidate_free(&out->candidate[k]);
             out->candidate[k] = instead;
-            seen[k].of = c;
+            before->of = c;
         }
         if (fresh && lw_search_fill(s, c, &out->candidate[out->n]))
-            out->n++;
+            out->candidate[out->n++].shrunk = shrunk;
     }
-    free(seen);
-    free(points);
-    return LW_OK;
+}
+
+lw_status lw_search_rank(lw_search *s, lw_fit *out)
+{
+    const int kept = lw_fit_kept(s->o);
+    const size_t most = 2*(size_t)kept, n = s->t->n*(size_t)(1 + s->t->n_also);
+    ranking r = { .seen = calloc(most + 1, sizeof *r.seen), .points = malloc(sizeof *r.points*2*n*(most + 1)), .n = n, .out = out };
+    out->candidate = calloc(most, sizeof *out->candidate);
+    lw_status st = r.seen && r.points && out->candidate ? LW_OK : LW_E_MEMORY;
+    if (st == LW_OK) {
+        rank_pool(s, &s->pool, kept, false, &r);
+        rank_pool(s, &s->shrunk, kept, true, &r);
+    }
+    free(r.seen);
+    free(r.points);
+    return st;
 }

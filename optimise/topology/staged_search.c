@@ -217,7 +217,7 @@ static lw_status strays(const stage_part *p, bool cranks, bool later, bool *out)
     const lw_fit *all = &p->out->fit;
     *out = false;
     for (int i = 0; i < all->n && can_stray(p, later); i++)
-        if (lw_candidate_links(&all->candidate[i]) == p->stage->links
+        if (lw_candidate_links(&all->candidate[i]) == p->stage->links && !all->candidate[i].shrunk
             && (!cranks || is_of_cranks(&all->candidate[i]))
             && (!best || all->candidate[i].objective < best->objective))
             best = &all->candidate[i];
@@ -326,7 +326,7 @@ static lw_status make_rows(const stage_part *p, bool cranks, int mine, lw_fit *s
     }
     for (int i = 0; i < all->n; i++) {
         int its = lw_candidate_links(&all->candidate[i]);
-        if ((!cranks || is_of_cranks(&all->candidate[i])) && n[its]++ < (its == p->stage->links ? mine : NEAREST)) {
+        if ((!cranks || is_of_cranks(&all->candidate[i])) && !all->candidate[i].shrunk && n[its]++ < (its == p->stage->links ? mine : NEAREST)) {
             of[seen->n] = i;
             seen->candidate[seen->n++] = all->candidate[i];
         }
@@ -335,7 +335,9 @@ static lw_status make_rows(const stage_part *p, bool cranks, int mine, lw_fit *s
     for (int i = 0; i < seen->n; i++)
         all->candidate[of[i]].report = seen->candidate[i].report;
     free(of);
-    return lw_fit_results_make(p->t, &o->spec, seen, o->spec.by_default ? ROWS : all->n, NULL, &effort, rows, NULL);
+    lw_fit_spec spec = o->spec;
+    spec.tolerance = 0;                                   /* the tolerance chooses at the end; the search is that without it */
+    return lw_fit_results_make(p->t, &spec, seen, o->spec.by_default ? ROWS : all->n, NULL, &effort, rows, NULL);
 }
 
 /* Searches for cranks have the numbers 0, 1, ..., the others those from this on: all draw starts of their own. */
@@ -444,7 +446,7 @@ static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unle
     lw_status st = r ? LW_OK : LW_E_MEMORY;
     *enough = false;
     for (int i = 0, seen = 0; i < all->n && seen < NEAREST && !*enough && st == LW_OK && all->candidate[i].beyond == 0; i++) {
-        if (cranks && !is_of_cranks(&all->candidate[i]))
+        if ((cranks && !is_of_cranks(&all->candidate[i])) || all->candidate[i].shrunk)
             continue;
         st = lw_fit_report_make(t, s, &all->candidate[i], r, NULL);
         bool usable = st == LW_OK && r->verified && !r->broken;
@@ -468,7 +470,7 @@ static lw_status run_all_families(const stage_part *p)
     lw_stop stop = p->r->stop;
     if ((st != LW_OK && st != LW_E_KIND) || kind != LW_FIT_CRANKS || must_turn || stop == LW_STOP_F_TARGET)
         return st;
-    if (p->stage->unless > 0 && (st = is_enough(p->t, &o->spec, p->stage->unless, false, &p->out->fit, &enough)) != LW_OK)
+    if (p->stage->until > 0 && (st = is_enough(p->t, &o->spec, p->stage->until, false, &p->out->fit, &enough)) != LW_OK)
         return lw_error_set(p->e, st, "no memory for a report");
     st = enough ? LW_OK : run_searches(p, LW_FIT_OTHERS, (o->budget + 1)/2, &p->r->n_of[1]);
     p->r->stop = st == LW_STOPPED ? p->r->stop : stop;    /* an exact find of the others does not end the search for cranks */
@@ -488,7 +490,7 @@ static bool is_dominated(const lw_fit *f, int n, const lw_candidate *c)
     bool dominated = false;
     for (int k = 0; k < n && !dominated; k++) {
         const lw_candidate *a = &f->candidate[k];
-        dominated = lw_candidate_links(a) == lw_candidate_links(c) && a->intended.turns >= c->intended.turns
+        dominated = lw_candidate_links(a) == lw_candidate_links(c) && !a->shrunk && a->intended.turns >= c->intended.turns
                  && is_of_cranks(a) >= is_of_cranks(c) && a->longest <= NO_SMALLER*c->longest && a->gentle >= c->gentle;
     }
     return dominated;
@@ -496,19 +498,23 @@ static bool is_dominated(const lw_fit *f, int n, const lw_candidate *c)
 
 /* Keep `most` candidates, `each` of every number of links, `of_part` of these from each part of the types or dimensions: small
  * linkages and those without a crank may be first in another measure than the error.  And keep those that none before is as good as
- * in size and transmission angle (front), and all that have a report: rows may be among them. */
+ * in size and transmission angle (front), all that have a report, since rows may be among them, and all that are shrunk. */
 static void shorten(lw_staged_search *s, int most, int each, int of_part, bool front)
 {
     lw_fit *f = &s->fit;
-    int n = 0;
+    int n = 0, others = 0, last = -1;                     /* not shrunk                                                */
     int seen[LW_LINK_MAX + 1] = { 0 }, seen_of[LW_LINK_MAX + 1][LW_FIT_PARTS] = { 0 };
     for (int i = 0; i < f->n; i++) {
         lw_candidate *c = &f->candidate[i];
         int links = lw_candidate_links(c);
-        bool wanted = n < most || seen[links] < each || seen_of[links][c->part] < of_part || c->report
+        bool wanted = others < most || seen[links] < each || seen_of[links][c->part] < of_part || c->report
                    || (front && !is_dominated(f, n, c));
-        if (wanted && (n == 0 || !same(c, &f->candidate[n - 1]))) {
+        if (c->shrunk) {
             f->candidate[n++] = *c;
+        } else if (wanted && (last < 0 || !same(c, &f->candidate[last]))) {
+            last = n;
+            f->candidate[n++] = *c;
+            others++;
             seen[links]++;
             seen_of[links][c->part]++;
         } else {
@@ -641,7 +647,8 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
             st = i < 0 || c.beyond ? st : LW_STOPPED;
             break;
         }
-        if (stage[i].unless > 0 && is_enough(t, &o->spec, stage[i].unless, o->spec.by_default, &out->fit, &enough) != LW_OK) {
+        double near = first ? stage[i].unless : stage[i].until;
+        if (near > 0 && is_enough(t, &o->spec, near, o->spec.by_default, &out->fit, &enough) != LW_OK) {
             lw_staged_search_free(out);
             return lw_error_set(e, LW_E_MEMORY, "no memory for a report");
         }
