@@ -33,6 +33,9 @@ static inline double lw_greatest_or_infinite(int n, const double *x)
     return most;
 }
 
+/* The lesser of two numbers; a if b is NaN.  Unlike fmin it is no call. */
+static inline double lw_lesser(double a, double b) { return b < a ? b : a; }
+
 static inline int lw_compare_numbers(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;

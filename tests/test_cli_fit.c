@@ -154,7 +154,7 @@ TEST(cranes_within_a_tolerance_are_small)
     static const char line[] = "awk 'BEGIN { print \"x [m],y [m]\"; for (i = 0; i < 25; i++) print 6 + i*0.5 \",15\" }' > $D/crane.csv; ";
     char command[400];
     int to_and_fro = 0;
-    snprintf(command, sizeof command, "%s$P fit $D/crane.csv --rounds 2 --tolerance 10mm --json -q", line);
+    snprintf(command, sizeof command, "%s$P fit $D/crane.csv --rounds 2 --seed 3 --tolerance 10mm --json -q", line);
     json_t *root = json_of(command), *rows = json_object_get(root, "results"), *r;
     size_t i;
     CHECK(member(json_array_get(rows, 0), "size_over_path") < 1.2);          /* found: 1.10, with 8 rounds 1.06; 1.55 before chains measured arms */

@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "base/vector.h"
 #include "mbs/batch/batch.h"
 #include "mbs/batch/posture.h"
 #include "mbs/kinematics/motion_internal.h"
@@ -60,7 +61,7 @@ static void lane_margins(const walk *w, const double *dim, size_t stride, const 
     for (int o = 0; o < w->plan->n_output; o++) {
         lw_batch_point(w->plan, &in, o, w->batch, x, y, NULL, NULL, m);
         for (size_t i = 0; i < n; i++)
-            margin[i] = fmin(margin[i], m[i]);
+            margin[i] = lw_lesser(margin[i], m[i]);
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/vector.h"
 #include "optimise/problem/circuit.h"
 #include "optimise/problem/variable_projection.h"
 
@@ -20,7 +21,7 @@ void lw_problem_margin(const lw_problem *p, const lw_lanes *in, lw_work *w, doub
     for (int i = 1; i <= p->n_also; i++) {
         lw_batch_frame(&p->plan, in, i, w->batch, w->posture_x, w->posture_y, w->posture_u, w->posture_v, w->posture_m);
         for (size_t k = 0; k < in->n; k++)
-            margin[k] = fmin(margin[k], w->posture_m[k]);
+            margin[k] = lw_lesser(margin[k], w->posture_m[k]);
     }
 }
 
@@ -78,7 +79,7 @@ static double margin_of_range(const lw_problem *p, const double *x, double shift
     lw_lanes in = { .n = n, .c = w->posture_c, .s = w->posture_s, .dim = x, .mode = p->intended.mode };
     lw_problem_margin(p, &in, w, w->posture.margin);
     for (size_t k = 0; k < n; k++)
-        least = fmin(least, w->posture.margin[k]);
+        least = lw_lesser(least, w->posture.margin[k]);
     return least;
 }
 
@@ -104,7 +105,7 @@ static double margin_of_circuit(const lw_problem *p, const double *x, double shi
     }
     lw_problem_margin(p, &in, w, w->posture.margin);
     for (size_t k = 0; k < n; k++)
-        least = fmin(least, w->posture.margin[k]/part[k]);
+        least = lw_lesser(least, w->posture.margin[k]/part[k]);
     return least;
 }
 
@@ -136,7 +137,7 @@ bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w)
         lanes_of_circuit(p, x, w);
     for (int i = 0; i <= p->n_also; i++)
         for (size_t k = 0; k < w->n_lane; k++)
-            least = fmin(least, lw_work_jac(w, i)->margin[k]);
+            least = lw_lesser(least, lw_work_jac(w, i)->margin[k]);
     return least >= w->least_margin && (!p->family->linkage || margin_between(p, x, 0.5, w) > LEAST_MARGIN);
 }
 

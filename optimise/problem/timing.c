@@ -72,13 +72,13 @@ static void fill_costs(const lw_problem *p, const double *x, lw_work *w)
         for (int k = 0; k < p->n_also; k++)
             add_costs(x, &w->also[k], &p->also[k], i, c);
         for (int j = 0; j < M; j++)
-            if (!(w->curve_m[j] >= 0))
-                c[j] = 1e30;
+            c[j] = w->curve_m[j] >= 0 ? c[j] : 1e30;
     }
 }
 
-/* Cheapest increasing assignment with station 0 at sample `first`; order[] gets the number of steps after `first`. */
-static double rising(const lw_problem *p, lw_work *w, int first, int stride, short *order)
+/* Cheapest increasing assignment with station 0 at sample `first`; order[] gets the number of steps after `first`.  INFINITY: it costs
+ * `enough` or more. */
+static double rising(const lw_problem *p, lw_work *w, int first, int stride, double enough, short *order)
 {
     double *best = w->best;
     size_t n = p->n;
@@ -97,6 +97,8 @@ static double rising(const lw_problem *p, lw_work *w, int first, int stride, sho
             from[k] = at;
             best[k] = least + c[j];
         }
+        if (least >= enough)                             /* further stations cost more */
+            return INFINITY;
     }
     int end = 0;
     for (int k = 1; k <= M; k++)
@@ -135,7 +137,7 @@ static bool monotone(const lw_problem *p, lw_work *w)
         const double *c = w->cost;
         if (c[j] > c[(j + 1) & (M - 1)] || c[j] >= c[(j + M - 1) & (M - 1)])
             continue;
-        double f = rising(p, w, j, stride, now);
+        double f = rising(p, w, j, stride, least, now);
         if (f < least) {
             least = f;
             kept = j;

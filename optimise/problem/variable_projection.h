@@ -7,7 +7,7 @@
 
 #include "optimise/problem/work.h"
 
-/* Project the rows of derivatives in w; fills w->tie, slip and slide. */
+/* Project the rows of derivatives in w; fills w->tangent, tie, slip and slide. */
 void lw_variable_projection(const lw_problem *p, const double *x, lw_work *w);
 
 /* Derivatives t of the weighted residuals of station k by its phase.  Returns the sum of their squares. */

@@ -52,7 +52,9 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->row = piece(base, &at, ld*v*(size_t)(w->n_row*p->n_var));
     w->res = piece(base, &at, ld*v*(size_t)w->n_row);
     w->base_res = piece(base, &at, ld*v*(size_t)w->n_row);
-    w->base_tangent = piece(base, &at, ld*v*(size_t)w->n_row);
+    w->tangent = piece(base, &at, ld*v*(size_t)w->n_row);
+    w->tangent2 = piece(base, &at, ld*v);
+    w->block = piece(base, &at, p->n*sizeof *w->block);
     double **curve[] = { &w->turn_c, &w->turn_s, &w->curve_x, &w->curve_y, &w->curve_m,
                          &w->curve_u, &w->curve_v,
                          &w->foot_x, &w->foot_y, &w->turn, &w->check_c, &w->check_s };

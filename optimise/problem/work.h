@@ -30,6 +30,9 @@ typedef struct lw_cycle_point { double c, s, input, rate, around, psi_c, psi_s; 
 /* Pins and tracers whose places are checked. */
 #define LW_PLACE_MAX (LW_JOINT_MAX + 1 + LW_ALSO_MAX)
 
+/* Consecutive stations; the first follows the last. */
+typedef struct lw_block { size_t first, count; } lw_block;
+
 typedef struct lw_work {
     size_t  n, n_lane, ld;       /* stations; lanes (with curve samples for timing none)           */
     double *phase;               /* phase of each lane on its circuit [rad]; if the input turns fully, the input */
@@ -43,8 +46,12 @@ typedef struct lw_work {
     double *row;                 /* derivatives of residuals, row[(k*n_var + d)*ld + lane]         */
     double *res;                 /* residuals, res[k*ld + lane]                                    */
     int     n_row;               /* residuals per lane                                             */
-    double *base_res, *base_tangent;   /* at the point that a bent step begins from: residuals, and their derivatives by the
-                                  * phase, 0 where stations are not eliminated; as res */
+    double *base_res;            /* residuals at the point that a bent step begins from            */
+    /* written by lw_variable_projection */
+    double *tangent;             /* derivatives of residuals by the phase, 0 where stations are not eliminated; as res */
+    double *tangent2;            /* sum of their squares, of the stations of a block; 1 where they are 0 */
+    lw_block *block;             /* blocks of two or more stations that have one input and move together (n_block) */
+    size_t  n_block;
     bool   *tie;                 /* stations whose input moves nothing: not eliminated             */
     double *slide, *slip;        /* eliminated: change of phase = -(slip[k] + sum slide[d*ld+k] dx[d]) */
     double *keep_theta, *best_theta;   /* inputs before a trial step, before an assignment         */

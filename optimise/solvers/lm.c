@@ -210,14 +210,9 @@ static double weigh_violation(run *r, double part, double promise)
 /* Keep what bent steps from here need.  false: some stations have the same input and move together. */
 static bool begin_bend(const lw_problem *p, lw_work *w)
 {
-    for (size_t k = 0; k < p->n; k++) {
-        double t[LW_PROBLEM_ROW_MAX];
-        lw_problem_tangent(p, w, k, t);
+    for (size_t k = 0; k < p->n; k++)
         if (lw_timing_joined(p, w, k))
             return false;
-        for (int i = 0; i < w->n_row; i++)
-            w->base_tangent[(size_t)i*w->ld + k] = w->tie[k] ? 0 : t[i];
-    }
     memcpy(w->base_res, w->res, sizeof *w->res*(size_t)w->n_row*w->ld);
     return true;
 }
@@ -244,7 +239,7 @@ static bool second_derivatives(run *r, const double *x, double *along, double *g
         along[k] = 0;
         for (int i = 0; i < w->n_row; i++) {
             size_t at = (size_t)i*w->ld + k;
-            double t = w->base_tangent[at], rate = t != 0 ? -t*w->slip[k] : 0;
+            double t = w->tangent[at], rate = t != 0 ? -t*w->slip[k] : 0;
             for (int c = 0; c < q->n; c++)
                 rate += w->row[((size_t)i*(size_t)p->n_var + (size_t)q->var[c])*w->ld + k]*q->step[c];
             w->res[at] = 2/PROBE*((w->res[at] - w->base_res[at])/PROBE - rate);
@@ -253,7 +248,7 @@ static bool second_derivatives(run *r, const double *x, double *along, double *g
         }
         along[k] /= t2 > 0 ? t2 : 1;
         for (int i = 0; i < w->n_row; i++) {
-            double rest = w->res[(size_t)i*w->ld + k] - along[k]*w->base_tangent[(size_t)i*w->ld + k];
+            double rest = w->res[(size_t)i*w->ld + k] - along[k]*w->tangent[(size_t)i*w->ld + k];
             for (int c = 0; c < q->n; c++)
                 g[c] += w->row[((size_t)i*(size_t)p->n_var + (size_t)q->var[c])*w->ld + k]*rest;
         }
