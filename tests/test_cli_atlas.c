@@ -122,12 +122,12 @@ TEST(killed_adds)
 {
     expect("mkdir $D/killed && $P catalogue nearest $D/c.db examples/ellipse.csv --results 150 --json -o $D/killed/many.json",
            0, NULL, NULL);
-    kill_at_random("x.db", "catalogue add x.db many.json --commit 0.005", 25, "linkage|");
+    kill_at_random("x.db", "catalogue add x.db many.json --commit 0.005", 12, "linkage|");
 }
 
 TEST(killed_curves)
 {
-    kill_at_random("y.db", "catalogue curves y.db --links 4 --samples 8000", 10, "sweep|");
+    kill_at_random("y.db", "catalogue curves y.db --links 4 --samples 8000", 6, "sweep|");
 }
 
 /* A full disk, and a damaged file. */

@@ -23,7 +23,7 @@ TEST(close_to_the_count)
 
 TEST(every_size_gets_an_answer)
 {
-    for (int n_link = 4; n_link <= 32; n_link++)
+    for (int n_link = 4; n_link <= 32; n_link += n_link < 20 ? 1 : 3)
         for (int dof = 0; dof <= 2; dof++) {
             lw_estimate e = { 0 };
             lw_error text = { 0 };
