@@ -169,21 +169,28 @@ TEST(converges_with_order_8)
     CHECK(dense > 6.7 && dense < 9.5);
 }
 
+/* A run to 40 with control of the step: its error. */
+static double controlled_error(double tolerance, bool smooth, lw_integrator *w)
+{
+    static lw_ode ode = { .n = 4, .rate = kepler };
+    static double y[4], work[LW_INTEGRATE_WORK(4, 0)];
+    lw_ode_options o = lw_ode_options_default();
+    o.relative = o.absolute = tolerance;
+    o.smooth = smooth;
+    kepler_start(y);
+    CHECK_INT(lw_integrate_start(w, &ode, &o, work, 0.0, y, NULL), LW_OK);
+    CHECK_INT(run_to(w, 40.0), LW_OK);
+    lw_vec2 p = kepler_exact(eccentricity, 40.0);
+    return hypot(w->y[0] - p.x, w->y[1] - p.y);
+}
+
 TEST(error_follows_tolerance)
 {
     double before = 1.0;
     for (double tolerance = 1e-5; tolerance > 1e-13; tolerance *= 0.1) {
-        lw_ode ode = { .n = 4, .rate = kepler };
-        lw_ode_options o = lw_ode_options_default();
-        o.relative = o.absolute = tolerance;
         lw_integrator w;
-        double y[4], work[LW_INTEGRATE_WORK(4, 0)];
-        kepler_start(y);
-        CHECK_INT(lw_integrate_start(&w, &ode, &o, work, 0.0, y, NULL), LW_OK);
-        CHECK_INT(run_to(&w, 40.0), LW_OK);
-        lw_vec2 p = kepler_exact(eccentricity, 40.0);
-        double error = hypot(w.y[0] - p.x, w.y[1] - p.y);
-    CHECK(error < 1000.0*tolerance);
+        double error = controlled_error(tolerance, false, &w);
+        CHECK(error < 1000.0*tolerance);
         CHECK(error < 2.0*before);
         CHECK(w.t == 40.0);
         CHECK(w.n_rate <= 12*(w.n_step + w.n_refused) + 2);
@@ -228,17 +235,8 @@ TEST(smooth_control)
     long refused[2] = { 0 };
     for (int smooth = 0; smooth < 2; smooth++)
         for (double tolerance = 1e-5; tolerance > 1e-13; tolerance *= 0.1) {
-            lw_ode ode = { .n = 4, .rate = kepler };
-            lw_ode_options o = lw_ode_options_default();
-            o.relative = o.absolute = tolerance;
-            o.smooth = smooth;
             lw_integrator w;
-            double y[4], work[LW_INTEGRATE_WORK(4, 0)];
-            kepler_start(y);
-            CHECK_INT(lw_integrate_start(&w, &ode, &o, work, 0.0, y, NULL), LW_OK);
-            CHECK_INT(run_to(&w, 40.0), LW_OK);
-            lw_vec2 p = kepler_exact(eccentricity, 40.0);
-            CHECK(hypot(w.y[0] - p.x, w.y[1] - p.y) < 1000.0*tolerance);
+            CHECK(controlled_error(tolerance, smooth, &w) < 1000.0*tolerance);
             refused[smooth] += w.n_refused;
         }
     CHECK(2*refused[1] < refused[0]);

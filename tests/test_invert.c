@@ -3,15 +3,7 @@
 #include "enumerate/chains.h"
 #include "enumerate/invert.h"
 #include "tests/check.h"
-
-static lw_chain ring(int n)
-{
-    lw_chain c;
-    lw_chain_clear(&c, n);
-    for (int i = 0; i < n; i++)
-        lw_chain_join(&c, i, (i + 1) % n, 1);
-    return c;
-}
+#include "tests/topology.h"
 
 static int classes(const lw_chain *c, uint8_t *lowest)
 {
@@ -24,7 +16,7 @@ static int classes(const lw_chain *c, uint8_t *lowest)
 TEST(six_links)
 {
     uint8_t lowest[LW_LINK_MAX], ground[LW_LINK_MAX];
-    lw_chain watt = ring(6), five = ring(5), stephenson = { .n_link = 6 }, slot = ring(4);
+    lw_chain watt = ring_of(6), five = ring_of(5), stephenson = { .n_link = 6 }, slot = ring_of(4);
     lw_chain_join(&watt, 0, 3, 1);
     CHECK_INT(classes(&watt, lowest), 2);
     CHECK_INT(lw_ground_choices(lowest, 6, ground), 2);
@@ -37,7 +29,7 @@ TEST(six_links)
     lw_chain_unjoin(&slot, 0, 1);                   /* a joint of two freedoms breaks the symmetry of the ring */
     lw_chain_join(&slot, 0, 1, 2);
     CHECK_INT(classes(&slot, lowest), 2);
-    lw_chain four = ring(4);
+    lw_chain four = ring_of(4);
     CHECK_INT(classes(&four, lowest), 1);
     CHECK_INT(lw_ground_choices(lowest, 4, ground), 1);
 }

@@ -4,25 +4,29 @@
 #include "base/file.h"
 #include "tests/json_text.h"
 
-static lw_model *load(const char *path)
-{
-    lw_model *m = NULL;
-    lw_error e = { LW_OK, "", 0, 0, "" };
-    CHECK_INT(lw_model_load(path, &m, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
-    return m;
-}
+/* load(path) and parse(text with ' for ") of a kind of models. */
+#define READERS(kind, load, parse)                                                       \
+    static kind *load(const char *path)                                                  \
+    {                                                                                    \
+        kind *m = NULL;                                                                  \
+        lw_error e = { LW_OK, "", 0, 0, "" };                                            \
+        CHECK_INT(kind##_load(path, &m, &e), LW_OK);                                     \
+        CHECK_TEXT(e.text, "");                                                          \
+        return m;                                                                        \
+    }                                                                                    \
+    static kind *parse(const char *quoted)                                               \
+    {                                                                                    \
+        char text[3000];                                                                 \
+        kind *m = NULL;                                                                  \
+        lw_error e = { LW_OK, "", 0, 0, "" };                                            \
+        json_format(text, sizeof text, "%s", quoted);                                    \
+        CHECK_INT(kind##_parse(text, strlen(text), "text", &m, &e), LW_OK);              \
+        CHECK_TEXT(e.text, "");                                                          \
+        return m;                                                                        \
+    }
 
-static lw_model *parse(const char *format)
-{
-    char text[3000];
-    lw_model *m = NULL;
-    lw_error e = { LW_OK, "", 0, 0, "" };
-    json_format(text, sizeof text, "%s", format);
-    CHECK_INT(lw_model_parse(text, strlen(text), "text", &m, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
-    return m;
-}
+READERS(lw_model, load, parse)
+READERS(lw_spatial, load_in_space, parse_in_space)
 
 typedef struct last { lw_link_motion link[32]; double state[32], work, energy; int n; } last;
 
@@ -251,26 +255,6 @@ static lw_status keep_in_space(void *context, const lw_spatial_sample *s)
     l->work = s->work;
     l->energy = s->kinetic + s->potential;
     return LW_OK;
-}
-
-static lw_spatial *load_in_space(const char *path)
-{
-    lw_spatial *m = NULL;
-    lw_error e = { LW_OK, "", 0, 0, "" };
-    CHECK_INT(lw_spatial_load(path, &m, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
-    return m;
-}
-
-static lw_spatial *parse_in_space(const char *format)
-{
-    char text[3000];
-    lw_spatial *m = NULL;
-    lw_error e = { LW_OK, "", 0, 0, "" };
-    json_format(text, sizeof text, "%s", format);
-    CHECK_INT(lw_spatial_parse(text, strlen(text), "text", &m, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
-    return m;
 }
 
 static double apart(lw_vec3 a, lw_vec3 b) { return fmax(fabs(a.x - b.x), fmax(fabs(a.y - b.y), fabs(a.z - b.z))); }

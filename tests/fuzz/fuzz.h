@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/error.h"
 
 /* Calls abort() on a fault of the library; returns 0. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -13,6 +14,16 @@ static inline void demand(int condition)
 {
     if (!condition)
         abort();
+}
+
+/* Has a reader refused the text?  Then it says why and where. */
+static inline int refused(lw_status s, const lw_error *e)
+{
+    if (s == LW_OK)
+        return 0;
+    demand(e->status == s && e->text[0] && memchr(e->text, '\0', sizeof e->text) != NULL);
+    demand(s != LW_E_NOTATION || (e->line > 0 && e->column > 0));
+    return 1;
 }
 
 /* Text that can be read as `type` is printed in less than `most` bytes and reads back the same: `same` is a condition

@@ -9,11 +9,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     static lw_model m;
     lw_error e = { .text = "" };
     lw_status s = lw_model_read((const char *)data, size, "f", &m, &e);
-    if (s != LW_OK) {
-        demand(e.status == s && e.text[0] && memchr(e.text, '\0', sizeof e.text) != NULL);
-        demand(s != LW_E_NOTATION || (e.line > 0 && e.column > 0));
+    if (refused(s, &e))
         return 0;
-    }
     demand(lw_assembly_check(&m.linkage, &e) == LW_OK);
     for (int i = 0; i < m.linkage.n_link; i++)
         demand(m.body[i].mass >= 0 && m.body[i].inertia >= 0 && isfinite(m.body[i].mass));

@@ -9,11 +9,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     static lw_servo s;
     lw_error e = { .text = "" };
     lw_status status = lw_servo_read((const char *)data, size, "f", &s, &e);
-    if (status != LW_OK) {
-        demand(e.status == status && e.text[0] && memchr(e.text, '\0', sizeof e.text) != NULL);
-        demand(status != LW_E_NOTATION || (e.line > 0 && e.column > 0));
+    if (refused(status, &e))
         return 0;
-    }
     demand(s.constant > 0 && s.inertia > 0 && s.factor > 0 && s.load >= 0 && (s.moves.n > 0 || s.reference));
     for (double t = 0; s.moves.n && t < 1e9; t = lw_servo_next_kink(&s, t))
         demand(isfinite(lw_servo_wanted(&s, t).x));

@@ -10,11 +10,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     lw_error e = { .text = "" };
     lw_status s = lw_spatial_read((const char *)data, size, "f", &m, &e);
     lw_spatial_text((const char *)data, size);
-    if (s != LW_OK) {
-        demand(e.status == s && e.text[0] && memchr(e.text, '\0', sizeof e.text) != NULL);
-        demand(s != LW_E_NOTATION || (e.line > 0 && e.column > 0));
+    if (refused(s, &e))
         return 0;
-    }
     lw_space space;
     demand(m.ground >= 0 && m.ground < m.n_link);
     for (int i = 0; i < m.n_link; i++)

@@ -10,11 +10,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     lw_error e = { .text = "" };
     lw_target t;
     lw_status s = lw_task_file_read((const char *)data, size, "f", &b, &e);
-    if (s != LW_OK) {
-        demand(e.status == s && e.text[0] && memchr(e.text, '\0', sizeof e.text) != NULL);
-        demand(s != LW_E_NOTATION || (e.line > 0 && e.column > 0));
+    if (refused(s, &e))
         return 0;
-    }
     demand(b.target[0] != 0 || b.stations.n > 0);
     demand(b.spec.n_zone <= LW_ZONE_MAX && b.n_dwell <= LW_DWELL_MAX);
     demand(b.links == 0 || (b.links >= 4 && b.links % 2 == 0));
