@@ -120,7 +120,7 @@ static inline void kill_at_random(const char *file, const char *arguments, int n
     long n_write = 0;
     int n_killed = 0;
     lw_rng_seed(&rng, check_seed(), 77);
-    snprintf(folder, sizeof folder, "%s/killed", getenv("D"));
+    snprintf(folder, sizeof folder, "%s/killed", temporary_folder());
     snprintf(path, sizeof path, "%s/%s", folder, file);
     CHECK_INT(run_and_kill(folder, arguments, 0, &n_write), 0);
     CHECK(n_write > n_kill);

@@ -21,6 +21,12 @@ static inline json_t *json_ending(const char *command, int code)
 
 static inline json_t *json_of(const char *command) { return json_ending(command, 0); }
 
+__attribute__((format(printf, 1, 2))) static inline json_t *json_with(const char *format, ...)
+{
+    RUN_FORMAT(format);
+    return json_of(run_text);
+}
+
 static inline long integer(const json_t *o, const char *key)
 {
     return (long)json_integer_value(json_object_get(o, key));

@@ -10,6 +10,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <stdarg.h>
 #include <stdbool.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -94,6 +95,19 @@ static inline ran run(const char *command)
     return (ran){ code, slurp(out), slurp(err) };
 }
 
+static char run_text[1 << 16];             /* the command of the last call of a function below whose name ends in _with */
+
+#define RUN_FORMAT(format) \
+    do { va_list arg_; va_start(arg_, format); int n_ = vsnprintf(run_text, sizeof run_text, format, arg_); va_end(arg_); \
+         CHECK(n_ >= 0 && (size_t)n_ < sizeof run_text); } while (0)
+
+/* run() of a text with arguments, as printf has them; likewise below. */
+__attribute__((format(printf, 1, 2))) static inline ran run_with(const char *format, ...)
+{
+    RUN_FORMAT(format);
+    return run(run_text);
+}
+
 static inline void ran_free(ran *r)
 {
     free(r->out);
@@ -112,6 +126,13 @@ static inline void expect(const char *command, int code, const char *out_has, co
     if (err_has)
         CHECK_HAS(r.err, err_has);
     ran_free(&r);
+}
+
+__attribute__((format(printf, 4, 5)))
+static inline void expect_with(int code, const char *out_has, const char *err_has, const char *format, ...)
+{
+    RUN_FORMAT(format);
+    expect(run_text, code, out_has, err_has);
 }
 
 /* Every command and action that the program knows, as "fit" or "catalogue build", from its completion; returns their number. */

@@ -19,10 +19,8 @@ TEST(help_of_every_command)
     int n = list_commands(name);
     CHECK(n >= 4);
     for (int i = 0; i < n; i++) {
-        snprintf(line, sizeof line, "$P %s --help", name[i]);
-        ran a = run(line);
-        snprintf(line, sizeof line, "$P help %s", name[i]);
-        ran b = run(line);
+        ran a = run_with("$P %s --help", name[i]);
+        ran b = run_with("$P help %s", name[i]);
         CHECK_INT(a.code, 0);
         CHECK_TEXT(a.out, b.out);
         CHECK(strstr(a.out, "Examples:") && strstr(a.out, "Examples:") < strstr(a.out, "Options"));
@@ -63,8 +61,7 @@ TEST(plots_stand_alone)
     };
     char name[32][32], line[600], wanted[64];
     for (size_t i = 0; i < sizeof lines/sizeof *lines; i++) {
-        snprintf(line, sizeof line, "rm -f $D/p.*; $P %s --quiet && ls $D/p.* | wc -l | tr -dc 12", lines[i]);
-        ran r = run(line);
+        ran r = run_with("rm -f $D/p.*; $P %s --quiet && ls $D/p.* | wc -l | tr -dc 12", lines[i]);
         CHECK_INT(r.code, 0);
         CHECK_TEXT(r.out, strstr(lines[i], "force-plot") ? "2" : "1");
         if (r.code != 0 || strlen(r.out) > 1)
@@ -129,10 +126,8 @@ TEST(classify_table)
         { "4 2 5 3", 10, "CPCRR" }, { "4 5 2 3", 11, "CPRCR" }, { "5 3 4 2", 12, "CPRRC" },
         { "4 2 4 2", 13, "CP2X" }, { "3 3 3 3", 14, "CP3X" },
     };
-    char line[256];
     for (size_t i = 0; i < sizeof row/sizeof *row; i++) {
-        snprintf(line, sizeof line, "$P classify %s --json", row[i].lengths);
-        json_t *j = json_of(line);
+        json_t *j = json_with("$P classify %s --json", row[i].lengths);
         CHECK_INT(json_integer_value(json_object_get(j, "class")), row[i].number);
         CHECK_TEXT(json_string_value(json_object_get(j, "symbol")), row[i].symbol);
         json_decref(j);
@@ -175,10 +170,8 @@ TEST(readme_shows_what_is_printed)
     int commands = 0;
     for (char *line; (line = strsep(&rest, "\n"));) {
         if (strncmp(line, "    $ linkwright ", 17) == 0) {
-            char command[400];
-            snprintf(command, sizeof command, "mkdir -p $D/bin && ln -sf $(realpath $P) $D/bin/linkwright && "
-                     "PATH=$D/bin:$PATH && %s", line + 6);
-            ran r = run(command);
+            ran r = run_with("mkdir -p $D/bin && ln -sf $(realpath $P) $D/bin/linkwright && "
+                             "PATH=$D/bin:$PATH && %s", line + 6);
             CHECK_INT(r.code, 0);
             free(printed);
             printed = r.out;

@@ -41,13 +41,11 @@ static size_t command_length(const char *line)
 
 static void run_one(const char *page, int number, const char *command, bool whole)
 {
-    char line[1400];
     bool limited = !whole && is_long(command), shortened = whole && is_long(command);
     const char *pipe = strpbrk(command, "|>");
     size_t first = pipe && (limited || shortened) ? (size_t)(pipe - command) : strlen(command);
-    snprintf(line, sizeof line, "cd $D/w && PATH=$D/bin:$PATH && %.*s%s %s", (int)first, command, limited ? LIMIT : shortened ? SHORT : "",
-             command + first);
-    ran r = run(line);
+    ran r = run_with("cd $D/w && PATH=$D/bin:$PATH && %.*s%s %s", (int)first, command, limited ? LIMIT : shortened ? SHORT : "",
+                     command + first);
     bool asks = strstr(command, "catalogue query") || strstr(command, "catalogue nearest");
     bool good = r.code == 0 || (limited && r.code == 5) || (asks && r.code == 1);
     CHECK(good);

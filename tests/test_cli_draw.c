@@ -13,14 +13,11 @@ TEST(pictures)
 {
     static const struct { const char *name, *head; } kind[] = {
         { "svg", "<?xml" }, { "png", "PNG" }, { "pdf", "%PDF" }, { "gif", "GIF89a" }, { "html", "<!" } };
-    char line[256];
     for (size_t i = 0; i < sizeof kind/sizeof *kind; i++) {
-        snprintf(line, sizeof line, "$P draw examples/hoeken.json -n 4 --size 200x150 -o $D/x.%s && head -c 8 $D/x.%s",
-                 kind[i].name, kind[i].name);
-        expect(line, 0, kind[i].head, NULL);
-        snprintf(line, sizeof line, "$P draw examples/hoeken.json -n 4 --size 200x150 -f %s | cmp - $D/x.%s",
-                 kind[i].name, kind[i].name);
-        expect(line, 0, NULL, NULL);
+        expect_with(0, kind[i].head, NULL, "$P draw examples/hoeken.json -n 4 --size 200x150 -o $D/x.%s && head -c 8 $D/x.%s",
+                    kind[i].name, kind[i].name);
+        expect_with(0, NULL, NULL, "$P draw examples/hoeken.json -n 4 --size 200x150 -f %s | cmp - $D/x.%s",
+                    kind[i].name, kind[i].name);
     }
     expect("$P draw examples/hoeken.json -t examples/ellipse.csv", 0, "</svg>", NULL);
     expect("for f in examples/*.json; do $P draw $f -o $D/x.svg || exit 1; done", 0, NULL, NULL);

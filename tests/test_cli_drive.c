@@ -44,11 +44,10 @@ TEST(loop)
         "'{\"linkwright\": 1, \"servo\": {\"motor\": {\"torque_constant\": 1, \"inertia\": 0.001, \"resistance\": 1}, "
         "\"control\": {\"position\": {\"gain\": 20%s}, \"speed\": {\"proportional\": %s}}, "
         "\"motion\": {\"expression\": \"%s\"}}}'";
-    char command[1200], text[800];
+    char text[800];
     snprintf(text, sizeof text, axis, "", "100", "0.5*t");
-    snprintf(command, sizeof command, "echo %s > $D/axis.json; $P drive simulate $D/axis.json --to 3 --json --matrices $D/m.json; "
-             "cat $D/m.json", text);
-    ran r = run(command);
+    ran r = run_with("echo %s > $D/axis.json; $P drive simulate $D/axis.json --to 3 --json --matrices $D/m.json; "
+                     "cat $D/m.json", text);
     CHECK_INT(r.code, 0);
     CHECK_NEAR(figure(r.out, "\"error_end\":"), 0.5/20, 1e-9, 0);
     CHECK_NEAR(figure(r.out, "\"poles\": [\n    ["), -50 + sqrt(2500 - 2000), 1e-7, 0);
@@ -57,10 +56,8 @@ TEST(loop)
     CHECK_HAS(r.out, "\"wanted position\"");
     ran_free(&r);
     snprintf(text, sizeof text, axis, ", \"sample\": 0.05, \"delay\": 0.05", "100", "0.001*sin(t)");
-    snprintf(command, sizeof command, "echo %s > $D/axis.json; $P drive simulate $D/axis.json --to 0.5", text);
-    expect(command, 0, "poles of the whole", "unstable: its pole");
-    snprintf(command, sizeof command, "echo %s > $D/axis.json; $P drive simulate $D/axis.json --to 1e3", text);
-    expect(command, 4, NULL, "unstable, its pole");
+    expect_with(0, "poles of the whole", "unstable: its pole", "echo %s > $D/axis.json; $P drive simulate $D/axis.json --to 0.5", text);
+    expect_with(4, NULL, "unstable, its pole", "echo %s > $D/axis.json; $P drive simulate $D/axis.json --to 1e3", text);
     /* the margins that are printed stand in the picture; the tables have the numbers of the JSON file, by name */
     expect("$P drive simulate examples/drives/servo-axis.json --bode $D/bode.svg --matrices-folder $D/axis --matrices $D/state.json -q "
            "-o $D/text && grep 'speed loop' $D/text && grep -o 'speed margin 42 deg at 238.6 Hz' $D/bode.svg && grep -c "
@@ -173,9 +170,7 @@ TEST(extreme_axes)
         { "s/\"gain\": 40/\"gain\": -40/", 3, "gain: this must not be negative" },
         { "s/\"gain\": 40/\"gain\": 4000/", 0, "unstable: its pole 511.585 +1592.9 i 1/s grows" } };
     for (int i = 0; i < (int)(sizeof rows/sizeof *rows); i++) {
-        char command[300];
-        snprintf(command, sizeof command, "sed '%s' examples/drives/servo-axis.json > $D/axis.json; $P drive simulate $D/axis.json",
-                 rows[i].edit);
-        expect(command, rows[i].code, NULL, rows[i].says);
+        expect_with(rows[i].code, NULL, rows[i].says, "sed '%s' examples/drives/servo-axis.json > $D/axis.json; $P drive simulate $D/axis.json",
+                    rows[i].edit);
     }
 }

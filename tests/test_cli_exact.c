@@ -9,7 +9,7 @@ static void write_target(const char *name, const char *header, int n)
 {
     char path[256];
     bool function = header[0] == 'a';
-    snprintf(path, sizeof path, "%s/%s", getenv("D"), name);
+    snprintf(path, sizeof path, "%s/%s", temporary_folder(), name);
     FILE *f = fopen(path, "w");
     CHECK(f != NULL);
     fprintf(f, "%s\n", header);
@@ -101,11 +101,4 @@ TEST(says_what_is_wrong)
     expect("$P fit $D/five.csv --exact --links 6", 2, NULL, "contradict");
     expect("$P fit $D/five.csv --exact --length-range 500:600", 1, NULL, "no real linkage");
     expect("printf 'x,y\\n0,0\\n1,1\\n0,0\\n' | $P fit - --exact", 3, NULL, "stations 1 and 3 are the same");
-}
-
-int main(void)
-{
-    run_prepare();
-    check_run();
-    return check_end();
 }

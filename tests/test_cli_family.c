@@ -43,12 +43,10 @@ TEST(hand_written_in_space)
 {
     static const char *const families[][2] = { { "delta", "--configuration optimum" }, { "gantry", "" } };
     for (int i = 0; i < 2; i++) {
-        char command[900];
         const char *n = families[i][0];
-        snprintf(command, sizeof command, "$P family expand examples/families/%s.json %s -o $D/%s.json && for f in $D/%s.json "
-                 "tests/data/family/%s-hand.json; do $P simulate $f --to 0.1 -n 20 -q | grep -v '^#' > $D/$(basename $f).csv; "
-                 "done; wc -l < $D/%s.json.csv && cmp $D/%s.json.csv $D/%s-hand.json.csv", n, families[i][1], n, n, n, n, n, n);
-        expect(command, 0, "22", NULL);
+        expect_with(0, "22", NULL, "$P family expand examples/families/%s.json %s -o $D/%s.json && for f in $D/%s.json "
+                    "tests/data/family/%s-hand.json; do $P simulate $f --to 0.1 -n 20 -q | grep -v '^#' > $D/$(basename $f).csv; "
+                    "done; wc -l < $D/%s.json.csv && cmp $D/%s.json.csv $D/%s-hand.json.csv", n, families[i][1], n, n, n, n, n, n);
     }
 }
 
@@ -159,10 +157,8 @@ TEST(impossible_masters)
           "\"model\": {\"links\": [\"ground\"], \"use\": [{\"part\": \"p\", \"name\": \"x\"}]}",
           "parts.p: a part uses itself: p -> q -> p" } };
     for (int i = 0; i < 4; i++) {
-        char command[900];
-        snprintf(command, sizeof command, "echo '{\"linkwright\": 1, \"family\": \"f\", %s}' > $D/bad.json; $P family expand $D/bad.json "
-                 "-o $D/none.json; c=$?; test ! -e $D/none.json && exit $c", rows[i][0]);
-        expect(command, 3, NULL, rows[i][1]);
+        expect_with(3, NULL, rows[i][1], "echo '{\"linkwright\": 1, \"family\": \"f\", %s}' > $D/bad.json; $P family expand $D/bad.json "
+                    "-o $D/none.json; c=$?; test ! -e $D/none.json && exit $c", rows[i][0]);
     }
 }
 

@@ -237,15 +237,14 @@ static void check_option(const char *command, char *line)
 
 TEST(every_output_has_its_row)
 {
-    char words[64][48], line[128];
+    char words[64][48];
     for (int i = 0, n = all_commands(words, 64); i < n; i++) {
         words[i][strcspn(words[i], " ")] = 0;                    /* actions share the options of their command */
         if (i > 0 && strcmp(words[i], words[i - 1]) == 0)
             continue;
         if (strcmp(words[i], "studio") == 0 || strcmp(words[i], "grammar") == 0 || strcmp(words[i], "mechanisms") == 0 || strcmp(words[i], "bench") == 0)
             continue;                    /* the first has rows of another form, the notations of others are those of chains; times of bench vary */
-        snprintf(line, sizeof line, "$P help %.47s", words[i]);
-        ran r = run(line);
+        ran r = run_with("$P help %.47s", words[i]);
         char *own = strstr(r.out, "\nOptions:"), *all = strstr(r.out, "\nOptions of every command:");
         if (all)
             *all = 0;
@@ -300,10 +299,8 @@ TEST(missing_libraries)
         { "cairo", "libcairo2", "$C draw examples/hoeken.json -f gif -n 2 -o $D/hidden.gif" },
         { "microhttpd", "libmicrohttpd12", "XDG_STATE_HOME=$D XDG_CACHE_HOME=$D $C studio --no-browser --time 1" },
     };
-    char line[400];
     for (size_t i = 0; i < sizeof missing/sizeof *missing; i++) {
-        snprintf(line, sizeof line, "export LW_HIDE=%s; %s", missing[i].library, missing[i].command);
-        expect(line, 3, "", missing[i].package);
+        expect_with(3, "", missing[i].package, "export LW_HIDE=%s; %s", missing[i].library, missing[i].command);
     }
     expect("test ! -e $D/hidden/SHA256SUMS && rm -r $D/hidden && rm -f $D/hidden.db; ls -d $D/hidden* && exit 1; rm -r $D/one", 0, "", NULL);
     expect("LW_HIDE=igraph $C catalogue release -o $D/hidden --links 7", 3, "", "only a part of the data set, without SHA256SUMS");

@@ -152,10 +152,8 @@ TEST(tolerances_choose_the_smallest)
 TEST(cranes_within_a_tolerance_are_small)
 {
     static const char line[] = "awk 'BEGIN { print \"x [m],y [m]\"; for (i = 0; i < 25; i++) print 6 + i*0.5 \",15\" }' > $D/crane.csv; ";
-    char command[400];
     int to_and_fro = 0;
-    snprintf(command, sizeof command, "%s$P fit $D/crane.csv --rounds 2 --seed 3 --tolerance 10mm --json -q", line);
-    json_t *root = json_of(command), *rows = json_object_get(root, "results"), *r;
+    json_t *root = json_with("%s$P fit $D/crane.csv --rounds 2 --seed 3 --tolerance 10mm --json -q", line), *rows = json_object_get(root, "results"), *r;
     size_t i;
     CHECK(member(json_array_get(rows, 0), "size_over_path") < 1.2);          /* found: 1.10, with 8 rounds 1.06; 1.55 before chains measured arms */
     json_array_foreach(rows, i, r) {
@@ -405,13 +403,12 @@ TEST(tables_of_functions_say_where_angles_begin)
 /* No linkage of pins draws a star of five rays; what is said instead does, within 0.4 % of the diagonal of 133 mm. */
 TEST(stars_are_left_to_gears)
 {
-    char star[200] = "printf '# closed: yes\nx [mm],y [mm]\n", line[400];
+    char star[200] = "printf '# closed: yes\nx [mm],y [mm]\n";
     for (int k = 0; k < 10; k++)
         snprintf(star + strlen(star), sizeof star - strlen(star), "%.3f,%.3f\n", -(k % 2 ? 22 : 50)*sin(0.62831853*k), (k % 2 ? 22 : 50)*cos(0.62831853*k));
-    snprintf(line, sizeof line, "%s' | $P fit - --links 4 --rounds 1 --starts 20 --type fourbar", star);
-    expect(line, 0, NULL, "it has 5 equal parts, which gears draw: '--links 5 --joints r,g --gear-ratios 5,-5 --timing none'");
-    snprintf(line, sizeof line, "%s' | $P fit - --links 5 --joints r,g --gear-ratios 5,-5 --timing none --rounds 1 --budget 5e3 --json -q", star);
-    json_t *root = json_of(line), *r;
+    expect_with(0, NULL, "it has 5 equal parts, which gears draw: '--links 5 --joints r,g --gear-ratios 5,-5 --timing none'",
+                "%s' | $P fit - --links 4 --rounds 1 --starts 20 --type fourbar", star);
+    json_t *root = json_with("%s' | $P fit - --links 5 --joints r,g --gear-ratios 5,-5 --timing none --rounds 1 --budget 5e3 --json -q", star), *r;
     r = json_array_get(json_object_get(root, "results"), 0);
     CHECK(member(r, "stray") < 0.5 && member(r, "error_max") < 0.5);
     json_decref(root);
@@ -453,10 +450,8 @@ TEST(tolerances_of_lengths_choose_a_robust_linkage)
     static const char *const tolerance[] = { "1um", "1mm" };
     double stray[2], within[2];
     for (int i = 0; i < 2; i++) {
-        char command[200];
-        snprintf(command, sizeof command, "$P fit examples/walking-foot.csv --rounds 1 --links 4 --tolerances %s --json -q",
-                 tolerance[i]);
-        json_t *root = json_of(command), *r = json_array_get(json_object_get(root, "results"), 0);
+        json_t *root = json_with("$P fit examples/walking-foot.csv --rounds 1 --links 4 --tolerances %s --json -q",
+                                 tolerance[i]), *r = json_array_get(json_object_get(root, "results"), 0);
         stray[i] = member(r, "stray");
         within[i] = member(json_object_get(r, "robustness"), "within");
         json_decref(root);
@@ -572,13 +567,11 @@ TEST(the_page_has_every_result_and_its_file)
     json_t *root = json_of("$P fit examples/film-advance.csv --unlimited --rounds 1 --save $D/saved -o $D/saved.json -q; "
                            "cat $D/saved.json"), *r;
     size_t i, n = json_array_size(json_object_get(root, "results"));
-    char line[200];
     CHECK(n > 3);
     json_array_foreach(json_object_get(root, "results"), i, r)
         CHECK(member(r, "transmission_min") >= 0 && member(r, "transmission_max") <= 1.5707963268);
-    snprintf(line, sizeof line, "grep -c '<figure data-result=' $D/saved/index.html; grep -o 'download=.film-advance-"
-             "[0-9]*.json' $D/saved/index.html | wc -l");
-    ran answer = run(line);
+    ran answer = run_with("grep -c '<figure data-result=' $D/saved/index.html; grep -o 'download=.film-advance-"
+                          "[0-9]*.json' $D/saved/index.html | wc -l");
     int figures = 0, files = 0;
     CHECK_INT(sscanf(answer.out, "%d %d", &figures, &files), 2);
     CHECK_INT(figures, n);

@@ -62,9 +62,7 @@ TEST(foreign_targets)
         { "o,x\\nv 1 2\\n", "unknown column" }, { "<!DOCTYPE html>\\n<html lang=\"en\">", "web page" }, { "%-72sS      1\\n", "IGES" }, { "\\0\\0\\0\\030ftypheic", "picture of pixels" }, { "<!-- <robot", "no visible path" }
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
-        char line[256];
-        snprintf(line, sizeof line, "printf '%s' > $D/foreign; $P fit $D/foreign", rows[i].begin);
-        expect(line, 3, "", rows[i].says);
+        expect_with(3, "", rows[i].says, "printf '%s' > $D/foreign; $P fit $D/foreign", rows[i].begin);
     }
     expect("(head -c 80 /dev/zero; printf '\\001\\000\\000\\000'; head -c 50 /dev/zero) > $D/foreign; $P fit $D/foreign", 3, "", "mesh of triangles");
     expect("$P trace $D/foreign", 3, "", "this is a mesh of triangles, not a linkage\n");

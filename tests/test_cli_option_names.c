@@ -27,9 +27,7 @@ static bool read_row(const char *line, option *o)
 
 static void read_help(const char *command)
 {
-    char line[128];
-    snprintf(line, sizeof line, "$P help %s", command);
-    ran r = run(line);
+    ran r = run_with("$P help %s", command);
     for (char *at = strstr(r.out, "\nOptions:"); at && *at; at = strchr(at, '\n'), at += at != NULL)
         if (n_all < 512 && read_row(at, &all[n_all]))
             snprintf(all[n_all++].command, sizeof all[0].command, "%s", command);

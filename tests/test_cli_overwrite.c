@@ -14,10 +14,8 @@ TEST(prepare)
 TEST(inputs)
 {
     static const char *const outputs[] = { "$D/model.json", "$D/link.json", "$D/hard.json", "$D/sub/../model.json" };
-    char line[512];
     for (size_t i = 0; i < sizeof outputs/sizeof *outputs; i++) {
-        snprintf(line, sizeof line, "$P trace $D/model.json --force -o %s", outputs[i]);
-        expect(line, 2, "", "an input of this command");
+        expect_with(2, "", "an input of this command", "$P trace $D/model.json --force -o %s", outputs[i]);
     }
     expect("$P trace - -o $D/model.json < $D/model.json", 2, "", "standard input");
     expect("$P draw $D/model.json --target $D/target.csv --force -o $D/target.csv", 2, "", "an input of this command");
@@ -62,10 +60,8 @@ TEST(kinds_of_data)
     static const char *const texts[] = { "numbers --dof 1 --loops 2", "structures --loops 2", "chains --links 6", "mechanisms --links 4",
         "grammar parse", "mobility examples/hoeken.json", "gallery", "robot jacobian examples/space/delta.json",
         "family table examples/families/loader.json", "family check examples/families/loader.json" };
-    char line[512];
     for (size_t i = 0; i < sizeof texts/sizeof *texts; i++) {
-        snprintf(line, sizeof line, "$P %s -o $D/table.csv < /dev/null", texts[i]);
-        expect(line, 2, "", "this command writes text; end the name in .json for JSON, or in .txt");
+        expect_with(2, "", "this command writes text; end the name in .json for JSON, or in .txt", "$P %s -o $D/table.csv < /dev/null", texts[i]);
     }
     expect("$P fit examples/ellipse.csv -o $D/found.txt", 2, "", "this command writes JSON; end the name in .json");
     expect("$P fit examples/ellipse.csv -o $D/found.csv", 2, "", "this command writes JSON; end the name in .json");

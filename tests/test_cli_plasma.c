@@ -48,7 +48,6 @@ static void check_motion(const char *text, const char *model)
 {
     static row rows[401];
     static lw_linkage k;
-    char command[256];
     lw_newton *s = NULL;
     lw_error e = { 0 };
     CHECK_INT(read_rows(text, rows, 401), 401);
@@ -65,8 +64,7 @@ static void check_motion(const char *text, const char *model)
         CHECK_NEAR(rows[i].ax, (rows[i + 1].vx - rows[i - 1].vx)/h, 0.02*hard, 0);
         CHECK_NEAR(rows[i].ay, (rows[i + 1].vy - rows[i - 1].vy)/h, 0.02*hard, 0);
     }
-    snprintf(command, sizeof command, "cat $D/%s", model);
-    ran r = run(command);
+    ran r = run_with("cat $D/%s", model);
     lw_assembly parts;
     CHECK_INT(lw_adams_read(r.out, strlen(r.out), "t", &parts, &e), LW_OK);
     CHECK_INT(lw_assembly_linkage(&parts, &k, &e), LW_OK);

@@ -444,10 +444,9 @@ TEST(inputs_and_long_names)
 TEST(bounded_memory)
 {
     for (int i = 0; i < N_ROW; i++) {
-        char line[800], small[600], path[300];
+        char small[600], path[300];
         remove(in_folder("o", path));
-        snprintf(line, sizeof line, "%s --memory 0.01 -o $D/o", with_program(rows[i].small, small));
-        ran r = run(line);
+        ran r = run_with("%s --memory 0.01 -o $D/o", with_program(rows[i].small, small));
         CHECK(r.code == 0 || (r.code == 4 && r.err[0]));
         ran_free(&r);
     }
@@ -532,7 +531,7 @@ static char *without_names(const char *text, const char *name)
 /* A pipe gives its text once: the answer is that to the file, and an error is said without waiting for more. */
 TEST(inputs_that_are_read_once)
 {
-    char line[800], plain[600], piped[600], name[40], path[300], full[300];
+    char plain[600], piped[600], name[40], path[300], full[300];
     for (int i = 0; i < N_ROW; i++) {
         const row *r = &rows[i];
         if (!r->input || strstr(r->input, ".db") || strstr(r->small, "draw $D/six.g6"))    /* databases; pictures need the kind first */
@@ -546,8 +545,7 @@ TEST(inputs_that_are_read_once)
         char *text = slurp(input), *said[2];
         for (int once = 0; once < 2; once++) {
             pid_t writer = once ? write_once(path, text) : 0;
-            snprintf(line, sizeof line, once ? "timeout 60 %s -q" : "%s -q", once ? piped : plain);
-            ran whole = run(line);
+            ran whole = run_with(once ? "timeout 60 %s -q" : "%s -q", once ? piped : plain);
             CHECK_INT(whole.code, 0);
             said[once] = without_names(whole.out, once ? path : input);
             ran_free(&whole);
@@ -558,8 +556,7 @@ TEST(inputs_that_are_read_once)
         CHECK(strlen(said[0]) > 2 && strcmp(said[0], said[1]) == 0);
         free(said[0]), free(said[1]), free(text);
         pid_t writer = write_once(path, "\"?");
-        snprintf(line, sizeof line, "timeout 60 %s", piped);
-        ran bad = run(line);
+        ran bad = run_with("timeout 60 %s", piped);
         CHECK(bad.code == 3 || bad.code == 1);
         ran_free(&bad);
         end_writer(writer);
@@ -673,11 +670,10 @@ TEST(catalogues)
 TEST(bad_outputs)
 {
     static const char *const bad[] = { "/dev/full", "$D", "$D/none/x" };
-    char line[2000], small[600];
+    char small[600];
     for (int i = 0; i < N_ROW; i++)
         for (int k = 0; k < 3; k++) {
-            snprintf(line, sizeof line, "%s -o %s", with_program(rows[i].small, small), bad[k]);
-            expect(line, 3, NULL, NULL);
+            expect_with(3, NULL, NULL, "%s -o %s", with_program(rows[i].small, small), bad[k]);
         }
     expect("ulimit -f 1; $P chains --links 10 -o $D/none", 3, "", "cannot be written");
     expect("ulimit -f 1; $P chains --links 10 > $D/rows", 3, "", "cannot be written");

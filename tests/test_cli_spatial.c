@@ -112,13 +112,11 @@ TEST(oil_below_vacuum)
 {
     static const char *const at[2][2] = { { "[0.6, 0]", "[0, 0]" }, { "[0.6, 0, 0]", "[0, 0, 0]" } };
     for (int k = 0; k < 4; k++) {
-        char command[1400];
-        snprintf(command, sizeof command, "echo '{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"m\", \"mass\": 100, \"centre\": %s, \"inertia\": %s}], \"joints\": "
-            "[{\"name\": \"S\", \"kind\": \"t\", \"links\": [\"ground\", \"m\"], \"at\": %s, %s}], \"cylinders\": [{\"name\": \"C\", \"links\": [\"ground\", \"m\"], \"at\": "
-            "[%s, %s], \"bore\": 0.05, \"rod\": 0.03, \"retracted\": 0.5, \"stroke\": 0.3, \"dead_volume\": 1e-5, \"pressures\": [5e5, 5e5]}], \"forces\": [{\"link\": \"m\", "
-            "\"at\": %s, \"fx\": %d}]}' > $D/pull.json; $P simulate $D/pull.json --to 0.1 -n 20", at[k%2][0], k%2 ? "[1, 1, 1]" : "1", at[k%2][0],
-            k%2 ? "\"axis\": [1, 0, 0]" : "\"angle\": 0", at[k%2][1], at[k%2][0], at[k%2][0], k < 2 ? 20000 : -100);
-        ran r = run(command);
+        ran r = run_with("echo '{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"m\", \"mass\": 100, \"centre\": %s, \"inertia\": %s}], \"joints\": "
+                         "[{\"name\": \"S\", \"kind\": \"t\", \"links\": [\"ground\", \"m\"], \"at\": %s, %s}], \"cylinders\": [{\"name\": \"C\", \"links\": [\"ground\", \"m\"], \"at\": "
+                         "[%s, %s], \"bore\": 0.05, \"rod\": 0.03, \"retracted\": 0.5, \"stroke\": 0.3, \"dead_volume\": 1e-5, \"pressures\": [5e5, 5e5]}], \"forces\": [{\"link\": \"m\", "
+                         "\"at\": %s, \"fx\": %d}]}' > $D/pull.json; $P simulate $D/pull.json --to 0.1 -n 20", at[k%2][0], k%2 ? "[1, 1, 1]" : "1", at[k%2][0],
+                         k%2 ? "\"axis\": [1, 0, 0]" : "\"angle\": 0", at[k%2][1], at[k%2][0], at[k%2][0], k < 2 ? 20000 : -100);
         CHECK_INT(r.code, 0);
         CHECK((strstr(r.err, "below vacuum") != NULL) == (k < 2));
         ran_free(&r);
@@ -151,9 +149,7 @@ TEST(volumes_and_tilts)
         "\"at\": [0, 0, 0], \"axis\": [0, 0, 1]}], \"drives\": [{\"joint\": \"X\"}, {\"joint\": \"Y\"}, {\"joint\": \"Z\"}, "
         "{\"joint\": \"A\"}, {\"joint\": \"B\"}, {\"joint\": \"C\"}], \"tracers\": [{\"name\": \"T\", \"link\": \"c\", \"at\": "
         "[0, 0, 0]}]}";
-    char command[2000];
-    snprintf(command, sizeof command, "echo '%s' > $D/box.json; $P robot workspace $D/box.json --volume --rays 24 --json | tail -4", text);
-    ran r = run(command);
+    ran r = run_with("echo '%s' > $D/box.json; $P robot workspace $D/box.json --volume --rays 24 --json | tail -4", text);
     const char *at = strstr(r.out, "\"volume\": ");
     CHECK(at != NULL);
     double sum = 0;                      /* the same 24 by 12 directions, faces of the box in closed form */

@@ -263,10 +263,8 @@ TEST(speeds_and_plots)
     const char *const same[] = { "6.283185307179586", "60rpm", "'60 rpm'", "1Hz", "'360 deg/s'", "1turn/s" };
     ran first = { 0 };
     for (int i = 0; i < 6; i++) {
-        char command[200];
-        snprintf(command, sizeof command, "$P trace examples/jansen.json -n 8 --speed %s --quiet | grep -v '^#'",
-                 same[i]);
-        ran r = run(command);
+        ran r = run_with("$P trace examples/jansen.json -n 8 --speed %s --quiet | grep -v '^#'",
+                         same[i]);
         CHECK_INT(r.code, 0);
         if (i == 0)
             first = r;
@@ -333,12 +331,10 @@ TEST(one_system_of_units)
 /* Write a swing with more parts to $D/swing.json, and simulate it. */
 static void swing(const char *tracer, const char *more, int code, const char *out, const char *err)
 {
-    char command[1200];
-    snprintf(command, sizeof command, "printf '%%s' '{\"linkwright\": 1, \"links\": [{\"name\": \"ground\", \"shapes\": [{\"line\": [[0, -5], "
-             "[1, -5]]}]}, {\"name\": \"arm\", \"mass\": 1, \"centre\": [0.5, 0], \"inertia\": 0.1, \"shapes\": [{\"circle\": [1, 0], "
-             "\"radius\": 0.1}]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"arm\"], \"at\": [0, 0]}], \"tracers\": "
-             "[{\"name\": \"%s\", \"link\": \"arm\", \"at\": [1, 0]}]%s}' > $D/swing.json; $P simulate $D/swing.json -n 1", tracer, more);
-    expect(command, code, out, err);
+    expect_with(code, out, err, "printf '%%s' '{\"linkwright\": 1, \"links\": [{\"name\": \"ground\", \"shapes\": [{\"line\": [[0, -5], "
+                "[1, -5]]}]}, {\"name\": \"arm\", \"mass\": 1, \"centre\": [0.5, 0], \"inertia\": 0.1, \"shapes\": [{\"circle\": [1, 0], "
+                "\"radius\": 0.1}]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"arm\"], \"at\": [0, 0]}], \"tracers\": "
+                "[{\"name\": \"%s\", \"link\": \"arm\", \"at\": [1, 0]}]%s}' > $D/swing.json; $P simulate $D/swing.json -n 1", tracer, more);
 }
 
 /* Loads that are no numbers are named, with contacts too; columns have different names; two contacts of one pair are refused. */

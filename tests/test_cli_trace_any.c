@@ -80,47 +80,40 @@ TEST(any_number_of_links)
     CHECK_INT(trace(line, v), 7);
     CHECK_NEAR(v[2], 19.5 - sin(6), 1e-10, 0);
     CHECK_NEAR(v[4], -2*cos(6), 1e-9, 0);
-    snprintf(line, sizeof line, "$P mobility %s", path);
-    expect(line, 0, "driven          1 of 1 freedom by 1 input", NULL);
-    snprintf(line, sizeof line, "$P simulate %s --to 1 -n 2", path);
-    expect(line, 0, "P.x", NULL);
+    expect_with(0, "driven          1 of 1 freedom by 1 input", NULL, "$P mobility %s", path);
+    expect_with(0, "P.x", NULL, "$P simulate %s --to 1 -n 2", path);
     static const char *const kinds[] = { "svg", "pdf", "gif", "html" }, *const formats[] = { "mjcf", "adams", "urdf", "svg", "poses", "pyslvs", "pmks", "slvs" };
     for (size_t i = 0; i < sizeof kinds/sizeof *kinds; i++) {
-        snprintf(line, sizeof line, "$P draw %s --format %s -n 6 | wc -c", path, kinds[i]);
-        ran r = run(line);
+        ran r = run_with("$P draw %s --format %s -n 6 | wc -c", path, kinds[i]);
         CHECK(atoi(r.out) > 900 && !r.err[0]);
         ran_free(&r);
     }
     for (size_t i = 0; i < sizeof formats/sizeof *formats; i++) {
-        snprintf(line, sizeof line, "$P convert %s --format %s | wc -c", path, formats[i]);
-        ran r = run(line);
+        ran r = run_with("$P convert %s --format %s | wc -c", path, formats[i]);
         CHECK(atoi(r.out) > 900 && !r.err[0]);
         ran_free(&r);
     }
-    snprintf(line, sizeof line, "$P convert %s --format json > %s.json && $P convert %s.json --format json | cmp - %s.json", path, path,
-             path, path);
-    expect(line, 0, NULL, NULL);
+    expect_with(0, NULL, NULL, "$P convert %s --format json > %s.json && $P convert %s.json --format json | cmp - %s.json", path, path,
+                path, path);
     snprintf(line, sizeof line, "%s.json -n 7", path);
     CHECK_INT(trace(line, v), 8);
     CHECK_NEAR(v[2], 1, 1e-10, 0);
     remove(strcat(strcpy(line, path), ".json"));
-    snprintf(line, sizeof line, "$P trace %s --cycle -n 2 --quiet | grep -v '^# linkwright'", path);
-    expect(line, 0, "# circuit 1: closes after 1 turn of the input", NULL);
+    expect_with(0, "# circuit 1: closes after 1 turn of the input", NULL, "$P trace %s --cycle -n 2 --quiet | grep -v '^# linkwright'", path);
     snprintf(line, sizeof line, "%s --cycle -n 4", path);
     CHECK_INT(trace(line, v), 5);
     CHECK_NEAR(v[1], 2.5*M_PI, 1e-12, 0);
     CHECK_NEAR(v[2], 19.5, 1e-12, 0);
     CHECK_NEAR(v[3], 1, 1e-12, 0);
     CHECK_NEAR(v[4], -1, 1e-10, 0);
-    snprintf(line, sizeof line, "$P trace %s --explain", path);
-    expect(line, 0, "42 links and 61 joints, all at once: 123 coordinates", NULL);
+    expect_with(0, "42 links and 61 joints, all at once: 123 coordinates", NULL, "$P trace %s --explain", path);
     remove(path);
 }
 
 /* Scissors of 16 stages, moved by a slider: 34 links and 49 joints are cut as plates in few layers. */
 TEST(plates_of_any_number)
 {
-    char path[] = "/tmp/linkwright-scissors-XXXXXX", line[200];
+    char path[] = "/tmp/linkwright-scissors-XXXXXX";
     FILE *f = fdopen(mkstemp(path), "w");
     fputs("{\"linkwright\": 1, \"units\": {\"length\": \"m\"}, \"joints\": [{\"name\": \"S\", \"kind\": \"t\", \"links\": [\"ground\", \"s\"], "
           "\"at\": [2, 0], \"along\": [1, 0]}", f);
@@ -134,8 +127,7 @@ TEST(plates_of_any_number)
         fprintf(f, ", \"a%d\", \"b%d\"", i, i);
     fputs("], \"input\": {\"joint\": \"S\", \"first\": -0.3, \"last\": 0.1}}", f);
     fclose(f);
-    snprintf(line, sizeof line, "$P convert %s --format stl | grep -c ^solid", path);
-    expect(line, 0, "84", NULL);                               /* 34 plates, 48 pins and the two of the slider */
+    expect_with(0, "84", NULL, "$P convert %s --format stl | grep -c ^solid", path);                               /* 34 plates, 48 pins and the two of the slider */
     remove(path);
 }
 
@@ -202,9 +194,7 @@ TEST(json_can_be_read)
                                             "examples/geared-five-bar.json -n 2 --all-assemblies" };
     static const char *const way[] = { "curve", "cycle", "time", "curve" };
     for (int i = 0; i < 4; i++) {
-        char line[256];
-        snprintf(line, sizeof line, "$P trace %s --json", argument[i]);
-        json_t *root = json_of(line);
+        json_t *root = json_with("$P trace %s --json", argument[i]);
         CHECK_TEXT(json_string_value(json_object_get(root, "way")), way[i]);
         const json_t *arcs = json_object_get(root, "arcs"), *rows = json_object_get(json_array_get(arcs, 0), "rows");
         CHECK_INT(json_array_size(arcs), i == 3 ? 2 : 1);
@@ -395,8 +385,7 @@ TEST(more_arcs_than_in_closed_form)
     }
     fputs("], \"input\": {\"joint\": \"A\"}, \"tracers\": [{\"name\": \"P\", \"link\": \"b6\", \"at\": [1, 2]}]}", f);
     fclose(f);
-    snprintf(line, sizeof line, "$P trace %s -n 1", path);
-    ran r = run(line);
+    ran r = run_with("$P trace %s -n 1", path);
     double v[20];
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.err, "128 circuits found");
@@ -414,7 +403,7 @@ TEST(more_arcs_than_in_closed_form)
 /* Three parallel bars, rounded to 1e-5, move after they are adjusted; the search begins from there. */
 TEST(circuits_of_a_rounded_overconstrained_linkage)
 {
-    char path[] = "/tmp/linkwright-bars-XXXXXX", line[200];
+    char path[] = "/tmp/linkwright-bars-XXXXXX";
     FILE *f = fdopen(mkstemp(path), "w");
     fputs("{\"linkwright\": 1, \"links\": [\"ground\", \"c0\", \"c1\", \"c2\", \"b\"], \"joints\": ["
           "{\"name\": \"A0\", \"links\": [\"ground\", \"c0\"], \"at\": [0, 0]}, {\"name\": \"B0\", \"links\": [\"c0\", \"b\"], \"at\": [1.00001, 1.7]}, "
@@ -422,7 +411,6 @@ TEST(circuits_of_a_rounded_overconstrained_linkage)
           "{\"name\": \"A2\", \"links\": [\"ground\", \"c2\"], \"at\": [9, 0]}, {\"name\": \"B2\", \"links\": [\"c2\", \"b\"], \"at\": [10, 1.69999]}], "
           "\"input\": {\"joint\": \"A0\"}, \"tracers\": [{\"name\": \"P\", \"link\": \"b\", \"at\": [6, 3]}]}", f);
     fclose(f);
-    snprintf(line, sizeof line, "$P trace %s --all-assemblies -n 4", path);
-    expect(line, 0, "# circuit 1: closes after 1 turn of the input", "joints were moved");
+    expect_with(0, "# circuit 1: closes after 1 turn of the input", "joints were moved", "$P trace %s --all-assemblies -n 4", path);
     remove(path);
 }
