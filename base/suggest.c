@@ -1,7 +1,6 @@
 #include "base/suggest.h"
 
 #include <ctype.h>
-#include <stddef.h>
 #include <string.h>
 #include <strings.h>
 
@@ -30,35 +29,53 @@ static int distance(const char *a, const char *b, int n)
     return row[i%3][n];
 }
 
-/* The first word with `word`, of four letters or more, in it, or whose beginning is `word` with one wrong letter in six. */
-static const char *longer_word(const char *word, size_t size, const char *const *words, int n)
+/* The words among which to search, as lw_suggest_of has them. */
+typedef struct list { const void *first; size_t stride; bool pointers; int n; } list;
+
+static const char *word_of(const list *l, int i)
 {
-    for (int i = 0; i < n && size >= 6; i++)
-        if (strlen(words[i]) > size && strlen(words[i]) <= WORD_MAX && distance(word, words[i], (int)size) <= (int)size/6)
-            return words[i];
-    for (int i = 0; i < n && size >= 4; i++)
-        if (strstr(words[i], word))
-            return words[i];
+    const void *at = (const char *)l->first + (size_t)i*l->stride;
+    return l->pointers ? *(const char *const *)at : at;
+}
+
+/* The first word with `word`, of four letters or more, in it, or whose beginning is `word` with one wrong letter in six. */
+static const char *longer_word(const char *word, size_t size, const list *l)
+{
+    for (int i = 0; i < l->n && size >= 6; i++) {
+        const char *w = word_of(l, i);
+        if (strlen(w) > size && strlen(w) <= WORD_MAX && distance(word, w, (int)size) <= (int)size/6)
+            return w;
+    }
+    for (int i = 0; i < l->n && size >= 4; i++)
+        if (strstr(word_of(l, i), word))
+            return word_of(l, i);
     return NULL;
 }
 
-const char *lw_suggest(const char *word, const char *const *words, int n)
+const char *lw_suggest_of(const char *word, const void *first, size_t stride, bool pointers, int n)
 {
+    const list l = { first, stride, pointers, n };
     size_t size = strlen(word);
     if (size == 0 || size > WORD_MAX)
         return NULL;
     int best = size < 4 ? 1 : size < 9 ? 2 : (int)size/3;
     const char *found = NULL, *begun = NULL;
     for (int i = 0; i < n; i++) {
-        if (strlen(words[i]) > WORD_MAX)
+        const char *w = word_of(&l, i);
+        if (strlen(w) > WORD_MAX)
             continue;
-        int d = distance(word, words[i], (int)strlen(words[i]));
+        int d = distance(word, w, (int)strlen(w));
         if (d < best || (d == best && !found)) {
             best = d;
-            found = words[i];
+            found = w;
         }
-        if (!begun && size >= 2 && strncasecmp(word, words[i], size) == 0)
-            begun = words[i];
+        if (!begun && size >= 2 && strncasecmp(word, w, size) == 0)
+            begun = w;
     }
-    return found && (best == 0 || !begun) ? found : begun ? begun : longer_word(word, size, words, n);
+    return found && (best == 0 || !begun) ? found : begun ? begun : longer_word(word, size, &l);
+}
+
+const char *lw_suggest(const char *word, const char *const *words, int n)
+{
+    return lw_suggest_of(word, words, sizeof *words, true, n);
 }

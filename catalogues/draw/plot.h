@@ -22,7 +22,7 @@ typedef struct lw_series {
 typedef struct lw_level { const char *name; double y; } lw_level;   /* "published best"             */
 
 typedef struct lw_plot {
-    const char *title, *x_label, *y_label;     /* NULL: none                                        */
+    const char *title, *x_label, *y_label;     /* NULL: none; a label with "[deg]": ticks in parts of a turn */
     bool        log_x, log_y;
     double      width, height;                 /* [px]; 0: 800 by 560                               */
     int         n_series, n_level;

@@ -127,13 +127,12 @@ static const lw_query_field *find_field(const char *at, size_t n)
 
 static lw_status unknown_field(reader *r, const char *at, size_t n)
 {
-    const char *names[FIELD_MAX];
     char word[40];
     int count = 0;
-    for (const lw_query_field *f = lw_fields; f->name && count < FIELD_MAX; f++)
-        names[count++] = f->name;
+    while (lw_fields[count].name)
+        count++;
     snprintf(word, sizeof word, "%.*s", (int)(n < 39 ? n : 39), at);
-    const char *near = lw_suggest(word, names, count);
+    const char *near = LW_SUGGEST(word, lw_fields, count, name);
     return lw_error_at(r->e, LW_E_NOTATION, "query", 1, at - r->text + 1, "there is no field '%s'%s%s%s", word,
                        near ? "; did you mean '" : "; --fields lists them", near ? near : "", near ? "'?" : "");
 }

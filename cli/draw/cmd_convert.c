@@ -90,16 +90,9 @@ static lw_status set_unit(const char *name, lw_units *u, lw_error *e)
 
 static lw_status no_joint(const char *name, const lw_assembly *linkage, lw_error *e)
 {
-    const char **names = malloc((size_t)linkage->n_joint*sizeof *names);
-    if (!names)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    for (int j = 0; j < linkage->n_joint; j++)
-        names[j] = linkage->joint[j].name;
-    const char *near = lw_suggest(name, names, linkage->n_joint);
-    lw_error_set(e, LW_E_ARG, "there is no joint '%s'; %s '%s'%s", name, near ? "did you mean" : "the first is",
-                 near ? near : linkage->joint[0].name, near ? "?" : "");
-    free(names);
-    return LW_E_ARG;
+    const char *near = LW_SUGGEST(name, linkage->joint, linkage->n_joint, name);
+    return lw_error_set(e, LW_E_ARG, "there is no joint '%s'; %s '%s'%s", name, near ? "did you mean" : "the first is",
+                        near ? near : linkage->joint[0].name, near ? "?" : "");
 }
 
 static lw_status set_input(const char *name, lw_assembly *linkage, lw_error *e)

@@ -176,15 +176,9 @@ static lw_status figure_of(const cli_table *c, cli_measure *m, double *out, lw_e
             *out = figure_in(c, m->figure, column, rate);
     }
     if (column < 0) {
-        const char **names = calloc((size_t)c->n_column + 1, sizeof *names);
-        for (int i = 0; names && i < c->n_column; i++)
-            names[i] = c->column[i].name;
-        const char *near = names ? lw_suggest(m->column, names, c->n_column) : NULL;
-        lw_error_set(e, LW_E_ARG, "%s: no column is called \"%s\"%s%s%s; 'linkwright simulate' names them", m->text,
-                     m->column,
-                     near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
-        free(names);
-        return LW_E_ARG;
+        const char *near = LW_SUGGEST(m->column, c->column, c->n_column, name);
+        return lw_error_set(e, LW_E_ARG, "%s: no column is called \"%s\"%s%s%s; 'linkwright simulate' names them", m->text,
+                            m->column, near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
     }
     snprintf(m->unit, sizeof m->unit, "%s%s", rate >= 0 ? "W" : c->column[column].unit, m->figure != INTEGRAL ? ""
              : rate >= 0 || strcmp(c->column[column].unit, "1") != 0 ? " s" : "");

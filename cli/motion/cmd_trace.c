@@ -109,19 +109,13 @@ static lw_status choose_tracers(const settings *s, const char *file, const lw_as
     *only = -1;
     if (!s->tracer)
         return LW_OK;
-    const char **names = malloc((size_t)linkage->n_tracer*sizeof *names);
-    if (!names)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    for (int i = 0; i < linkage->n_tracer; i++) {
-        names[i] = linkage->tracer[i].name;
-        *only = strcmp(names[i], s->tracer) == 0 ? i : *only;
-    }
-    const char *near = *only < 0 ? lw_suggest(s->tracer, names, linkage->n_tracer) : NULL;
-    lw_status st = *only >= 0 ? LW_OK
-                 : lw_error_at(e, LW_E_ARG, file, 0, 0, "there is no tracer '%s'; %s '%s'%s", s->tracer,
-                               near ? "did you mean" : "the first is", near ? near : names[0], near ? "?" : "");
-    free(names);
-    return st;
+    for (int i = 0; i < linkage->n_tracer; i++)
+        *only = strcmp(linkage->tracer[i].name, s->tracer) == 0 ? i : *only;
+    if (*only >= 0)
+        return LW_OK;
+    const char *near = LW_SUGGEST(s->tracer, linkage->tracer, linkage->n_tracer, name);
+    return lw_error_at(e, LW_E_ARG, file, 0, 0, "there is no tracer '%s'; %s '%s'%s", s->tracer,
+                       near ? "did you mean" : "the first is", near ? near : linkage->tracer[0].name, near ? "?" : "");
 }
 
 static void set_window(const settings *s, const cli_call *call, cli_trace *t)

@@ -226,15 +226,10 @@ static lw_status draw_choices(int n, const lw_load *l, const lw_drive_parts *p,
 
 static lw_status find_drive(const lw_loads *l, const char *name, lw_error *e)
 {
-    const char *names[64];
-    int n = 0;
-    for (int i = 0; i < l->n; i++) {
+    for (int i = 0; i < l->n; i++)
         if (strcmp(l->load[i].name, name) == 0)
             return LW_OK;
-        if (n < 64)
-            names[n++] = l->load[i].name;
-    }
-    const char *near = lw_suggest(name, names, n);
+    const char *near = LW_SUGGEST(name, l->load, l->n, name);
     return lw_error_set(e, LW_E_ARG, "--drive: the model has no drive \"%.60s\"%s%s%s", name, LW_DID_YOU_MEAN(near));
 }
 

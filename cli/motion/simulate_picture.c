@@ -89,13 +89,9 @@ lw_status cli_table_plot(const cli_table *s, const char *title, const char *colu
         }
     }
     if (st == LW_OK && panels == 0) {
-        const char **names = calloc((size_t)s->n_column + 1, sizeof *names);
-        for (int c = 0; names && c < s->n_column; c++)
-            names[c] = s->column[c].name;
-        const char *near = columns && names ? lw_suggest(columns, names, s->n_column) : NULL;
+        const char *near = columns ? LW_SUGGEST(columns, s->column, s->n_column, name) : NULL;
         st = lw_error_set(e, LW_E_ARG, "no column is called %s%s%s; the first line of the CSV names them",
                           columns ? columns : "drive", near ? ", did you mean " : "", near ? near : "");
-        free(names);
     } else if (st == LW_OK) {
         plot[0].title = title;
         plot[0].height = panels == 1 ? 560 : fmin(260*panels, 8000);

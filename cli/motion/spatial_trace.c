@@ -247,7 +247,6 @@ static lw_status plot_rows(const rows *r, const char *path, lw_error *e)
 static lw_status choose(const cli_spatial_trace *o, const char *file, rows *r, lw_error *e)
 {
     const lw_spatial *m = r->m;
-    const char *names[64];
     r->only = -1;
     if (m->n_tracer == 0)
         return lw_error_at(e, LW_E_ARG, file, 0, 0, "the model has no tracers: add points to follow, \"tracers\"");
@@ -257,10 +256,7 @@ static lw_status choose(const cli_spatial_trace *o, const char *file, rows *r, l
         if (strcmp(o->tracer, m->tracer[k].name) == 0)
             r->only = k;
     if (o->tracer && r->only < 0) {
-        int n = m->n_tracer < 64 ? m->n_tracer : 64;
-        for (int k = 0; k < n; k++)
-            names[k] = m->tracer[k].name;
-        const char *near = lw_suggest(o->tracer, names, n);
+        const char *near = LW_SUGGEST(o->tracer, m->tracer, m->n_tracer, name);
         return lw_error_at(e, LW_E_ARG, file, 0, 0, "there is no tracer \"%.40s\"%s%s%s", o->tracer, LW_DID_YOU_MEAN(near));
     }
     if (o->plot && printed(r) > 2)

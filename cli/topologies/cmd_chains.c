@@ -111,11 +111,10 @@ static bool tick_structures(void *context, int loops, size_t found)
 
 static int unknown_filter(const cli_call *call, const char *name)
 {
-    const char *names[16];
     int n = 0;
-    for (const lw_filter *f = lw_filters; f->name && n < 16; f++)
-        names[n++] = f->name;
-    const char *near = lw_suggest(name, names, n);
+    while (lw_filters[n].name)
+        n++;
+    const char *near = LW_SUGGEST(name, lw_filters, n, name);
     return cli_usage(call, "there is no filter '%s'%s%s%s", name, near ? "; did you mean '" : "", near ? near : "",
                      near ? "'?" : "");
 }

@@ -554,13 +554,8 @@ static lw_status find_part(const lw_master *m, const lw_template *t, int *out, l
             return LW_OK;
     if (s != LW_OK)
         return s;
-    const char **names = malloc(((size_t)m->n_part + 1)*sizeof *names);
-    for (int i = 0; names && i < m->n_part; i++)
-        names[i] = m->part[i].name;
-    const char *near = names ? lw_suggest(name, names, m->n_part) : NULL;
-    s = lw_json_fault(&t->json, e, "there is no part \"%.60s\"%s%s%s", name, LW_DID_YOU_MEAN(near));
-    free(names);
-    return s;
+    const char *near = LW_SUGGEST(name, m->part, m->n_part, name);
+    return lw_json_fault(&t->json, e, "there is no part \"%.60s\"%s%s%s", name, LW_DID_YOU_MEAN(near));
 }
 
 static lw_status read_with(const place *p, lw_use *u, lw_template *with, lw_error *e)
@@ -779,13 +774,8 @@ static lw_status read_set(const lw_master *m, lw_setting *setting, lw_template *
         lw_template *t = &set->child[i];
         int at = lw_master_find_parameter(m, t->json.key);
         if (at < 0) {
-            const char **names = malloc(((size_t)m->n_parameter + 1)*sizeof *names);
-            for (int k = 0; names && k < m->n_parameter; k++)
-                names[k] = m->scope.symbol[1 + k].name;
-            const char *near = names ? lw_suggest(t->json.key, names, m->n_parameter) : NULL;
-            s = lw_json_fault(&t->json, e, "there is no parameter of this name%s%s%s", LW_DID_YOU_MEAN(near));
-            free(names);
-            return s;
+            const char *near = LW_SUGGEST(t->json.key, m->scope.symbol + 1, m->n_parameter, name);
+            return lw_json_fault(&t->json, e, "there is no parameter of this name%s%s%s", LW_DID_YOU_MEAN(near));
         }
         s = constant_of(t, &m->scope.symbol[1 + at], &setting->set[setting->n].value, e);
         setting->set[setting->n++].symbol = 1 + at;
@@ -829,12 +819,8 @@ static int find_setting(const lw_setting *list, int n, const char *name)
 
 static lw_status no_setting(const char *what, const lw_setting *list, int n, const char *name, char *text, size_t size)
 {
-    const char **names = malloc(((size_t)n + 1)*sizeof *names);
-    for (int i = 0; names && i < n; i++)
-        names[i] = list[i].name;
-    const char *near = names ? lw_suggest(name, names, n) : NULL;
+    const char *near = LW_SUGGEST(name, list, n, name);
     snprintf(text, size, "there is no %s \"%.60s\"%s%s%s", what, name, LW_DID_YOU_MEAN(near));
-    free(names);
     return LW_E_ARG;
 }
 
@@ -1180,13 +1166,8 @@ lw_status lw_variant_set(lw_variant *v, const char *name, const char *value, lw_
 {
     int at = lw_master_find_parameter(v->m, name);
     if (at < 0) {
-        const char **names = malloc(((size_t)v->m->n_parameter + 1)*sizeof *names);
-        for (int k = 0; names && k < v->m->n_parameter; k++)
-            names[k] = v->m->scope.symbol[1 + k].name;
-        const char *near = names ? lw_suggest(name, names, v->m->n_parameter) : NULL;
-        lw_error_at(e, LW_E_ARG, v->m->file, 0, 0, "there is no parameter \"%.60s\"%s%s%s", name, LW_DID_YOU_MEAN(near));
-        free(names);
-        return LW_E_ARG;
+        const char *near = LW_SUGGEST(name, v->m->scope.symbol + 1, v->m->n_parameter, name);
+        return lw_error_at(e, LW_E_ARG, v->m->file, 0, 0, "there is no parameter \"%.60s\"%s%s%s", name, LW_DID_YOU_MEAN(near));
     }
     const lw_symbol *s = &v->m->scope.symbol[1 + at];
     char *copy = strdup(value);

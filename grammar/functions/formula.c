@@ -172,12 +172,9 @@ static int unit_power(const char *text, size_t size, size_t *at)
 
 static lw_status unknown_unit(const char *name, size_t n, size_t at, lw_error *e)
 {
-    const char *names[N_UNIT];
     char word[LW_WORD_SIZE];
     snprintf(word, sizeof word, "%.*s", (int)(n < sizeof word ? n : sizeof word - 1), name);
-    for (int i = 0; i < N_UNIT; i++)
-        names[i] = units[i].name;
-    const char *near = lw_suggest(word, names, N_UNIT);
+    const char *near = LW_SUGGEST(word, units, N_UNIT, name);
     return lw_error_at(e, LW_E_NOTATION, "", 1, (long)at + 1, "there is no unit \"%s\"%s%s%s", word,
                        near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
 }

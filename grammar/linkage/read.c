@@ -233,12 +233,8 @@ int lw_read_find_or_say(lw_json *json, const char *what, const char *name, const
     int at = lw_read_find(json, name, first, stride, n);
     if (at >= 0)
         return at;
-    const char **names = malloc(((size_t)n + 1)*sizeof *names), *near;
-    for (int i = 0; names && i < n; i++)
-        names[i] = first + (size_t)i*stride;
-    near = names ? lw_suggest(name, names, n) : NULL;
+    const char *near = lw_suggest_of(name, first, stride, false, n);
     snprintf(why, LW_WHY_SIZE, near ? "there is no %s \"%.40s\"; did you mean \"%s\"?" : "there is no %s \"%.40s\"", what, name, near);
-    free(names);
     return -1;
 }
 

@@ -20,7 +20,6 @@
 
 static lw_status find_tool(const lw_spatial *m, const char *name, int *tool, lw_error *e)
 {
-    const char *names[64];
     if (m->n_tracer == 0)
         return lw_error_set(e, LW_E_ARG, "the model has no tracer: its tool is one, \"tracers\"");
     *tool = 0;
@@ -29,10 +28,7 @@ static lw_status find_tool(const lw_spatial *m, const char *name, int *tool, lw_
     for (*tool = 0; *tool < m->n_tracer; ++*tool)
         if (strcmp(m->tracer[*tool].name, name) == 0)
             return LW_OK;
-    int n = m->n_tracer < 64 ? m->n_tracer : 64;
-    for (int i = 0; i < n; i++)
-        names[i] = m->tracer[i].name;
-    const char *near = lw_suggest(name, names, n);
+    const char *near = LW_SUGGEST(name, m->tracer, m->n_tracer, name);
     return lw_error_set(e, LW_E_ARG, "there is no tracer \"%.40s\"%s%s%s", name, LW_DID_YOU_MEAN(near));
 }
 

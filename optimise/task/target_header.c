@@ -210,18 +210,15 @@ static int split_name(lw_text_span name, const char **unit, lw_text_span *fault)
 
 static lw_status unknown_column(const lw_header *h, lw_text_span name, long line, long place, lw_error *e)
 {
-    const char *names[COLUMN_COUNT];
     char text[48], word[32];
     double number;
-    for (int i = 0; i < COLUMN_COUNT; i++)
-        names[i] = columns[i].name;
     if (name.n == 0)
         return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "this column has no name");
     if (lw_number_parse(name.s, name.n, &number) == LW_OK)
         return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "the first line holds numbers; only two columns "
                            "need no names (x and y), put a line such as x,y,angle before more");
     snprintf(word, sizeof word, "%.*s", name.n < 31 ? (int)name.n : 31, name.s);
-    const char *near = lw_suggest(word, names, COLUMN_COUNT);
+    const char *near = LW_SUGGEST(word, columns, COLUMN_COUNT, name);
     return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "unknown column %s%s%s%s; columns are x, y, theta, "
                        "angle or t, weight, lengths and angles also with their unit (x_mm, angle_deg); those of "
                        "further points have their number, x2 .. x%d, theta2, weight2", quote(name, text),
@@ -413,16 +410,14 @@ static bool next_name(const lw_header *h, lw_text_span line, size_t *at, lw_text
 /* Is no word of the line the name of a column or near one?  Then the file is no table of stations, but prose or code. */
 static bool names_nothing(const lw_header *h, lw_text_span line)
 {
-    const char *names[COLUMN_COUNT], *unit;
+    const char *unit;
     size_t at = 0;
     char word[32];
     double number;
     lw_text_span name, fault;
-    for (int i = 0; i < COLUMN_COUNT; i++)
-        names[i] = columns[i].name;
     while (next_name(h, line, &at, &name)) {
         snprintf(word, sizeof word, "%.*s", name.n < 31 ? (int)name.n : 31, name.s);
-        if (split_name(name, &unit, &fault) >= 0 || lw_suggest(word, names, COLUMN_COUNT)
+        if (split_name(name, &unit, &fault) >= 0 || LW_SUGGEST(word, columns, COLUMN_COUNT, name)
             || lw_number_parse(name.s, name.n, &number) == LW_OK)
             return false;
     }
