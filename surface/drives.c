@@ -10,59 +10,10 @@
 #include "grammar/model/work_cycle.h"
 #include "mbs/drives/load.h"
 
-static lw_status read_servo(const char *text, size_t size, const char *file, void *out, lw_error *e)
-{
-    return lw_servo_read(text, size, file, out, e);
-}
-
-lw_status lw_servo_parse(const char *text, size_t size, const char *file, lw_servo **out, lw_error *error)
-{
-    return lw_surface_parse_new(text, size, file, read_servo, sizeof **out, (void **)out, error);
-}
-
-lw_status lw_servo_load(const char *path, lw_servo **out, lw_error *error)
-{
-    return lw_surface_load_new(path, read_servo, sizeof **out, (void **)out, error);
-}
-
-void lw_servo_destroy(lw_servo *servo)
-{
-    if (servo)
-        lw_servo_free(servo);
-    free(servo);
-}
+LW_SURFACE_FILE(lw_servo)
+LW_SURFACE_FILE(lw_work_cycle)
 
 /* ---- work cycles ------------------------------------------------------------------------------------------------ */
-
-lw_status lw_work_cycle_parse(const char *text, size_t size, const char *file, lw_work_cycle **out, lw_error *error)
-{
-    lw_work_cycle *c = calloc(1, sizeof *c);
-    lw_status s = c ? lw_work_cycle_read(text, size, file, c, error) : lw_error_set(error, LW_E_MEMORY, "out of memory");
-    *out = NULL;
-    if (s == LW_OK)
-        *out = c;
-    else
-        lw_work_cycle_destroy(c);
-    return s;
-}
-
-static lw_status parse_cycle(const char *text, size_t size, const char *file, void *out, lw_error *e)
-{
-    return lw_work_cycle_parse(text, size, file, out, e);
-}
-
-lw_status lw_work_cycle_load(const char *path, lw_work_cycle **out, lw_error *error)
-{
-    *out = NULL;
-    return lw_surface_load(path, parse_cycle, out, error);
-}
-
-void lw_work_cycle_destroy(lw_work_cycle *cycle)
-{
-    if (cycle)
-        lw_work_cycle_free(cycle);
-    free(cycle);
-}
 
 int lw_work_cycle_count(const lw_work_cycle *cycle, char what)
 {

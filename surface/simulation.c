@@ -27,27 +27,7 @@ lw_status lw_model_create(const lw_linkage *linkage, lw_model **out)
     return s;
 }
 
-static lw_status read_model(const char *text, size_t size, const char *file, void *out, lw_error *e)
-{
-    return lw_model_read(text, size, file, out, e);
-}
-
-lw_status lw_model_parse(const char *text, size_t size, const char *file, lw_model **out, lw_error *error)
-{
-    return lw_surface_parse_new(text, size, file, read_model, sizeof **out, (void **)out, error);
-}
-
-lw_status lw_model_load(const char *path, lw_model **out, lw_error *error)
-{
-    return lw_surface_load_new(path, read_model, sizeof **out, (void **)out, error);
-}
-
-void lw_model_destroy(lw_model *model)
-{
-    if (model)
-        lw_model_free(model);
-    free(model);
-}
+LW_SURFACE_FILE(lw_model)
 
 const lw_linkage *lw_model_linkage(const lw_model *model) { return model->small; }
 

@@ -11,27 +11,7 @@
 #include "mbs/dynamics/statics.h"
 #include "mbs/space/space_mobility.h"
 
-static lw_status read_spatial(const char *text, size_t size, const char *file, void *out, lw_error *e)
-{
-    return lw_spatial_read(text, size, file, out, e);
-}
-
-lw_status lw_spatial_parse(const char *text, size_t size, const char *file, lw_spatial **out, lw_error *error)
-{
-    return lw_surface_parse_new(text, size, file, read_spatial, sizeof **out, (void **)out, error);
-}
-
-lw_status lw_spatial_load(const char *path, lw_spatial **out, lw_error *error)
-{
-    return lw_surface_load_new(path, read_spatial, sizeof **out, (void **)out, error);
-}
-
-void lw_spatial_destroy(lw_spatial *model)
-{
-    if (model)
-        lw_spatial_free(model);
-    free(model);
-}
+LW_SURFACE_FILE(lw_spatial)
 
 int lw_spatial_count(const lw_spatial *model, char what)
 {

@@ -44,4 +44,26 @@ lw_status lw_surface_parse_new(const char *text, size_t size, const char *file, 
                                void **out, lw_error *e);
 lw_status lw_surface_load_new(const char *path, lw_surface_reader *read, size_t room, void **out, lw_error *e);
 
+/* The functions kind_parse, kind_load and kind_destroy of linkwright.h, by kind_read, which leaves nothing to free after a failure,
+ * and kind_free of the library. */
+#define LW_SURFACE_FILE(kind)                                                                                             \
+    static lw_status kind##_reader(const char *text, size_t size, const char *file, void *out, lw_error *e)              \
+    {                                                                                                                     \
+        return kind##_read(text, size, file, out, e);                                                                     \
+    }                                                                                                                     \
+    lw_status kind##_parse(const char *text, size_t size, const char *file, kind **out, lw_error *error)                  \
+    {                                                                                                                     \
+        return lw_surface_parse_new(text, size, file, kind##_reader, sizeof **out, (void **)out, error);                  \
+    }                                                                                                                     \
+    lw_status kind##_load(const char *path, kind **out, lw_error *error)                                                  \
+    {                                                                                                                     \
+        return lw_surface_load_new(path, kind##_reader, sizeof **out, (void **)out, error);                               \
+    }                                                                                                                     \
+    void kind##_destroy(kind *object)                                                                                     \
+    {                                                                                                                     \
+        if (object)                                                                                                       \
+            kind##_free(object);                                                                                          \
+        free(object);                                                                                                     \
+    }
+
 #endif

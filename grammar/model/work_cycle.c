@@ -244,6 +244,8 @@ lw_status lw_work_cycle_read(const char *text, size_t size, const char *file, lw
     lw_json_node root = lw_json_root(&json);
     s = read_all(&root, c, e ? e : &own);
     lw_json_close(&json);
+    if (s != LW_OK)
+        lw_work_cycle_free(c);
     return s;
 }
 

@@ -28,8 +28,8 @@ struct lw_work_cycle {
     double         wanted;               /* greatest time of the cycle [s]; 0: not given */
 };
 
-/* Read and plan.  LW_E_NOTATION with line and column, also for moves that the limits do not allow.  c needs
- * lw_work_cycle_free also after a failure. */
+/* Read and plan.  LW_E_NOTATION with line and column, also for moves that the limits do not allow; then
+ * there is nothing to free. */
 lw_status lw_work_cycle_read(const char *text, size_t size, const char *file, lw_work_cycle *c, lw_error *e);
 void      lw_work_cycle_free(lw_work_cycle *c);
 
