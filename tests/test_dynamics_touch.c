@@ -1300,6 +1300,26 @@ TEST(pinned_bar_strikes)
     }
 }
 
+/* Two triangles and a box come to rest together in a bin.  A corner strikes the floor just after another event whose function is only rounding:
+ * the step once ended behind the impact. */
+TEST(impact_after_an_event_of_rounding)
+{
+    drun_read_text(&d,
+        "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [{'polygon': [[-2, -1], [2, -1], [2, 3], [1.2, 3], [1.2, 0], "
+        "[-1.2, 0], [-1.2, 3], [-2, 3]]}]}, {'name': 'b0', 'mass': 1, 'centre': [-0.88273, 0.5], 'inertia': 0.01, 'shapes': [{'polygon': [[-0.94566, "
+        "0.39911], [-0.76386, 0.49661], [-0.91795, 0.61358]]}], 'velocity': [-0.55181, -0.03376], 'omega': -0.7185}, {'name': 'b1', 'mass': 1, "
+        "'centre': [-0.6628, 0.95], 'inertia': 0.01, 'shapes': [{'polygon': [[-0.56651, 1.0321], [-0.78228, 0.99167], [-0.6636, 0.82346]]}], "
+        "'velocity': [-0.17794, 0.44868], 'omega': 0.37191}, {'name': 'b2', 'mass': 1, 'centre': [-0.14981, 1.4], 'inertia': 0.01, 'shapes': "
+        "[{'polygon': [[-0.07778, 1.32255], [-0.0608, 1.45713], [-0.22184, 1.47745], [-0.23882, 1.34287]]}], 'velocity': [0.81412, -0.84536], "
+        "'omega': -1.21533}], 'joints': [{'name': 'Fb0', 'kind': 'n', 'links': ['ground', 'b0']}, {'name': 'Fb1', 'kind': 'n', 'links': ['ground', "
+        "'b1']}, {'name': 'Fb2', 'kind': 'n', 'links': ['ground', 'b2']}], 'contacts': [{'links': ['ground', 'b0'], 'friction': 0.31243}, {'links': "
+        "['ground', 'b1'], 'friction': 0.31243}, {'links': ['b0', 'b1'], 'friction': 0.31243}, {'links': ['ground', 'b2'], 'friction': 0.31243}, "
+        "{'links': ['b0', 'b2'], 'friction': 0.31243}, {'links': ['b1', 'b2'], 'friction': 0.31243}]}");
+    CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-6, 0.7, 1), LW_OK);
+    CHECK_NEAR(d.report.t, 0.7, 0, 0);
+    lw_model_free(&d.model);
+}
+
 /* A heavy disc slides over a round hill and leaves it where nothing presses it on, also while a box stands beside it, whose two corners
  * share the friction in many ways. */
 TEST(leaves_a_hill)

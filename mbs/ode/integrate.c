@@ -665,6 +665,8 @@ static lw_status end_at(lw_integrator *w, double ta, const crossing *found, int 
     lw_status s = land(w, &found[k]);
     if (s != LW_OK)
         return s;
+    if (k + 1 < n && (w->t - found[k + 1].t)*w->h_done > together*fabs(w->h_done))       /* its root is not where it was found */
+        return end_at(w, ta, found, n, k + 1);
     for (int i = k; i < n; i++)
         known |= 1ull << found[i].event;
     memcpy(g, w->g_try, sizeof(double)*(size_t)w->ode->n_event);
