@@ -762,6 +762,8 @@ static lw_status run_capture(lw_run *run)
         if (s == LW_OK)
             s = lw_run_touch_check(run, g.t);
         d->touch->captured = true;
+        for (int i = 0; i < d->touch->list.n; i++)
+            d->touch->list.touch[i].loose = g.part*g.size;
         if (s == LW_OK)
             s = choose_places(&g, 0.1*g.size);
         if (s == LW_OK)                      /* a moment, for accelerations and forces at the start */
@@ -774,6 +776,8 @@ static lw_status run_capture(lw_run *run)
         if (s == LW_OK)
             s = run_steps(&g, y);
         d->touch->captured = false;
+        for (int i = 0; i < d->touch->list.n; i++)
+            d->touch->list.touch[i].loose = 0;
     }
     free_pattern(&g);
     free(g.at);

@@ -428,12 +428,12 @@ static bool runs_behind(const lw_touch *t, const lw_body_frame *f, lw_vec2 norma
 static bool is_beside(const lw_touch *t, double place) { return place > -LW_TOUCH_END && place < t->length + LW_TOUCH_END; }
 
 /* Two wedges that slide towards each other on one floor meet corner to corner: the corner of one lies on the plane of a face of the other
- * (`above` it by rounding, normal `on`), past its end, and `depth` behind the next face (normal `behind`).  That next face holds it, though the
- * first one is nearer. */
+ * (`above` it by rounding, or by a small part of what bodies move in a step, normal `on`), past its end, and `depth` behind the next face (normal
+ * `behind`).  That next face holds it, though the first one is nearer. */
 static bool pushed_in(const lw_touch *t, const lw_body_frame *f, lw_vec2 on, double above, lw_vec2 behind, double depth)
 {
     lw_vec2 side;
-    bool at_end = depth > 0 && depth < 4*t->least_size && fabs(above) < LW_TOUCH_END;
+    bool at_end = depth > 0 && depth < fmax(4*t->least_size, t->loose) && fabs(above) < fmax(LW_TOUCH_END, 0.02*t->loose);
     return at_end && runs_behind(t, f, on, &side) && lw_v2_dot(behind, side) > depth;
 }
 

@@ -45,6 +45,7 @@ typedef struct lw_touch {
     double  notch[2];                    /* how far the face goes on, and the body behind it, beyond a notch at its ends; 0: no notch */
     int     side;                        /* face of a bar: the side of the disc, -1, 1 or LW_TOUCH_NO_SIDE; 0: one side only */
     double  size, least_size;            /* way of a disc through the body, away from its corners; a shorter one is not looked for */
+    double  loose;                       /* way of bodies in a step that does not end where they touch, scaled; 0: it does */
     double  sign, limit;                 /* stop: gap = sign (measure - limit); rope: limit is its length */
 } lw_touch;
 
