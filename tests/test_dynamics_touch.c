@@ -1322,6 +1322,36 @@ TEST(impact_after_an_event_of_rounding)
     lw_model_free(&d.model);
 }
 
+/* Two triangles slide down both sides of a valley and meet tip to tip.  They stay on their sides, or the run ends with the reason. */
+TEST(tips_meet_in_a_valley)
+{
+    static const double slope[3][2] = { { 0.3, 0.1 }, { 0.3, 0.2 }, { 0.5, 0.2 } };
+    for (int k = 0; k < 6; k++) {
+        double c = cos(slope[k/2][0]), s = sin(slope[k/2][0]), corner[3][2] = { { 0.1, 0 }, { 0.3, 0 }, { 0.1 + slope[k/2][1], 0.15 } };
+        char text[2500];
+        int n = snprintf(text, sizeof text, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [{'polygon': [[%.17g, %.17g], [0, 0], [%.17g, %.17g],"
+                         "[%.17g, -1], [%.17g, -1]]}]}", -3*c, 3*s, 3*c, 3*s, 3*c, -3*c);
+        for (int side = -1; side <= 1; side += 2) {
+            double x[3], y[3], far = side < 0 ? 1e-4 : 0;
+            for (int i = 0; i < 3; i++) {
+                x[i] = side*((corner[i][0] + far)*c - corner[i][1]*s);
+                y[i] = (corner[i][0] + far)*s + corner[i][1]*c + 2e-6;
+            }
+            n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': '%c', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.004, 'shapes': [{'polygon': [[%.6f, %.6f],"
+                          "[%.6f, %.6f], [%.6f, %.6f]]}]}", side < 0 ? 'a' : 'b', (x[0] + x[1] + x[2])/3, (y[0] + y[1] + y[2])/3, x[0], y[0], x[1], y[1], x[2], y[2]);
+        }
+        snprintf(text + n, sizeof text - (size_t)n, "], 'joints': [{'name': 'F0', 'kind': 'n', 'links': ['ground', 'a']}, {'name': 'F1', 'kind': 'n', 'links': ['ground', 'b']}],"
+                 "'contacts': [{'links': ['ground', 'a']}, {'links': ['ground', 'b']}, {'links': ['a', 'b']}]}");
+        drun_read_text(&d, text);
+        lw_status status = drun_to(&d, k%2 ? LW_FORMULATION_CAPTURE : LW_FORMULATION_INDEX1, 1e-8, 0.6, 6);
+        if (status == LW_OK)
+            CHECK(state(d.q, 3) - state(d.q, 0) > 0.15);
+        else
+            CHECK_HAS(d.e.text, "a corner has passed");
+        lw_model_free(&d.model);
+    }
+}
+
 /* A heavy disc slides over a round hill and leaves it where nothing presses it on, also while a box stands beside it, whose two corners
  * share the friction in many ways. */
 TEST(leaves_a_hill)

@@ -705,10 +705,11 @@ static lw_status run_steps(capture *g, double *y)
         for (int i = 0; i < list->n; i++)
             if (list->touch[i].state == LW_TOUCH_APART)
                 lw_touch_choose_side(&list->touch[i], d->frames, false, g->part*g->size);       /* it may overlap by that much */
+        s = lw_run_touch_crossed(run, g->t, g->part*g->size);
         lw_run_watch(run, fill_state(g, y));
-        if (lw_run_at_kink(run, g->t))
+        if (s == LW_OK && lw_run_at_kink(run, g->t))
             s = lw_run_pass_kink(run, &g->t, NULL, NULL);
-        if (g->t >= lw_run_time(d, run->next)) {
+        if (s == LW_OK && g->t >= lw_run_time(d, run->next)) {
             s = show(g, y);
             run->next++;
         }

@@ -180,6 +180,9 @@ lw_status lw_run_touch_choose_sides(lw_run *run);
 /* LW_E_ARG: shapes overlap at t, in the coordinates placed last. */
 lw_status lw_run_touch_check(lw_run *run, double t);
 
+/* LW_E_NUMERIC: corners have passed through each other by more than this, scaled.  The equations are placed. */
+lw_status lw_run_touch_crossed(lw_run *run, double t, double by);
+
 /* _accept: call after a step to (t, y); LW_E_NUMERIC: the closing of a contact was missed.  _step: the longest step from y that
  * cannot miss one. */
 lw_status lw_run_touch_accept(lw_run *run, double t, const double *y);

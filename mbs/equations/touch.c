@@ -561,6 +561,22 @@ bool lw_touch_beside_end(const lw_touch *p, const lw_body_frame *frames, const l
         && runs_behind(p, frames, m->normal, &side);
 }
 
+bool lw_touch_crosses(const lw_touch *p, const lw_body_frame *frames, double by)
+{
+    if (p->kind != LW_TOUCH_FACE || p->side != 0 || !(p->length < INFINITY))
+        return false;
+    point k[2] = { point_of(p, 0, frames, NULL), point_of(p, 1, frames, NULL) };
+    lw_vec2 u = lw_v2_turn(p->along, frames[p->body[1] + 1].dir), n = lw_v2_perp(u), d = lw_v2_sub(k[0].p, k[1].p);
+    double height = lw_v2_dot(n, d), place = lw_v2_dot(u, d);
+    for (int e = 0; height > by && e < 2; e++) {
+        lw_vec2 side = lw_v2_turn(p->edge[e], frames[p->body[0] + 1].dir);
+        double down = -lw_v2_dot(n, side), at = down > height + by ? place + lw_v2_dot(u, side)*height/down : -1;
+        if (at > by && at < p->length - by)
+            return true;
+    }
+    return false;
+}
+
 double lw_touch_force(const lw_surface *s, double unit, double depth, double rate)
 {
     if (!(depth > 0))

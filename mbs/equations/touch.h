@@ -97,6 +97,10 @@ bool lw_touch_past_end(const lw_touch *p, const lw_touch_motion *m);
  * face that ends there, or one of the corner's own sides does. */
 bool lw_touch_beside_end(const lw_touch *p, const lw_body_frame *frames, const lw_touch_motion *m);
 
+/* Does a side of a corner that is outside cross the face, by more than this at both of their ends?  Then tips have passed each other, and bodies overlap
+ * though no corner is inside. */
+bool lw_touch_crosses(const lw_touch *p, const lw_body_frame *frames, double by);
+
 /* Force of a compliant contact [N] at a scaled depth and its rate; unit of lengths [m].  Not less than 0. */
 double lw_touch_force(const lw_surface *s, double unit, double depth, double rate);
 
