@@ -293,24 +293,38 @@ static double folded_angle(const lw_posture *p, int a, int b, int c)
     return fmin(angle, LW_PI - angle);
 }
 
+/* Least angle at `pin` among samples between two inputs, which move to both sides of the least. */
+static double least_angle(const lw_plan *plan, const double *dim, const double *mode, int pin, double *from, double *to)
+{
+    enum { N = 250 };
+    double least = LW_PI, step = (*to - *from)/N, at = *from;
+    for (int i = 0; i <= N; i++) {
+        static lw_posture p;
+        double angle = lw_posture_solve(plan, dim, mode, *from + step*i, 0, &p) == LW_OK ? folded_angle(&p, pin - 1, pin, pin + 1) : LW_PI;
+        if (angle < least)
+            least = angle, at = *from + step*i;
+    }
+    *from = at - step, *to = at + step;
+    return least;
+}
+
 /* The transmission angles of an arc are those of both dyads, which join at pins 2 and 5. */
 static void check_transmission(const lw_plan *plan, const double *dim, const lw_arc *a, int *n_inner)
 {
-    enum { N = 500 };
-    double least[2] = { LW_PI, LW_PI }, said = fmin(a->transmission_min, LW_PI - a->transmission_max);
-    for (int i = 0; i <= N; i++) {
-        static lw_posture p;
-        if (lw_posture_solve(plan, dim, a->mode, a->first + (a->last - a->first)*i/N, 0, &p) != LW_OK)
-            continue;
-        least[0] = fmin(least[0], folded_angle(&p, 1, 2, 3));
-        least[1] = fmin(least[1], folded_angle(&p, 4, 5, 6));
+    double least[2], said = fmin(a->transmission_min, LW_PI - a->transmission_max);
+    bool limit = a->limit[0] || a->limit[1];
+    for (int i = 0; i < 2; i++) {
+        double from = a->first, to = a->last;
+        least[i] = least_angle(plan, dim, a->mode, 2 + 3*i, &from, &to);
+        if (!limit)                                           /* an angle that falls to 0 has a corner there */
+            least[i] = fmin(least[i], least_angle(plan, dim, a->mode, 2 + 3*i, &from, &to));
     }
     double both = fmin(least[0], least[1]);
     CHECK(said <= both + 1e-7);
-    if (a->limit[0] || a->limit[1])                           /* a limit is a flat posture */
+    if (limit)                                                /* a limit is a flat posture */
         CHECK_NEAR(said, 0, 0, 0);
     else
-        CHECK_NEAR(said, both, 1e-3, 0);
+        CHECK_NEAR(said, both, 1e-5, 0);
     *n_inner += a->turns && least[0] < least[1];
 }
 
