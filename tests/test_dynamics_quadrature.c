@@ -51,6 +51,23 @@ TEST(swings)
         }
 }
 
+/* A slider on a spring, 10 rad/s, starts just before its middle, where the force is a fraction of that at the place from which it would start at rest. */
+TEST(starts_beside_the_middle)
+{
+    static const double at[] = { -0.02, -0.005, -0.001, -1e-5 }, speed[] = { 0.02, 0.05, 0.1, 0.3 };
+    for (int i = 0; i < 16; i++) {
+        double x = at[i/4], v = speed[i%4];
+        drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'cart', 'mass': 1, 'centre': [%.17g, 0]}], 'joints': [{'name': 'S', 'kind': 't', "
+            "'links': ['ground', 'cart'], 'at': [0, 0], 'along': [1, 0]}], 'input': {'joint': 'S', 'value': 0, 'speed': %.17g}, 'springs': [{'links': ['ground', 'cart'], "
+            "'at': [[-2, 0], [0, 0]], 'stiffness': 100, 'free': 2}], 'tracers': [{'name': 'P', 'link': 'cart', 'at': [0, 0]}]}", 0, v);
+        d.model.spring[0].free = 2 - x;
+        CHECK_INT(drun_to(&d, LW_FORMULATION_QUADRATURE, 1e-9, 3, 30), LW_OK);
+        for (int n = 0; n <= 30; n++)
+            CHECK_NEAR(x + d.tracer[n].x, x*cos(10*d.t[n]) + v/10*sin(10*d.t[n]), 1e-9, 0);
+        lw_model_free(&d.model);
+    }
+}
+
 /* Over the top: int dphi/speed is an elliptic integral too. */
 TEST(turns_over)
 {
