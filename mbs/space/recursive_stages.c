@@ -125,9 +125,8 @@ static void put_loop(const lw_recursive *r, int cut, lw_tree_stages *s)
 
 void lw_tree_stages_keep_rows(lw_tree_stages *s, const lw_recursive *r)
 {
-    int first = 0;
     s->n_kept = r->rank;
-    for (int i = 0; i < s->n_loop; first += s->loop[i++].n_row)
+    for (int i = 0; i < s->n_loop; i++)
         for (int k = 0; k < s->loop[i].n_row; k++)
             s->loop[i].row[k].at = -1;
     for (int i = 0; i < s->n_kept; i++) {
