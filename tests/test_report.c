@@ -371,6 +371,34 @@ TEST(errors_below_the_noise_do_not_count)
     }
 }
 
+/* Beside errors of manufacture, a thousandth of the target, half of that costs less than two thirds more size; ten times as much does not. */
+TEST(errors_below_those_of_manufacture_cost_little)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 18);
+    for (int trial = 0; trial < 2; trial++) {
+        made k;
+        lw_fit_results found;
+        make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
+        lw_fit_spec_set_limits(&k.spec, &k.t, LW_LIMIT_ALL & ~LW_LIMIT_SIZE);
+        lw_candidate c[] = { k.c, k.c };
+        lw_fit_report r[] = { report_of(&k), report_of(&k) };
+        for (int i = 0; i < 2; i++) {
+            c[i].input = k.input;
+            c[i].report = &r[i];
+            r[i].size = (i == 0 ? 2.1 : 1.25)*k.t.extent;
+        }
+        r[1].error_max = r[1].stray.to_curve = r[1].stray.to_target = (trial == 0 ? 5e-4 : 5e-3)*k.t.extent;
+        c[1].objective = r[1].error_max*r[1].error_max;
+        c[1].dim[0] *= 1.1;                                  /* not the same mechanism */
+        lw_fit fit = { .n = 2, .candidate = c };
+        CHECK_INT(lw_fit_results_make(&k.t, &k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
+        CHECK(found.n > 0 && found.candidate[0] == (trial == 0 ? 1 : 0));
+        lw_fit_results_free(&found);
+        lw_target_free(&k.t);
+    }
+}
+
 /* The measures of a row: error, stray, Chamfer distance, size, and transmission angle up to 45 degrees.  Less is better. */
 enum { ROW_MEASURES = 5 };
 static void measures_of(const lw_fit_report *r, double m[ROW_MEASURES])

@@ -60,7 +60,7 @@ static bool same_type(const lw_candidate *a, const lw_candidate *b)
 /* Does the linkage stay so near the target that nobody would build another one for less error?  Between the stations the target is a
  * guess, and it is known to its noise only. */
 #define FINE     1e-4              /* of the target at the stations, and an angle [rad]; ...                   */
-#define NO_ERROR 3e-4              /* ... and between them: play and tolerances are more                       */
+#define NO_ERROR 3e-4              /* ... and between them                                                      */
 static bool is_fine(const lw_target *t, const lw_fit_report *r)
 {
     return t->extent > 0 && r->error_max <= fmax(FINE*t->extent, t->noise) && !(r->angle_max > FINE)
@@ -238,10 +238,10 @@ static double cost_of_size(double bulk)
 static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
     double error = isnan(r->angle_max) ? 0 : r->angle_max, bulk = bulk_of(t, r);
-    const double none = t->extent > 0 ? fmax(NO_ERROR, t->noise/t->extent) : LW_EXACT_ENOUGH;
+    const double none = t->extent > 0 ? fmax(LW_EXACT_ENOUGH, t->noise/t->extent) : LW_EXACT_ENOUGH;      /* errors of manufacture */
     if (t->extent > 0 && isfinite(lw_fit_report_stray(r)))
         error = (lw_fit_report_distance(t, r) + (isnan(r->spread) ? 0 : r->spread))/t->extent;
-    return log(error + none) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/fmax(LW_NEAR, none))) : 0)
+    return log(hypot(error, none)) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/fmax(LW_NEAR, none))) : 0)
          + cost_of_size(bulk) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
          + (t->extent > 0 ? PER_RATIO*log(lw_uneven(lw_fit_report_ratio(t, r), 1)) : 0)
          + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
