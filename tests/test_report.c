@@ -399,6 +399,37 @@ TEST(errors_below_those_of_manufacture_cost_little)
     }
 }
 
+/* A four-bar that leaves the target by 8 % of its diagonal is no row beside six links that follow it, unless it alone turns fully. */
+TEST(rows_far_from_the_target_end_where_another_is_near)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 19);
+    for (int trial = 0; trial < 3; trial++) {
+        made k;
+        lw_fit_results found;
+        make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
+        lw_fit_spec_set_limits(&k.spec, &k.t, LW_LIMIT_ALL & ~LW_LIMIT_SIZE);
+        lw_family six = *k.m.family;
+        six.links = 6;
+        lw_candidate c[] = { k.c, k.c };
+        lw_fit_report r[] = { report_of(&k), report_of(&k) };
+        c[0].family = &six;
+        for (int i = 0; i < 2; i++) {
+            c[i].input = k.input;
+            c[i].report = &r[i];
+            r[i].error_max = r[i].stray.to_curve = r[i].stray.to_target = (i == 0 ? trial == 1 ? 0.03 : 0.01 : 0.08)*k.t.extent;
+            c[i].objective = r[i].error_max*r[i].error_max;
+            r[i].turns = i == 1 || trial < 2;
+        }
+        c[1].dim[0] *= 1.1;                                  /* not the same mechanism */
+        lw_fit fit = { .n = 2, .candidate = c };
+        CHECK_INT(lw_fit_results_make(&k.t, &k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
+        CHECK_INT(found.n, trial == 0 ? 1 : 2);
+        lw_fit_results_free(&found);
+        lw_target_free(&k.t);
+    }
+}
+
 /* The measures of a row: error, stray, Chamfer distance, size, and transmission angle up to 45 degrees.  Less is better. */
 enum { ROW_MEASURES = 5 };
 static void measures_of(const lw_fit_report *r, double m[ROW_MEASURES])

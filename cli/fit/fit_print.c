@@ -101,7 +101,7 @@ static void print_stages(const cli_fit_set *s, FILE *f)
             continue;
         fprintf(f, "best row with up to %d links: ", l->links);
         if (l->best < 0)
-            fputs(s->spec.by_default ? "none within the limits" : "none", f);
+            fputs(s->spec.by_default ? "none near the target and within the limits" : "none", f);
         else if (!lw_task_has_place(s->spec.task))
             fprintf(f, "%.4g deg in the mean", s->search.results.report[l->best].angle_mean*180/LW_PI);
         else

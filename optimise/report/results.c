@@ -86,27 +86,50 @@ static bool covers(const lw_target *t, double factor, const lw_candidate *ca, co
         && (a->transmission_min >= ENOUGH || !(b->transmission_min > a->transmission_min + GENTLER));
 }
 
-/* Is c, with report r, so much worse than the candidate with the least error and no more links (of inputs that turn, if its turns)
- * that nobody wants it? */
-static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, int least, const lw_candidate *c,
-                     const lw_fit_report *r)
+/* Numbers of a report in which a search over more should not be worse; less is better.  The first matter most. */
+enum { ERROR, STRAY, CHAMFER, ANGLE, BULK, TRANSMISSION, SPREAD, MEASURES };
+#define NO_BETTER 1e-3             /* relative: the best in a measure is not replaced by one better by less, a twin    */
+
+/* How far the linkage is from the target, as a part of its diagonal, or of the swing of the output. */
+static double part_missed(const lw_target *t, const lw_fit_report *r)
 {
+    return t->extent > 0 ? lw_fit_report_distance(t, r)/t->extent : r->angle_max/lw_target_swing(t);
+}
+
+/* The front of the candidates that can be results: of each number of links the one with the least error among those with no more links
+ * ([1]: and whose input turns), the best in each measure of those that are not rough, and the least part missed ([1] as before). */
+typedef struct front {
+    int    least[LW_LINK_MAX + 1][2], best[MEASURES];
+    double missed[2];
+} front;
+
+/* Is the linkage far from the target where another one (whose input turns, if its turns) is near? */
+static bool is_lost(const lw_target *t, const front *f, const lw_fit_report *r)
+{
+    return f->missed[r->turns] <= LW_NEAR && part_missed(t, r) > FAR;
+}
+
+/* Is candidate i lost, or so much worse than the one with the least error and no more links (of inputs that turn, if its turns) that
+ * nobody wants it? */
+static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, const front *f, int i)
+{
+    const lw_candidate *c = &fit->candidate[i];
+    const lw_fit_report *r = &all[i];
+    const int least = f->least[lw_candidate_links(c)][r->turns];
     const lw_candidate *first = &fit->candidate[least];
     const lw_fit_report *best = &all[least];
+    if (is_lost(t, f, r))
+        return true;
     bool far = t->extent > 0 ? lw_fit_report_misses(t, r) > FAR*t->extent : r->angle_max > FAR*lw_target_swing(t);
     double worse = far ? FAR_WORSE : WORSE, less = far ? MUCH_SMALLER : 1;
     return c->objective > worse*worse*first->objective && !(lw_fit_report_stray(r) < less*lw_fit_report_stray(best))
         && (lw_fit_report_distance(t, r) > fmax(ROUGH*t->size, t->noise) || r->angle_max > ROUGH_ANGLE);
 }
 
-/* Numbers of a report in which a search over more should not be worse; less is better.  The first matter most. */
-enum { ERROR, STRAY, CHAMFER, ANGLE, BULK, TRANSMISSION, SPREAD, MEASURES };
-#define NO_BETTER 1e-3             /* relative: the best in a measure is not replaced by one better by less, a twin    */
-
 static void measures(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, double m[MEASURES])
 {
     const double bulk = bulk_of(t, r), gentle = fmin(r->transmission_min, bulk > BULKY ? FAIR : ENOUGH);
-    const double all[MEASURES] = { error_of(t, c, r), lw_fit_report_stray(r), r->likeness.chamfer, r->angle_max > NOISE ? r->angle_max : 0,
+    const double all[MEASURES] = { sqrt(error_of(t, c, r)), lw_fit_report_stray(r), r->likeness.chamfer, r->angle_max > NOISE ? r->angle_max : 0,
                                    bulk, -gentle, r->spread };
     for (int i = 0; i < MEASURES; i++)
         m[i] = isnan(all[i]) ? INFINITY : all[i];
@@ -144,10 +167,6 @@ static bool is_twin(const lw_target *t, const lw_candidate *ca, const lw_fit_rep
     return twin;
 }
 
-/* The front of the candidates that can be results: of each the one with the least error among those with no more links ([1]: and
- * whose input turns), and the best in each measure of those that are not rough. */
-typedef struct front { int least[LW_LINK_MAX + 1][2], best[MEASURES]; } front;
-
 static bool is_best(const front *f, int i)
 {
     bool best = false;
@@ -177,6 +196,7 @@ static void find_front(const lw_target *t, const lw_fit *fit, const lw_fit_repor
                        int most, front *f)
 {
     double least[MEASURES], m[MEASURES];
+    f->missed[0] = f->missed[1] = INFINITY;
     for (int i = 0; i <= LW_LINK_MAX; i++)
         f->least[i][0] = f->least[i][1] = -1;
     for (int k = 0; k < MEASURES; k++) {
@@ -187,6 +207,8 @@ static void find_front(const lw_target *t, const lw_fit *fit, const lw_fit_repor
         const lw_candidate *c = &fit->candidate[i];
         if (!usable[i] || bits(all[i].broken) > bits(broken))
             continue;
+        for (int turns = 0; turns <= all[i].turns; turns++)
+            f->missed[turns] = fmin(f->missed[turns], part_missed(t, &all[i]));
         for (int n = lw_candidate_links(c); n <= LW_LINK_MAX; n++)
             for (int turns = 0; turns <= all[i].turns; turns++) {
                 int *least_of = &f->least[n][turns];
@@ -196,7 +218,7 @@ static void find_front(const lw_target *t, const lw_fit *fit, const lw_fit_repor
     for (int i = 0; i < fit->n; i++) {
         const lw_candidate *c = &fit->candidate[i];
         if (!usable[i] || bits(all[i].broken) > bits(broken)
-            || is_rough(t, fit, all, f->least[lw_candidate_links(c)][all[i].turns], c, &all[i]))
+            || is_rough(t, fit, all, f, i))
             continue;
         measures(t, c, &all[i], m);
         for (int k = 0; k < MEASURES && k < most - 1; k++)
@@ -212,10 +234,9 @@ static void find_front(const lw_target *t, const lw_fit *fit, const lw_fit_repor
 static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fit, int most, const lw_fit_report *all,
                       const front *f, const lw_fit_results *out, int i)
 {
-    const lw_candidate *c = &fit->candidate[i];
-    if (first_with_its_links(out, fit, i))
-        return true;
-    return s->by_default ? !is_rough(t, fit, all, f->least[lw_candidate_links(c)][all[i].turns], c, &all[i]) : out->n < most;
+    if (!s->by_default)
+        return out->n < most || first_with_its_links(out, fit, i);
+    return !is_rough(t, fit, all, f, i) || (first_with_its_links(out, fit, i) && !is_lost(t, f, &all[i]));
 }
 
 /* Properties that a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
