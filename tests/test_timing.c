@@ -219,6 +219,70 @@ TEST(refined_stations_stand_at_their_feet)
     }
 }
 
+/* Row i of the derivatives by variable d, at station k. */
+static double row_at(const lw_problem *p, const lw_work *w, int i, int d, size_t k)
+{
+    return w->row[((size_t)i*(size_t)p->n_var + (size_t)d)*w->ld + k];
+}
+
+/* The derivatives by the variables are those along which the inputs follow: no change of the input of a station, or of the common input
+ * of a block, makes them less, and they are the differences of the residuals with the inputs moved by `slide`. */
+static void check_elimination(const lw_problem *p, const double *x, lw_work *w, int d)
+{
+    const double h = 1e-6;
+    double sum[STATION_MAX], by[2][2][STATION_MAX], phase[STATION_MAX], trial[LW_VAR_MAX];
+    for (size_t k = 0; k < p->n; k++) {
+        sum[k] = w->tangent[k]*row_at(p, w, 0, d, k) + w->tangent[w->ld + k]*row_at(p, w, 1, d, k);
+        phase[k] = w->phase[k];
+    }
+    for (size_t b = 0; b < w->n_block; b++)
+        for (size_t q = 1; q < w->block[b].count; q++) {
+            size_t first = w->block[b].first, k = (first + q) % p->n;
+            sum[first] += sum[k];
+            sum[k] = 0;
+            CHECK(w->slide[(size_t)d*w->ld + k] == w->slide[(size_t)d*w->ld + first]);
+        }
+    for (size_t k = 0; k < p->n; k++)
+        CHECK_NEAR(sum[k], 0, 1e-10, 0);
+    memcpy(trial, x, sizeof *trial*(size_t)p->n_var);
+    for (int end = 0; end < 2; end++) {
+        double to = end ? h : -h;
+        trial[d] = x[d] + to;
+        for (size_t k = 0; k < p->n; k++)
+            w->phase[k] = phase[k] - to*w->slide[(size_t)d*w->ld + k];
+        CHECK(lw_problem_turn_stations(p, trial, w) && lw_problem_lanes(p, trial, w));
+        lw_problem_rows(p, trial, w, false);
+        for (int i = 0; i < 2; i++)
+            memcpy(by[end][i], w->res + (size_t)i*w->ld, sizeof *w->res*p->n);
+    }
+    for (int i = 0; i < 2; i++)
+        for (size_t k = 0; k < p->n; k++)
+            CHECK_NEAR((by[1][i][k] - by[0][i][k])/(2*h), row_at(p, w, i, d, k), 1e-6, 1e-6);
+    memcpy(w->phase, phase, sizeof *phase*p->n);
+}
+
+TEST(inputs_are_eliminated_alone_and_in_blocks)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 8);
+    size_t blocks = 0;
+    for (int trial = 0; trial < 20; trial++) {
+        lw_problem p;
+        double x[LW_VAR_MAX];
+        scatter(10, LW_TIMING_FREE, 0.3, trial % 2 ? 1 : -1, &rng, &p, x);
+        lw_work *w = new_work(&p);
+        CHECK(lw_timing_assign(&p, x, w) && lw_timing_refine(&p, x, w, 1000));
+        CHECK(lw_problem_turn_stations(&p, x, w) && lw_problem_lanes(&p, x, w));
+        lw_problem_rows(&p, x, w, true);
+        blocks += w->n_block;
+        for (int d = 0; d < p.n_var; d++)
+            check_elimination(&p, x, w, d);
+        free(w);
+        lw_problem_free(&p);
+    }
+    CHECK(blocks > 10);
+}
+
 /* Where the order does not matter a station is as near as at any sample, and but for stations between two
  * far branches as near as anywhere. */
 TEST(nearest_points_are_the_nearest)
