@@ -885,6 +885,14 @@ TEST(craig_bampton)
         }
         CHECK(before < 1e-5);
     }
+    for (int modes = 0; modes < 2; modes++) {        /* a tracer cuts off a piece of one element, which has no modes */
+        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {" BAR ", 'segments': 20%s}}], 'joints': [{'name': 'A', "
+                            "'kind': 'fixed', 'links': ['ground', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [0.1, 0, 0]}]}",
+                            modes ? ", 'superelements': 1, 'modes': 24" : ""), LW_OK);
+        frequencies(&m, false, 4, modes ? f : whole);
+    }
+    for (int i = 0; i < 4; i++)
+        CHECK(f[i] > whole[i] && f[i] < (1 + 1e-4)*whole[i]);
     for (int modes = 0; modes <= 24; modes += 12) {
         char text[500];
         snprintf(text, sizeof text, BAR ", 'segments': 20, 'superelements': 1, 'modes': %d", modes);

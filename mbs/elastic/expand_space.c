@@ -71,10 +71,14 @@ static lw_status keep_nodes(work *w, int chain, const lw_elastic_places *at, lw_
     return LW_OK;
 }
 
-static lw_status too_many_modes(const work *w, const lw_elastic_chain *c, int inner, lw_error *e)
+/* Number of nodes that carry the modes of piece i of a condensed bar: as many as are wanted, or as its inner nodes make. */
+static int modal_nodes_of_piece(const work *w, int chain, int i)
 {
-    return lw_error_set(e, LW_E_ARG, "the elastic link \"%s\" has %d \"modes\" in a superelement of %d inner nodes, which has %d; take fewer, or "
-                        "a finer mesh", w->m->body[c->link].name, c->elastic->modes, inner, (c->elastic->plane ? 3 : 6)*inner);
+    const lw_elastic_axis *full = &w->full[chain], *kept = &w->axis[chain];
+    int wanted = lw_elastic_modal_nodes(w->x->chain[chain].elastic), inner = 0;
+    for (int k = 0; k < full->n_node; k++)
+        inner += full->node[k] > kept->node[i] && full->node[k] < kept->node[i + 1];
+    return inner < wanted ? inner : wanted;
 }
 
 /* The nodes of a link with its own matrices: all; or, with modes, those on which something acts, two at least, and those that carry modes. */
@@ -95,7 +99,8 @@ static lw_status plan_matrices(work *w, int chain, lw_error *e)
     }
     int bound = n > 2 ? n : 2, wanted = more ? bound : p->n_node;
     if (s == LW_OK && more && bound + more > p->n_node)
-        s = too_many_modes(w, c, p->n_node - bound, e);
+        s = lw_error_set(e, LW_E_ARG, "the elastic link \"%s\" has %d \"modes\" in a superelement of %d inner nodes, which has %d; take fewer, or "
+                         "a finer mesh", w->m->body[c->link].name, p->modes, p->n_node - bound, (p->plane ? 3 : 6)*(p->n_node - bound));
     for (; s == LW_OK && n < wanted; n++) {      /* the one farthest from those that are kept */
         double most = -1;
         int best = 0;
@@ -135,7 +140,8 @@ static lw_status plan_chain(work *w, int chain, lw_error *e)
     if (s != LW_OK || (s = lw_elastic_chain_take(c, a, e)) != LW_OK)
         return s;
     if (c->elastic->modes) {
-        c->n_node += (c->n_node - 1)*lw_elastic_modal_nodes(c->elastic);
+        for (int i = 0; i + 1 < c->n_bound; i++)
+            c->n_node += modal_nodes_of_piece(w, chain, i);
         int *node = realloc(c->node, (size_t)c->n_node*sizeof *node);
         if (!node)
             return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -259,11 +265,15 @@ static double too_much_inertia(const work *w, const lw_elastic_chain *c)
 static lw_status fill_nodes(work *w, lw_elastic_chain *c, const lw_elastic_axis *axis, const int *keep, lw_error *e)
 {
     lw_spatial *to = &w->x->model;
+    int piece = -1, left = 0;                /* of its modal nodes */
     for (int i = 0; i < c->n_node; i++) {
         int link = i ? to->n_link++ : c->link;
         c->node[i] = link;
         bool modal = i >= c->n_bound;        /* at the first node of its superelement */
-        int at = !modal ? i : c->elastic->n_node ? 0 : (i - c->n_bound)/lw_elastic_modal_nodes(c->elastic);
+        while (modal && !c->elastic->n_node && left == 0)
+            left = modal_nodes_of_piece(w, (int)(c - w->x->chain), ++piece);
+        left -= modal;
+        int at = !modal ? i : c->elastic->n_node ? 0 : piece;
         to->body[link] = (lw_spatial_body){ .given = true, .centre = axis ? lw_elastic_axis_point(axis, axis->node[at])
                                                                            : c->elastic->node[keep[at]] };
         if (snprintf(to->body[link].name, LW_NAME_SIZE, "%s.%d", w->m->body[c->link].name, i) >= LW_NAME_SIZE)
@@ -350,7 +360,7 @@ static lw_status add_superelement(work *w, int n, int n_bound, const int *link, 
 }
 
 /* Matrices of the elements first .. last of a chain, whose nodes are links 0, 1, ... of m, condensed to its two ends and modes. */
-static lw_status condense(const lw_spatial *m, int first, int last, const lw_elastic *p, matrices *out)
+static lw_status condense(const lw_spatial *m, int first, int last, const lw_elastic *p, int more_nodes, matrices *out)
 {
     int nodes = last - first + 1, rows = 6*nodes;
     double *k = out->stiffness = calloc((size_t)rows*(size_t)rows, sizeof *k), *a = out->mass = calloc((size_t)rows*(size_t)rows, sizeof *a);
@@ -383,7 +393,7 @@ static lw_status condense(const lw_spatial *m, int first, int last, const lw_ela
             }
     }
     return lw_super_reduce(rows, k, a, 2, (const int[]){ 0, nodes - 1 }, (const lw_vec3[]){ m->body[first].centre, m->body[last].centre },
-                           lw_elastic_modal_nodes(p), p->plane, &out->rate, &out->turn);
+                           more_nodes, p->plane, &out->rate, &out->turn);
 }
 
 /* A bar of elements condensed to superelements between its nodes that are kept. */
@@ -392,7 +402,7 @@ static lw_status fill_pieces(work *w, int chain, lw_error *e)
     lw_elastic_chain *c = &w->x->chain[chain], all = *c;
     const lw_elastic_axis *full = &w->full[chain], *kept = &w->axis[chain];
     size_t n = (size_t)full->n_node + 1;
-    int more = lw_elastic_modal_nodes(c->elastic), link[LW_SUPER_NODES];
+    int modal = c->n_bound, link[LW_SUPER_NODES];
     lw_spatial named = { .body = &((lw_spatial *)(uintptr_t)w->m)->body[c->link] };
     lw_spatial_expansion mesh = { .model = { .n_link = 1, .body = calloc(n, sizeof *mesh.model.body), .beam = calloc(n, sizeof *mesh.model.beam) },
                                   .chain = &all };
@@ -407,13 +417,11 @@ static lw_status fill_pieces(work *w, int chain, lw_error *e)
         matrices of = { 0 };
         while (full->node[last] < kept->node[i + 1])
             last++;
-        if (last - first - 1 < more) {
-            s = too_many_modes(w, c, last - first - 1, e);
-            break;
-        }
-        s = condense(&mesh.model, first, last, c->elastic, &of);
+        int more = modal_nodes_of_piece(w, chain, i);
+        s = condense(&mesh.model, first, last, c->elastic, more, &of);
         for (int k = 0; k < 2 + more; k++)
-            link[k] = c->node[k < 2 ? i + k : c->n_bound + i*more + k - 2];
+            link[k] = c->node[k < 2 ? i + k : modal + k - 2];
+        modal += more;
         if (s == LW_OK)
             s = add_superelement(w, 2 + more, 2, link, c->elastic->damping, &of, e);
         else {

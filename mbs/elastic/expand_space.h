@@ -16,7 +16,7 @@ typedef struct lw_spatial_expansion {
 
 /* in_time: a bar of consistent mass becomes a superelement for each of its elements, whose mass turns with it.
  * Modes of condensed links are the coordinates of nodes behind the others of their link.  LW_E_ARG: an axis that does not
- * follow from the joints, a direction of the height along it, or more modes than inner coordinates (the link is named).  x needs
+ * follow from the joints, a direction of the height along it, or more modes than inner coordinates of own matrices (the link is named).  x needs
  * lw_spatial_expansion_free, after a failure too. */
 lw_status lw_spatial_expand(const lw_spatial *m, bool in_time, lw_spatial_expansion *x, lw_error *e);
 void      lw_spatial_expansion_free(lw_spatial_expansion *x);
