@@ -180,7 +180,7 @@ TEST(arms_count_among_the_lengths)
 {
     json_t *root = json_of("awk 'BEGIN { print \"# closed\"; print \"x [mm],y [mm],angle [deg]\"; for (i = 0; i < 36; i++) "
                            "printf \"0,%.6f,%d\\n\", 15*cos(i*3.14159265358979/18), 10*i }' > $D/needle.csv; "
-                           "$P fit $D/needle.csv --rounds 4 --json 2> $D/said");
+                           "$P fit $D/needle.csv --links 4 --rounds 4 --json 2> $D/said");
     json_t *rows = json_object_get(root, "results"), *r;
     size_t i;
     CHECK(json_array_size(rows) > 0 && member(json_array_get(rows, 0), "error_max") < 1);

@@ -330,6 +330,50 @@ TEST(more_links_are_left_out_if_a_crank_is_enough)
     lw_staged_search_free(&s);
 }
 
+/* Search a four-bar, then a six-bar unless a four-bar is this near, for a straight line; near[1], near[0]: how near the four-bars of more
+ * than 3.25 diagonals are, and the others. */
+static int stages_of_a_line(double unless, double near[2])
+{
+    double x[9], y[9] = { 0 };
+    lw_linkage four, k = six_bar();
+    lw_type_linkage(lw_type_find("fourbar"), &four);
+    lw_family bars = { .name = "four-bar", .linkage = &four, .links = 4 }, six = { .name = "six-bar", .linkage = &k, .links = 6 };
+    lw_search_stage stage[] = { { .links = 4, .families = lw_families_of(&bars, 1) },
+                                { .links = 6, .families = lw_families_of(&six, 1), .unless = unless, .until = unless } };
+    lw_fit_options o = lw_fit_options_default();
+    lw_fit_report *r = malloc(sizeof *r);
+    lw_staged_search s;
+    lw_target t;
+    for (int i = 0; i < 9; i++)
+        x[i] = i;
+    CHECK_INT(lw_target_make(9, x, y, NULL, NULL, NULL, 0, &t, NULL), LW_OK);
+    o.spec.timing = LW_TIMING_FREE;
+    o.budget = 300;
+    lw_fit_spec_set_limits(&o.spec, &t, 0);
+    CHECK_INT(lw_staged_search_run(&t, &o, stage, 2, &s, NULL), LW_OK);
+    near[0] = near[1] = INFINITY;
+    for (int i = 0; i < s.fit.n; i++) {
+        const lw_candidate *c = &s.fit.candidate[i];
+        if (lw_candidate_links(c) == 4 && c->part != LW_FIT_OTHERS && lw_fit_report_make(&t, &o.spec, c, r, NULL) == LW_OK
+            && r->verified && !r->broken)
+            near[c->longest > 3.25*t.extent] = fmin(near[c->longest > 3.25*t.extent], lw_fit_report_distance(&t, r));
+    }
+    int n = s.n_stage;
+    free(r);
+    lw_staged_search_free(&s);
+    lw_target_free(&t);
+    return n;
+}
+
+/* A four-bar of more than 3.25 diagonals of the target is no reason to leave six links out; a smaller one as near is. */
+TEST(large_linkages_are_not_enough)
+{
+    double near[2], again[2];
+    CHECK_INT(stages_of_a_line(INFINITY, near), 1);
+    CHECK(near[1] < 0.9*near[0] && near[0] < INFINITY);
+    CHECK_INT(stages_of_a_line(0.5*(near[0] + near[1]), again), 2);
+}
+
 /* Under a time limit reports are made during the search: when the time ends, the rows are chosen among all that was found. */
 TEST(reports_are_made_before_the_time_ends)
 {

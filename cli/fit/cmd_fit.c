@@ -32,7 +32,7 @@ static const cli_option options[] = {
       "as RRRP (R pin, P slider); 'all' tries every type", 0, 0, NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
-      "with --dof 2, numbers from 5. Without it 4; and 6 if every four-bar whose crank turns fully leaves a path by more than 2 % of its "
+      "with --dof 2, numbers from 5. Without it 4; and 6 if every four-bar of at most 3.25 diagonals whose crank turns fully leaves a path by more than 2 % of its "
       "diagonal, or a function by more than 2 % of its range, or by more than --tolerance: with a third of the budget, and with the rest if that finds none nearer. Of fewer than 16 "
       "points a four-bar that meets them to 1/1000 is near enough. If a rocking four-bar is near enough, only cranks are searched", 4, 10,
       NULL, NULL },

@@ -25,6 +25,7 @@ enum {
 #define SAME     1e-9       /* relative difference of the objectives of one linkage, or of cognates  */
 #define ROUNDING 1e-20      /* objectives below this are not compared                                */
 #define NO_SMALLER 1.02      /* sizes that differ less are alike                                      */
+#define LARGE    3.25        /* diagonals of the target                                               */
 #define LEAST_PART 0.02      /* of a time limit, that is worth another part of the search            */
 #define STRAY    0.02       /* sizes of the target that a curve may leave it beside 1.5 times its greatest error */
 
@@ -439,16 +440,18 @@ static lw_status run_searches(const stage_part *p, lw_fit_part kind, long budget
 }
 
 /* Is one of the linkages found (of the cranks, or of all) near enough to the target to leave a stage out?  Those that break limits do not
- * count. */
+ * count, nor do those so large that they would hardly be built where more links make a smaller one, unless the user bounds lengths. */
 static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unless, bool cranks, const lw_fit *all, bool *enough)
 {
     lw_fit_report *r = malloc(sizeof *r);
     lw_status st = r ? LW_OK : LW_E_MEMORY;
+    const double most = lw_task_has_place(s->task) && s->by_default & LW_LIMIT_SIZE && !(s->length_hi > 0) && s->n_bound == 0 ? LARGE*t->extent : INFINITY;
     *enough = false;
     for (int i = 0, seen = 0; i < all->n && seen < NEAREST && !*enough && st == LW_OK && all->candidate[i].beyond == 0; i++) {
-        if ((cranks && !is_of_cranks(&all->candidate[i])) || all->candidate[i].shrunk)
+        const lw_candidate *c = &all->candidate[i];
+        if ((cranks && !is_of_cranks(c)) || c->shrunk || c->longest > most)
             continue;
-        st = lw_fit_report_make(t, s, &all->candidate[i], r, NULL);
+        st = lw_fit_report_make(t, s, c, r, NULL);
         bool usable = st == LW_OK && r->verified && !r->broken;
         seen += usable;
         *enough = usable && (!lw_task_has_place(s->task) ? r->angle_max : s->tolerance > 0 ? lw_fit_report_misses(t, r)
