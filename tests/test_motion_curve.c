@@ -436,6 +436,23 @@ TEST(curves_without_end)
     curve_free(v);
 }
 
+/* An elliptic trammel whose point is a hundred times as far from its pins as these from each other: its sliders go as far, and its curve is closed. */
+TEST(small_links_with_a_long_arm_are_followed_all_round)
+{
+    lw_linkage l;
+    lw_vec2 b = lw_v2(0.02, 0), c = lw_v2_polar(0.03, 0.05);
+    blank_linkage(&l, 4);
+    add_slide(&l, 0, 1, b, 0);
+    add_pin(&l, 1, 2, b);
+    add_pin(&l, 2, 3, c);
+    add_slide(&l, 0, 3, c, 0.05);
+    add_input(&l, 0, 0);
+    add_tracer(&l, 2, lw_v2(1, 0));
+    curve *v = follow(&l, 0);
+    CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
+    curve_free(v);
+}
+
 TEST(refuses_with_reasons)
 {
     lw_linkage l;

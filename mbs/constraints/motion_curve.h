@@ -38,7 +38,7 @@ typedef enum lw_motion_curve_end {
 
 typedef struct lw_motion_curve_options {
     int    input;             /* the free input                                                     */
-    double reach;             /* largest distance of links from the middle, in sizes; 0: 30          */
+    double reach;             /* largest distance of links from the middle, in sizes; 0: 30 times the size, or the longest arm of a tracer */
     int    most_segments;     /* 0: 20000                                                          */
     const volatile sig_atomic_t *stop;     /* may be NULL; nonzero: LW_STOPPED at the next step            */
     double until;             /* wall time (lw_clock_wall) at which a search for circuits ends; 0: never */

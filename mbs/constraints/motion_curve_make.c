@@ -17,6 +17,15 @@ static lw_status check(const lw_system *s, const lw_motion_curve_options *o, lw_
     return LW_OK;
 }
 
+/* Links that are small beside the arm of a tracer move as far as that arm, where sliders guide them. */
+static double usual_reach(const lw_system *s)
+{
+    double size = 1.0;
+    for (int i = 0; i < s->n_tracer; i++)
+        size = fmax(size, lw_v2_norm(s->tracer_arm[i]));
+    return 30.0*size;
+}
+
 static bool allocate(const lw_system *s, const lw_motion_curve_options *o, lw_motion_curve *b)
 {
     size_t inputs = (size_t)s->n_input;
@@ -29,7 +38,7 @@ static bool allocate(const lw_system *s, const lw_motion_curve_options *o, lw_mo
     b->s = s;
     b->n = s->n_q;
     b->input = o->input;
-    b->reach = o->reach > 0.0 ? o->reach : 30.0;
+    b->reach = o->reach > 0.0 ? o->reach : usual_reach(s);
     b->stop = o->stop;
     b->most = o->most_segments > 0 ? o->most_segments : 20000;
     b->series = calloc((size_t)(LW_MOTION_CURVE_ORDER + 1 + 3 + LW_MOTION_CURVE_BESIDE)*(size_t)b->n
