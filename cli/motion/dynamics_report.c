@@ -219,6 +219,9 @@ void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynami
     if (r->energy_scale > 0)
         cli_note(c, r->energy_held > 0 ? "energy error %.3g J of %.3g J; %.3g J in all were put back after steps"
                  : "energy error %.3g J of %.3g J", r->energy_error, r->energy_scale, r->energy_held);
+    if (r->energy_steps > 0)
+        cli_note(c, "that is %.2g times the error allowed a step: the motion is less accurate than --tolerance asks; a smaller one or another --formulation "
+                 "shows by how much", r->energy_steps);
     if (r->momentum_scale > 1e-290)          /* something moved                                         */
         cli_note(c, "momentum error %.3g of %.3g kg m^2/s or kg m/s", r->momentum_error, r->momentum_scale);
     if (r->steps > 0)

@@ -110,6 +110,7 @@ typedef struct lw_dynamics_report {
     long   steps, refused, rates;          /* rates: evaluations of the equations */
     double worst_off, worst_off_rate;      /* greatest residuals over all samples */
     double energy_error;         /* greatest |E - E(start) - work| [J] */
+    double energy_steps;         /* that error over the error allowed a step, where it is more than 1000 times as great; 0: less, or not known */
     double energy_held;          /* sum of the corrections of the energy after steps, where it is kept [J] */
     double period;               /* of a motion that repeats itself: measured, used for the rest of the run [s]; 0 */
     double period_off;           /* uncertainty of the phase at the last sample, in periods; 0 without a period */

@@ -325,6 +325,7 @@ static const double most_off = 1e-6, far_off = 1e3;
  * which damps the motion. */
 static const double least_energy_off = 0.01; /* part of the energy exchanged below which there is no error yet */
 static const double most_energy_off = 100;   /* greatest error, over that of all steps at the tolerance; examples reach 4 */
+#define ENERGY_STEPS 1000.0           /* error over that of one step from which the report says so */
 
 static bool knows_energy(const lw_run *run)
 {
@@ -335,15 +336,16 @@ static bool knows_energy(const lw_run *run)
 static lw_status check_energy(lw_run *run, const lw_moment *m)
 {
     lw_dynamics *d = run->d;
-    const lw_dynamics_report *r = run->r;
-    double scale = fmax(r->energy_scale, fmax(m->kinetic, run->work_done));
+    lw_dynamics_report *r = run->r;
+    double scale = fmax(r->energy_scale, fmax(m->kinetic, run->work_done)), step = (d->o.relative + d->o.absolute)*scale;
     double off = fmax(r->energy_error, fabs(m->kinetic + m->potential - m->work - run->energy0));
-    if (!knows_energy(run) || off <= least_energy_off*scale)
+    if (!knows_energy(run) || off <= ENERGY_STEPS*step)
         return LW_OK;
     d->eq.forces(d->eq.context, m->t, m->q, m->v, d->hold, NULL);
     double noise = rounded_energy(d, m->q, d->hold, 1), least = least_kinetic(d, d->hold);
-    double step = (d->o.relative + d->o.absolute)*scale + 2*sqrt(scale*least) + least + noise;
-    return off <= most_energy_off*(double)run->n_noted*step ? LW_OK
+    step += 2*sqrt(scale*least) + least + noise;
+    r->energy_steps = fmax(r->energy_steps, off > ENERGY_STEPS*step ? off/step : 0);
+    return off <= fmax(least_energy_off*scale, most_energy_off*(double)run->n_noted*step) ? LW_OK
          : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the energy is off by %.3g J of %.3g J, far more than steps at this tolerance explain: "
                         "the motion is not that of the model; another tolerance or formulation may find it", m->t, off, scale);
 }
