@@ -447,7 +447,8 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_E_KIND, 0, "first-order states decay fast");
     if (d->space)
         snprintf(why, sizeof why, "places and quaternions of all bodies, explicit method of order 8%s%s%s",
-                 d->has_zero_mass ? "; massless parts are solved by rank" : "", !d->n_friction ? "" : lw_stick_suits(d) ? "; friction sticks" : "; friction is regularised, but not stiff", lw_mbs_is_planar(d));
+                 d->has_zero_mass ? "; massless parts are solved by rank" : "",
+                 !d->n_friction ? "" : lw_stick_suits(d) ? "; friction sticks" : "; friction is regularised, but not stiff", lw_mbs_is_planar(d));
     else
         snprintf(why, sizeof why, "bodies' coordinates: %s", d->not_reduced);
     return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, why);

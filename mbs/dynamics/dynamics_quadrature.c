@@ -205,7 +205,8 @@ static lw_status panel_from_rest(quadrature *z)
             double off = back > 0 ? z->kinetic - kinetic_at(z, back/z->length) : 0;
             if (fabs(off) > 1e-15*z->kinetic && k <= 50)
                 back += off/fabs(lw_panel_sum(z->rule->begin, p->force));        /* the force at s* */
-            else if (fabs(off) <= 1e-13*z->kinetic && force_at(z, p->from + sense*p->length, &end) == LW_OK && matches_force(z, z->rule->end, end, kinetic_at(z, 1)) && matches_at_rest(z))
+            else if (fabs(off) <= 1e-13*z->kinetic && force_at(z, p->from + sense*p->length, &end) == LW_OK
+                     && matches_force(z, z->rule->end, end, kinetic_at(z, 1)) && matches_at_rest(z))
                 break;
             else
                 z->length *= 0.5;

@@ -44,7 +44,8 @@ static void put_body(const lw_recursive *r, const lw_space_forces *f, int i, lw_
     const double *m = r->mass + 6*p->body, *w = f->weight + 6*p->body;
     lw_stage_body *b = &s->body[i];
     *b = (lw_stage_body){ .parent = p->parent, .kind = p->kind, .back = p->back, .x = p->x, .u = p->u, .n_u = p->n_u, .leaf = true,
-                          .n_x = p->n_u + (p->kind == LW_SPATIAL_SPHERICAL || p->kind == LW_SPATIAL_FREE), .angle = s->n_angle, .arm = { p->arm[0], p->arm[1] }, .part = { p->fixed },
+                          .n_x = p->n_u + (p->kind == LW_SPATIAL_SPHERICAL || p->kind == LW_SPATIAL_FREE),     /* quaternions */
+                          .angle = s->n_angle, .arm = { p->arm[0], p->arm[1] }, .part = { p->fixed },
                           .mass = { m[0], m[3], m[4], m[5] }, .weight = { w[0], w[1], w[2] } };
     if (!j)
         return;
