@@ -103,10 +103,10 @@ typedef struct front {
     double missed[2];
 } front;
 
-/* Is the linkage far from the target where another one (whose input turns, if its turns) is near? */
+/* Is the linkage far from the target, by more than its noise, where another one (whose input turns, if its turns) is near? */
 static bool is_lost(const lw_target *t, const front *f, const lw_fit_report *r)
 {
-    return f->missed[r->turns] <= LW_NEAR && part_missed(t, r) > FAR;
+    return f->missed[r->turns] <= LW_NEAR && part_missed(t, r) > (t->extent > 0 ? fmax(FAR, t->noise/t->extent) : FAR);
 }
 
 /* Is candidate i lost, or so much worse than the one with the least error and no more links (of inputs that turn, if its turns) that
@@ -217,8 +217,7 @@ static void find_front(const lw_target *t, const lw_fit *fit, const lw_fit_repor
     }
     for (int i = 0; i < fit->n; i++) {
         const lw_candidate *c = &fit->candidate[i];
-        if (!usable[i] || bits(all[i].broken) > bits(broken)
-            || is_rough(t, fit, all, f, i))
+        if (!usable[i] || bits(all[i].broken) > bits(broken) || is_rough(t, fit, all, f, i))
             continue;
         measures(t, c, &all[i], m);
         for (int k = 0; k < MEASURES && k < most - 1; k++)
