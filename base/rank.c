@@ -52,8 +52,10 @@ static void reflect_columns(lw_rank *r, int k)
     int n = r->m - k, j = k + 1;
     for (; j + TOGETHER <= r->n; j += TOGETHER) {
         double *c[TOGETHER], sum[TOGETHER];
-        for (int q = 0; q < TOGETHER; q++)
-            sum[q] = *(c[q] = column(r, j + q) + k);
+        for (int q = 0; q < TOGETHER; q++) {
+            c[q] = column(r, j + q) + k;
+            sum[q] = c[q][0];
+        }
         for (int i = 1; i < n; i++)
             for (int q = 0; q < TOGETHER; q++)
                 sum[q] += v[i]*c[q][i];

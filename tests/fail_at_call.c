@@ -30,12 +30,12 @@ static atomic_long calls[N_KIND];
 static long fail_at[N_KIND];
 static sqlite3_mem_methods sqlite_memory;
 
-/* Within a call whose memory is put by before (mbs/ode/sundials.c) no allocation fails. */
-static _Thread_local bool put_by;
+/* Within a call whose memory was made sure of before (mbs/ode/sundials.c), no allocation fails. */
+static _Thread_local bool never_fails;
 
 static bool fails(enum kind kind, int error)
 {
-    if (put_by || ++calls[kind] != fail_at[kind])
+    if (never_fails || ++calls[kind] != fail_at[kind])
         return false;
     if (getenv("LW_FAIL_SHOW")) {
         void *at[24];
@@ -77,9 +77,9 @@ int __wrap_SUNContext_Create(void *comm, void *context)
 {
     if (fails(MEMORY, ENOMEM))
         return -1;
-    put_by = true;
+    never_fails = true;
     int code = __real_SUNContext_Create(comm, context);
-    put_by = false;
+    never_fails = false;
     return code;
 }
 

@@ -23,22 +23,28 @@ static inline void read_planar(const char *quoted, const char *name, lw_model *m
     free(json);
 }
 
-static inline void load_planar(const char *path, lw_model *m)
+static inline char *need_json(const char *path, size_t *size)
 {
     char *json = NULL;
-    size_t size = 0;
     lw_error e = { 0 };
-    need_planar(lw_file_read(path, &json, &size, &e), path, &e);
+    need_planar(lw_file_read(path, &json, size, &e), path, &e);
+    return json;
+}
+
+static inline void load_planar(const char *path, lw_model *m)
+{
+    size_t size;
+    char *json = need_json(path, &size);
+    lw_error e = { 0 };
     need_planar(lw_model_read(json, size, path, m, &e), path, &e);
     free(json);
 }
 
 static inline void load_linkage(const char *path, lw_linkage *k)
 {
-    char *json = NULL;
-    size_t size = 0;
+    size_t size;
+    char *json = need_json(path, &size);
     lw_error e = { 0 };
-    need_planar(lw_file_read(path, &json, &size, &e), path, &e);
     need_planar(lw_linkage_read(json, size, path, k, &e), path, &e);
     free(json);
 }

@@ -33,20 +33,6 @@ static lw_dynamics_options held(void)
     return o;
 }
 
-/* The angular frequency with which an input excites vibrations [rad/s]: its speed, if it turns, or where it speeds up and slows down the
- * ratio of its greatest acceleration to its greatest speed, if that is greater.  speed: without a motion. */
-static double excitation(const lw_expression *motion, bool turns, double speed, double from, double to)
-{
-    double v = fabs(speed), up = 0, down = 0;
-    for (int k = 0; motion && k <= 200; k++) {
-        double at[3] = { from + (to - from)*k/200, 1, 0 }, out[3];
-        lw_expression_series(motion, 2, at, out);
-        if (isfinite(out[1]) && isfinite(out[2]))
-            v = fmax(v, fabs(out[1])), up = fmax(up, 2*out[2]), down = fmax(down, -2*out[2]);
-    }
-    return fmax(turns ? v : 0, v > 0 && fmin(up, down) > 0.1*fmax(up, down) ? fmax(up, down)/v : 0);
-}
-
 static void explain_chain(const cli_call *call, const char *name, const lw_elastic_chain *k)
 {
     if (k->condensed)
@@ -100,8 +86,8 @@ void cli_explain_elastic(const cli_call *call, const lw_model *m, const lw_dynam
     if (!x)
         return;
     for (int i = 0; i < m->linkage.n_input; i++)
-        drive = fmax(drive, excitation(m->motion[i], lw_joint_turns(m->linkage.joint[m->linkage.input[i].joint].kind),
-                                       m->has_speed[i] ? m->speed[i] : 0, from, to));
+        drive = fmax(drive, lw_motion_frequency(m->motion[i], lw_joint_turns(m->linkage.joint[m->linkage.input[i].joint].kind),
+                                                m->has_speed[i] ? m->speed[i] : 0, from, to));
     lw_dynamics_options o = held();
     double first = lw_dynamics_make(m, &o, &d, NULL) == LW_OK ? first_frequency(d, lw_dynamics_system(d)->n_q) : 0;
     explain_rules(call, first, drive, pass);
@@ -121,8 +107,8 @@ void cli_explain_elastic_spatial(const cli_call *call, const lw_spatial *m, cons
     if (!x || x->n_chain == 0)
         return;
     for (int i = 0; i < m->n_input; i++)
-        drive = fmax(drive, excitation(m->input[i].motion, m->input[i].measure.of == LW_OF_TURN,
-                                       m->input[i].has_speed ? m->input[i].speed : 0, from, to));
+        drive = fmax(drive, lw_motion_frequency(m->input[i].motion, m->input[i].measure.of == LW_OF_TURN,
+                                                m->input[i].has_speed ? m->input[i].speed : 0, from, to));
     lw_dynamics_options o = held();
     double first = lw_dynamics_make_spatial(m, &o, &d, NULL) == LW_OK ? first_frequency(d, lw_dynamics_space(d)->n_q) : 0;
     explain_rules(call, first, drive, pass);

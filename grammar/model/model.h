@@ -246,6 +246,10 @@ lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e
  * the input and the time. */
 lw_status lw_motion_check(const lw_expression *motion, const char *input, double from, double to, lw_error *e);
 
+/* The angular frequency with which an input excites vibrations between these times [rad/s]: its greatest speed, if it turns, or the ratio of its
+ * greatest acceleration to its greatest speed where it moves to and fro, whichever is greater.  speed: of an input without a motion (NULL). */
+double lw_motion_frequency(const lw_expression *motion, bool turns, double speed, double from, double to);
+
 /* Show the rates of states; motions, forces, laws and rates: NULL where one is missing. */
 void lw_states_expressions(const lw_states *s, lw_expression_sink *see, void *context);
 void lw_model_expressions(const lw_model *m, lw_expression_sink *see, void *context);

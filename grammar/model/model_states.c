@@ -289,6 +289,23 @@ lw_status lw_motion_check(const lw_expression *motion, const char *input, double
                         "end the run before it", input, t);
 }
 
+double lw_motion_frequency(const lw_expression *motion, bool turns, double speed, double from, double to)
+{
+    enum { SAMPLES = 200 };
+    double fastest = fabs(speed), up = 0, down = 0;          /* greatest accelerations in both directions */
+    for (int k = 0; motion && k <= SAMPLES; k++) {
+        double at[3] = { from + (to - from)*k/SAMPLES, 1, 0 }, out[3];
+        lw_expression_series(motion, 2, at, out);
+        if (isfinite(out[1]) && isfinite(out[2])) {
+            fastest = fmax(fastest, fabs(out[1]));
+            up = fmax(up, 2*out[2]);
+            down = fmax(down, -2*out[2]);
+        }
+    }
+    bool to_and_fro = fastest > 0 && fmin(up, down) > 0.1*fmax(up, down);
+    return fmax(turns ? fastest : 0, to_and_fro ? fmax(up, down)/fastest : 0);
+}
+
 /* ---- names ------------------------------------------------------------------------------------------------ */
 
 static lw_status name_state(const lw_json_node *object, lw_states *z, const char *name, const char *what, const char *unit,

@@ -13,9 +13,10 @@
  * its pattern; those out of force become 0, so that a pass is one sparse factorisation.  Rows of contacts have a
  * compliance of rounding, which shares loads that are undetermined.
  *
- * While no place changes, J v', and N v' and T v' of what presses and sticks, are the rates at the end of the step, to second order: with those
- * of its middle a linkage would lose energy in proportion to h.  So the error is of second order then, but for forces that depend on velocities.
- * Times of impacts and overlaps are of first order.  The report says both. */
+ * While no contact begins, ends, slips or sticks anew, the new velocities satisfy the constraints at the end of the step, to second order: the rows
+ * of joints, and those of the contacts that press and stick.  If they satisfied them in its middle, a linkage would lose energy in proportion to h.  So
+ * the error is of second order there, except for forces that depend on velocities.  Times of impacts and overlaps are of first order.  The report
+ * says both. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
@@ -459,7 +460,7 @@ static lw_status solve_densely(capture *g, double h, int m)
     return s;
 }
 
-/* Where places change in a step, what the old velocities say about its end is of no use: the rows get the rates of its middle. */
+/* Where contacts change in a step, its end cannot be predicted from the old velocities: the rows are satisfied in its middle. */
 static lw_status aim_at_middle(capture *g, double t)
 {
     lw_status s = lw_mbs_rate_wanted(g->d, t);

@@ -615,7 +615,7 @@ static bool by_posture(const lw_dynamics *d)
 }
 
 /* Do no laws of springs have a pulse, as a detent has, between lengths or angles of this size?  Panels could pass over one. */
-static bool are_even(const lw_dynamics *d)
+static bool have_no_pulse(const lw_dynamics *d)
 {
     const double most = 10*fmax(1, d->s.unit);
     const lw_model *m = d->model;
@@ -636,7 +636,7 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, s, 0, d->not_reduced);
     if (!by_posture(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "forces depend on time or speed");
-    if (!are_even(d))
+    if (!have_no_pulse(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "the law of a spring changes too fast for its panels");
     d->rule = d->rule ? d->rule : malloc(sizeof *d->rule);
     if (!d->rule || lw_panel_rule_make(d->rule) != LW_OK)

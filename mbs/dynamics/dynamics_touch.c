@@ -657,8 +657,11 @@ static void note_several_motions(lw_run *run, double t, const closed *c, double 
 {
     bool slips = false, sticks = false;
     for (int i = 0; i < c->m; i++)
-        if (c->in[i] && c->law[i].friction > 0)
-            *(friction_at_limit(c, i) != 0 ? &slips : &sticks) = true;
+        if (c->in[i] && c->law[i].friction > 0) {
+            bool at_limit = friction_at_limit(c, i) != 0;
+            slips |= at_limit;
+            sticks |= !at_limit;
+        }
     for (int i = 0; slips && !sticks && !run->r->undetermined && i < c->m; i++) {
         const lw_touch *p = &run->d->touch->list.touch[c->place[i]];
         if (c->in[i] && p->state == LW_TOUCH_PASSIVE && !take_row(c, factor, taken, n, most, 2*i) && moves_otherwise(c, factor, taken, n, most, i)) {

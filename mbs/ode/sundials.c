@@ -218,8 +218,9 @@ static bool make_matrices(lw_sun *s)
     return true;
 }
 
-/* SUNDIALS 6.4 makes a context of four blocks and uses two of them without a look whether there was memory for them
- * (SUNHashMap_New, SUNLogger_Create).  malloc keeps small blocks that a thread frees for that thread: it finds these. */
+/* SUNDIALS 6.4 allocates four blocks for a context and does not check two of these calls (SUNHashMap_New, SUNLogger_Create).  malloc of
+ * the GNU C library keeps small blocks that a thread has freed for the next calls of this thread.  So blocks of these sizes are
+ * allocated and freed first: the calls of SUNDIALS then get them. */
 static bool make_context(lw_sun *s)
 {
     static const size_t size[] = { 96, 16, 64, 32 };     /* logger, its table of files, the entries of it, context */

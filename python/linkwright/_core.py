@@ -76,9 +76,9 @@ def take_bytes(pointer, size):
         lib.lw_free(pointer)
 
 
-def make(kind, function, *arguments, says=True):
-    """The lw_`kind` that function(*arguments, out, error) makes for the caller; says=False: it has no error."""
-    out, error = ffi.new(f"lw_{kind} **"), [new_error()] if says else []
+def make(kind, function, *arguments, has_error=True):
+    """The lw_`kind` that function(*arguments, out, error) makes for the caller; has_error=False: it takes no error."""
+    out, error = ffi.new(f"lw_{kind} **"), [new_error()] if has_error else []
     check(function(*arguments, out, *error), *error)
     return out[0]
 

@@ -107,7 +107,7 @@ class Catalogue:
         found, error = [], new_error()
 
         def visit(hit):
-            linkage = Linkage(make("linkage", lib.lw_linkage_copy, hit.linkage, says=False))
+            linkage = Linkage(make("linkage", lib.lw_linkage_copy, hit.linkage, has_error=False))
             found.append(Hit(hit.distance, hit.distance_m, text_of(hit.family), linkage,
                              None if hit.turns < 0 else hit.turns == 1, hit.transmission))
 

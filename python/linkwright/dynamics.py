@@ -72,7 +72,7 @@ class Model:
 
     def __init__(self, linkage: Union[Linkage, "ffi.CData"]):
         if isinstance(linkage, Linkage):
-            linkage = make("model", lib.lw_model_create, linkage._handle, says=False)
+            linkage = make("model", lib.lw_model_create, linkage._handle, has_error=False)
         self._handle = ffi.gc(linkage, lib.lw_model_destroy)
 
     @classmethod

@@ -42,7 +42,7 @@ class Variant:
     """One choice of the parameters of a family."""
 
     def __init__(self, family, configuration, view, values):
-        error, variant = new_error(), make("variant", lib.lw_variant_create, family._handle, says=False)
+        error, variant = new_error(), make("variant", lib.lw_variant_create, family._handle, has_error=False)
         self._family, self._handle = family, ffi.gc(variant, lib.lw_variant_destroy)
         for choose, name in ((lib.lw_variant_configure, configuration), (lib.lw_variant_look, view)):
             if name is not None:

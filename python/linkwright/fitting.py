@@ -80,7 +80,7 @@ class Result:
     @property
     def linkage(self) -> Linkage:
         """In the posture of the first station; tracer 0 is the point that was fitted."""
-        return Linkage(make("linkage", lib.lw_results_linkage, self._results, self._number, says=False))
+        return Linkage(make("linkage", lib.lw_results_linkage, self._results, self._number, has_error=False))
 
     @property
     def dimensions(self) -> dict[str, float]:

@@ -111,7 +111,7 @@ class Linkage:
         return json.loads(self.export("json"))
 
     def copy(self) -> "Linkage":
-        return Linkage(make("linkage", lib.lw_linkage_copy, self._handle, says=False))
+        return Linkage(make("linkage", lib.lw_linkage_copy, self._handle, has_error=False))
 
     def export(self, format: str) -> bytes:
         """As "json", "pyslvs", "pmks", "adams", "acf", "mjcf", "dxf", "scad", "slvs", "svg", "poses", "motiongen"."""

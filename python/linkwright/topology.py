@@ -62,7 +62,7 @@ class Chain(_Topology):
     @classmethod
     def from_joints(cls, links: int, joints) -> "Chain":
         """Chain of so many links (1 to 32); joints: pairs of links (i, k), or (i, k, freedom) with 1 or 2."""
-        chain = cls(make("chain", lib.lw_chain_create, links, says=False))
+        chain = cls(make("chain", lib.lw_chain_create, links, has_error=False))
         for i, k, *freedom in joints:
             check(lib.lw_chain_join(chain._handle, i, k, freedom[0] if freedom else 1))
         return chain
@@ -110,7 +110,7 @@ class Chain(_Topology):
 
     def canonical(self) -> "Chain":
         """The same chain with its links in canonical order; isomorphic chains give equal texts."""
-        form = Chain(make("chain", lib.lw_chain_create, self.links, says=False))
+        form = Chain(make("chain", lib.lw_chain_create, self.links, has_error=False))
         check(lib.lw_chain_canonical(self._handle, form._handle))
         return form
 
@@ -121,7 +121,7 @@ class Chain(_Topology):
 
     def mechanism(self) -> "Mechanism":
         """As a mechanism with nothing chosen: joints r and p."""
-        return Mechanism(make("mechanism", lib.lw_mechanism_of_chain, self._handle, says=False))
+        return Mechanism(make("mechanism", lib.lw_mechanism_of_chain, self._handle, has_error=False))
 
     def mechanisms(self, **choices) -> list["Mechanism"]:
         """See Mechanism.mechanisms."""
@@ -173,7 +173,7 @@ class Mechanism(_Topology):
 
     def chain(self) -> Chain:
         """Its chain: kinds and choices are forgotten."""
-        chain = Chain(make("chain", lib.lw_chain_create, self.links, says=False))
+        chain = Chain(make("chain", lib.lw_chain_create, self.links, has_error=False))
         lib.lw_mechanism_chain(self._handle, chain._handle)
         return chain
 
@@ -191,7 +191,7 @@ class Mechanism(_Topology):
         fill(what, choices, keep)
 
         def visit(mechanism):
-            found.append(Mechanism(make("mechanism", lib.lw_mechanism_copy, mechanism, says=False)))
+            found.append(Mechanism(make("mechanism", lib.lw_mechanism_copy, mechanism, has_error=False)))
 
         calls = Calls(visit)
         calls.finish(lib.lw_enumerate_mechanisms(self._handle, what, lib.lw_py_mechanism, calls.handle, ffi.NULL, error),
@@ -243,7 +243,7 @@ def chains(links: int, dof: int = 1, **options) -> Iterator[Chain]:
     what, batch = _enumeration(links, dof, options, keep), []
 
     def visit(chain):
-        batch.append(Chain(make("chain", lib.lw_chain_copy, chain, says=False)))
+        batch.append(Chain(make("chain", lib.lw_chain_copy, chain, has_error=False)))
         if len(batch) == 64:
             put(batch.copy())
             batch.clear()
