@@ -1136,8 +1136,10 @@ typedef struct lw_task_file lw_task_file;      /* a target with the conditions o
 typedef struct lw_target_options {
     int         closed;         /* 1 yes, 0 no, -1 by the file: its "closed" comment, or by guess:
                                  * the gap from last to first is no longer than 1.5 times the longest
-                                 * step or a twentieth of the path (a last station that repeats
-                                 * the first is kept); functions are open                          */
+                                 * step or a twentieth of the path, body angles come back likewise,
+                                 * input angles make a full turn, and there are four stations, or
+                                 * three with input angles (a last station that repeats the first
+                                 * is kept); functions are open                                    */
     const char *length_unit;    /* NULL: by the file, else metre; overrules a "units" comment      */
     const char *angle_unit;     /* NULL: by the file, else radian; overrules likewise              */
     const char *curve;          /* of a drawing: "2", "1,3", "all", or the name of a curve, group or

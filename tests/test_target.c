@@ -87,7 +87,7 @@ TEST(further_points)
 {
     lw_target t;
     lw_error e;
-    CHECK_INT(read("# units: mm "
+    CHECK_INT(read("# closed: yes\n# units: mm "
                    "deg\nx,y2,x2,y,theta3,weight3,angle\n0,5,100,0,90,1,0\n3,5,103,0,180,2,10\n3,9,103,4,0,0,20\n",
                    &t, &e), LW_OK);
     CHECK_INT(t.n_also, 2);
@@ -154,8 +154,10 @@ TEST(length_and_size)
 {
     lw_target t;
     lw_error e;
-    CHECK_INT(read("x,y\n0,0\n3,0\n3,4\n", &t, &e), LW_OK);
-    CHECK(t.closed);                                          /* gap 5 <= 1.5 * 4 */
+    CHECK_INT(read("x,y\n0,0\n3,0\n3,2\n3,4\n", &t, &e), LW_OK);
+    CHECK(!t.closed);                                         /* gap 5 > 1.5 * 3 */
+    lw_target_free(&t);
+    CHECK_INT(read("# closed: yes\nx,y\n0,0\n3,0\n3,4\n", &t, &e), LW_OK);
     CHECK_NEAR(t.length, 12, 0, 0);
     CHECK_NEAR(t.size, 5, 0, 0);
     lw_target_free(&t);
@@ -265,6 +267,30 @@ TEST(columns_in_any_order)
     CHECK(t.weight[0] == 1);
     CHECK_TEXT(t.units.length, "");
     lw_target_free(&t);
+}
+
+/* A file that does not say whether its path is closed: the points, the angles of a body and those of the input have to come back. */
+TEST(closed_by_guess)
+{
+    static const struct { const char *rows; bool closed; } known[] = {
+        { "x,y\n0,0\n3,0\n3,4\n", false },                                             /* three places on a stroke        */
+        { "x,y\n0,0\n3,0\n3,4\n0,4\n", true },
+        { "# units: mm deg\nx,y,theta\n0,0,0\n-14,22,45\n-6,38,95\n", false },           /* a hinge of a door               */
+        { "# units: deg\nx,y,theta\n0,0,0\n3,0,45\n3,3,90\n0,3,135\n", false },          /* a box that is turned over        */
+        { "# units: deg\nx,y,theta\n0,0,0\n3,0,5\n3,3,9\n0,3,4\n", true },
+        { "# units: deg\nx,y,theta\n0,0,350\n3,0,80\n3,3,170\n0,3,260\n", true },        /* a planet: the body turns once    */
+        { "# units: deg\nx,y,angle\n0,0,0\n3,0,10\n3,3,20\n0,3,30\n", false },
+        { "# units: deg\nx,y,angle\n0,0,300\n3,0,30\n3,3,120\n0,3,210\n", true },
+        { "# units: deg\nx,y,angle\n0,0,240\n3,0,120\n3,3,0\n", true },
+        { "# units: deg\nx,y,angle\n0,0,0\n3,0,120\n3,3,240\n0,0,360\n", true },
+    };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        lw_target t;
+        lw_error e = { .text = "" };
+        CHECK_INT(read(known[i].rows, &t, &e), LW_OK);
+        CHECK(t.closed == known[i].closed || (printf("%s", known[i].rows), false));
+        lw_target_free(&t);
+    }
 }
 
 TEST(few_stations_and_repeated_points)

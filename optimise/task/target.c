@@ -7,6 +7,9 @@
 
 #include "base/linalg.h"
 
+#define TURN      (2*LW_PI)
+#define ANGLE_EPS 1e-9               /* angles closer than this part of a turn are equal */
+
 double *lw_target_array(const lw_target *t, lw_target_field role)
 {
     switch (role) {
@@ -111,9 +114,31 @@ static double run_along(const double *x, const double *y, size_t n, lw_vec2 *lo,
     return length;
 }
 
-/* Set bounding box, length, and whether the path is closed. If `closed` is not given, the path is closed if the gap is
- * at most one and a half of the longest step, or a twentieth of the path (dense curves need not end where they begin).
- */
+/* Do angles at the stations come back to the first one, as far as their steps tell?  Input angles have to go on to whole turns, body
+ * angles may also turn back. */
+static bool angles_close(const double *angle, size_t n, bool input)
+{
+    double longest = 0, all = 0;
+    for (size_t i = 1; i < n; i++) {
+        double d = remainder(angle[i] - angle[i-1], TURN);
+        longest = fmax(longest, fabs(d));
+        all += d;
+    }
+    all = fabs(all);
+    double gap = input ? TURN*fmax(1, ceil(all/TURN - ANGLE_EPS)) - all : fabs(remainder(all, TURN));
+    return gap <= fmax(1.5*longest, all/20);
+}
+
+/* Is a path closed whose file does not say so?  The gap is at most one and a half of the longest step, or a twentieth of the path (dense
+ * curves need not end where they begin); angles of a body and of the input close, too.  Three points without input angles are no
+ * curve: they are places on a stroke. */
+static bool looks_closed(const lw_target *t, double gap, double longest)
+{
+    return t->n > (t->angle ? 2 : 3) && t->size > 0 && gap <= fmax(1.5*longest, t->length/20) &&
+           (!t->theta || angles_close(t->theta, t->n, false)) && (!t->angle || angles_close(t->angle, t->n, true));
+}
+
+/* Set bounding box, length, and whether the path is closed. */
 static void measure(lw_target *t, int closed)
 {
     lw_vec2 lo = { t->x[0], t->y[0] }, hi = lo;
@@ -121,7 +146,7 @@ static void measure(lw_target *t, int closed)
     t->length = run_along(t->x, t->y, t->n, &lo, &hi, &longest);
     double gap = step(t->x, t->y, t->n - 1, 0);
     t->size = hypot(hi.x - lo.x, hi.y - lo.y);
-    t->closed = closed >= 0 ? closed > 0 : t->n > 2 && t->size > 0 && gap <= fmax(1.5*longest, t->length/20);
+    t->closed = closed >= 0 ? closed > 0 : looks_closed(t, gap, longest);
     if (t->closed)
         t->length += gap;
     for (int i = 0; i < t->n_also; i++) {
