@@ -433,6 +433,36 @@ TEST(rows_far_from_the_target_end_where_another_is_near)
     }
 }
 
+/* Of a function met to 0.003 degrees the linkage with the smallest error is a row beside, but none between whose lengths differ more, too. */
+TEST(rows_of_a_function_end_where_one_is_fine)
+{
+    made k;
+    lw_fit_results found;
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 20);
+    make("crank-rocker", 1, LW_TASK_FUNCTION, 0, &rng, &k);
+    lw_fit_spec_set_limits(&k.spec, &k.t, 0);
+    lw_candidate c[3];
+    lw_fit_report r[3];
+    for (int i = 0; i < 3; i++) {
+        c[i] = k.c;
+        c[i].input = k.input;
+        r[i] = report_of(&k);
+        c[i].report = &r[i];
+        r[i].broken = 0;
+        r[i].angle_max = pow(10, -7 + i);
+        c[i].objective = r[i].angle_max*r[i].angle_max;
+        r[i].length_least = 0.1*(i + 1);
+        r[i].length_most = 1;
+        c[i].dim[0] *= 1 + 0.1*i;                            /* not the same mechanism */
+    }
+    lw_fit fit = { .n = 3, .candidate = c };
+    CHECK_INT(lw_fit_results_make(&k.t, &k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
+    CHECK(found.n == 2 && found.candidate[0] == 2 && found.candidate[1] == 0);
+    lw_fit_results_free(&found);
+    lw_target_free(&k.t);
+}
+
 /* The measures of a row: error, stray, Chamfer distance, size, and transmission angle up to 45 degrees.  Less is better. */
 enum { ROW_MEASURES = 5 };
 static void measures_of(const lw_fit_report *r, double m[ROW_MEASURES])

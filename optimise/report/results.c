@@ -63,8 +63,8 @@ static bool same_type(const lw_candidate *a, const lw_candidate *b)
 #define NO_ERROR 3e-4              /* ... and between them                                                      */
 static bool is_fine(const lw_target *t, const lw_fit_report *r)
 {
-    return t->extent > 0 && r->error_max <= fmax(FINE*t->extent, t->noise) && !(r->angle_max > FINE)
-        && lw_fit_report_stray(r) <= fmax(NO_ERROR*t->extent, t->noise);
+    return !(r->angle_max > FINE) && (!(t->extent > 0) || (r->error_max <= fmax(FINE*t->extent, t->noise)
+                                                           && lw_fit_report_stray(r) <= fmax(NO_ERROR*t->extent, t->noise)));
 }
 
 #define NOISE 1e-9                 /* parts of the target, and angles [rad]: linkages that err by less meet it equally well */
