@@ -256,7 +256,7 @@ TEST(six_links_are_left_out_where_four_are_near)
 /* Who waits several times longer, since no four-bar is near, is told why, and how to leave this out. */
 TEST(six_links_are_announced)
 {
-    expect("$P fit examples/figure-eight.csv --rounds 1 --budget 1e3 2>&1 >/dev/null", 0, "no four-bar found whose crank turns is near enough, so six links", NULL);
+    expect("$P fit examples/figure-eight.csv --rounds 1 --budget 1e3 2>&1 >/dev/null", 0, "no four-bar found whose crank turns is near enough and small enough, so six links", NULL);
     json_decref(walking_foot());
     expect("wc -c < $D/foot-said", 0, "0\n", "");
 }

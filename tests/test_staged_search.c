@@ -330,23 +330,24 @@ TEST(more_links_are_left_out_if_a_crank_is_enough)
     lw_staged_search_free(&s);
 }
 
-/* Search a four-bar, then a six-bar unless a four-bar is this near, for a straight line; near[1], near[0]: how near the four-bars of more
+/* Search a four-bar, then a six-bar unless a four-bar is this near, for a straight line, along which a level body moves if `level`; near[1], near[0]: how near the four-bars of more
  * than 3.25 diagonals are, and the others. */
-static int stages_of_a_line(double unless, double near[2])
+static int stages_of_a_line(bool level, double unless, double near[2])
 {
-    double x[9], y[9] = { 0 };
+    double x[9], y[9] = { 0 }, theta[9] = { 0 };
     lw_linkage four, k = six_bar();
     lw_type_linkage(lw_type_find("fourbar"), &four);
     lw_family bars = { .name = "four-bar", .linkage = &four, .links = 4 }, six = { .name = "six-bar", .linkage = &k, .links = 6 };
     lw_search_stage stage[] = { { .links = 4, .families = lw_families_of(&bars, 1) },
-                                { .links = 6, .families = lw_families_of(&six, 1), .unless = unless, .until = unless } };
+                                { .links = 6, .families = lw_families_of(&six, 1), .unless = unless, .until = unless, .budget = 10 } };
     lw_fit_options o = lw_fit_options_default();
     lw_fit_report *r = malloc(sizeof *r);
     lw_staged_search s;
     lw_target t;
     for (int i = 0; i < 9; i++)
         x[i] = i;
-    CHECK_INT(lw_target_make(9, x, y, NULL, NULL, NULL, 0, &t, NULL), LW_OK);
+    CHECK_INT(lw_target_make(9, x, y, level ? theta : NULL, NULL, NULL, 0, &t, NULL), LW_OK);
+    o.spec.task = level ? LW_TASK_MOTION : LW_TASK_PATH;
     o.spec.timing = LW_TIMING_FREE;
     o.budget = 300;
     lw_fit_spec_set_limits(&o.spec, &t, 0);
@@ -369,9 +370,17 @@ static int stages_of_a_line(double unless, double near[2])
 TEST(large_linkages_are_not_enough)
 {
     double near[2], again[2];
-    CHECK_INT(stages_of_a_line(INFINITY, near), 1);
+    CHECK_INT(stages_of_a_line(false, INFINITY, near), 1);
     CHECK(near[1] < 0.9*near[0] && near[0] < INFINITY);
-    CHECK_INT(stages_of_a_line(0.5*(near[0] + near[1]), again), 2);
+    CHECK_INT(stages_of_a_line(false, 0.5*(near[0] + near[1]), again), 2);
+}
+
+/* The jaw of a gripper: small four-bars are near its poses, but one of six diagonals is so much nearer that it would be the first row. */
+TEST(six_links_where_a_large_four_bar_would_be_first)
+{
+    double near[2];
+    CHECK_INT(stages_of_a_line(true, INFINITY, near), 2);
+    CHECK(near[0] < INFINITY);
 }
 
 /* Under a time limit reports are made during the search: when the time ends, the rows are chosen among all that was found. */

@@ -33,8 +33,8 @@ static const cli_option options[] = {
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
       "with --dof 2, numbers from 5. Without it 4; and 6 if every four-bar of at most 3.25 diagonals whose crank turns fully leaves a path by more than 2 % of its "
-      "diagonal, or a function by more than 2 % of its range, or by more than --tolerance: with a third of the budget, and with the rest if that finds none nearer. Of fewer than 16 "
-      "points a four-bar that meets them to 1/1000 is near enough. If a rocking four-bar is near enough, only cranks are searched", 4, 10,
+      "diagonal, or a function by more than 2 % of its range, or by more than --tolerance, or if a longer one would be the first row: with a third of the budget, and with the "
+      "rest if that finds none nearer. Of fewer than 16 points a four-bar that meets them to 1/1000 is near enough. If a rocking four-bar is near enough, only cranks are searched", 4, 10,
       NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
       "degree of freedom, 1 to 3: the number of driven joints at the ground. 2 gives mechanisms of 5, 7 and 9 links, 3 "
@@ -420,7 +420,7 @@ static void begun(void *context, int links)
     shown *s = context;
     if (s->goes_on && links > 4 && s->links == 4) {
         cli_progress_end(&s->line);
-        cli_note(s->call, "%s: no four-bar found whose crank turns is near enough, so six links are searched, too, which takes several times as long; "
+        cli_note(s->call, "%s: no four-bar found whose crank turns is near enough and small enough, so six links are searched, too, which takes several times as long; "
                  "'--links 4' leaves them out", s->path);
         s->goes_on = false;
     }

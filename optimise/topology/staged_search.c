@@ -439,13 +439,40 @@ static lw_status run_searches(const stage_part *p, lw_fit_part kind, long budget
     return stopped ? LW_STOPPED : LW_OK;
 }
 
-/* Is one of the linkages found (of the cranks, or of all) near enough to the target to leave a stage out?  Those that break limits do not
- * count, nor do those so large that they would hardly be built where more links make a smaller one, unless the user bounds lengths. */
-static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unless, bool cranks, const lw_fit *all, bool *enough)
+/* Lengths from which on a linkage would hardly be built where more links make a smaller one [m]; the user may bound lengths otherwise. */
+static double large(const lw_target *t, const lw_fit_spec *s)
 {
+    return lw_task_has_place(s->task) && s->by_default & LW_LIMIT_SIZE && !(s->length_hi > 0) && s->n_bound == 0 ? LARGE*t->extent : INFINITY;
+}
+
+/* Is the row that a person would see first of the linkages found (of the cranks, or of all) large?  LW_E_MEMORY. */
+static lw_status first_is_large(const lw_target *t, const lw_fit_options *o, bool cranks, const lw_fit *all, bool *is_large)
+{
+    const lw_results_effort effort = { .jobs = o->jobs, .interrupt = o->interrupt };
+    lw_fit_results rows;
+    lw_fit seen = { .candidate = malloc(sizeof *seen.candidate*((size_t)all->n + 1)) };
+    for (int i = 0; seen.candidate && i < all->n; i++)
+        if (!cranks || is_of_cranks(&all->candidate[i]))
+            seen.candidate[seen.n++] = all->candidate[i];
+    lw_status st = seen.candidate ? lw_fit_results_make(t, &o->spec, &seen, ROWS, NULL, &effort, &rows, NULL) : LW_E_MEMORY;
+    free(seen.candidate);
+    if (st == LW_OK) {
+        *is_large = rows.n > 0 && rows.report[0].size > large(t, &o->spec);
+        lw_fit_results_free(&rows);
+    }
+    return st == LW_E_MEMORY ? st : LW_OK;
+}
+
+/* Is one of the linkages found (of the cranks, or of all) near enough to the target to leave a stage out?  Those that break limits or are
+ * large do not count; and where a large one would be the first row, because it is so much nearer, more links may be as near and
+ * smaller. */
+static lw_status is_enough(const lw_target *t, const lw_fit_options *o, double unless, bool cranks, const lw_fit *all, bool *enough)
+{
+    const lw_fit_spec *s = &o->spec;
     lw_fit_report *r = malloc(sizeof *r);
     lw_status st = r ? LW_OK : LW_E_MEMORY;
-    const double most = lw_task_has_place(s->task) && s->by_default & LW_LIMIT_SIZE && !(s->length_hi > 0) && s->n_bound == 0 ? LARGE*t->extent : INFINITY;
+    const double most = large(t, s);
+    bool is_large = false;
     *enough = false;
     for (int i = 0, seen = 0; i < all->n && seen < NEAREST && !*enough && st == LW_OK && all->candidate[i].beyond == 0; i++) {
         const lw_candidate *c = &all->candidate[i];
@@ -459,6 +486,9 @@ static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unle
         st = st == LW_E_MEMORY ? st : LW_OK;
     }
     free(r);
+    if (st == LW_OK && *enough && isfinite(most))
+        st = first_is_large(t, o, cranks, all, &is_large);
+    *enough &= !is_large;
     return st;
 }
 
@@ -473,7 +503,7 @@ static lw_status run_all_families(const stage_part *p)
     lw_stop stop = p->r->stop;
     if ((st != LW_OK && st != LW_E_KIND) || kind != LW_FIT_CRANKS || must_turn || stop == LW_STOP_F_TARGET)
         return st;
-    if (p->stage->until > 0 && (st = is_enough(p->t, &o->spec, p->stage->until, false, &p->out->fit, &enough)) != LW_OK)
+    if (p->stage->until > 0 && (st = is_enough(p->t, o, p->stage->until, false, &p->out->fit, &enough)) != LW_OK)
         return lw_error_set(p->e, st, "no memory for a report");
     st = enough ? LW_OK : run_searches(p, LW_FIT_OTHERS, (o->budget + 1)/2, &p->r->n_of[1]);
     p->r->stop = st == LW_STOPPED ? p->r->stop : stop;    /* an exact find of the others does not end the search for cranks */
@@ -651,7 +681,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
             break;
         }
         double near = first ? stage[i].unless : stage[i].until;
-        if (near > 0 && is_enough(t, &o->spec, near, o->spec.by_default, &out->fit, &enough) != LW_OK) {
+        if (near > 0 && is_enough(t, o, near, o->spec.by_default, &out->fit, &enough) != LW_OK) {
             lw_staged_search_free(out);
             return lw_error_set(e, LW_E_MEMORY, "no memory for a report");
         }

@@ -23,7 +23,7 @@ typedef struct lw_search_stage {
     lw_families      families;       /* make NULL: the four-link types of lw_fit_options.types      */
     double           unless;         /* > 0: this stage and all after it are left out if a linkage that keeps all conditions is this near
                                       * to the target [m], of a function [rad] (lw_fit_report_misses); with default limits, a crank, and of
-                                      * a path no longer than 3.25 diagonals, unless lengths are bounded */
+                                      * a path no longer than 3.25 diagonals, as the first row is then, too, unless lengths are bounded */
     double           until;          /* with `unless`: once begun, they end as soon as one is this near.  If another linkage than a crank
                                       * is, only cranks are searched.  A third of the budget, or of the first part of it, is searched before
                                       * it looks again */
