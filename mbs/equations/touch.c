@@ -2,17 +2,21 @@
  *
  * A corner behind a face may be inside the body or far behind it, beyond its other side.  It counts as inside while it
  * is no deeper than half the thickness of the body there, and nearer to this face than to the next ones: below the
- * bisectors of the corners at both ends, whose slopes are slope[].  So exactly one face of a corner of a body repels. */
+ * bisectors of the corners at both ends, whose slopes are slope[].  So exactly one face of a corner of a body repels.
+ * Where two corners meet end on, their sides decide it, see corners_hold. */
 #include "mbs/equations/touch.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
 
+/* Corners that overlap by `depth` and are nearer to each other than `end_on` times that meet end on, where depth is below this part of the thickness. */
+static const double end_on = 10, thin_part = 0.05;
+
 /* ---- discs and faces of a shape ------------------------------------------------------------------ */
 
 typedef struct disc { lw_vec2 at, edge[2], into; double radius, size; } disc;
-typedef struct face { lw_vec2 from, to, next[2]; double radius, deepest, slope[2], notch[2]; bool infinite, two_sided; } face;
+typedef struct face { lw_vec2 from, to, beyond[2]; double radius, deepest, slope[2], notch[2]; bool infinite, two_sided; } face;
 
 static int disc_count(const lw_contour *p)
 {
@@ -98,13 +102,6 @@ static double half_thickness(const lw_contour *p, int i)
     return 0.5*(least < INFINITY ? least : lw_v2_norm(u));
 }
 
-/* Outer normal of side i of a polygon; 0 beyond a notch. */
-static lw_vec2 next_normal(const lw_contour *p, int i, int corner)
-{
-    lw_vec2 u = lw_v2_sub(p->at[i], p->at[(i + 1)%p->n]);
-    return is_notch(p, corner) ? lw_v2(0, 0) : lw_v2_perp(unit_vector(u));
-}
-
 /* Outside is on the left of the direction from `from` to `to`. */
 static face face_of(const lw_contour *p, int i)
 {
@@ -121,8 +118,8 @@ static face face_of(const lw_contour *p, int i)
     f.slope[1] = bisector(p, i);
     f.notch[0] = notch_depth(p, (i + 1)%p->n);
     f.notch[1] = notch_depth(p, i);
-    f.next[0] = next_normal(p, (i + 1)%p->n, (i + 1)%p->n);
-    f.next[1] = next_normal(p, (i + p->n - 1)%p->n, i);
+    f.beyond[0] = lw_v2_sub(p->at[(i + 2)%p->n], b);
+    f.beyond[1] = lw_v2_sub(p->at[(i + p->n - 1)%p->n], a);
     return f;
 }
 
@@ -168,7 +165,7 @@ static void add_discs(maker *w, const lw_contour *p, const lw_contour *o, bool d
             t->kind = LW_TOUCH_FACE;
             for (int k = 0; k < 2; k++) {
                 t->edge[k] = lw_v2_scale(a.edge[k], 1/unit);
-                t->next[k] = f.next[k];
+                t->beyond[k] = lw_v2_scale(f.beyond[k], 1/unit);
                 t->notch[k] = f.notch[k]/unit;
             }
             t->into = a.into;
@@ -425,16 +422,53 @@ static bool runs_behind(const lw_touch *t, const lw_body_frame *f, lw_vec2 norma
     return false;
 }
 
-static bool is_beside(const lw_touch *t, double place) { return place > -LW_TOUCH_END && place < t->length + LW_TOUCH_END; }
-
-/* Two wedges that slide towards each other on one floor meet corner to corner: the corner of one lies on the plane of a face of the other
- * (`above` it by rounding, or by a small part of what bodies move in a step, normal `on`), past its end, and `depth` behind the next face (normal
- * `behind`).  That next face holds it, though the first one is nearer. */
-static bool pushed_in(const lw_touch *t, const lw_body_frame *f, lw_vec2 on, double above, lw_vec2 behind, double depth)
+/* How far the corner with sides e, at d from one with sides f, is from it along n; below 0: they overlap by so much. */
+static double apart_along(lw_vec2 n, lw_vec2 d, const lw_vec2 e[2], const lw_vec2 f[2])
 {
-    lw_vec2 side;
-    bool at_end = depth > 0 && depth < fmax(4*t->least_size, t->loose) && fabs(above) < fmax(LW_TOUCH_END, 0.02*t->loose);
-    return at_end && runs_behind(t, f, on, &side) && lw_v2_dot(behind, side) > depth;
+    double own = fmin(0, fmin(lw_v2_dot(n, e[0]), lw_v2_dot(n, e[1]))), other = fmax(0, fmax(lw_v2_dot(n, f[0]), lw_v2_dot(n, f[1])));
+    return lw_v2_dot(n, d) + own - other;
+}
+
+static lw_vec2 at_most(lw_vec2 v, double length) { return lw_v2_scale(v, fmin(1, length/fmax(lw_v2_norm(v), 1e-300))); }
+
+typedef enum corner_hold { HOLDS_NOT, HOLDS, HOLDS_ELSEWHERE } corner_hold;
+
+/* Two corners that overlap are held along the normal of that of their four sides along which they overlap least (separating axes).  The corner of body 0
+ * is `depth` behind the face with the normal n and the direction u, at d from the corner at its end.  HOLDS: it is this face; HOLDS_NOT: they do not overlap.
+ * Of two axes that are as good, as of faces that lie on each other, each holds the corners that are beside its face. */
+static corner_hold corners_hold(const lw_touch *t, const lw_body_frame *f, int end, lw_vec2 n, lw_vec2 u, lw_vec2 d, double depth)
+{
+    double turn = end ? 1 : -1, reach = 2*end_on*depth;
+    lw_vec2 e[2], own[2] = { at_most(lw_v2_scale(u, -turn*t->length), reach), at_most(lw_v2_turn(t->beyond[end], f[t->body[1] + 1].dir), reach) };
+    for (int k = 0; k < 2; k++)
+        e[k] = at_most(lw_v2_turn(t->edge[k], f[t->body[0] + 1].dir), reach);
+    enum { SIDES = 3, AXES = 5 };                        /* the other sides, and the lines across the corners where they are cut off */
+    lw_vec2 axis[AXES] = { lw_v2_scale(lw_v2_perp(own[1]), turn), lw_v2_scale(lw_v2_perp(e[0]), -1), lw_v2_perp(e[1]),
+                           lw_v2_scale(lw_v2_perp(lw_v2_sub(own[0], own[1])), turn), lw_v2_perp(lw_v2_sub(e[0], e[1])) };
+    double least = apart_along(n, d, e, own);
+    bool beside = turn*lw_v2_dot(u, d) <= 0;
+    corner_hold held = HOLDS;
+    least += beside ? 1e-3*fabs(least) + LW_TOUCH_END : 0;
+    for (int k = 0; k < AXES; k++) {
+        double apart = apart_along(unit_vector(axis[k]), d, e, own);
+        if (apart > 0 || (k >= SIDES && apart > least))
+            return HOLDS_NOT;
+        held = apart > least ? HOLDS_ELSEWHERE : held;
+    }
+    return held;
+}
+
+/* The corner of body 0 is `depth` behind the face, at d from its begin.  Does a corner at an end of the face meet it? */
+static corner_hold meets_end_on(const lw_touch *t, const lw_body_frame *f, lw_vec2 n, lw_vec2 u, lw_vec2 d, double place, double depth)
+{
+    bool corners = t->side == 0 && t->length < INFINITY && lw_v2_norm(t->edge[0]) > 0;
+    corner_hold held = HOLDS_NOT;
+    if (!corners || !(depth > 0 && depth < fmin(t->deepest, fmax(thin_part*t->deepest, 2*t->loose))))
+        return HOLDS_NOT;
+    for (int end = 0; held == HOLDS_NOT && end < 2; end++)
+        if (!(t->notch[end] > 0) && fabs(end ? t->length - place : place) < end_on*depth)
+            held = corners_hold(t, f, end, n, u, end ? lw_v2_sub(d, lw_v2_scale(u, t->length)) : d, depth);
+    return held;
 }
 
 static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, const point *k, lw_touch_motion *m)
@@ -455,25 +489,15 @@ static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, 
     if (t->state == LW_TOUCH_HELD)
         return;
     /* at a notch the next face holds the disc, up to interpolation: this face goes on there */
-    bool corner = t->side == 0;
     double begin = t->notch[0], end = t->notch[1], deepest = m->place < 0 ? begin : m->place > t->length ? end : t->deepest;
     double past = t->length < INFINITY ? fmax(-m->place - begin, m->place - t->length - end) : 0, depth = -height;
-    bool this_holds = false;
-    for (int e = 0; corner && t->length < INFINITY && is_beside(t, m->place) && depth > -LW_TOUCH_END && e < 2; e++) {
-        lw_vec2 next = lw_v2_turn(t->next[e], f[t->body[1] + 1].dir);
-        double above = lw_v2_dot(next, d) - (e ? t->length*lw_v2_dot(next, u) : 0);
-        this_holds = this_holds || pushed_in(t, f, next, above, n, depth);
-        if (pushed_in(t, f, n, height, next, -above)) {
-            m->gap = -above;
-            return;
-        }
-    }
-    if (this_holds)
+    corner_hold held = meets_end_on(t, f, n, u, d, m->place, depth);
+    if (held == HOLDS)
         return;
     if (past > 0)                            /* an end: the disc there repels, and this less than that */
         m->gap = hypot(past, height) - reach + past;
     else if (t->side == 0 && depth > 0 && t->length < INFINITY &&
-             (depth > deepest || (begin == 0 && depth > m->place*t->slope[0]) ||
+             (held == HOLDS_ELSEWHERE || depth > deepest || (begin == 0 && depth > m->place*t->slope[0]) ||
               (end == 0 && depth > (t->length - m->place)*t->slope[1])))
         m->gap = depth;
 }
@@ -549,7 +573,7 @@ bool lw_touch_past_end(const lw_touch *p, const lw_touch_motion *m)
     if (p->kind != LW_TOUCH_FACE || !(p->length < INFINITY))
         return false;
     bool begin = m->place < 0.5*p->length;
-    double past = begin ? -m->place : m->place - p->length, rate = begin ? -m->place_rate : m->place_rate;
+    double past = (begin ? -m->place : m->place - p->length) - p->notch[!begin], rate = begin ? -m->place_rate : m->place_rate;
     return past > (rate > 0 ? 0.5 : 1)*LW_TOUCH_END;
 }
 
@@ -570,8 +594,8 @@ bool lw_touch_crosses(const lw_touch *p, const lw_body_frame *frames, double by)
     double height = lw_v2_dot(n, d), place = lw_v2_dot(u, d);
     for (int e = 0; height > by && e < 2; e++) {
         lw_vec2 side = lw_v2_turn(p->edge[e], frames[p->body[0] + 1].dir);
-        double down = -lw_v2_dot(n, side), at = down > height + by ? place + lw_v2_dot(u, side)*height/down : -1;
-        if (at > by && at < p->length - by)
+        double down = -lw_v2_dot(n, side), at = place + lw_v2_dot(u, side)*height/down;
+        if (down > height + by && fmin(at, p->length - at)*down > by*lw_v2_norm(side))
             return true;
     }
     return false;

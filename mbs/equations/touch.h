@@ -40,7 +40,7 @@ typedef struct lw_touch {
     double  radius[2];                   /* of a face: half the thickness of a bar                       */
     lw_vec2 along;                       /* face: its direction in the frame of body 1; outside is on its left */
     double  length;                      /* of the face; infinite for a line                            */
-    lw_vec2 next[2];                     /* normals of the faces at its ends, in the frame of body 1; 0: none */
+    lw_vec2 beyond[2];                   /* of a polygon: its other sides at the ends of the face, from there, in the frame of body 1 */
     double  deepest, slope[2];           /* where behind a face a disc counts as inside, see touch.c     */
     double  notch[2];                    /* how far the face goes on, and the body behind it, beyond a notch at its ends; 0: no notch */
     int     side;                        /* face of a bar: the side of the disc, -1, 1 or LW_TOUCH_NO_SIDE; 0: one side only */
