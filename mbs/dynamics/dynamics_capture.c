@@ -2,10 +2,11 @@
  * not located (Moreau 1988, Jean 1999).  A chain of a thousand links that falls on the ground has more impacts than can be
  * located one by one.
  *
- * A step of length h goes half of it with the old velocities v, then finds the new ones v' and goes the other half:
+ * A step of length h goes half of it with the old velocities v.  There bodies that approach and have a restitution bounce, by the law of impact of
+ * dynamics_touch.c.  Then it finds the new velocities v' and goes the other half:
  *
  *     M (v' - v) = h Q - J^T l + N^T p + T^T f,   J v' = rates of the inputs,
- *     p >= 0,  N v' + restitution N v >= 0,  one of them 0;   |f| <= mu p, and f = -mu p against the slip T v'
+ *     p >= 0,  N v' >= 0,  one of them 0;   |f| <= mu p, and f = -mu p against the slip T v'
  *
  * over the places that are closed in the middle of the step.  Which of them press, and which stick, is found by Newton's
  * method for complementarity: solve for a guess, change what contradicts it (Hintermueller, Ito & Kunisch 2002).  At
@@ -35,7 +36,7 @@ static const double give = 1e-9;             /* share by which rows of contacts 
 static const double resolved = 0.1;          /* step over the time constant of a compliant place */
 static const double unstable = 1e-4;         /* change of a state whose rate turns, over that of other states */
 static const double moment = 1e-8;           /* a step for the forces at the start, over the length of the run */
-enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENSE_MOST = 250, LEAST_CONTACTS = 24, HALVINGS = 8 };
+enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENSE_MOST = 250, LEAST_CONTACTS = 24, HALVINGS = 8, BOUNCES = 200, TOGETHER_MOST = 60 };
 
 /* A place in the pattern: index, first of its rows (gap, then slip where it has friction), what holds there. */
 typedef struct place {
@@ -44,7 +45,6 @@ typedef struct place {
     int    slips;                            /* 0: sticks */
     double mu, normal, across;               /* impulses */
     double target, glide;                    /* least rate of the gap; rate of the slip of what sticks */
-    bool   struck;
 } place;
 
 typedef struct capture {
@@ -54,7 +54,7 @@ typedef struct capture {
     place  *at;
     double  part;                            /* way of a body in a step over `size`; change of a state in it */
     double  size;                            /* smallest body that touches, scaled */
-    double *q, *v, *next_q, *next_v, *momentum, *wanted, *force, *full, *push;
+    double *q, *v, *after, *next_q, *next_v, *momentum, *wanted, *force, *full, *push;
     lw_columns pattern;                      /* of the system, */
     lw_sparse_lu *lu;                        /* its factors, */
     double *value;                           /* its entries: where pairs of rows and their own products go */
@@ -318,7 +318,7 @@ static lw_status solve_guess(capture *g, double h)
     if (s != LW_OK)
         return s;
     for (int i = 0; i < d->n_v; i++)
-        g->next_v[i] = g->v[i] + h*g->force[i]*d->by_mass[i];
+        g->next_v[i] = g->after[i] + h*g->force[i]*d->by_mass[i];
     for (int k = 0; k < g->n; k++) {
         const place *p = &g->at[k];
         g->wanted[p->row] = p->presses ? p->target : 0;
@@ -401,7 +401,7 @@ static void adopt(capture *g, double h, int m, const int *row, const double *imp
             d->l[row[i]] = impulse[i];
     add_rows(d, d->jac, d->l, g->momentum);
     for (int i = 0; i < d->n_v; i++)
-        g->next_v[i] = g->v[i] + (h*g->force[i] + g->momentum[i])*d->by_mass[i];
+        g->next_v[i] = g->after[i] + (h*g->force[i] + g->momentum[i])*d->by_mass[i];
     hold_back(g, g->wanted, g->next_v);
     for (int k = 0, i = 0; k < g->n; k++) {
         place *p = &g->at[k];
@@ -467,38 +467,16 @@ static lw_status aim_at_middle(capture *g, double t)
     memcpy(g->wanted, g->d->rhs, (size_t)g->d->n_c*sizeof *g->wanted);
     for (int k = 0; k < g->n; k++) {
         g->at[k].glide = 0;
-        g->at[k].target = g->at[k].struck ? g->at[k].target : 0;
+        g->at[k].target = 0;
     }
     return s;
 }
 
-/* New velocities for a step of length h with the middle at next_q.  LW_OPEN: the passes do not end. */
-static lw_status solve_step(capture *g, double t, double h)
+/* Which places are closed in the middle of the step; returns their number. */
+static int find_shut(capture *g, double h)
 {
     lw_dynamics *d = g->d;
-    double fastest = 0, pull = 0;
     int shut = 0;
-    g->power = 0;
-    lw_status s = lw_mbs_rows(d, t, g->next_q);
-    if (s == LW_OK)
-        s = lw_mbs_rate_wanted(d, t);
-    if (s != LW_OK)
-        return s;
-    memcpy(g->wanted, d->rhs, (size_t)d->n_c*sizeof *g->wanted);
-    if ((s = lw_mbs_acceleration_wanted(d, t, g->v)) != LW_OK)
-        return s;
-    for (int r = 0; r < first_row(d); r++)
-        g->wanted[r] += 0.5*h*d->rhs[r];
-    memcpy(g->full, lw_mbs_jac(d, first_row(d)), (size_t)((d->n_c - first_row(d))*d->row_size)*sizeof *d->jac);
-    d->eq.place_states(d->eq.context, g->next_z);
-    d->eq.forces(d->eq.context, t, g->next_q, g->v, g->force, &g->power);
-    lw_mbs_touch_forces(d, g->v, g->force, &g->power);
-    for (int i = 0; i < d->n_v; i++) {
-        if (!isfinite(g->force[i]))
-            return LW_E_NUMERIC;
-        fastest = fmax(fastest, fabs(g->v[i]));
-        pull = fmax(pull, fabs(h*g->force[i]*d->by_mass[i]));
-    }
     for (int k = 0; k < g->n; k++) {
         place *p = &g->at[k];
         lw_touch *touch = &d->touch->list.touch[p->touch];
@@ -511,12 +489,98 @@ static lw_status solve_step(capture *g, double t, double h)
         p->shut = m.gap < closed*g->part*g->size && !lw_touch_past_end(touch, &m);
         shut += p->shut;
         p->presses = p->presses && p->shut;
-        p->target = p->presses ? -0.5*h*m.bias : 0;
-        p->glide = p->presses && p->slips == 0 ? -0.5*h*m.slip_bias : 0;
-        p->struck = m.rate < -3*(pull + fabs(p->target));
-        if (p->struck)
-            p->target = -touch->surface->restitution*m.rate;
         p->normal = p->across = 0;
+    }
+    return shut;
+}
+
+/* Forces in the middle of the step, at the velocities after its impacts; returns the greatest change of a velocity by them. */
+static lw_status find_pull(capture *g, double t, double h, double *pull)
+{
+    lw_dynamics *d = g->d;
+    *pull = g->power = 0;
+    d->eq.place_states(d->eq.context, g->next_z);
+    d->eq.forces(d->eq.context, t, g->next_q, g->after, g->force, &g->power);
+    lw_mbs_touch_forces(d, g->after, g->force, &g->power);
+    for (int i = 0; i < d->n_v; i++) {
+        if (!isfinite(g->force[i]))
+            return LW_E_NUMERIC;
+        *pull = fmax(*pull, fabs(h*g->force[i]*d->by_mass[i]));
+    }
+    return LW_OK;
+}
+
+/* The rate at which the gap of a place that presses changes in half a step because bodies turn. */
+static double bend(const place *p, const lw_touch_motion *m, double h) { return p->presses ? -0.5*h*m->bias : 0; }
+
+/* Does it approach faster than forces make what rests? */
+static bool is_struck(const place *p, const lw_touch_motion *m, double h, double pull) { return m->rate < -3*(pull + fabs(bend(p, m, h))); }
+
+/* Bodies that are faster than rest on each other needs bounce in the middle of the step, by the law of impact of located events (dynamics_touch.c): at the
+ * places that approach, then at those that approach because of it.  Where nothing has a restitution, the step itself ends the approach. */
+static lw_status bounce(capture *g, double t, double h, double pull)
+{
+    lw_dynamics *d = g->d;
+    const lw_touch *touch = d->touch->list.touch;
+    lw_status s = LW_OK;
+    for (int pass = 0; s == LW_OK && pass < BOUNCES; pass++) {
+        int n = 0, struck[TOGETHER_MOST];
+        bool bounces = false;
+        for (int k = 0; k < g->n && n < TOGETHER_MOST; k++) {
+            lw_touch_motion m;
+            if (!g->at[k].shut)
+                continue;
+            lw_touch_at(&touch[g->at[k].touch], &d->eq, d->frames, g->after, &m);
+            if (is_struck(&g->at[k], &m, h, pull)) {
+                struck[n++] = g->at[k].touch;
+                bounces = bounces || touch[g->at[k].touch].surface->restitution > 0;
+            }
+        }
+        if (!bounces)
+            break;
+        for (int r = first_row(d); pass == 0 && r < d->n_c; r++)
+            clear_row(d, r);                 /* the joints alone hold what an impulse moves */
+        s = pass == 0 ? lw_mbs_factor_touch(d) : LW_OK;
+        if (s == LW_OK)
+            s = lw_run_touch_impact(g->run, t, n, struck, g->after);
+    }
+    restore_rows(g);
+    return s == LW_NOTHING ? LW_OPEN : s;
+}
+
+/* New velocities for a step of length h with the middle at next_q.  LW_OPEN: the passes do not end. */
+static lw_status solve_step(capture *g, double t, double h)
+{
+    lw_dynamics *d = g->d;
+    double fastest = 0, pull = 0;
+    lw_status s = lw_mbs_rows(d, t, g->next_q);
+    if (s != LW_OK)
+        return s;
+    memcpy(g->full, lw_mbs_jac(d, first_row(d)), (size_t)((d->n_c - first_row(d))*d->row_size)*sizeof *d->jac);
+    memcpy(g->after, g->v, (size_t)d->n_v*sizeof *g->v);
+    int shut = find_shut(g, h);
+    s = find_pull(g, t, h, &pull);
+    if (s == LW_OK)
+        s = bounce(g, t, h, pull);
+    if (s == LW_OK && memcmp(g->after, g->v, (size_t)d->n_v*sizeof *g->v) != 0)
+        s = find_pull(g, t, h, &pull);
+    if (s == LW_OK)
+        s = lw_mbs_rate_wanted(d, t);
+    if (s != LW_OK)
+        return s;
+    memcpy(g->wanted, d->rhs, (size_t)d->n_c*sizeof *g->wanted);
+    if ((s = lw_mbs_acceleration_wanted(d, t, g->after)) != LW_OK)
+        return s;
+    for (int r = 0; r < first_row(d); r++)
+        g->wanted[r] += 0.5*h*d->rhs[r];
+    for (int i = 0; i < d->n_v; i++)
+        fastest = fmax(fastest, fabs(g->after[i]));
+    for (int k = 0; k < g->n; k++) {
+        place *p = &g->at[k];
+        lw_touch_motion m;
+        lw_touch_at(&d->touch->list.touch[p->touch], &d->eq, d->frames, g->after, &m);
+        p->target = is_struck(p, &m, h, pull) ? 0 : bend(p, &m, h);
+        p->glide = p->presses && p->slips == 0 ? -0.5*h*m.slip_bias : 0;
     }
     for (int pass = 0; pass < PASSES; pass++) {
         bool densely = shut <= DENSE_SOON ? pass == TOGETHER : pass == LATE && shut <= DENSE_MOST;
@@ -588,14 +652,15 @@ static lw_status step(capture *g, double h, double *overlap)
         return s;
     for (int i = 0; i < d->n_c; i++)
         d->l[i] /= h;
+    gained = d->eq.kinetic(d->eq.context, g->after) - d->eq.kinetic(d->eq.context, g->v);
     for (int k = 0; k < g->n; k++) {
         const place *p = &g->at[k];
-        gained += 0.5*p->normal*(lw_mbs_row_rate(d, p->row, g->v) + lw_mbs_row_rate(d, p->row, g->next_v));
+        gained += 0.5*p->normal*(lw_mbs_row_rate(d, p->row, g->after) + lw_mbs_row_rate(d, p->row, g->next_v));
         if (p->rubs)
-            gained += 0.5*p->across*(lw_mbs_row_rate(d, p->row + 1, g->v) + lw_mbs_row_rate(d, p->row + 1, g->next_v));
+            gained += 0.5*p->across*(lw_mbs_row_rate(d, p->row + 1, g->after) + lw_mbs_row_rate(d, p->row + 1, g->next_v));
     }
     for (size_t i = 0; i < n_v; i++) {
-        d->a[i] = (g->next_v[i] - g->v[i])/h;
+        d->a[i] = (g->next_v[i] - g->after[i])/h;
         way[i] = 0.5*h*g->next_v[i];
     }
     for (int i = 0; i < d->n_driven; i++)
@@ -744,12 +809,12 @@ static lw_status run_capture(lw_run *run)
     capture g = { .run = run, .d = d, .t = d->o.from, .n_kept = d->n_kept, .size = smallest(d),
                   .part = fmin(fmax(pow(d->o.relative, 0.2), finest), coarsest) };
     size_t n_z = (size_t)d->eq.n_z;
-    double *memory = calloc(5*n_z + 2*n_q + 4*n_v + rows + 2*rows*(size_t)d->row_size + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
+    double *memory = calloc(5*n_z + 2*n_q + 5*n_v + rows + 2*rows*(size_t)d->row_size + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
     g.at = calloc((size_t)d->touch->list.n + 1, sizeof *g.at);
     g.kept = calloc((size_t)d->n_kept + 1, sizeof *g.kept);
     lw_status s = memory && g.at && g.kept ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
-        g.q = p, p += n_q, g.next_q = p, p += n_q, g.v = p, p += n_v, g.next_v = p, p += n_v;
+        g.q = p, p += n_q, g.next_q = p, p += n_q, g.v = p, p += n_v, g.after = p, p += n_v, g.next_v = p, p += n_v;
         g.momentum = p, p += n_v, g.force = p, p += n_v, g.wanted = p, p += rows, g.full = p, p += rows*(size_t)d->row_size;
         g.push = p, p += rows*(size_t)d->row_size;
         g.z = p, p += n_z, g.next_z = p, p += n_z, g.try_z = p, p += n_z, g.rate = p, p += n_z, g.other = p, p += n_z, y = p;

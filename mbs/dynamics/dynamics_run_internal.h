@@ -183,6 +183,10 @@ lw_status lw_run_touch_check(lw_run *run, double t);
 /* LW_E_NUMERIC: corners have passed through each other by more than this, scaled.  The equations are placed. */
 lw_status lw_run_touch_crossed(lw_run *run, double t, double by);
 
+/* Change the velocities v (n_v) by an impact at n places that approach, with friction and restitution; the posture is placed and the rows of the
+ * joints alone are factored.  LW_NOTHING: no impulses were found, v is untouched. */
+lw_status lw_run_touch_impact(lw_run *run, double t, int n, const int *place, double *v);
+
 /* _accept: call after a step to (t, y); LW_E_NUMERIC: the closing of a contact was missed.  _step: the longest step from y that
  * cannot miss one. */
 lw_status lw_run_touch_accept(lw_run *run, double t, const double *y);

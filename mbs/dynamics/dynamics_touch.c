@@ -274,7 +274,38 @@ static double row_dot(const lw_touch *p, const double *row, const double *x)
     return sum;
 }
 
-/* The places that are closed, with rows, responses and W.  Rows of the joints are factored, without those of places. */
+/* Memory of c has room for one more place. */
+static void add_place(const lw_dynamics *d, int place, const double *v, closed *c)
+{
+    lw_touch_motion m;
+    lw_touch_at(&d->touch->list.touch[place], &d->eq, d->frames, v, &m);
+    c->gap[c->m] = m.gap;
+    memcpy(c->row + 12*c->m, m.n, sizeof m.n);
+    memcpy(c->row + 12*c->m + 6, m.t, sizeof m.t);
+    c->place[c->m++] = place;
+}
+
+/* Responses and W of the places of c.  Rows of the joints are factored, without those of places. */
+static void find_responses(lw_dynamics *d, closed *c)
+{
+    const lw_touch_list *list = &d->touch->list;
+    size_t r = 2*(size_t)c->m, n_q = (size_t)d->n_q;
+    for (size_t k = 0; k < r; k++) {
+        const lw_touch *p = &list->touch[c->place[k/2]];
+        double *g = d->hold;
+        memset(g, 0, n_q*sizeof *g);
+        if (k%2 && !has_set_valued_friction(p))
+            continue;                        /* no such force: zeros */
+        for (int i = 0; i < 6; i++)
+            if (p->body[i/3] >= 0)
+                g[3*p->body[i/3] + i%3] += c->row[6*k + (size_t)i];
+        lw_mbs_impulse(d, g, c->response + k*n_q);
+        for (size_t j = 0; j < r; j++)
+            c->w[j*r + k] = row_dot(&list->touch[c->place[j/2]], c->row + 6*j, c->response + k*n_q);
+    }
+}
+
+/* The places that are closed, with rows, responses and W. */
 static lw_status find_closed(lw_run *run, double t, const double *y, closed *c)
 {
     lw_dynamics *d = run->d;
@@ -290,28 +321,12 @@ static lw_status find_closed(lw_run *run, double t, const double *y, closed *c)
             lw_touch_at(&list->touch[i], &d->eq, d->frames, y + n_q, &m);
             s = look_at(run, t, &list->touch[i], &m, &is);
             most += is && !pass;
-            if (!is || !pass)
-                continue;
-            c->gap[c->m] = m.gap;
-            memcpy(c->row + 12*c->m, m.n, sizeof m.n);
-            memcpy(c->row + 12*c->m + 6, m.t, sizeof m.t);
-            c->place[c->m++] = i;
+            if (is && pass)
+                add_place(d, i, y + n_q, c);
         }
     }
-    size_t r = 2*(size_t)c->m;
-    for (size_t k = 0; s == LW_OK && k < r; k++) {
-        const lw_touch *p = &list->touch[c->place[k/2]];
-        double *g = d->hold;
-        memset(g, 0, n_q*sizeof *g);
-        if (k%2 && !has_set_valued_friction(p))
-            continue;                        /* no such force: zeros */
-        for (int i = 0; i < 6; i++)
-            if (p->body[i/3] >= 0)
-                g[3*p->body[i/3] + i%3] += c->row[6*k + (size_t)i];
-        lw_mbs_impulse(d, g, c->response + k*n_q);
-        for (size_t j = 0; j < r; j++)
-            c->w[j*r + k] = row_dot(&list->touch[c->place[j/2]], c->row + 6*j, c->response + k*n_q);
-    }
+    if (s == LW_OK)
+        find_responses(d, c);
     return s;
 }
 
@@ -433,6 +448,40 @@ static lw_status impact_once(const lw_dynamics *d, const closed *c, double part,
     return s;
 }
 
+/* The same with as much of the restitution as gains no energy, at most `part`. */
+static lw_status impact(const lw_dynamics *d, const closed *c, double part)
+{
+    bool gains;
+    lw_status s = impact_once(d, c, part, &gains);
+    for (int k = 0; s == LW_OK && gains && part > 0; k++) {
+        part = k < 30 ? 0.5*part : 0;
+        s = impact_once(d, c, part, &gains);
+    }
+    return s;
+}
+
+lw_status lw_run_touch_impact(lw_run *run, double t, int n, const int *place, double *v)
+{
+    lw_dynamics *d = run->d;
+    closed c = { 0 };
+    lw_status s = allocate(&c, (size_t)n, (size_t)d->n_q) ? LW_OK : LW_E_MEMORY;
+    for (int i = 0; s == LW_OK && i < n; i++) {
+        add_place(d, place[i], v, &c);
+        c.in[i] = true;
+    }
+    if (s == LW_OK) {
+        find_responses(d, &c);
+        find_rates(d, v, &c);
+        s = impact(d, &c, 1);
+    }
+    for (int i = 0; s == LW_OK && i < n; i++)
+        note(run, place[i], t, true, c.u[2*i]);
+    if (s == LW_OK)
+        apply_impulse(d, &c, c.force, v);
+    free_closed(&c);
+    return s;
+}
+
 /* Impacts at places that approach faster than *tiny, and those that follow from them.  Impulses between wedged
  * bodies may be far greater than what they change; then rates within the rounding of the solution count as 0, too. */
 static lw_status strike(lw_run *run, double t, closed *c, double *tiny, double *v, bool *any)
@@ -456,13 +505,7 @@ static lw_status strike(lw_run *run, double t, closed *c, double *tiny, double *
             return LW_OK;
         for (int i = 0; (plastic || pass >= TOGETHER) && i < c->m; i++)
             c->in[i] = is_rigid(&touch[c->place[i]]);
-        double part = pass < TOGETHER;
-        bool gains;
-        lw_status s = impact_once(d, c, part, &gains);
-        for (int k = 0; s == LW_OK && gains && part > 0; k++) {
-            part = k < 30 ? 0.5*part : 0;
-            s = impact_once(d, c, part, &gains);
-        }
+        lw_status s = impact(d, c, pass < TOGETHER);
         if (s == LW_E_MEMORY)
             return s;
         double blocked = 0;
