@@ -20,7 +20,7 @@ TEST(robots)
     expect("$P robot jacobian examples/space/delta.json --drives-at 1,2", 3, NULL, "--drives-at takes 3 numbers");
     expect("$P robot jacobian examples/space/delta.json --drives-at 1,2,900", 4, NULL, "robot");
     expect("$P robot jacobian examples/space/stewart.json --tool-turn 0,0,100", 4, NULL,         /* Fichter 1986: at 90 degrees */
-           "turned by 89.99");
+           "turned by 90 of 100 degrees");
     expect("$P robot jacobian examples/space/stewart.json --tool-turn 0,0,100", 4, NULL, "of 100 degrees: a posture in which the drives do not hold the tool");
     /* there and back: legs of a turned platform, as the drives of the forward kinematics */
     expect("$P robot jacobian examples/space/stewart.json --tool-at 0.05,-0.03,0.82 --tool-turn 5,-8,12 > $D/there; v=$(grep ^drive $D/there | "

@@ -272,6 +272,33 @@ TEST(tools_that_their_drives_lose)
     CHECK(lost > 5);
 }
 
+/* How far a way or a tilt (azimuth, elevation) goes from the posture [0, 0, z], to where the determinant of the bars' lines of force is 0: roots
+ * by Brent's method of the closed forms.  On mirror planes of a DELTA and of a Stewart platform solving for the drives loses many digits there. */
+TEST(singular_postures_are_met_to_their_digits)
+{
+    static const struct { const char *file; double z; bool tilts; double azimuth, elevation, far; } known[] = {
+        { "examples/space/delta.json", -0.65, false, 0, -16.1276202, 0.58529144644 }, { "examples/space/delta.json", -0.65, false, 240, -16.1276202, 0.58529144644 },
+        { "examples/space/delta.json", -0.65, false, 0, 3.18473854, 0.69043570216 }, { "examples/space/delta.json", -0.65, false, 10, 9.59406823, 0.72956538573 },
+        { "examples/space/stewart.json", 0.8, false, 0, -30, 1.6 }, { "examples/space/stewart.json", 0.8, false, 200, -46.2382573, 1.10769229 },
+        { "examples/space/stewart.json", 0.8, true, 0, 0, 125.0429911748 }, { "examples/space/stewart.json", 0.8, true, 20, 0, 84.26180409971 } };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        lw_spatial m;
+        lw_robot r;
+        lw_error e = { 0 };
+        double a = known[i].azimuth*LW_PI/180, b = known[i].elevation*LW_PI/180, far;
+        if (!make(known[i].file, &m, &r))
+            continue;
+        CHECK_INT(lw_robot_move(&r, lw_v3(0, 0, known[i].z), NULL, &e), LW_OK);
+        if (known[i].tilts)
+            CHECK_INT(lw_robot_tilt(&r, lw_v3(-sin(a), cos(a), 0), 3, &far, &e), LW_OK);
+        else
+            CHECK_INT(lw_robot_reach(&r, lw_v3(cos(a)*cos(b), sin(a)*cos(b), sin(b)), 3, &far, &e), LW_OK);
+        CHECK_NEAR(known[i].tilts ? far*180/LW_PI : far, known[i].far, known[i].tilts ? 2e-6 : 2e-8, 0);     /* the last step is shorter than 1e-8 of the size */
+        lw_robot_free(&r);
+        lw_spatial_free(&m);
+    }
+}
+
 /* Does a stop of an arm or the cone of a knee end the way at p?  Turns count from the posture of the file, the cone's axis lies along the bar there. */
 static bool stopped_at(const proportions *d, lw_vec3 p)
 {

@@ -788,7 +788,9 @@ static double map_reach(job *j)
 /* Move the tool to a place and measure it there.  LW_OPEN: it is not reached, or the drives lose the tool there. */
 static lw_status map_measure(job *j, map *m, lw_vec3 to)
 {
+    static const double near_limits = 1e-5;      /* of the size: a place so near to a limit may count as not reached */
     go_back(j);
+    j->r.least = near_limits;
     lw_status st = lw_robot_move(&j->r, to, NULL, &j->e);
     if (st == LW_OK)
         st = lw_robot_measure(&j->r, &m->pose, &j->e);

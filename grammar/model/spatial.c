@@ -111,9 +111,9 @@ bool lw_spatial_coupling_slides(const lw_spatial_coupling *c)
 
 void lw_spatial_measure_name(const lw_spatial *m, lw_spatial_measure of, char *text, size_t size)
 {
-    static const char axis[] = "xyz";
+    static const char *const word[] = { "x", "y", "z", "turn about x", "turn about y", "turn about z" };
     if (of.of >= LW_OF_X)
-        snprintf(text, size, "%c of %s", axis[of.of - LW_OF_X], m->tracer[of.index].name);
+        snprintf(text, size, "%s of %s", word[of.of - LW_OF_X], m->tracer[of.index].name);
     else if (m->joint[of.index].kind == LW_SPATIAL_CYLINDRICAL && of.of == LW_OF_SLIDE)
         snprintf(text, size, "slide of %s", m->joint[of.index].name);
     else

@@ -67,8 +67,9 @@ typedef struct lw_spatial_tracer {
 } lw_spatial_tracer;
 
 /* A number that a posture has: turn [rad] or slide [m] of link[1] relative to link[0] along the axis of a joint, 0 in
- * the posture of the file; or a coordinate [m] of a tracer. */
-typedef enum lw_spatial_of { LW_OF_TURN, LW_OF_SLIDE, LW_OF_X, LW_OF_Y, LW_OF_Z } lw_spatial_of;
+ * the posture of the file; or a coordinate [m] of a tracer; or 2 sin(a/2) times a coordinate of the axis, where a is the angle by which its
+ * link has turned since a posture that the user of the measure gives (mbs/space/space.h: `from`; no file has it). */
+typedef enum lw_spatial_of { LW_OF_TURN, LW_OF_SLIDE, LW_OF_X, LW_OF_Y, LW_OF_Z, LW_OF_TURN_X, LW_OF_TURN_Y, LW_OF_TURN_Z } lw_spatial_of;
 typedef struct lw_spatial_measure { lw_spatial_of of; int index; } lw_spatial_measure;     /* of a joint or a tracer */
 
 typedef struct lw_spatial_input {

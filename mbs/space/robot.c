@@ -115,6 +115,28 @@ static lw_status find_freedoms(lw_robot *r, lw_error *e)
          : lw_error_set(e, LW_E_ARG, "the drives do not move the tool \"%.40s\"", r->model->tracer[r->tool].name);
 }
 
+/* Make r->by_tool where the drives are as many as coordinates of the tool's pose in ground axes. */
+static lw_status follow_tool(lw_robot *r, lw_error *e)
+{
+    static const double aligned = 1e-12;
+    lw_spatial_measure pose[6];
+    int n = 0;
+    bool flat = lw_v3_norm(r->normal) > 0;
+    lw_vec3 about = flat ? r->normal : r->spin;          /* the tool turns about this axis alone; 0: about all */
+    for (int k = 0; k < 6; k++) {
+        double along = fabs(lw_v3_dot(k < 3 ? r->normal : about, lw_v3(k%3 == 0, k%3 == 1, k%3 == 2)));
+        if (k < 3 ? along < aligned : r->turns && (along > 1 - aligned || lw_v3_norm(about) == 0)) {
+            r->pose[n] = (lw_spatial_of)(LW_OF_X + k);
+            pose[n] = (lw_spatial_measure){ r->pose[n], r->tool };
+            n++;
+        }
+    }
+    lw_status s = n == r->n_drive && !r->only_turns ? lw_space_follow_make(&r->space, pose, n, false, &r->by_tool, NULL) : LW_OK;
+    if (s != LW_OK)
+        r->by_tool.memory = NULL;
+    return s == LW_E_MEMORY ? lw_error_set(e, s, "out of memory") : LW_OK;        /* other failures: the tool moves in a plane */
+}
+
 lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_error *e)
 {
     lw_spatial_measure drive[LW_ROBOT_DRIVES];
@@ -146,24 +168,13 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
         lw_robot_free(r);
         return s;
     }
-    lw_spatial_measure place[3];
-    for (int k = 0; k < 3; k++)                  /* in a plane across an axis, the two others */
-        if (!flat || fabs(lw_v3_dot(r->normal, lw_v3(k == 0, k == 1, k == 2))) < 1e-12) {
-            place[r->n_place] = (lw_spatial_measure){ (lw_spatial_of)(LW_OF_X + k), r->tool };
-            r->axis[r->n_place++] = k;
-        }
-    s = r->n_drive == r->n_place ? lw_space_follow_make(&r->space, place, r->n_place, false, &r->by_tool, NULL) : LW_OK;
-    if (s != LW_OK)
-        r->by_tool.memory = NULL;
-    if (s == LW_E_MEMORY) {                      /* other failures: the tool moves in a plane, or only turns */
-        lw_robot_free(r);
-        return lw_error_set(e, s, "out of memory");
-    }
     r->start = r->column + (size_t)r->n_drive*n_v;
     memcpy(r->start, r->follow.q, n_q*sizeof *r->start);
     r->square = loops ? r->start + n_q : NULL;
     lw_space_follow_values(&r->follow, r->drive);
     s = find_freedoms(r, e);
+    if (s == LW_OK)
+        s = follow_tool(r, e);
     if (s != LW_OK)
         lw_robot_free(r);
     return s;
@@ -487,13 +498,19 @@ static double pose_error(const lw_robot *r, lw_vec3 place, const lw_quaternion *
     return lw_v3_norm(d)/r->space.unit + lw_v3_norm(w);
 }
 
-static lw_status to_place(void *context, double u, double (*out)[3])
+/* Straight to the goal, with an even turn. */
+static lw_status to_pose(void *context, double u, double (*out)[3])
 {
     const lw_robot *r = context;
+    double angle = lw_v3_norm(r->spin_to_goal), s = sin(u*angle/2), c = cos(u*angle/2);
     lw_vec3 way = lw_v3_sub(r->goal, r->begin), at = lw_v3_add(r->begin, lw_v3_scale(way, u));
-    double of[] = { at.x, at.y, at.z }, rate[] = { way.x, way.y, way.z };
-    for (int i = 0; i < r->n_place; i++)
-        out[i][0] = of[r->axis[i]], out[i][1] = rate[r->axis[i]], out[i][2] = 0;
+    lw_vec3 axis = lw_v3_scale(r->spin_to_goal, angle > 0 ? 1/angle : 0);
+    const double of[] = { at.x, at.y, at.z, 2*s*axis.x, 2*s*axis.y, 2*s*axis.z };
+    const double rate[] = { way.x, way.y, way.z, angle*c*axis.x, angle*c*axis.y, angle*c*axis.z };
+    for (int i = 0; i < r->by_tool.n_input; i++) {
+        int k = (int)(r->pose[i] - LW_OF_X);
+        out[i][0] = of[k], out[i][1] = rate[k], out[i][2] = k < 3 ? 0 : -angle*angle/4*of[k];
+    }
     return LW_OK;
 }
 
@@ -556,6 +573,59 @@ static double determinant(lw_robot *r, const lw_robot_pose *p)
     return lw_qr_determinant(n, diag);
 }
 
+/* The posture reached, for pulling the tool from there. */
+static void begin_to_pull(lw_robot *r)
+{
+    lw_space_follow *f = &r->by_tool;
+    memcpy(f->q, r->follow.q, (size_t)r->space.n_q*sizeof *f->q);
+    if (r->space.n_coupling)
+        memcpy(f->z.near + f->z.n_extra, r->follow.z.near + r->follow.z.n_extra, (size_t)r->space.n_joint*sizeof *f->z.near);
+    r->space.from[r->tool] = r->follow.z.frame[r->space.tracer[r->tool].body + 1].turn;
+}
+
+/* Rates of the drives (of_drives) or of the tool's pose by unit rates of the inputs of f, at f->q: column i of a belongs to input i. */
+static bool fill_rates(lw_robot *r, lw_space_follow *f, bool of_drives, double *a)
+{
+    const lw_space *s = &r->space;
+    double value, *v = r->column;
+    int n = r->n_drive, first = s->n_row + f->n_idle;
+    if (!lw_space_rows_factor_near(&f->z))
+        return false;
+    for (int i = 0; i < n; i++) {
+        memset(f->rhs, 0, (size_t)f->z.n_row*sizeof *f->rhs);
+        f->rhs[first + i] = 1;
+        if (!lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l))
+            return false;
+        for (int k = 0; k < n; k++) {
+            lw_spatial_measure of = of_drives ? measure_of(r, k) : (lw_spatial_measure){ r->pose[k], r->tool };
+            lw_space_measured(s, f->z.frame, of, 0, v, &value, &a[i*n + k]);
+            a[i*n + k] /= lw_space_scale(s, of);
+        }
+    }
+    return true;
+}
+
+/* Determinant of the Jacobian where the tool is pulled: as the inverse of that of the drives by the pose, which is smooth where the drives lose
+ * the tool, or else, where the tool can move no farther, itself.  0: neither is known. */
+static double determinant_by_tool(lw_robot *r)
+{
+    double a[6*6], diag[6];
+    for (int of_drives = 1; of_drives >= 0; of_drives--) {
+        lw_space_follow *f = of_drives ? &r->by_tool : &r->follow;
+        if (memcmp(f->z.filled, f->q, (size_t)r->space.n_q*sizeof *f->q) != 0)
+            lw_space_rows_fill(&f->z, f->q, f->z.near);
+        bool known = fill_rates(r, f, of_drives, a);
+        if (!known && f->z.n_kept < f->z.n_row)  /* the basis kept may be that of the end of another way */
+            known = lw_space_rows_arrange(&f->z, f->q, NULL) == LW_OK && fill_rates(r, f, of_drives, a);
+        if (!known)
+            continue;
+        lw_qr_factor(r->n_drive, r->n_drive, a, diag);
+        double det = lw_qr_determinant(r->n_drive, diag);
+        return of_drives ? 1/det : det;
+    }
+    return 0;
+}
+
 /* How far may the next step go, after one of h over which the determinant changed from `before`?  Its inverse has a zero where the drives
  * lose the tool; a second zero may be near, so the first has to fall between two steps. */
 static double wary(const lw_robot *r, double before, double h)
@@ -589,9 +659,10 @@ static bool drives_were_lost(lw_robot *r, double det)
 static bool may_be_there(lw_robot *r)
 {
     lw_robot_pose now;
+    bool by_tool = r->by_tool.memory && !(r->condition_limit > 0);
     if (r->free)
         return true;
-    if (lw_robot_measure(r, &now, NULL) != LW_OK) {
+    if (!by_tool && lw_robot_measure(r, &now, NULL) != LW_OK) {
         snprintf(r->limit, sizeof r->limit, not_held);
         return false;
     }
@@ -601,7 +672,7 @@ static bool may_be_there(lw_robot *r)
     }
     if (passed(r))
         return false;
-    if (drives_were_lost(r, determinant(r, &now))) {
+    if (drives_were_lost(r, by_tool ? determinant_by_tool(r) : determinant(r, &now))) {
         snprintf(r->limit, sizeof r->limit, r->condition_limit > 0 ? "the limit of the condition number" : not_held);
         return false;
     }
@@ -616,22 +687,27 @@ static lw_status watched(lw_robot *r, lw_status s)
     return s;
 }
 
-/* As many drives as the tool's place has freedoms: the tool itself is moved, and the drives follow.  *end: the links reach no farther, the tool is where
- * they do. */
-static bool pull_tool(lw_robot *r, lw_vec3 place, bool *end)
+/* As many drives as the tool's pose has coordinates: the tool itself is moved, and the drives follow.  *end: the links reach no farther, the tool is
+ * where they do.  length: of the way there, as lw_robot_move counts. */
+static bool pull_tool(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, double length, bool *end)
 {
     lw_space_follow *f = &r->by_tool;
-    lw_quaternion turn;
-    memcpy(f->q, r->follow.q, (size_t)r->space.n_q*sizeof *f->q);
-    if (r->space.n_coupling)
-        memcpy(f->z.near + f->z.n_extra, r->follow.z.near + r->follow.z.n_extra, (size_t)r->space.n_joint*sizeof *f->z.near);
-    tool_pose(r, &r->begin, &turn);
+    lw_quaternion now;
+    begin_to_pull(r);
+    tool_pose(r, &r->begin, &now);
     r->goal = place;
+    r->spin_to_goal = r->turns ? lw_quaternion_vector(lw_quaternion_times(*turn, lw_quaternion_inverse(now))) : lw_v3(0, 0, 0);
+    lw_vec3 across = lw_v3_cross(r->spin_to_goal, lw_v3_add(r->normal, r->spin));        /* turns that the robot does not have */
+    if (lw_v3_norm(across) > CLOSE) {
+        snprintf(r->limit, sizeof r->limit, out_of_reach);
+        f->u = 0;
+        return false;
+    }
     f->u = 0;
-    f->least = 0.01*r->least;
+    f->least = fmin(0.1*r->least/length, 0.1);
     f->passed = count_angles;
     f->passed_by = r;
-    *end = watched(r, lw_space_follow_to(f, to_place, r, 1, NULL)) != LW_OK;
+    *end = watched(r, lw_space_follow_to(f, to_pose, r, 1, NULL)) != LW_OK;
     memcpy(r->follow.q, f->q, (size_t)r->space.n_q*sizeof *f->q);
     lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
     if (r->space.n_coupling)
@@ -697,7 +773,11 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
     lw_robot_pose begin;
     r->broken = LW_OK;
     r->jump = 0;
-    r->determinant = lw_robot_measure(r, &begin, NULL) == LW_OK ? determinant(r, &begin) : 0;
+    if (r->by_tool.memory && !(r->condition_limit > 0)) {
+        begin_to_pull(r);
+        r->determinant = determinant_by_tool(r);
+    } else
+        r->determinant = lw_robot_measure(r, &begin, NULL) == LW_OK ? determinant(r, &begin) : 0;
     double first_determinant = fabs(r->determinant);
     h = fmin(h, 0.5*LONGEST_STEP);
     while (at < length) {
@@ -708,7 +788,7 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_near*sizeof *near);
         lw_vec3 to_go = lw_v3_add(first, lw_v3_scale(way, part));
         bool end = false;
-        if (r->by_tool.memory ? pull_tool(r, to_go, &end) : close_tool(r, to_go, &now)) {
+        if (r->by_tool.memory ? pull_tool(r, to_go, &now, next - at, &end) : close_tool(r, to_go, &now)) {
             h = fmin(2*h, wary(r, before, next - at));
             at = next;
             continue;
@@ -718,11 +798,8 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
             free(near);
             return lw_error_set(e, r->broken, "the tool could not be moved: %s", lw_status_text(r->broken));
         }
-        if (r->by_tool.memory && !end) {         /* the links themselves may have ended the step early */
-            lw_vec3 reached;
-            tool_pose(r, &reached, &now);
-            h = fmax(fmin(h, lw_v3_norm(lw_v3_sub(reached, first))/s->unit - at), r->least);
-        }
+        if (r->by_tool.memory && !end)           /* the links themselves may have ended the step early */
+            h = fmax(fmin(h, r->by_tool.u*(next - at)), r->least);
         if (end) {
             memcpy(kept, r->follow.q, (size_t)s->n_q*sizeof *kept);
             memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_near*sizeof *near);

@@ -26,11 +26,11 @@ typedef struct lw_robot {
     lw_vec3 spin;                                /* with four drives: the axis about which it turns; else 0 */
     lw_space space;
     lw_space_follow follow;                      /* the drives as inputs                                */
-    lw_space_follow by_tool;                     /* three drives, two in a plane across x, y or z: the tool's place as inputs; memory NULL: none */
-    int    n_place, axis[3];                     /* these inputs: 0 x, 1 y, 2 z                         */
+    lw_space_follow by_tool;                     /* as many drives as the tool's pose has coordinates: these as inputs; memory NULL: none */
+    lw_spatial_of pose[6];                       /* (by_tool.n_input) these coordinates                 */
     double drive[LW_ROBOT_DRIVES];               /* where the path below goes                           */
     double from[LW_ROBOT_DRIVES];
-    lw_vec3 goal, begin;                         /* the same of the tool                                */
+    lw_vec3 goal, begin, spin_to_goal;           /* the same of the tool; its turn on the way           */
     double *column, *start;                      /* (n_drive x n_v) velocities of unit drive rates; (n_q) posture of the file */
     double *square;                              /* (n_v * (n_v + 1)) scratch; NULL: an open chain        */
     double determinant, jump;                    /* of the Jacobian at the last posture of a way, where it is square; its change beyond */

@@ -18,7 +18,7 @@ static lw_status reserve(const lw_spatial *m, lw_space *s, lw_error *e)
     size_t couplings = (size_t)m->n_coupling, terms = 0;
     for (int i = 0; i < m->n_coupling; i++)
         terms += (size_t)m->coupling[i].n;
-    size_t bytes = joints*sizeof *s->joint + couplings*sizeof *s->coupling + terms*sizeof *s->coupling->term + (tracers + 1)*sizeof *s->tracer +
+    size_t bytes = joints*sizeof *s->joint + couplings*sizeof *s->coupling + terms*sizeof *s->coupling->term + (tracers + 1)*(sizeof *s->tracer + sizeof *s->from) +
                    links*sizeof *s->axes + links*14*sizeof(double) + (2*links + 5*terms + couplings)*sizeof(int);
     char *at = s->memory = calloc(1, bytes);
     if (!at)
@@ -28,6 +28,7 @@ static lw_status reserve(const lw_spatial *m, lw_space *s, lw_error *e)
     s->start = (double *)(void *)at, at += 7*links*sizeof(double);
     s->axes = (lw_quaternion *)(void *)at, at += links*sizeof *s->axes;
     s->tracer = (lw_space_point *)(void *)at, at += (tracers + 1)*sizeof *s->tracer;
+    s->from = (lw_mat3 *)(void *)at, at += (tracers + 1)*sizeof *s->from;
     s->joint = (lw_space_joint *)(void *)at, at += joints*sizeof *s->joint;
     s->coupling = (lw_space_coupling *)(void *)at, at += couplings*sizeof *s->coupling;
     for (int i = 0; i < m->n_coupling; i++) {
@@ -207,8 +208,10 @@ lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e)
     s->n_v = 6*s->n_body;
     for (int i = 0; i < m->n_joint; i++)
         make_joint(s, i, lw_v3_across(axis_of(&m->joint[i])));
-    for (int i = 0; i < m->n_tracer; i++)
+    for (int i = 0; i < m->n_tracer; i++) {
         s->tracer[i] = lw_space_point_of(s, m->tracer[i].link, m->tracer[i].at);
+        s->from[i] = lw_quaternion_matrix(s->tracer[i].body >= 0 ? s->axes[s->tracer[i].body] : (lw_quaternion){ 1, 0, 0, 0 });
+    }
     s->n_joint_row = s->n_row;
     s->n_side = s->n_term = 2;
     for (; s->n_coupling < m->n_coupling; s->n_coupling++, s->n_row++)

@@ -59,6 +59,7 @@ typedef struct lw_space {
     lw_space_joint *joint;       /* (n_joint)                                                         */
     lw_space_coupling *coupling; /* (n_coupling)                                                      */
     lw_space_point *tracer;      /* (n_tracer)                                                        */
+    lw_mat3 *from;               /* (n_tracer) turn of its body since which LW_OF_TURN_X .. of it count: that of the file, unless a user sets it */
     lw_quaternion *axes;         /* (n_body) principal axes in the posture of the file                */
     double  *mass;               /* (n_v) diagonal of the mass matrix [kg m^2]                        */
     double  *rotor;              /* (n_body) part of it without weight: of rotors at sliders, of superelements */
@@ -108,10 +109,11 @@ double lw_space_measure(const lw_space *s, const lw_space_frame *frame, lw_spati
                         double *jac);
 double lw_space_measure_bias(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, const double *v);
 double lw_space_scale(const lw_space *s, lw_spatial_measure of);      /* 1 of turns, unit of lengths */
+bool   lw_space_measures_turn(lw_spatial_measure of);
 
 /* Its second derivatives over the unit, by the 12 coordinates of its bodies along their motions: derivative by b of entry a
  * of the first derivatives.  And those of row k of a joint, of which there are at most LW_SPACE_BENDS, and of a coupling, at most
- * that for each term, by velocity coordinates of the model; returns how many. */
+ * that for each term, by velocity coordinates of the model; returns how many.  Not of LW_OF_TURN_X .., on which nothing acts. */
 typedef struct lw_space_bend { int a, b; double h; } lw_space_bend;
 #define LW_SPACE_BENDS 72
 void lw_space_measure_bends(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double h[12][12]);

@@ -246,7 +246,9 @@ void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double 
 
 /* ---- measures ---------------------------------------------------------------------------------------------- */
 
-double lw_space_scale(const lw_space *s, lw_spatial_measure of) { return of.of == LW_OF_TURN ? 1 : s->unit; }
+bool lw_space_measures_turn(lw_spatial_measure of) { return of.of == LW_OF_TURN || of.of >= LW_OF_TURN_X; }
+
+double lw_space_scale(const lw_space *s, lw_spatial_measure of) { return lw_space_measures_turn(of) ? 1 : s->unit; }
 
 void lw_space_bodies(const lw_space *s, const lw_space_extra *x, int body[2])
 {
@@ -259,11 +261,38 @@ void lw_space_bodies(const lw_space *s, const lw_space_extra *x, int body[2])
         body[0] = s->joint[x->measure.index].body[0], body[1] = s->joint[x->measure.index].body[1];
 }
 
-static lw_vec3 ground_axis(lw_spatial_of of) { return lw_v3(of == LW_OF_X, of == LW_OF_Y, of == LW_OF_Z); }
+static lw_vec3 ground_axis(lw_spatial_of of)
+{
+    return lw_v3(of == LW_OF_X || of == LW_OF_TURN_X, of == LW_OF_Y || of == LW_OF_TURN_Y, of == LW_OF_Z || of == LW_OF_TURN_Z);
+}
+
+/* How the body of a tracer has turned since s->from, in ground axes. */
+static lw_quaternion turned_by(const lw_space *s, const lw_space_frame *frame, int tracer)
+{
+    const lw_mat3 *from = &s->from[tracer], back = lw_m3_columns(from->row[0], from->row[1], from->row[2]);
+    lw_mat3 turn = lw_m3_times(&frame[s->tracer[tracer].body + 1].turn, &back);
+    return lw_quaternion_of_matrix(&turn);
+}
+
+/* Twice a coordinate of the vector of that quaternion, whose rate is (w omega + omega x vector)/2. */
+static double turn_of_tracer(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double *jac)
+{
+    lw_quaternion q = turned_by(s, frame, of.index);
+    lw_vec3 e = ground_axis(of.of), vector = lw_v3(q.x, q.y, q.z);
+    if (jac) {
+        lw_vec3 m = lw_v3_add(lw_v3_scale(e, q.w), lw_v3_cross(vector, e));
+        m = lw_m3_unapply(&frame[s->tracer[of.index].body + 1].turn, m);
+        const double row[LW_SPACE_ROW] = { 0, 0, 0, m.x, m.y, m.z };
+        memcpy(jac, row, sizeof row);
+    }
+    return 2*lw_v3_dot(e, vector);
+}
 
 double lw_space_measure(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near, double *jac)
 {
     double none[LW_SPACE_ROW], value;
+    if (of.of >= LW_OF_TURN_X)
+        return turn_of_tracer(s, frame, of, jac);
     if (of.of >= LW_OF_X) {
         lw_space_point p = s->tracer[of.index];
         const lw_space_frame *f = &frame[p.body + 1];
@@ -288,6 +317,10 @@ double lw_space_measure_bias(const lw_space *s, const lw_space_frame *frame, lw_
     if (of.of >= LW_OF_X) {
         lw_space_point p = s->tracer[of.index];
         lw_vec3 omega = lw_space_omega(frame, p.body, v), arm = lw_m3_apply(&frame[p.body + 1].turn, p.arm);
+        if (of.of >= LW_OF_TURN_X) {
+            lw_quaternion q = turned_by(s, frame, of.index);
+            return -0.5*lw_v3_dot(omega, omega)*lw_v3_dot(ground_axis(of.of), lw_v3(q.x, q.y, q.z));
+        }
         return lw_v3_dot(ground_axis(of.of), lw_v3_cross(omega, lw_v3_cross(omega, arm)))/s->unit;
     }
     const lw_space_joint *j = &s->joint[of.index];
