@@ -1145,16 +1145,20 @@ void lw_mbs_least_norm(lw_dynamics *d, double *l)
     }
 }
 
-lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m)
+lw_status lw_mbs_moment_forces(lw_dynamics *d, const lw_moment *m)
 {
-    lw_status s = lw_mbs_measure(d, t, q, v, work, m);
+    lw_status s = lw_mbs_factor(d, !m->unique);
     if (s == LW_OK)
-        s = lw_mbs_factor(d, !m->unique);
-    if (s == LW_OK)
-        s = lw_mbs_solve(d, t, q, v, d->a, d->l, NULL);
+        s = lw_mbs_solve(d, m->t, m->q, m->v, d->a, d->l, NULL);
     if (s == LW_OK)
         lw_mbs_least_norm(d, d->l);
     return s;
+}
+
+lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m)
+{
+    lw_status s = lw_mbs_measure(d, t, q, v, work, m);
+    return s == LW_OK ? lw_mbs_moment_forces(d, m) : s;
 }
 
 /* ---- stiffness ---------------------------------------------------------------------------------------- */

@@ -222,7 +222,9 @@ lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q);
 /* Fill a moment at (t, q, v): residuals and energies; a and l are those in d->a and d->l.  Rows are those at q. */
 lw_status lw_mbs_measure(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m);
 
-/* The same with accelerations and reactions, of least norm.  LW_OPEN: a singular posture, which has none. */
+/* Its accelerations and multipliers, these of least norm, into d->a and d->l.  LW_OPEN: a singular posture, which has none. */
+lw_status lw_mbs_moment_forces(lw_dynamics *d, const lw_moment *m);
+/* Both. */
 lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m);
 
 /* x (n_c) has values in the rows left out as dependent.  Fill in its values in the rows kept, so that J^T x = 0; factored. */

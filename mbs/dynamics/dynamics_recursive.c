@@ -15,7 +15,9 @@
 #include "mbs/space/recursive.h"
 #include "mbs/space/recursive_stages.h"
 
-static const double near_singular = 1e-4;    /* least pivot of the loops over that of the start */
+static const double near_singular = 1e-4;    /* least pivot of the loops over that of the start: too small for steps, */
+static const double far_from_singular = 1e-2;            /* great enough for forces of samples */
+static const double same_place = 1e-12;         /* difference of places and velocities that are the same but for rounding */
 static const double closed = 1e-9;           /* loops that stay farther open after all passes fail [sizes, rad] */
 static const double same_posture = 1e-9;     /* joints that do not reproduce the posture of the start better fail */
 enum { MOST_ROWS = 48 };                     /* of loops: more are faster in the coordinates of all bodies */
@@ -95,6 +97,10 @@ static lw_status close_loops(motion *m, double t, double *x, double *u, double *
         return place(m, t, x, u, q, v);
     lw_status s = want(m, t);
     for (int pass = 0; s == LW_OK && pass < 12; pass++) {
+        if (pass > 0) {
+            lw_recursive_solve(&m->r, NULL, LW_WANT_CLOSED, m->free);
+            lw_recursive_move(&m->r, x, m->free);
+        }
         lw_recursive_place(&m->r, x, q);
         lw_recursive_rows(&m->r, m->near, (const double (*)[3])m->wanted, m->run->d->space->f.turn, NULL);
         off = 0;
@@ -110,8 +116,6 @@ static lw_status close_loops(motion *m, double t, double *x, double *u, double *
         if (off <= 4e-16*(m->r.n_u + 4) || (off < 1e-12 && off >= 0.5*before))
             break;
         before = off;
-        lw_recursive_solve(&m->r, NULL, LW_WANT_CLOSED, m->free);
-        lw_recursive_move(&m->r, x, m->free);
     }
     if (s != LW_OK || off > closed)
         return s != LW_OK ? s : LW_OPEN;
@@ -206,6 +210,123 @@ static lw_status to_bodies(motion *m, double t, const double *y, bool placed, do
     return s;
 }
 
+/* ---- forces of samples -------------------------------------------------------------------------------------------- */
+
+typedef struct joint_row { lw_vec3 move, turn; double *l; } joint_row;      /* derivatives by the body at the outer end; its multiplier */
+
+/* The multipliers of a joint of the tree that put a force and a moment on this body.  Rows with a force have forces at right angles to each
+ * other; at most three others are moments alone. */
+static void joint_multipliers(int n, const joint_row *row, lw_vec3 force, lw_vec3 moment)
+{
+    const joint_row *turn[6];
+    double m[6][6], f[6];
+    int turns = 0;
+    for (int i = 0; i < n; i++) {
+        double size = lw_v3_dot(row[i].move, row[i].move);
+        if (size == 0) {
+            turn[turns++] = &row[i];
+            continue;
+        }
+        *row[i].l = lw_v3_dot(row[i].move, force)/size;
+        moment = lw_v3_sub(moment, lw_v3_scale(row[i].turn, *row[i].l));
+    }
+    for (int i = 0; i < turns; i++) {        /* normal equations, L D L^T */
+        f[i] = lw_v3_dot(turn[i]->turn, moment);
+        for (int j = 0; j <= i; j++)
+            m[i][j] = lw_v3_dot(turn[i]->turn, turn[j]->turn);
+    }
+    for (int k = 0; k < turns; k++)
+        for (int i = k + 1; i < turns; i++) {
+            double by = m[i][k]/m[k][k];
+            for (int j = k + 1; j <= i; j++)
+                m[i][j] -= by*m[j][k];
+            f[i] -= by*f[k];
+        }
+    for (int i = turns - 1; i >= 0; i--) {
+        for (int j = i + 1; j < turns; j++)
+            f[i] -= m[j][i]**turn[j]->l;
+        *turn[i]->l = f[i]/m[i][i];
+    }
+}
+
+/* Take the force J^T l of a row off the bodies. */
+static void take_off(const lw_dynamics *d, int row, double l, double *force)
+{
+    const double *jac = lw_mbs_jac(d, row);
+    const int *block = lw_mbs_blocks(d, row);
+    for (int k = 0; k < d->eq.n_slot && block[k] >= 0; k++)
+        for (int i = 0; i < LW_BLOCK; i++)
+            force[LW_BLOCK*block[k] + i] -= l*jac[LW_BLOCK*k + i];
+}
+
+static lw_vec3 three(const double *x) { return lw_v3(x[0], x[1], x[2]); }
+
+/* The multipliers of the joints of the tree, from the leaves inwards.  force (n_v): what all joints of the tree put on the bodies. */
+static void tree_multipliers(const motion *m, double *force)
+{
+    const lw_dynamics *d = m->run->d;
+    for (int i = m->r.s->n_body - 1; i >= 0; i--) {
+        const lw_recursive_body *p = &m->r.body[i];
+        const lw_space_joint *j = p->joint < 0 ? NULL : &m->r.s->joint[p->joint];
+        int n = j ? lw_spatial_kind_of(j->kind)->rows : 0;
+        joint_row row[6] = { { .l = NULL } };
+        for (int k = 0; k < n; k++) {
+            const double *jac = lw_mbs_jac(d, j->row + k);
+            const int *block = lw_mbs_blocks(d, j->row + k);
+            row[k].l = &d->l[j->row + k];
+            for (int s = 0; s < d->eq.n_slot && block[s] >= 0; s++)
+                if (block[s]/2 == p->body)
+                    *(block[s]%2 ? &row[k].turn : &row[k].move) = three(jac + LW_BLOCK*s);
+        }
+        joint_multipliers(n, row, three(force + 6*p->body), three(force + 6*p->body + LW_BLOCK));
+        for (int k = 0; k < n; k++)
+            take_off(d, j->row + k, d->l[j->row + k], force);
+    }
+}
+
+/* Is the tree placed at (q, v)? */
+static bool is_placed(const motion *m, const double *q, const double *v)
+{
+    bool same = true;
+    for (int i = 0; i < m->r.s->n_body; i++) {
+        const lw_recursive_body *p = &m->r.body[i];
+        lw_vec3 at = lw_v3_sub(p->at, three(q + 7*p->body)), w = p->velocity.move, off = lw_v3_sub(w, three(v + 6*p->body));
+        same = same && lw_v3_dot(at, at) <= same_place*same_place && lw_v3_dot(off, off) <= same_place*same_place*(1 + lw_v3_dot(w, w));
+    }
+    return same;
+}
+
+/* Accelerations and forces of a sample from the joints' coordinates, where no rows are left but those of joints, which are independent. */
+static lw_status solve_sample(void *solver, double t, const double *q, const double *v)
+{
+    motion *m = solver;
+    lw_dynamics *d = m->run->d;
+    int row = 0;
+    if (m->r.n_extra + m->r.s->n_coupling > 0 || d->rank < d->n_c || d->n_c != m->r.s->n_joint_row || !is_placed(m, q, v))
+        return LW_OPEN;
+    d->eq.forces(d->eq.context, t, q, v, d->force, NULL);
+    for (int i = 0; i < d->n_v; i++)
+        if (!isfinite(d->force[i]))
+            return LW_OPEN;
+    if (m->r.n_row)
+        lw_recursive_rows(&m->r, m->near, (const double (*)[3])m->wanted, d->space->f.turn, v);
+    if (lw_recursive_factor(&m->r) != LW_OK || m->r.weak < far_from_singular*m->first)
+        return LW_OPEN;
+    lw_recursive_solve(&m->r, d->force, LW_WANT_MOTION, m->free);
+    lw_recursive_accelerations(&m->r, m->free, d->a);
+    for (int i = 0; i < d->n_v; i++)
+        d->hold[i] = d->force[i] - d->eq.mass[i]*d->a[i];
+    for (int i = 0; i < m->r.n_cut; i++) {
+        const lw_space_joint *j = &m->r.s->joint[m->r.cut[i]];
+        for (int k = 0; k < lw_spatial_kind_of(j->kind)->rows; k++, row++) {
+            d->l[j->row + k] = m->r.l[row];
+            take_off(d, j->row + k, m->r.l[row], d->hold);
+        }
+    }
+    tree_multipliers(m, d->hold);
+    return LW_OK;
+}
+
 /* One of three solvers. */
 typedef struct stepper {
     motion *m;
@@ -265,7 +386,7 @@ static lw_status state_at(void *context, double t, double *out)
         if (s != LW_OK)
             return LW_E_NUMERIC;
     }
-    return to_bodies(m, t, p->y, false, out);
+    return to_bodies(m, t, p->y, t != time_of(p), out);      /* loops that are closed are placed */
 }
 
 static lw_status step_stages(stepper *w, double end, lw_ode_stop *stop)
@@ -390,6 +511,7 @@ static lw_status run_one(motion *m, double *y, double *work)
             each[i] = o.absolute*(i < first ? 1 : d->eq.state_scale(d->eq.context, i - first));
         o.absolute_each = each;
     }
+    run->solve_sample = solve_sample, run->solver = m;
     if (s == LW_OK)
         s = lw_run_begin(run, out);
     if (s == LW_OK && w.staged)
@@ -403,6 +525,7 @@ static lw_status run_one(motion *m, double *y, double *work)
         if (w.implicit)
             lw_sundials_free(&w.implicit_one);
     }
+    run->solve_sample = NULL;
     if (s == LW_OPEN || (s == LW_E_NUMERIC && m->r.n_row)) {
         run->r->t = t;
         s = lw_run_go_on(run, out);

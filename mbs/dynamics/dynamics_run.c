@@ -390,7 +390,11 @@ lw_status lw_run_show(lw_run *run, double t, const double *y)
     lw_moment m;
     lw_error was = *run->e;
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
-    lw_status s = lw_mbs_moment(d, t, y, y + d->n_q, run->has_work ? y[d->n_q + d->n_v] : 0, &m);
+    lw_status s = lw_mbs_measure(d, t, y, y + d->n_q, run->has_work ? y[d->n_q + d->n_v] : 0, &m);
+    if (s == LW_OK && run->solve_sample && run->solve_sample(run->solver, t, m.q, m.v) == LW_OK)
+        return hand_out(run, &m);
+    if (s == LW_OK)
+        s = lw_mbs_moment_forces(d, &m);
     bool touches = d->touch || d->n_resting;             /* what holds now may not hold around it */
     double apart = s == LW_OPEN ? 0 : d->by_rank ? d->rank_of.weakest : sqrt(d->weak);
     bool jams = s == LW_E_NUMERIC && d->n_friction && !d->touch && apart < LW_SINGULAR_NEAR;

@@ -44,6 +44,10 @@ typedef struct lw_run {
     long    n_jumped;
     int     n_near, n_steady;        /* successive short steps beside a jump; how many series of such steps stayed as near; */
     double  near[2];                 /* greatest distances from the jump in these series */
+    /* Accelerations d->a and multipliers d->l of a sample at (t, q, v), whose rows are formed.  LW_OPEN: they are found from all rows, as
+     * they are where this is NULL. */
+    lw_status (*solve_sample)(void *solver, double t, const double *q, const double *v);
+    void   *solver;
     double *y, *state;               /* (n) scratch; state: ggl only */
 } lw_run;
 

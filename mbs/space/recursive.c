@@ -767,3 +767,18 @@ void lw_recursive_solve(lw_recursive *r, const double *force, lw_recursive_want 
     for (int k = 0; k < r->n_u; k++)
         du[k] += r->along[k];
 }
+
+void lw_recursive_accelerations(lw_recursive *r, const double *du, double *a)
+{
+    for (int i = 0; i < r->s->n_body; i++) {
+        lw_recursive_body *p = &r->body[i];
+        double *out = a + 6*p->body;
+        p->a = r->body[p->parent].a;
+        p->a.move = lw_v3_add(p->a.move, lw_v3_cross(p->a.turn, p->from_parent));
+        p->a = screw_add(p->a, p->bias);
+        for (int k = p->u; k < p->u + p->n_u; k++)
+            p->a = screw_add(p->a, screw_scale(r->axis[k], du[k]));
+        lw_vec3 own = lw_m3_unapply(&p->axes, p->a.turn);
+        out[0] = p->a.move.x, out[1] = p->a.move.y, out[2] = p->a.move.z, out[3] = own.x, out[4] = own.y, out[5] = own.z;
+    }
+}

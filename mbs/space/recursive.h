@@ -99,4 +99,7 @@ lw_status lw_recursive_factor(lw_recursive *r);
 typedef enum lw_recursive_want { LW_WANT_CLOSED, LW_WANT_MOTION, LW_WANT_GIVEN } lw_recursive_want;
 void lw_recursive_solve(lw_recursive *r, const double *force, lw_recursive_want want, double *du);
 
+/* Accelerations a (n_v) of the bodies for those of the rates at the posture and velocities placed last. */
+void lw_recursive_accelerations(lw_recursive *r, const double *du, double *a);
+
 #endif
