@@ -346,28 +346,47 @@ static pulls pulls_of(const lw_stage_row *p, const ends *n, const body *b0, cons
     return (pulls){ { { cross(a, arm), minus(a) }, { cross(n->arm[1], a), a } }, -bends };
 }
 
-/* A row of Y: what the pulls of a row leave at each rate, going inwards. */
-LW_INLINE screw halve_along(const lw_tree_stages *t, int n, const int *path, const body *all, const rate *rates, screw g, pack *y)
+/* Rows of Y, at most ROWS of one loop: what their pulls g leave at each rate, going inwards.  Rows side by side hide that the next rate
+ * waits for this one; n_row is a constant where this is inlined. */
+enum { ROWS = 3 };
+LW_INLINE void halve_along(const lw_tree_stages *t, const int n_row, int n, const int *path, const body *all, const rate *rates, screw *g,
+                           pack *const *y)
 {
     for (int i = 0; i < n; i++) {
         const lw_stage_body *b = &t->body[path[i]];
-        for (const rate *r = rates + b->u + b->n_u - 1; r >= rates + b->u; r--) {
-            pack s = y[r - rates] = dot_screw(r->axis, g);
-            g = add_screw(g, times_screw(r->push, -s*r->by_inertia));
-        }
-        g.turn = add(g.turn, cross(all[path[i]].from_parent, g.move));
+        for (const rate *r = rates + b->u + b->n_u - 1; r >= rates + b->u; r--)
+            for (int k = 0; k < n_row; k++) {
+                pack s = y[k][r - rates] = dot_screw(r->axis, g[k]);
+                g[k] = add_screw(g[k], times_screw(r->push, -s*r->by_inertia));
+            }
+        for (int k = 0; k < n_row; k++)
+            g[k].turn = add(g[k].turn, cross(all[path[i]].from_parent, g[k].move));
     }
-    return g;
 }
 
-static void halve(const lw_tree_stages *t, const lw_stage_loop *p, const pulls *row, const body *all, const rate *rates, pack *y)
+LW_INLINE void halve_rows(const lw_tree_stages *t, const lw_stage_loop *p, const int n_row, const pulls *row, const body *all,
+                          const rate *rates, pack *const *y)
 {
-    screw g[2];
+    screw g[2][ROWS], both[ROWS];
     const int *path = p->path;
-    for (int k = 0; k < 2; path += p->n_path[k++])
-        g[k] = halve_along(t, p->n_path[k], path, all, rates, row->on[k], y);
-    if (p->n_path[2])
-        halve_along(t, p->n_path[2], path, all, rates, add_screw(g[0], g[1]), y);
+    for (int k = 0; k < 2; path += p->n_path[k++]) {
+        for (int i = 0; i < n_row; i++)
+            g[k][i] = row[i].on[k];
+        halve_along(t, n_row, p->n_path[k], path, all, rates, g[k], y);
+    }
+    for (int i = 0; i < n_row; i++)
+        both[i] = add_screw(g[0][i], g[1][i]);
+    halve_along(t, n_row, p->n_path[2], path, all, rates, both, y);
+}
+
+static void halve(const lw_tree_stages *t, const lw_stage_loop *p, int n_row, const pulls *row, const body *all, const rate *rates,
+                  pack *const *y)
+{
+    if (n_row == ROWS)
+        halve_rows(t, p, ROWS, row, all, rates, y);
+    else
+        for (int i = 0; i < n_row; i++)
+            halve_rows(t, p, 1, row + i, all, rates, y + i);
 }
 
 /* Y D Y^T l = l by the factors U^T D^-1 U in m, of which the upper triangle is given.  Returns the least pivot over the first, 0 if
@@ -410,17 +429,23 @@ static void fill_rows(const lw_tree_stages *t, const body *all, const rate *rate
     for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++) {
         const body *b[2] = { &all[p->body[0]], &all[p->body[1]] };
         ends e = ends_of(p, all);
+        pulls row[ROWS];
+        pack *y[ROWS];
+        int n = 0;
         for (int i = 0; i < p->n_row; i++) {
             int at = p->row[i].at;
             if (at < 0)
                 continue;
-            pulls row = pulls_of(&p->row[i], &e, b[0], b[1]);
-            z->l[at] = -row.goal;
+            row[n] = pulls_of(&p->row[i], &e, b[0], b[1]);
+            z->l[at] = -row[n].goal;
             for (int k = 0; k < 2; k++)
-                z->l[at] += dot_screw(row.on[k], add_screw(b[k]->trial, b[k]->load));
+                z->l[at] += dot_screw(row[n].on[k], add_screw(b[k]->trial, b[k]->load));
             z->rates[at] = p->rates;
-            halve(t, p, &row, all, rates, z->y + at*t->n_u);
+            y[n++] = z->y + at*t->n_u;
+            if (n == ROWS)
+                halve(t, p, n, row, all, rates, y), n = 0;
         }
+        halve(t, p, n, row, all, rates, y);
     }
 }
 
