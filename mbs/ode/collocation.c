@@ -14,8 +14,8 @@ static const double best_factor = 0.15;      /* of an improvement: longer steps 
 static const double least_factor = 0.01;     /* smaller ones are taken as this one */
 static const double first_change = 16;       /* square of how far rates may change in the first step, over their size there */
 static const double fresh_factor = 0.1;      /* above it derivatives are found afresh */
-static const double relax = 1.2;             /* growth of the limit that a step sets that did not converge, and its part of that step: */
-static const double less = 0.8;
+static const double relax = 1.2;             /* growth of the limit that a step sets that did not converge; its part of that step, and that */
+static const double less = 0.7, shorter = 0.5;           /* of the step that is tried next */
 static const double greatest_growth = 4, difference = 1e-7;
 
 static const lw_stage_loops *const loops[] = {
@@ -445,10 +445,10 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
     double old = w->fastest;
     s = iterate(w, h);
     double error = s == LW_OK ? step_error(w, h) : INFINITY, of = h*w->fastest, rising = fmax(1, fmin(3, w->fastest/old));
-    double room = pow(best_factor/fmax(of, least_factor)/rising, 0.6);
+    double room = pow(best_factor/fmax(of, least_factor)/rising, 0.3);
     w->stale = of > fresh_factor || s != LW_OK;
     if (s == LW_OPEN) {
-        *by = fresh ? fmax(0.2, fmin(0.6, room)) : 1;    /* 1: with fresh derivatives */
+        *by = fresh ? shorter : 1;           /* 1: with fresh derivatives */
         w->most = fresh ? less*h : w->most;
     }
     if (s == LW_OK && !(error <= 1)) {
