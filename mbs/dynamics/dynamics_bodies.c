@@ -376,6 +376,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
             s = pass_singular(run, w, weak, y);
             stop = lw_run_stop(run, time_of(w), stop);
         }
+        if (s == LW_OK && stop != LW_ODE_END && run->clear > 0 && !w->implicit && d->weak > run->clear)
+            s = LW_NOTHING;
     }
     free(f.y);
     return s;
@@ -408,20 +410,25 @@ static lw_status run_bodies(lw_run *run, bool implicit)
     return s;
 }
 
-lw_status lw_run_go_on(lw_run *run, const double *from)
+lw_status lw_run_go_on(lw_run *run, double *out)
 {
     stepper w = { .run = run, .implicit = run->d->n_friction > 0 || lw_mbs_is_stiff(run->d) };
     size_t n = (size_t)run->n;
     double *y = calloc(2*n, sizeof *y), *old = run->y;
     if (!y)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
-    memcpy(y, from, n*sizeof *y);
+    memcpy(y, out, n*sizeof *y);
     run->y = y + n;
     run->e->text[0] = '\0';
+    run->pivot = run->ahead = 0, run->pivot_tried = 1;
     run->r->smooth_friction = run->d->ideal_friction;
     lw_status s = lw_run_project(run, run->r->t, y);
     if (s == LW_OK)
         s = run_steps(run, &w, run->r->t, y);
+    if (s == LW_NOTHING) {
+        run->r->t = time_of(&w);
+        memcpy(out, state(&w), n*sizeof *y);
+    }
     end_steps(&w, run->r);
     free(w.each);
     run->y = old;

@@ -1,6 +1,6 @@
 /* mbs/dynamics/dynamics_recursive.c - forward dynamics of a spatial model in the coordinates of its joints (mbs/space/recursive.h)
  * by collocation with eight states at once, if the loads are simple; else by an explicit method of order 8, or BDF methods (CVODE) where
- * dampers would keep its steps short.  Loops are closed after every step.  Near singular postures of the loops the run goes on in the
+ * dampers would keep its steps short.  Loops are closed after every step.  Singular postures of the loops are passed in the
  * coordinates of the bodies. */
 #include "base/number.h"
 #include "base/real.h"
@@ -16,7 +16,8 @@
 #include "mbs/space/recursive_stages.h"
 
 static const double near_singular = 1e-4;    /* least pivot of the loops over that of the start: too small for steps, */
-static const double far_from_singular = 1e-2;            /* great enough for forces of samples */
+static const double far_from_singular = 1e-2;            /* great enough for forces of samples, and to come back to joints' coordinates */
+static const double clear = 0.02;            /* least pivot of all rows, at which this is looked at */
 static const double same_place = 1e-12;         /* difference of places and velocities that are the same but for rounding */
 static const double closed = 1e-9;           /* loops that stay farther open after all passes fail [sizes, rad] */
 static const double same_posture = 1e-9;     /* joints that do not reproduce the posture of the start better fail */
@@ -479,6 +480,37 @@ static lw_status start(motion *m, double *y, double *out)
     return s;
 }
 
+/* Go on in the coordinates of the bodies from the state out at run->r->t.  LW_NOTHING: y is the state behind the singular posture, far
+ * enough from it; other statuses end the run. */
+static lw_status pass_singular(motion *m, double *y, double *out)
+{
+    lw_run *run = m->run;
+    lw_dynamics *d = run->d;
+    double *u = y + m->r.n_x, *q = m->body, *v = q + d->n_q;
+    for (;; run->clear *= 2) {
+        run->solve_sample = NULL;
+        lw_status s = lw_run_go_on(run, out);
+        run->solve_sample = solve_sample;
+        if (s != LW_NOTHING)
+            return s;
+        memcpy(q, out, (size_t)(d->n_q + d->n_v)*sizeof *q);
+        lw_recursive_of_bodies(&m->r, q, v, y, u);
+        memcpy(u + m->r.n_u, out + d->n_q + d->n_v, (size_t)(run->has_work + d->eq.n_z)*sizeof *y);
+        if (close_loops(m, run->r->t, y, u, q, v) == LW_OK && m->r.weak >= far_from_singular*m->first)
+            return s;
+    }
+}
+
+static lw_status begin_steps(stepper *w, const lw_ode_options *o, double *work, double t, const double *y)
+{
+    if (w->implicit)
+        return lw_cvode_make(&w->implicit_one, &w->ode, o, LW_CVODE_BDF, t, y, w->m->run->e);
+    if (!w->staged)
+        return lw_integrate_start(&w->explicit_one, &w->ode, o, work, t, y, w->m->run->e);
+    lw_collocation_start(&w->stages, &w->at_stages, o, work, t, y);
+    return LW_OK;
+}
+
 static lw_status run_one(motion *m, double *y, double *work)
 {
     lw_run *run = m->run;
@@ -514,22 +546,24 @@ static lw_status run_one(motion *m, double *y, double *work)
     run->solve_sample = solve_sample, run->solver = m;
     if (s == LW_OK)
         s = lw_run_begin(run, out);
-    if (s == LW_OK && w.staged)
-        lw_collocation_start(&w.stages, &w.at_stages, &o, work, t, y);
-    else if (s == LW_OK)
-        s = w.implicit ? lw_cvode_make(&w.implicit_one, ode, &o, LW_CVODE_BDF, t, y, run->e)
-                       : lw_integrate_start(&w.explicit_one, ode, &o, work, t, y, run->e);
-    if (s == LW_OK) {
-        if (t < d->o.to)
+    for (bool again = true; again;) {
+        double from = t;
+        bool begun = s == LW_OK && (s = begin_steps(&w, &o, work, t, y)) == LW_OK;
+        if (begun && t < d->o.to)
             s = run_steps(m, &w, &t, out);
-        if (w.implicit)
+        if (begun && w.implicit)
             lw_sundials_free(&w.implicit_one);
+        again = s == LW_OPEN || (s == LW_E_NUMERIC && m->r.n_row);
+        if (again) {
+            run->r->t = t;
+            run->clear = t > from ? clear : 4*run->clear;        /* no step: it was too early, or would be in vain from the start */
+            s = pass_singular(m, y, out);
+            again = s == LW_NOTHING;
+            s = again ? LW_OK : s;
+            t = run->r->t;
+        }
     }
     run->solve_sample = NULL;
-    if (s == LW_OPEN || (s == LW_E_NUMERIC && m->r.n_row)) {
-        run->r->t = t;
-        s = lw_run_go_on(run, out);
-    }
     free(each);
     return s;
 }

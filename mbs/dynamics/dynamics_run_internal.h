@@ -33,6 +33,7 @@ typedef struct lw_run {
     double  pivot, pivot_t;          /* root of the least pivot after the last step, and its time */
     double  pivot_tried;             /* root of the least pivot where a crossing was tried last; 1: none was tried */
     double  ahead;                   /* predicted time until the next singular posture [s]; 0: none */
+    double  clear;                   /* least pivot at which lw_run_go_on ends; 0: it goes on to the end of the run */
     double  apart;                   /* residual of the rows on a curve tried there; 0: none tried */
     double  jam;                     /* time of the singular posture before which friction jams; 0: none */
     double *behind, fell;            /* with friction: states (2 x n) after the last two steps with their times; last decrease of the pivot */
@@ -222,8 +223,9 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
 
 /* ---- dynamics_bodies.c ------------------------------------------------------------------------------- */
 
-/* Continue from (run->r->t, y) in the coordinates of all bodies. */
-lw_status lw_run_go_on(lw_run *run, const double *y);
+/* Continue from (run->r->t, y) in the coordinates of all bodies.  LW_NOTHING: the least pivot has grown to run->clear, and the run can go on from
+ * (run->r->t, y) otherwise. */
+lw_status lw_run_go_on(lw_run *run, double *y);
 
 /* ---- dynamics_space.c -------------------------------------------------------------------------------- */
 
