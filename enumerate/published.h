@@ -44,12 +44,13 @@ typedef struct lw_recount_result {
     double     seconds;                   /* estimated, of LW_TOO_LONG; 0: the time was over before  */
 } lw_recount_result;
 
-/* Counts made so far, shared by rows about the same chains.  lw_recount_create: NULL when out of memory. */
+/* Counts made so far, shared by rows about the same chains.  goes_on is called from time to time during a count, which is
+ * given up when it returns false; NULL: none is.  lw_recount_create: NULL when out of memory. */
 typedef struct lw_recount lw_recount;
-lw_recount *lw_recount_create(int n_thread);
+lw_recount *lw_recount_create(int n_thread, bool (*goes_on)(void *context), void *context);
 void        lw_recount_free(lw_recount *r);
 
-/* Recount the row if the estimated time is within `seconds`; a count of chains that takes longer is given up.  LW_E_MEMORY. */
+/* Recount the row if the estimated time is within `seconds`; LW_TOO_LONG, too, if the count was given up.  LW_E_MEMORY. */
 lw_status lw_recount_row(lw_recount *r, const lw_published *row, double seconds, lw_recount_result *result);
 
 #endif

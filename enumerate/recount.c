@@ -2,7 +2,6 @@
  * `wordings` or a family to `families`. */
 #include <stdlib.h>
 #include <string.h>
-#include "base/clock.h"
 #include "base/real.h"
 #include "enumerate/chains.h"
 #include "enumerate/estimate.h"
@@ -30,13 +29,13 @@ typedef struct chain_numbers {
 
 enum part { TABLE, NONPLANAR, ASYMMETRIC, FRACTIONATED };
 
-struct lw_recount { int n_thread; double until; chain_numbers *first; };
+struct lw_recount { int n_thread; bool (*goes_on)(void *context); void *context; chain_numbers *first; };
 
-lw_recount *lw_recount_create(int n_thread)
+lw_recount *lw_recount_create(int n_thread, bool (*goes_on)(void *context), void *context)
 {
     lw_recount *r = calloc(1, sizeof *r);
     if (r)
-        r->n_thread = n_thread;
+        *r = (lw_recount){ .n_thread = n_thread, .goes_on = goes_on, .context = context };
     return r;
 }
 
@@ -67,13 +66,34 @@ static chain_numbers *numbers_of(lw_recount *r, int n_link, int dof)
     return n;
 }
 
+static bool goes_on(void *context)
+{
+    const lw_recount *r = context;
+    return !r->goes_on || r->goes_on(r->context);
+}
+
+static bool structures_tick(void *context, int loops, size_t found)
+{
+    (void)loops, (void)found;
+    return goes_on(context);
+}
+
+static bool chains_tick(void *context, double done)
+{
+    (void)done;
+    return goes_on(context);
+}
+
+typedef struct fractionated { lw_recount *r; chain_numbers *n; } fractionated;
+
 static lw_status tally_fractionated(void *context, const lw_chain *c, int n_bridge)
 {
-    chain_numbers *n = context;
+    const fractionated *f = context;
+    chain_numbers *n = f->n;
     uint8_t lowest[LW_LINK_MAX];
     int n_class = 0;
     bool planar = true;
-    lw_status s = lw_chain_orbits(c, lowest, &n_class);
+    lw_status s = goes_on(f->r) ? lw_chain_orbits(c, lowest, &n_class) : LW_STOPPED;
     if (s == LW_OK)
         s = lw_planar_chain(c, &planar);
     if (n->n_fractionated < FRACTIONATED_MAX)
@@ -87,18 +107,11 @@ static lw_status tally_fractionated(void *context, const lw_chain *c, int n_brid
     return s;
 }
 
-static bool in_time(void *context, double done)
-{
-    const lw_recount *r = context;
-    (void)done;
-    return lw_clock_wall() <= r->until;
-}
-
 static lw_chain_walk walk_of(lw_recount *r)
 {
     lw_chain_walk how = lw_chain_walk_default();
     how.n_thread = r->n_thread;
-    how.tick = in_time;
+    how.tick = chains_tick;
     how.tick_context = r;
     return how;
 }
@@ -114,6 +127,14 @@ static lw_status count_filtered(lw_recount *r, chain_numbers *n, const char *fil
         lw_chain_table_free(&table);
     }
     return s;
+}
+
+/* A count that was given up begins again. */
+static lw_status count_fractionated(lw_recount *r, chain_numbers *n)
+{
+    n->n_fractionated = n->n_bridged = n->n_fractionated_nonplanar = n->n_fractionated_ground = 0;
+    memset(n->of_fractionated, 0, sizeof n->of_fractionated);
+    return lw_fractionated_each(n->n_link, n->dof, tally_fractionated, &(fractionated){ r, n }, NULL);
 }
 
 /* Estimated seconds for a part; 0 if it is already computed. */
@@ -139,7 +160,7 @@ static lw_status count_part(lw_recount *r, chain_numbers *n, enum part part)
     if (n->have[part])
         return LW_OK;
     if (!n->chains)
-        s = lw_chains_create(n->n_link, n->dof, r->n_thread, &n->chains, NULL);
+        s = lw_chains_create_while(n->n_link, n->dof, r->n_thread, NULL, structures_tick, r, &n->chains, NULL);
     if (s == LW_OK && part == TABLE)
         s = lw_chains_count(n->chains, &how, &n->table);
     if (s == LW_OK && part == NONPLANAR)
@@ -147,7 +168,7 @@ static lw_status count_part(lw_recount *r, chain_numbers *n, enum part part)
     if (s == LW_OK && part == ASYMMETRIC)
         s = count_filtered(r, n, "asymmetric", &n->asymmetric);
     if (s == LW_OK && part == FRACTIONATED)
-        s = lw_fractionated_each(n->n_link, n->dof, tally_fractionated, n, NULL);
+        s = count_fractionated(r, n);
     n->have[part] = s == LW_OK;
     return s;
 }
@@ -272,7 +293,7 @@ static lw_status structures(job *j)
     j->n = NO_WAY;
     if (j->row->loops < 2 || j->row->loops > 7)
         return LW_OK;
-    lw_status s = lw_structures_create(j->row->loops, j->r->n_thread, &set);
+    lw_status s = lw_structures_create_while(j->row->loops, j->r->n_thread, structures_tick, j->r, &set);
     if (s != LW_OK)
         return s;
     j->n = 0;
@@ -293,7 +314,7 @@ static lw_status structures(job *j)
 /* ---- multiple joints, higher pairs, sliders ---------------------------------------------------- */
 
 /* "{2 2}" of the row against the multiplicities of a chain, rising. */
-typedef struct pins { long long n; bool any; int n_want, want[LW_JOINT_MAX]; } pins;
+typedef struct pins { lw_recount *r; long long n; bool any; int n_want, want[LW_JOINT_MAX]; } pins;
 
 static lw_status match_pins(void *context, const lw_multiple *m)
 {
@@ -308,12 +329,12 @@ static lw_status match_pins(void *context, const lw_multiple *m)
         n++;
     }
     p->n += p->any || (same && n == p->n_want);
-    return LW_OK;
+    return goes_on(p->r) ? LW_OK : LW_STOPPED;
 }
 
 static lw_status multiple_joints(job *j)
 {
-    pins p = { .any = true };
+    pins p = { .r = j->r, .any = true };
     const char *at = strchr(j->row->what, '{');
     j->n = NO_WAY;
     if (j->row->links > 10)
@@ -333,24 +354,31 @@ static lw_status multiple_joints(job *j)
     return s;
 }
 
+typedef struct higher_count { lw_recount *r; long long n; } higher_count;
+
 static lw_status count_higher(void *context, const lw_chain *c)
 {
     (void)c;
-    ++*(long long *)context;
+    ((higher_count *)context)->n++;
     return LW_OK;
+}
+
+static bool higher_tick(void *context)
+{
+    return goes_on(((const higher_count *)context)->r);
 }
 
 /* "chains with 3 higher pairs" */
 static lw_status higher_pairs(job *j)
 {
     const char *at = strpbrk(j->row->what, "0123456789");
-    long long n = 0;
+    higher_count n = { .r = j->r };
     int n2 = at ? atoi(at) : -1;
     j->n = NO_WAY;
     if (n2 < 0 || j->row->links + n2 > 14)
         return LW_OK;
-    lw_status s = lw_higher_each(j->row->links, j->row->dof, n2, j->r->n_thread, count_higher, &n, NULL);
-    j->n = n;
+    lw_status s = lw_higher_each_while(j->row->links, j->row->dof, n2, j->r->n_thread, higher_tick, count_higher, &n, NULL);
+    j->n = n.n;
     return s;
 }
 
@@ -397,7 +425,7 @@ static lw_status with_sliders(job *j)
     j->n = NO_WAY;
     if (j->row->links > 8)
         return LW_OK;
-    lw_status s = lw_chains_create(j->row->links, j->row->dof, j->r->n_thread, &chains, NULL);
+    lw_status s = lw_chains_create_while(j->row->links, j->row->dof, j->r->n_thread, NULL, structures_tick, j->r, &chains, NULL);
     if (s != LW_OK)
         return s;
     s = lw_chains_each(chains, &how, label_chain, &n);
@@ -420,7 +448,6 @@ lw_status lw_recount_row(lw_recount *r, const lw_published *row, double seconds,
 {
     job j = { .r = r, .row = row, .limit = seconds, .n = NO_WAY };
     *result = (lw_recount_result){ .verdict = LW_NOT_COUNTED };
-    r->until = lw_clock_wall() + seconds;
     for (size_t k = 0; k < sizeof families/sizeof *families; k++)
         if (strcmp(row->family, families[k].name) == 0) {
             j.n = TOO_LONG;

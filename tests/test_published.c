@@ -21,7 +21,7 @@ static lw_published_table read_table(void)
 TEST(every_quick_row)
 {
     lw_published_table t = read_table();
-    lw_recount *r = lw_recount_create(1);
+    lw_recount *r = lw_recount_create(1, NULL, NULL);
     int n[LW_NOT_COUNTED + 1] = { 0 };
     CHECK(r != NULL && t.n > 200);
     for (size_t i = 0; i < t.n; i++) {
@@ -42,6 +42,41 @@ TEST(every_quick_row)
     lw_published_free(&t);
 }
 
+/* May the count go on?  So many times. */
+static bool some_times(void *context)
+{
+    return (*(long *)context)-- > 0;
+}
+
+/* A count that is given up, at any point, gives no number, and the same table counts rightly afterwards. */
+TEST(counts_that_are_given_up)
+{
+    static const char rows[] = HEADER
+        "simple-joint,2,9,3,all chains,40,s,x\n" "contracted graph,,,5,total,118,s,x\n" "multiple-joint,1,6,2,chains with at least one multiple joint,2,s,x\n"
+        "lower+higher pairs,1,5,,chains with 9 higher pairs,1,s,x\n" "R/P labelled,1,6,2,valid labelled chains with 3 P joints,19,s,x\n";
+    lw_published_table t;
+    lw_error e = { 0 };
+    CHECK_INT(lw_published_read(rows, strlen(rows), NULL, &t, &e), LW_OK);
+    for (size_t i = 0; i < t.n; i++) {
+        lw_recount_result result = { .verdict = LW_TOO_LONG };
+        long n_given_up = 0;
+        for (long n = 0; result.verdict == LW_TOO_LONG; n = 2*n + 1) {
+            long left = n;
+            lw_recount *r = lw_recount_create(1, some_times, &left);
+            CHECK_INT(lw_recount_row(r, &t.row[i], 1e9, &result), LW_OK);
+            n_given_up += result.verdict == LW_TOO_LONG;
+            left = 1000000;
+            lw_recount_result again;
+            CHECK_INT(lw_recount_row(r, &t.row[i], 1e9, &again), LW_OK);
+            CHECK_INT(again.verdict, LW_AGREES);
+            lw_recount_free(r);
+        }
+        CHECK(n_given_up > 0);
+        CHECK_INT(result.verdict, LW_AGREES);
+    }
+    lw_published_free(&t);
+}
+
 TEST(limits_and_faults)
 {
     static const char rows[] = HEADER
@@ -52,7 +87,7 @@ TEST(limits_and_faults)
     static const struct { double seconds; lw_verdict verdict; } known[] = {
         { 1e-9, LW_TOO_LONG }, { 1e9, LW_DISAGREES }, { 1e9, LW_ERRATUM }, { 1e9, LW_NOT_COUNTED } };
     lw_published_table t;
-    lw_recount *r = lw_recount_create(1);
+    lw_recount *r = lw_recount_create(1, NULL, NULL);
     lw_error e = { 0 };
     CHECK_INT(lw_published_read(rows, strlen(rows), NULL, &t, &e), LW_OK);
     CHECK_INT(t.n, 4);

@@ -126,7 +126,7 @@ static lw_status make_candidates(const cli_bench_problem *p, candidates *a, lw_e
     int n = p->spec.timing == LW_TIMING_FREE ? 4 : 2;
     while (!f->turns || f->drag_link)                /* only crank-rockers: the crank is the shortest link */
         f++;
-    *a = (candidates){ 0 };
+    memset(a, 0, sizeof *a);
     for (; a->n < n; a->n++) {
         lw_status st = lw_problem_make(&p->target, &p->spec, f, a->n & 1 ? -1 : 1, a->n & 2 ? -1 : 1,
                                        &a->problem[a->n], e);

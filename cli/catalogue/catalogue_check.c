@@ -21,6 +21,7 @@ typedef struct table_check {
     const cli_call *call;
     lw_output       out;
     cli_json        json;
+    double          start;                      /* [s] lw_clock_wall                                     */
     int             n[LW_NOT_COUNTED + 1];
 } table_check;
 
@@ -59,18 +60,28 @@ static void write_text(table_check *c, const lw_published *row, const lw_recount
     fprintf(c->out.f, "  [%s]\n", row->source);
 }
 
+static double time_left(const table_check *c)
+{
+    const cli_catalogue_settings *s = c->call->settings;
+    return s->time > 0 ? s->time - (lw_clock_wall() - c->start) : INFINITY;
+}
+
+static bool goes_on(void *context)
+{
+    return !cli_interrupted() && time_left(context) > 0;
+}
+
 static lw_status check_rows(table_check *c, const lw_published_table *t, lw_recount *r, lw_error *e)
 {
     const cli_catalogue_settings *s = c->call->settings;
-    double start = lw_clock_wall();
     cli_progress p = cli_progress_begin(c->call, "check", "rows");
     lw_status status = LW_OK;
     if (!c->call->common.json)
         fprintf(c->out.f, "%12s %12s  %-13s  what  [source]\n", "published", "counted", "verdict");
     for (size_t i = 0; i < t->n && status == LW_OK && !cli_interrupted(); i++) {
         lw_recount_result result;
-        status = lw_recount_row(r, &t->row[i], s->time > 0 ? s->time - (lw_clock_wall() - start) : INFINITY, &result);
-        if (status != LW_OK)
+        status = lw_recount_row(r, &t->row[i], time_left(c), &result);
+        if (status != LW_OK || cli_interrupted())
             break;
         c->n[result.verdict]++;
         if (!s->disagreeing || result.verdict == LW_DISAGREES)
@@ -94,7 +105,7 @@ static lw_status read_table(const char *path, lw_published_table *table, lw_erro
 
 static int check_table(const cli_call *call)
 {
-    table_check c = { .call = call };
+    table_check c = { .call = call, .start = lw_clock_wall() };
     lw_published_table table = { 0 };
     lw_error e = { 0 };
     char path[CLI_PATH_SIZE];
@@ -103,7 +114,7 @@ static int check_table(const cli_call *call)
     else
         cli_data_path("published-counts.csv", path, sizeof path);
     lw_status s = read_table(path, &table, &e);
-    lw_recount *r = s == LW_OK ? lw_recount_create(call->common.jobs) : NULL;
+    lw_recount *r = s == LW_OK ? lw_recount_create(call->common.jobs, goes_on, &c) : NULL;
     if (s == LW_OK && !r)
         s = lw_error_set(&e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK)
