@@ -9,11 +9,6 @@ typedef struct walk {
     int                       n_input;
 } walk;
 
-lw_mechanism_steps lw_mechanism_steps_default(void)
-{
-    return (lw_mechanism_steps){ .ground = true };
-}
-
 /* Each of these functions counts a result of one step and passes it to the next step. */
 
 static lw_status finished(void *context, const lw_mechanism *m)

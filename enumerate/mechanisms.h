@@ -21,9 +21,6 @@ typedef struct lw_mechanism_counts {
     uint64_t n_void[LW_VOID_LOCKED + 1];       /* labellings left out, by reason */
 } lw_mechanism_counts;
 
-/* Only the ground. */
-lw_mechanism_steps lw_mechanism_steps_default(void);
-
 /* Visit all results of the steps, each once up to symmetry.  Steps whose choice m already has (a ground, for example)
  * must be left out.  Adds to *counts.  visit and left_out may be NULL.  LW_E_ARG: steps that contradict each other;
  * LW_E_MEMORY; or the status of visit. */

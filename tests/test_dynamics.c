@@ -1,4 +1,5 @@
 /* Forward dynamics against published and exact solutions, all formulations against each other. */
+#include "mbs/dynamics/dynamics_equations_internal.h"
 #include "mbs/dynamics/statics.h"
 #include "tests/dynamics_run.h"
 
@@ -78,20 +79,19 @@ static lw_status look_at_balance(void *context, const lw_moment *m)
     balance *b = context;
     const lw_system *s = lw_dynamics_system(b->d);
     const lw_forces *f = lw_dynamics_forces(b->d);
-    double sum[LW_SYSTEM_Q_MAX], force[LW_SYSTEM_Q_MAX], phi[3], jac[3*LW_SYSTEM_Q_MAX], most = 0, off = 0;
+    double sum[LW_SYSTEM_Q_MAX], force[LW_SYSTEM_Q_MAX], jac[LW_SYSTEM_Q_MAX], most = 0, off = 0;
     lw_forces_apply(f, m->t, m->q, m->v, force, NULL, NULL, NULL);
     for (int i = 0; i < s->n_q; i++) {
         sum[i] = f->mass[i]*m->a[i] - force[i];
         most = fmax(most, fabs(force[i]));
     }
-    for (int j = 0; j < s->n_joint; j++) {
-        int first = s->joint[j].row, next = j + 1 < s->n_joint ? s->joint[j + 1].row : s->n_row;
-        lw_dynamics_joint_rows(b->d, j, m->q, phi, jac);
-        for (int r = 0; r < next - first; r++)
-            for (int i = 0; i < s->n_q; i++) {
-                sum[i] += m->l[first + r]*jac[r*s->n_q + i];
-                most = fmax(most, fabs(m->l[first + r]*jac[r*s->n_q + i]));
-            }
+    lw_mbs_system_rows(b->d, m->q);
+    for (int r = 0; r < s->n_row; r++) {
+        lw_mbs_row(b->d, r, jac);
+        for (int i = 0; i < s->n_q; i++) {
+            sum[i] += m->l[r]*jac[i];
+            most = fmax(most, fabs(m->l[r]*jac[i]));
+        }
     }
     for (int i = 0; i < s->n_q; i++)
         off = fmax(off, fabs(sum[i]));

@@ -35,7 +35,7 @@ static lw_mechanism_counts run(int n_link, int dof, const lw_mechanism_steps *st
 
 TEST(published_numbers)
 {
-    lw_mechanism_steps steps = lw_mechanism_steps_default();
+    lw_mechanism_steps steps = { .ground = true };
     seen s = { 0 };
     lw_mechanism_counts c = run(8, 1, &steps, &s);
     CHECK_INT(c.n_chain, 16);
@@ -52,7 +52,7 @@ TEST(published_numbers)
 /* Labelled first and then grounded, by hand, as against ground first. */
 static lw_status then_ground(void *context, const lw_mechanism *m)
 {
-    lw_mechanism_steps steps = lw_mechanism_steps_default();
+    lw_mechanism_steps steps = { .ground = true };
     lw_mechanism_counts counts = { 0 };
     steps.input = LW_INPUT_ANY;
     steps.output = true;

@@ -56,5 +56,3 @@ void lw_batch_turns(const lw_plan *plan, size_t n, const double *angle, double *
 {
     lw_kernels_of(plan)->turns(n, angle, c, s);
 }
-
-const char *lw_batch_isa(const lw_plan *plan) { return lw_kernels_of(plan)->isa; }

@@ -91,7 +91,4 @@ void lw_batch_normal(const lw_plan *plan, const lw_normal *in, double *h, double
  * elements may be read or written.  The errors are at most 2 units in the last place of 1. */
 void lw_batch_turns(const lw_plan *plan, size_t n, const double *angle, double *c, double *s);
 
-/* Name of the instruction set the plan's kernels were compiled for: "x86-64-v4", "generic", ... */
-const char *lw_batch_isa(const lw_plan *plan);
-
 #endif

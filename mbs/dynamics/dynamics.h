@@ -157,9 +157,6 @@ const lw_elastic_expansion *lw_dynamics_elastic(const lw_dynamics *d);
 const lw_system *lw_dynamics_system(const lw_dynamics *d);
 const lw_forces *lw_dynamics_forces(const lw_dynamics *d);
 
-/* Rows of one joint at q: phi (1 to 3), jac (as many times n_q). */
-void lw_dynamics_joint_rows(const lw_dynamics *d, int joint, const double *q, double *phi, double *jac);
-
 /* Posture and velocities of the start (n_q), on the constraints. */
 void lw_dynamics_start(const lw_dynamics *d, double *q, double *v);
 

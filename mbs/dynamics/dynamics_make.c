@@ -705,16 +705,6 @@ void lw_mbs_system_rows(const lw_dynamics *c, const double *q)
     d->eq.rows(d->eq.context, d->phi, d->jac, d->row_block);
 }
 
-void lw_dynamics_joint_rows(const lw_dynamics *d, int joint, const double *q, double *phi, double *jac)
-{
-    int first = d->s.joint[joint].row, n = lw_joint_equations(d->s.joint[joint].kind);
-    lw_mbs_system_rows(d, q);
-    for (int r = 0; r < n; r++) {
-        phi[r] = d->phi[first + r];
-        lw_mbs_row(d, first + r, jac + r*d->n_v);
-    }
-}
-
 /* Add the joint of a row to a list of names, once; "..." where there is no room for more. */
 static void add_name(const lw_dynamics *d, int row, const char **last, char *text, size_t size)
 {

@@ -26,15 +26,6 @@ typedef struct lw_guide {
 /* Bodies at p[j], turned to angle[j] [m, rad]. */
 typedef struct lw_poses { size_t n; const lw_vec2 *p; const double *angle; } lw_poses;
 
-/* The real guides through five poses, at most four: the zeros of a quartic, polished to rounding.  A pin farther away
- * than 1e9 sizes of the poses counts as at infinity and makes the guide a PR or RP. LW_E_ARG: not five poses.
- * LW_E_NUMERIC: the poses are not independent (two are the same, all are translations, ...), so infinitely many
- * guides suit them; *n is 0. */
-lw_status lw_guides_five(const lw_poses *at, lw_guide out[4], int *n, lw_error *e);
-
-/* The greatest deviation over the poses from the distance that the guide keeps [m]. */
-double lw_guide_error(const lw_guide *g, const lw_poses *at);
-
 /* Four-bars with frame 1 whose output turns by theta[j] - theta[0] when the input turns by angle[j] - angle[0], for
  * three to five pairs.  Three: angles count from the frame.  Four: one offset is free, once the input's and once the
  * output's.  Five: both are free.  At most LW_FREUDENSTEIN_MAX. */

@@ -365,35 +365,6 @@ int lw_guide_rows_solve(const lw_guide_rows *r, lw_guide out[4])
     return n;
 }
 
-lw_status lw_guides_five(const lw_poses *at, lw_guide out[4], int *n, lw_error *e)
-{
-    lw_guide_rows r;
-    *n = 0;
-    if (at->n != 5)
-        return lw_error_set(e, LW_E_ARG, "finitely many guides belong to 5 poses, not to %zu", at->n);
-    lw_guide_rows_make(at, 0, &r);
-    int found = lw_guide_rows_solve(&r, out);
-    if (found < 0)
-        return lw_error_set(e, LW_E_NUMERIC, "the five poses are not independent (two of them are the same, or all "
-                            "are translations): infinitely many guides suit them");
-    *n = found;
-    return LW_OK;
-}
-
-double lw_guide_error(const lw_guide *g, const lw_poses *at)
-{
-    double least = INFINITY, most = -INFINITY;
-    for (size_t j = 0; j < at->n; j++) {
-        lw_vec2 u = lw_v2_polar(1, at->angle[j]), k = lw_v2_add(at->p[j], lw_v2_turn(g->point, u));
-        lw_vec2 d = lw_v2_sub(k, g->centre);
-        double kept = g->kind == LW_GUIDE_RR ? lw_v2_norm(d)
-                    : g->kind == LW_GUIDE_PR ? lw_v2_cross(g->along, d) : lw_v2_cross(lw_v2_turn(g->along, u), d);
-        least = fmin(least, kept);
-        most = fmax(most, kept);
-    }
-    return most - least;
-}
-
 /* ---- free choices ------------------------------------------------------------------------------------ */
 
 /* The rows for a given pin (w, a), which are linear in the other pin q.  `moving`: the given pin is k. */

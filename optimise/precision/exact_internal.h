@@ -24,7 +24,9 @@ void lw_guide_rows_make(const lw_poses *at, double size, lw_guide_rows *r);
 /* Add a condition row . z = 0; false: it depends on the others. */
 bool lw_guide_rows_add(lw_guide_rows *r, const double row[LW_GUIDE_Z]);
 
-/* The guides that meet four independent rows; -1: infinitely many. */
+/* The real guides that meet four independent rows, at most four: the zeros of a quartic, polished to rounding.  A pin farther away
+ * than 1e9 sizes of the poses counts as at infinity and makes the guide a PR or RP.  -1: fewer rows are independent, so that
+ * infinitely many guides suit. */
 int lw_guide_rows_solve(const lw_guide_rows *r, lw_guide out[4]);
 
 /* Guides through two to four poses, at most four in out.  The free dimensions are chosen by the numbers

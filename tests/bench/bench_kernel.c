@@ -98,7 +98,7 @@ static void report(bench *b, const char *what, void (*ours)(bench *), void (*han
         printf("%.3f,%.2f", t2, t1/t2);
     else
         printf(",");
-    printf(",%s\n", lw_batch_isa(&b->plan));
+    printf(",%s\n", lw_kernels_of(&b->plan)->isa);
     fflush(stdout);
 }
 
@@ -125,7 +125,7 @@ static void jacobian(bench *b, int angle)
 static void ours_jacobian(bench *b) { jacobian(b, 0); }
 static void ours_jacobian_angle(bench *b) { jacobian(b, 1); }
 
-static const char *isa_of(const bench *b) { return lw_batch_isa(&b->plan); }
+static const char *isa_of(const bench *b) { return lw_kernels_of(&b->plan)->isa; }
 static void hand_fourbar(bench *b) { BY_HAND(isa_of(b), fourbar_angles, b->n, b->c, b->s, b->one, 1, b->x, b->y); }
 static void hand_slidercrank(bench *b)
 {
