@@ -1,10 +1,9 @@
 /* cli/motion/simulate_elastic.c - what --explain says of elastic links: their elements, and the rules of how to analyse them. */
+#include "base/real.h"
 #include "cli/motion/simulate.h"
 #include "cli/motion/spatial.h"
 #include "cli/program/output.h"
 #include "mbs/analysis/elastic_rules.h"
-
-#include <math.h>
 
 static void explain_chain(const cli_call *call, const char *name, const lw_elastic_chain *k)
 {

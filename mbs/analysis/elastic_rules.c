@@ -1,8 +1,7 @@
+#include "base/real.h"
 #include "mbs/analysis/elastic_rules.h"
 
-#include <math.h>
 #include <stdlib.h>
-#include "base/real.h"
 #include "mbs/dynamics/modes.h"
 
 /* d: made for a static analysis with its inputs held; freed here. */
