@@ -3,19 +3,14 @@
 #include "base/vector.h"
 #include "mbs/dynamics/dynamics_equations_internal.h"
 
-#include <assert.h>
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/sparse.h"
 #include "mbs/dynamics/touch_internal.h"
 #include "mbs/equations/friction.h"
 
 static const double least_pivot = 1e-4;     /* relative pivots below this: solve by rank */
 static const double least_pivot_large = 1e-9;     /* the same of large models: singular */
-static const double least_share = 1e-10;    /* relative pivot below which a row of a large model depends on others */
-static const double least_share_rows = LW_RANK_TOLERANCE*LW_RANK_TOLERANCE;      /* the same if factors come from the rows */
-static const double few_digits = 1e-8;      /* relative error of a solution, from which on they do */
 
 /* ---- rows -------------------------------------------------------------------------------------- */
 
@@ -118,8 +113,7 @@ lw_status lw_mbs_acceleration_wanted(lw_dynamics *d, double t, const double *v)
 
 /* ---- the fast way ------------------------------------------------------------------------------ */
 
-/* S = J M^-1 J^T over the kept rows. */
-static void form_schur(lw_dynamics *d)
+void lw_mbs_form_schur(lw_dynamics *d)
 {
     double *value = d->schur.value;
     memset(value, 0, (size_t)(d->schur.n_entry + d->schur.n)*sizeof *value);
@@ -146,11 +140,10 @@ static void form_schur(lw_dynamics *d)
     }
 }
 
-/* Factor J M^-1 J^T over the kept rows. */
-static double factor_kept(lw_dynamics *d, double tolerance, bool *dependent)
+double lw_mbs_factor_kept(lw_dynamics *d, double tolerance, bool *dependent)
 {
     if (!d->by_fronts) {
-        form_schur(d);
+        lw_mbs_form_schur(d);
         return lw_cholesky_factor(&d->schur, tolerance, dependent);
     }
     for (int i = 0; i < d->fronts.at[d->fronts.n_row]; i++)
@@ -169,6 +162,8 @@ static double row_dot(const lw_dynamics *d, int row, const double *x)
     }
     return sum;
 }
+
+double lw_mbs_row_rate(const lw_dynamics *d, int r, const double *x) { return row_dot(d, r, x); }
 
 void lw_mbs_times(const lw_dynamics *d, const double *x, double *out)
 {
@@ -312,9 +307,9 @@ lw_status lw_mbs_factor(lw_dynamics *d, bool by_rank)
 {
     d->by_rank = !d->large && (by_rank || d->has_zero_mass);
     if (!d->by_rank) {
-        d->weak = factor_kept(d, 0, NULL)/(d->weak_scale > 0 ? d->weak_scale : 1);
+        d->weak = lw_mbs_factor_kept(d, 0, NULL)/(d->weak_scale > 0 ? d->weak_scale : 1);
         if (d->large)
-            return d->weak > (d->by_fronts ? least_share_rows : least_pivot_large) ? LW_OK : LW_OPEN;
+            return d->weak > (d->by_fronts ? LW_MBS_LEAST_SHARE_ROWS : least_pivot_large) ? LW_OK : LW_OPEN;
         d->by_rank = !(d->weak > least_pivot);
     }
     if (!d->by_rank)
@@ -379,8 +374,7 @@ static double reaction_size(const lw_dynamics *d, int j, const double *l)
 
 double lw_mbs_reaction(const lw_dynamics *d, int j) { return reaction_size(d, j, d->l); }
 
-/* Add the friction for a reaction of `size`, along its sense, to force (n_v); returns its power. */
-static double rub(const lw_dynamics *d, const lw_friction_joint *f, const double *q, const double *v, double size, double *force)
+double lw_mbs_rub_one(const lw_dynamics *d, const lw_friction_joint *f, const double *q, const double *v, double size, double *force)
 {
     return d->space ? lw_spatial_rub(d->space, f, v, size, force) : lw_friction_force(&d->s, f, q, v, size, force);
 }
@@ -389,7 +383,7 @@ double lw_mbs_rub(lw_dynamics *d, const double *q, const double *v, double *forc
 {
     double power = 0;
     for (int j = 0; j < d->n_friction; j++)
-        power += rub(d, &d->friction[j], q, v, lw_mbs_reaction(d, j), force);
+        power += lw_mbs_rub_one(d, &d->friction[j], q, v, lw_mbs_reaction(d, j), force);
     return power;
 }
 
@@ -404,7 +398,7 @@ void lw_mbs_rub_slopes(lw_dynamics *d, const double *q, const double *v, const l
         lw_friction_joint whole = *f;
         int at[4*LW_BLOCK], n = 0;
         whole.held = true, whole.part = -1;
-        double arm = f->coefficient*f->lever_arm, rate = rub(d, &whole, q, v, 1, unit)/arm;
+        double arm = f->coefficient*f->lever_arm, rate = lw_mbs_rub_one(d, &whole, q, v, 1, unit)/arm;
         double part = tanh(f->lever_arm*rate/f->speed), slope = -lw_mbs_reaction(d, j)*(1 - part*part)/(f->coefficient*f->speed);
         for (int i = 0; i < 2*width; i++)
             if (body[i/width] >= 0 && unit[width*body[i/width] + i%width] != 0)
@@ -447,7 +441,7 @@ static bool rub_in_passes(lw_dynamics *d, const double *q, const double *v, doub
         memset(d->hold, 0, (size_t)d->n_v*sizeof *d->hold);
         for (int j = 0; j < n; j++) {
             double more = reaction_size(d, j, l) - size[j] + (pass ? 0 : beside*scale*fmod(0.6180339887498949*(j + 1), 1));
-            work += rub(d, &d->friction[j], q, v, more, d->hold);
+            work += lw_mbs_rub_one(d, &d->friction[j], q, v, more, d->hold);
             size[j] += more;
             scale = fmax(scale, size[j]);
             most = !(fabs(more) <= most) ? fabs(more) : most;
@@ -506,7 +500,7 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
         double *to = response + (size_t)j*(size_t)stride;
         if (j < joints)
             memset(d->hold, 0, (size_t)d->n_v*sizeof *d->hold);
-        unit_power[j] = j < joints ? rub(d, &d->friction[j], q, v, 1, d->hold) : lw_mbs_touch_slip(d, j - joints, v, d->hold);
+        unit_power[j] = j < joints ? lw_mbs_rub_one(d, &d->friction[j], q, v, 1, d->hold) : lw_mbs_touch_slip(d, j - joints, v, d->hold);
         s = lw_mbs_linear(d, d->hold, d->rhs, to, to + d->n_v);
     }
     if (s == LW_OK)
@@ -680,392 +674,6 @@ lw_status lw_mbs_settle(lw_dynamics *d, double t, double *q, double *v)
     return s == LW_OK ? lw_mbs_project_v(d, t, v) : s;
 }
 
-/* ---- rows and who shares blocks ------------------------------------------------------------------ */
-
-static void find_row_blocks(lw_dynamics *d)
-{
-    int row = d->n_row;
-    for (int i = 0; i < d->n_c*d->eq.n_slot; i++)
-        d->row_block[i] = -1;
-    for (int r = 0; r < d->n_row; r++)
-        d->eq.row_blocks(d->eq.context, r, lw_mbs_blocks(d, r));
-    for (int i = 0; i < d->n_driven; i++)
-        d->eq.measure_blocks(d->eq.context, d->driven_measure[i], lw_mbs_blocks(d, row++));
-    for (int i = 0; i < d->n_resting; i++)
-        d->eq.measure_blocks(d->eq.context, d->stop[d->resting[i]].measure, lw_mbs_blocks(d, row++));
-    if (d->touch)
-        lw_mbs_touch_bodies(d, row);
-}
-
-/* A block with many rows makes J M^-1 J^T full over these.  It counts as parts of equal mass instead, each with a few of the rows
- * and welded to another by LW_BLOCK rows more.  The solution is the same: no force acts between parts that move alike, so the
- * right-hand sides of welds are 0. */
-enum { MANY_ROWS = 48, PART_ROWS = 8 };
-
-/* Which unknowns (kept rows, then welds) meet which part: part p meets list[at[p]] .. list[at[p + 1] - 1], unknown i part
- * part[i*n_slot + k] in slot k: of a row as in row_block, of a weld its two sides. */
-typedef struct part_rows { int n, n_unknown, *part, *at; struct part_row { int unknown, slot; } *list; } part_rows;
-
-static void free_part_rows(part_rows *r)
-{
-    free(r->part);
-    free(r->at);
-    free(r->list);
-}
-
-/* Divide the blocks; d->parts: into how many. */
-static bool count_parts(lw_dynamics *d, part_rows *r, bool divide)
-{
-    int n = d->eq.n_block;
-    free(d->parts);
-    d->parts = calloc((size_t)n + 1, sizeof *d->parts);
-    if (!d->parts)
-        return false;
-    for (int i = 0; divide && i < d->n_kept; i++)
-        for (int k = 0; k < d->eq.n_slot && lw_mbs_blocks(d, d->kept[i])[k] >= 0; k++)
-            d->parts[lw_mbs_blocks(d, d->kept[i])[k]]++;
-    r->n = 0;
-    for (int b = 0; b < n; b++) {
-        d->parts[b] = d->parts[b] > MANY_ROWS ? (d->parts[b] + PART_ROWS - 1)/PART_ROWS : 1;
-        r->n += d->parts[b];
-    }
-    r->n_unknown = d->n_kept + LW_BLOCK*(r->n - n);
-    return true;
-}
-
-/* The part, 1 .. n, to which part p is welded; 0: to none.  Welds make a tree of few levels that keeps to the order of the rows, and
- * so of neighbouring links: a chain would be as sparse, but magnify rounding. */
-static int welded_to(int p, int n)
-{
-    int root = 1;
-    while (2*root <= n)
-        root *= 2;
-    if (p == root)
-        return 0;
-    do {
-        int low = p & -p;
-        p += p & 2*low ? -low : low;
-    } while (p > n);
-    return p;
-}
-
-static bool list_part_rows(const lw_dynamics *d, part_rows *r)
-{
-    int n = d->eq.n_block, weld = d->n_kept, *next = calloc(2*((size_t)n + 1), sizeof *next), *first = next ? next + n + 1 : NULL;
-    size_t size = (size_t)r->n_unknown*(size_t)d->eq.n_slot + 1;
-    r->part = malloc(size*sizeof *r->part);
-    r->at = calloc((size_t)r->n + 2, sizeof *r->at);
-    r->list = malloc(size*sizeof *r->list);
-    bool ok = next && r->part && r->at && r->list;
-    for (size_t i = 0; ok && i < size; i++)
-        r->part[i] = -1;
-    for (int b = 0, p = 0; ok && b < n; b++) {
-        first[b] = p;
-        for (int i = 1, to; i <= d->parts[b]; i++, p++)
-            for (int k = 0; k < LW_BLOCK && (to = welded_to(i, d->parts[b])) > 0; k++, weld++)
-                r->part[weld*d->eq.n_slot] = p, r->part[weld*d->eq.n_slot + 1] = first[b] + to - 1;
-    }
-    for (int i = 0; ok && i < d->n_kept; i++)
-        for (int k = 0; k < d->eq.n_slot && lw_mbs_blocks(d, d->kept[i])[k] >= 0; k++) {
-            int b = lw_mbs_blocks(d, d->kept[i])[k];
-            r->part[i*d->eq.n_slot + k] = first[b] + (d->parts[b] > 1 ? next[b]++/PART_ROWS : 0);
-        }
-    free(next);
-    for (int i = 0; ok && i < (int)size; i++)
-        if (r->part[i] >= 0)
-            r->at[r->part[i] + 2]++;
-    for (int p = 0; ok && p < r->n; p++)
-        r->at[p + 2] += r->at[p + 1];
-    for (int i = 0; ok && i < (int)size; i++)
-        if (r->part[i] >= 0)
-            r->list[r->at[r->part[i] + 1]++] = (struct part_row){ i/d->eq.n_slot, i%d->eq.n_slot };
-    return ok;
-}
-
-/* Analyse the pattern of J M^-1 J^T, which has an entry where two unknowns share a part. */
-static bool analyse(lw_dynamics *d, const part_rows *r)
-{
-    int n = r->n_unknown;
-    int *at = calloc((size_t)n + 2, sizeof *at), *mark = malloc(((size_t)n + 1)*sizeof *mark), *near = NULL;
-    bool ok = at && mark;
-    for (int pass = 0; ok && pass < 2; pass++) {             /* count, then list */
-        for (int i = 0; i < n; i++)
-            mark[i] = -1;
-        for (int i = 0, used = 0; i < n; i++) {
-            mark[i] = i;
-            for (int k = 0; k < d->eq.n_slot && r->part[i*d->eq.n_slot + k] >= 0; k++)
-                for (int b = r->part[i*d->eq.n_slot + k], p = r->at[b]; p < r->at[b + 1]; p++) {
-                    int j = r->list[p].unknown;
-                    if (mark[j] == i)
-                        continue;
-                    mark[j] = i;
-                    if (pass)
-                        near[used] = j;
-                    used++;
-                }
-            at[i + 1] = used;
-        }
-        if (pass == 0)
-            ok = (near = malloc(((size_t)at[n] + 1)*sizeof *near)) != NULL;
-    }
-    lw_cholesky_free(&d->schur);
-    ok = ok && lw_cholesky_make(&d->schur, n, at, near);
-    free(at);
-    free(mark);
-    free(near);
-    return ok;
-}
-
-/* List the products that unknowns x and y, which share a part of `block`, add to entry `to` of schur. */
-static void add_pair(lw_dynamics *d, const int *row, const struct part_row *x, const struct part_row *y, int block, int to)
-{
-    bool welds[2] = { x->unknown >= d->n_kept, y->unknown >= d->n_kept };
-    if (!welds[0] && !welds[1]) {
-        d->pair[d->n_pair++] = (lw_row_pair){ row[x->unknown]*d->row_size + LW_BLOCK*x->slot,
-                                              row[y->unknown]*d->row_size + LW_BLOCK*y->slot, to };
-        return;
-    }
-    const struct part_row *w = welds[0] ? x : y, *other = welds[0] ? y : x;
-    int i = (w->unknown - d->n_kept)%LW_BLOCK;
-    if (!welds[0] || !welds[1])
-        d->weld[d->n_weld++] = (lw_weld){ true, row[other->unknown]*d->row_size + LW_BLOCK*other->slot + i, to, w->slot ? -1 : 1 };
-    else if (i == (other->unknown - d->n_kept)%LW_BLOCK)
-        d->weld[d->n_weld++] = (lw_weld){ false, LW_BLOCK*block + i, to, (w->slot == other->slot ? 1 : -1)*d->parts[block] };
-}
-
-/* Put the kept rows in the order of elimination, and list the pairs of unknowns that share a part. */
-static bool order_rows(lw_dynamics *d, const part_rows *r)
-{
-    int n = d->n_kept, all = r->n_unknown, m = 0, *old = malloc((size_t)(n + all + 1)*sizeof *old), *place = old ? old + n : NULL;
-    size_t count = 0;
-    if (!old)
-        return false;
-    memcpy(old, d->kept, (size_t)n*sizeof *old);
-    for (int i = 0; i < all; i++) {
-        int unknown = d->schur.order[i];
-        place[unknown] = i;
-        if (unknown < n) {
-            d->kept[m] = old[unknown];
-            d->unknown[m] = i;
-            d->place[old[unknown]] = m++;
-        }
-    }
-    for (int b = 0; b < r->n; b++) {
-        size_t met = (size_t)(r->at[b + 1] - r->at[b]);
-        count += met*(met + 1)/2;
-    }
-    free(d->pair);
-    free(d->weld);
-    d->pair = malloc((count + 1)*sizeof *d->pair);
-    d->weld = malloc((all > n ? count + 1 : 1)*sizeof *d->weld);
-    d->n_pair = d->n_weld = 0;
-    for (int block = 0, b = 0, in = 0; d->pair && d->weld && b < r->n; b++, in++) {
-        if (in == d->parts[block])
-            block++, in = 0;
-        for (int p = r->at[b]; p < r->at[b + 1]; p++)
-            for (int q = r->at[b]; q <= p; q++) {
-                int i = place[r->list[p].unknown], j = place[r->list[q].unknown];
-                add_pair(d, old, &r->list[p], &r->list[q], block, lw_cholesky_entry(&d->schur, i < j ? i : j, i < j ? j : i));
-            }
-    }
-    free(old);
-    return d->pair && d->weld;
-}
-
-void lw_mbs_free_fronts(lw_dynamics *d)
-{
-    lw_row_fronts_free(&d->fronts);
-    free(d->front_entry);
-    free(d->front_value);
-    d->front_entry = NULL;
-    d->front_value = NULL;
-    d->by_fronts = false;
-}
-
-/* Prepare the fast way for the rows in kept; divide: blocks with many rows into parts. */
-static lw_status prepare_kept(lw_dynamics *d, bool divide)
-{
-    part_rows r = { 0 };
-    lw_mbs_free_fronts(d);
-    for (int i = 0; i < d->n_c; i++)
-        d->place[i] = -1;
-    bool ok = count_parts(d, &r, divide) && list_part_rows(d, &r) && analyse(d, &r) && order_rows(d, &r);
-    free_part_rows(&r);
-    return ok ? LW_OK : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
-}
-
-static int compare(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
-
-/* Keep a basis of the rows, as the factorisation found it. */
-static lw_status keep_basis(lw_dynamics *d)
-{
-    d->n_kept = d->rank_of.rank;
-    assert(d->n_kept <= d->n_c);
-    memcpy(d->kept, d->rank_of.column, (size_t)d->n_kept*sizeof *d->kept);
-    qsort(d->kept, (size_t)d->n_kept, sizeof *d->kept, compare);
-    return prepare_kept(d, false);
-}
-
-/* Prepare factors from the kept rows themselves: list the entries of each column (velocity). */
-static lw_status take_fronts(lw_dynamics *d)
-{
-    size_t most = (size_t)d->n_kept*(size_t)d->row_size;
-    int *at = calloc((size_t)d->n_v + 2, sizeof *at), *column = malloc((most + 1)*sizeof *column);
-    lw_mbs_free_fronts(d);
-    d->front_entry = malloc(2*(most + 1)*sizeof *d->front_entry);
-    d->front_value = malloc((most + 1)*sizeof *d->front_value);
-    d->by_fronts = at && column && d->front_entry && d->front_value;
-    for (int pass = 0; d->by_fronts && pass < 2; pass++) {   /* count, then list */
-        for (int i = 0; i < d->n_kept; i++) {
-            int row = d->kept[i];
-            for (int k = 0; k < d->eq.n_slot && lw_mbs_blocks(d, row)[k] >= 0; k++)
-                for (int c = 0; c < LW_BLOCK; c++) {
-                    int v = LW_BLOCK*lw_mbs_blocks(d, row)[k] + c, to = pass ? at[v + 1]++ : at[v + 2]++;
-                    if (pass) {
-                        column[to] = i;
-                        d->front_entry[2*to] = row*d->row_size + LW_BLOCK*k + c;
-                        d->front_entry[2*to + 1] = v;
-                    }
-                }
-        }
-        for (int v = 0; v < d->n_v && !pass; v++)
-            at[v + 2] += at[v + 1];
-    }
-    d->by_fronts = d->by_fronts && lw_row_fronts_make(&d->fronts, &d->schur, d->n_v, at, column);
-    free(at);
-    free(column);
-    return d->by_fronts ? LW_OK : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
-}
-
-/* Does solving with the rows, which leave no freedom, lose digits?  Solve J x = J (1, 1, ...), whose solution is known. */
-static bool loses_digits(lw_dynamics *d)
-{
-    double off = 0;
-    for (int i = 0; i < d->n_v; i++)
-        d->hold[i] = 1;
-    lw_mbs_times(d, d->hold, d->rhs);
-    fast_solve(d, NULL, d->rhs, d->hold, d->l_each);
-    for (int i = 0; i < d->n_v; i++)
-        off = fmax(off, fabs(d->hold[i] - 1));
-    return !(off < few_digits);
-}
-
-/* The same without a rank-revealing factorisation: leave out rows whose pivots vanish.  A pivot is the square of the
- * distance of a row from those eliminated before it.  dependent (n_c): of each row, whether it is left out.  Returns how many
- * are kept; -1: the pivot of a weld vanishes, which says nothing about rows. */
-static int find_dependent(lw_dynamics *d, double tolerance, bool *pivot_vanishes, bool *dependent)
-{
-    int n = 0, vanished = 0;
-    factor_kept(d, tolerance, pivot_vanishes);
-    for (int i = 0; i < d->schur.n; i++)
-        vanished += pivot_vanishes[i];
-    for (int i = 0; i < d->n_kept; i++) {
-        dependent[d->kept[i]] = pivot_vanishes[d->unknown[i]];
-        n += !dependent[d->kept[i]];
-    }
-    return vanished > d->n_kept - n ? -1 : n;
-}
-
-/* Prepare the fast way for all rows but those left out; NULL: for all. */
-static lw_status prepare_rows(lw_dynamics *d, const bool *left_out, bool divide)
-{
-    d->n_kept = 0;
-    for (int r = 0; r < d->n_c; r++)
-        if (!left_out || !left_out[r])
-            d->kept[d->n_kept++] = r;
-    return prepare_kept(d, divide);
-}
-
-/* Leave out dependent rows.  In a long linkage whose inputs drive every freedom, J M^-1 J^T can lose all digits though no row depends
- * on others.  Then factor the rows themselves, if that keeps as many rows as the rank of the system without inputs and the
- * number of inputs require.  LW_NOTHING: blocks cannot be divided. */
-static lw_status keep_independent(lw_dynamics *d, bool divide)
-{
-    lw_status s = prepare_rows(d, NULL, divide);
-    size_t size = s == LW_OK ? (size_t)d->schur.n + (size_t)d->n_c + 1 : 1;
-    bool *vanishes = s == LW_OK ? malloc(3*size) : NULL;
-    if (!vanishes)
-        return s != LW_OK ? s : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
-    bool *dependent = vanishes + size, *by_rows = dependent + size;
-    int n = find_dependent(d, least_share, vanishes, dependent), wanted = d->rank_alone + d->n_driven;
-    d->by_rank = false;
-    if (!d->space && d->n_driven && d->rank_alone >= 0 && wanted == d->n_v && (n < wanted || loses_digits(d))) {
-        s = prepare_rows(d, NULL, false);
-        s = s == LW_OK ? take_fronts(d) : s;
-        if (s == LW_OK && find_dependent(d, least_share_rows, vanishes, by_rows) == wanted) {
-            if (wanted < d->n_c)
-                s = prepare_rows(d, by_rows, false);
-            s = s == LW_OK && !d->by_fronts ? take_fronts(d) : s;
-        } else if (s == LW_OK)
-            s = n < 0 ? LW_NOTHING : prepare_rows(d, dependent, true);
-    } else if (n < d->n_c)
-        s = n < 0 ? LW_NOTHING : prepare_rows(d, dependent, true);
-    free(vanishes);
-    return s;
-}
-
-lw_status lw_mbs_arrange_touch(lw_dynamics *d, const int *kept, int n)
-{
-    int first = d->n_row + d->n_driven + d->n_resting;
-    d->n_c = first + d->touch->n_row;
-    find_row_blocks(d);
-    memcpy(d->kept, kept, (size_t)n*sizeof *kept);
-    for (int r = first; r < d->n_c; r++)
-        d->kept[n++] = r;
-    d->n_kept = n;
-    return prepare_kept(d, false);
-}
-
-/* Rows of contacts give way by this share, so that those which depend on others share the load. */
-static const double give = 1e-9;
-
-lw_status lw_mbs_factor_touch(lw_dynamics *d)
-{
-    int first = d->n_row + d->n_driven + d->n_resting;
-    double *diagonal = d->schur.value + d->schur.n_entry;
-    d->by_rank = false;
-    form_schur(d);
-    for (int i = 0; i < d->n_kept; i++)
-        diagonal[i] = !(diagonal[i] > 0) ? 1 : d->kept[i] >= first ? diagonal[i]*(1 + give) : diagonal[i];
-    d->weak = lw_cholesky_factor(&d->schur, 0, NULL);
-    return d->weak > 0 ? LW_OK : LW_OPEN;
-}
-
-double lw_mbs_row_rate(const lw_dynamics *d, int r, const double *x) { return row_dot(d, r, x); }
-
-static void set_rank(lw_dynamics *d, int rank)
-{
-    d->rank = rank;
-    d->freedom = d->n_v - rank;
-}
-
-lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
-{
-    d->n_c = d->n_row + d->n_driven + d->n_resting + (d->touch ? d->touch->n_row : 0);
-    find_row_blocks(d);
-    if (!d->large)
-        lw_rank_place(&d->rank_of, d->n_v, d->n_c, d->rank_work, d->rank_ints);
-    lw_status s = lw_mbs_rows(d, t, q);
-    if (s != LW_OK)
-        return s;
-    if (d->large) {
-        s = keep_independent(d, true);
-        s = s == LW_NOTHING ? keep_independent(d, false) : s;
-        set_rank(d, d->n_kept);
-        return s;
-    }
-    set_rank(d, 0);
-    lw_mbs_factor(d, true);
-    set_rank(d, d->rank_of.rank);
-    d->weak_scale = 0;
-    s = keep_basis(d);
-    if (s == LW_OK && d->space && !d->has_zero_mass) {   /* pivots of spatial rows are small in any posture */
-        form_schur(d);
-        d->weak_scale = fmin(1, lw_cholesky_factor(&d->schur, 0, NULL));
-    }
-    return s;
-}
-
 /* ---- moments ----------------------------------------------------------------------------------- */
 
 lw_status lw_mbs_measure(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m)
@@ -1159,161 +767,4 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
 {
     lw_status s = lw_mbs_measure(d, t, q, v, work, m);
     return s == LW_OK ? lw_mbs_moment_forces(d, m) : s;
-}
-
-/* ---- stiffness ---------------------------------------------------------------------------------------- */
-
-/* Fastest decay by dampers times the length of the run; above this an explicit method takes too many steps. */
-static const double damped = 300, damped_reduced = 3e3;      /* the same where an implicit method of high order serves; of one coordinate */
-static const double stiff = 1e4, stiff_space = 1e6;          /* where no implicit method with exact derivatives is known */
-/* Where springs vibrate by so many radians in a run, an implicit method is faster if dampers end the vibrations or nothing excites them;
- * if it is not, it goes on by the explicit one (dynamics_radau.c). */
-static const double vibrating = 2e3;
-/* An implicit method of low order serves states that decay by `damped_states` down to a tolerance of 1e-9 (as computed), where it takes half
- * the time and errs by twice that; by more at smaller ones, at which it errs by more.  It was measured for 1e3 to 1e4. */
-static const double damped_states = 500, states_at = 0.9e-9;
-enum { most_looked = 400 };              /* dampers and motors that are looked at, evenly spread */
-
-/* The fastest decay of a state by itself: the greatest derivative of a rate by its own state. */
-typedef struct own_decay { int n_v; double most; } own_decay;
-
-static void no_force(void *context, int row, int column, double by_q, double by_v)
-{
-    (void)context, (void)row, (void)column, (void)by_q, (void)by_v;
-}
-
-static void see_state(void *context, int row, int column, double by_q, double by_v)
-{
-    own_decay *o = context;
-    (void)by_v;
-    if (row == column && row >= o->n_v)
-        o->most = fmax(o->most, -by_q);
-}
-
-enum { PASSES = 12 };                    /* of the power method for the fastest decay or vibration */
-
-bool lw_mbs_friction_is_stiff(lw_dynamics *d)
-{
-    static const double slow = 1e-9;         /* greatest velocity at which the joints slip: all of them rub in proportion to it */
-    double load = 0, decay = 0, *u = d->v_try;
-    if (lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
-        return true;
-    d->eq.forces(d->eq.context, d->o.from, d->start_q, d->start_v, d->force, NULL);
-    memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
-    if (lw_mbs_linear(d, d->force, d->rhs, d->a, d->l) != LW_OK)
-        return true;
-    for (int j = 0; j < d->n_friction; j++)
-        load = fmax(load, 2*lw_mbs_reaction(d, j));
-    for (int i = 0; i < d->n_v; i++)
-        u[i] = slow*(fmod(0.6180339887498949*(i + 1), 1) - 0.5);
-    for (int pass = 0; pass < PASSES; pass++) {
-        memset(d->force, 0, (size_t)d->n_v*sizeof *d->force);
-        for (int j = 0; j < d->n_friction; j++) {
-            lw_friction_joint f = d->friction[j];
-            f.speed = f.speed > 0 ? f.speed : LW_FRICTION_SPEED;
-            rub(d, &f, d->start_q, u, load, d->force);
-        }
-        lw_mbs_impulse(d, d->force, d->small_v);
-        decay = lw_greatest(d->n_v, d->small_v)/slow;
-        for (int i = 0; i < d->n_v; i++)
-            u[i] = decay > 0 ? d->small_v[i]/decay : 0;
-    }
-    return !(decay*(d->o.to - d->o.from) <= stiff);
-}
-
-/* Forces on the velocities by a change of places or of velocities. */
-typedef struct response { int n; bool by_v; const double *change; double *force; } response;
-
-static void add_response(void *context, int row, int column, double by_q, double by_v)
-{
-    response *r = context;
-    if (row < r->n && column < r->n)
-        r->force[row] += (r->by_v ? by_v : by_q)*r->change[column];
-}
-
-double lw_mbs_fastest(lw_dynamics *d, double t, const double *q, const double *v, bool by_v)
-{
-    double *u = d->v_try, *force = d->a, size = 0;
-    response r = { d->n_v, by_v, u, force };
-    if (lw_mbs_rows(d, t, q) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
-        return 0;
-    for (int i = 0; i < d->n_v; i++)
-        u[i] = fmod(0.6180339887498949*(i + 1), 1) - 0.5;
-    for (int pass = 0; pass < PASSES; pass++) {
-        double most = 0;
-        for (int i = 0; i < d->n_v; i++)
-            most = fmax(most, fabs(u[i]));
-        bool known = pass > 1 && fabs(most - size) <= 1e-3*most;
-        size = pass ? most : 0;
-        if (known || !(most > 0 && most < INFINITY))
-            break;
-        for (int i = 0; i < d->n_v; i++)
-            u[i] /= most;
-        memset(force, 0, (size_t)d->n_v*sizeof *force);
-        d->eq.derivatives(d->eq.context, t, q, v, d->force, &(lw_force_sink){ &r, add_response, NULL });
-        lw_mbs_impulse(d, force, d->small_v);
-        memcpy(u, d->small_v, (size_t)d->n_v*sizeof *u);
-    }
-    return size;
-}
-
-/* The fastest decay that dampers and states cause at the start [1/s]: of all dampers together where derivatives are at hand, else of one. */
-static double fastest_decay(lw_dynamics *d)
-{
-    bool together = !d->space && d->eq.exact && !d->o.force.apply;
-    double most = together ? lw_mbs_fastest(d, d->o.from, d->start_q, d->start_v, true) : 0, *g = d->small_v, *change = d->v_try;
-    d->frequency = together ? sqrt(lw_mbs_fastest(d, d->o.from, d->start_q, d->start_v, false)) : 0;
-    bool looks = !together && d->eq.n_damper > 0;
-    if (looks && (lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK))
-        return 0;
-    for (int k = 0; k < d->eq.n_damper && looks; k += 1 + d->eq.n_damper/most_looked) {
-        memset(g, 0, (size_t)d->n_v*sizeof *g);
-        double c = d->eq.damper(d->eq.context, k, d->start_q, d->start_v, g);
-        most = fmax(most, c > 0 ? c*lw_mbs_impulse(d, g, change) : 0);
-    }
-    own_decay own = { d->n_v, most };
-    if (d->eq.n_z)
-        d->eq.derivatives(d->eq.context, d->o.from, d->start_q, d->start_v, d->force, &(lw_force_sink){ &own, no_force, see_state });
-    return own.most;
-}
-
-bool lw_mbs_is_stiff(lw_dynamics *d)
-{
-    if (!d->decay_known)
-        d->decay = fastest_decay(d);
-    d->decay_known = true;
-    return d->decay*(d->o.to - d->o.from) > (d->space ? stiff_space : stiff);
-}
-
-bool lw_mbs_states_decay(lw_dynamics *d)
-{
-    return !d->space && !d->large && d->eq.n_z && !d->n_friction && !d->touch
-        && (lw_mbs_is_stiff(d) || d->decay*(d->o.to - d->o.from) > damped_states*fmax(1, states_at/d->o.relative));
-}
-
-bool lw_mbs_is_damped(lw_dynamics *d, bool reduced)
-{
-    if (lw_mbs_is_stiff(d) || d->space)
-        return lw_mbs_is_stiff(d);
-    return !d->n_friction && !d->n_stop && !d->touch && !d->has_zero_mass && !d->s.n_tie && !d->n_driven && d->eq.exact
-        && (d->decay*(d->o.to - d->o.from) > (reduced ? damped_reduced : damped) || (!reduced && lw_mbs_vibrates(d)));
-}
-
-bool lw_mbs_vibrates(lw_dynamics *d)
-{
-    lw_mbs_is_stiff(d);                      /* for its frequency */
-    return d->frequency*(d->o.to - d->o.from) > vibrating;
-}
-
-bool lw_mbs_has_derivatives(const lw_dynamics *d)
-{
-    bool slide = false;
-    for (int i = 0; i < d->n_driven && !d->space; i++)
-        slide = slide || !lw_joint_turns(d->s.joint[d->driven_measure[i]].kind);
-    return d->eq.exact && !d->n_friction && (d->space || (d->large ? !slide : d->n_c == d->n_row));
-}
-
-bool lw_mbs_suits_ggl(lw_dynamics *d)
-{
-    return !d->space && !d->large && d->n_stop == 0 && !d->touch && lw_mbs_has_derivatives(d) && lw_mbs_is_stiff(d);
 }

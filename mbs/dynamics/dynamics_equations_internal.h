@@ -160,6 +160,11 @@ void lw_mbs_system_rows(const lw_dynamics *d, const double *q);
 /* Row r of the rows in force with its zeros, into out (n_v). */
 void lw_mbs_row(const lw_dynamics *d, int r, double *out);
 
+/* S = J M^-1 J^T over the kept rows; its factor, or that of the rows themselves where d->by_fronts.  dependent (schur.n) or NULL: whose relative
+ * pivot is below the tolerance.  Returns the least relative pivot. */
+#define LW_MBS_LEAST_SHARE_ROWS (LW_RANK_TOLERANCE*LW_RANK_TOLERANCE)     /* pivot of a dependent row where factors come from the rows */
+void      lw_mbs_form_schur(lw_dynamics *d);
+double    lw_mbs_factor_kept(lw_dynamics *d, double tolerance, bool *dependent);
 void      lw_mbs_free_fronts(lw_dynamics *d);
 
 /* Factor the rows of lw_mbs_rows.  LW_OPEN: a singular posture. */
@@ -186,6 +191,9 @@ double lw_mbs_reaction(const lw_dynamics *d, int j);
 /* Where inputs prescribe all motion, set-valued friction acts in full against the velocities v, however slow they are: choose the speeds of the
  * first n joints so.  Velocities within rounding of 0 have no friction. */
 void   lw_mbs_full_friction(lw_dynamics *d, int n, const double *v);
+
+/* Add the friction of a joint for a reaction of `size` [N], along its sense, to force (n_v); returns its power. */
+double lw_mbs_rub_one(const lw_dynamics *d, const lw_friction_joint *f, const double *q, const double *v, double size, double *force);
 
 /* Friction of all joints at (q, v), regularised, under the multipliers d->l of the rows at hand: added to force (n_v); returns its
  * power.  The slopes of that of revolute joints, pins and slides by v, the reactions kept. */
