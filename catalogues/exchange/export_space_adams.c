@@ -248,7 +248,7 @@ static void put_loads(writer *w)
         put(w, "\n");
     }
     for (int i = 0; i < m->n_motor; i++) {
-        const lw_spatial_motor *p = &m->motor[i];
+        const lw_motor *p = &m->motor[i];
         put_name(w, p->name, " motor");
         put_id(w, "SFORCE/", ++w->force);
         put_markers(w, p->joint);

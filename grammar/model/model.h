@@ -167,7 +167,7 @@ typedef struct lw_rope {
 typedef struct lw_motor {                /* torque-speed line at a joint                           */
     char   name[LW_NAME_SIZE];
     int    joint;
-    double stall, free_speed;            /* torque at rest [N m], speed without load [rad/s]       */
+    double stall, free_speed;            /* torque at rest [N m] or force [N], speed without load [rad/s] or [m/s] */
 } lw_motor;
 
 /* An element between two nodes, which are links; elastic links become these (mbs/elastic/expand.h). */

@@ -50,6 +50,18 @@ lw_status lw_read_line_load(const lw_json_node *object, const char *key, const l
 lw_status lw_motion_replace(const char *text, const int *n_profile, lw_moves *const *profile, lw_expression **motion, bool *has_speed,
                             lw_error *e);
 
+/* ---- model_loads.c ----------------------------------------------------------------------------------------- */
+
+/* An optional "law" of a spring, beside which no other number of it stands. */
+lw_status lw_read_law(const lw_json_node *object, const lw_reading *r, lw_expression_scope scope, lw_expression **law, lw_error *e);
+
+/* Check the keys of a spring or damper.  Does it act at a "joint", or between two points of "links"? */
+lw_status lw_read_spring_place(const lw_json_node *object, bool damper, const char *const *known, int n_known, bool *at_joint, lw_error *e);
+
+/* A motor of "stall" and "free_speed": its keys and name; then, once its joint is known, its numbers. */
+lw_status lw_read_motor_name(const lw_json_node *object, size_t index, lw_motor *p, lw_error *e);
+lw_status lw_read_motor_line(const lw_json_node *object, lw_motor *p, lw_error *e);
+
 /* ---- model_joint.c: what a joint has besides its freedoms ------------------------------------------------ */
 
 /* Numbers of a stop, about the posture of the file at displacement 0: least, greatest [unit], restitution, stiffness,

@@ -197,16 +197,6 @@ static lw_status read_load_joint(const lw_json_node *object, const char *what, l
     return s == LW_OK ? need_kind(&n, m, *joint, lw_joint_can_drive, drives, what, e) : s;
 }
 
-static lw_status law_alone(const lw_json_node *object, lw_error *e)
-{
-    static const char *const other[] = { "stiffness", "damping", "free" };
-    lw_json_node n;
-    for (int i = 0; i < COUNT(other); i++)
-        if (lw_json_member(object, other[i], &n))
-            return lw_json_fault(&n, e, "\"law\" says all of the force; leave \"%s\" out", other[i]);
-    return LW_OK;
-}
-
 static lw_status read_ends(const lw_json_node *object, lw_model *m, lw_spring *p, lw_error *e)
 {
     lw_json_node links, at;
@@ -293,9 +283,7 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
     m->n_spring++;
     p->free = hypot(p->at[1].x - p->at[0].x, p->at[1].y - p->at[0].y);
     s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    if (s == LW_OK)
-        s = lw_read_expression(object, "law", &r, LW_OF_LENGTH, &p->law, e);
-    return s == LW_OK && p->law ? law_alone(object, e) : s;
+    return s == LW_OK ? lw_read_law(object, &r, LW_OF_LENGTH, &p->law, e) : s;
 }
 
 static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m,
@@ -315,9 +303,7 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
         { "free", joint_unit(m, p->joint), LW_ANY, &p->free, NULL },
     };
     s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    if (s == LW_OK)
-        s = lw_read_expression(object, "law", &r, LW_OF_DISPLACEMENT, &p->law, e);
-    return s == LW_OK && p->law ? law_alone(object, e) : s;
+    return s == LW_OK ? lw_read_law(object, &r, LW_OF_DISPLACEMENT, &p->law, e) : s;
 }
 
 /* A spring or damper: between two points of "links", or at a "joint". */
@@ -326,19 +312,10 @@ static lw_status read_spring(const lw_json_node *object, size_t index, lw_model 
     static const char *const spring[] = { "name", "links", "at", "joint", "stiffness", "damping", "free", "law" };
     static const char *const dashpot[] = { "name", "links", "at", "joint", "damping" };
     const char *what = damper ? "damper" : "spring";
-    lw_json_node n, joint;
-    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
-    if (s == LW_OK)
-        s = lw_json_known_keys(object, damper ? dashpot : spring, damper ? COUNT(dashpot) : COUNT(spring), e);
+    bool at_joint;
+    lw_status s = lw_read_spring_place(object, damper, damper ? dashpot : spring, damper ? COUNT(dashpot) : COUNT(spring), &at_joint, e);
     if (s != LW_OK)
         return s;
-    bool at_joint = lw_json_member(object, "joint", &joint);
-    if (at_joint && (lw_json_member(object, "links", &n) || lw_json_member(object, "at", &n)))
-        return lw_json_fault(&n, e, "a %s acts at a \"joint\" or between the points \"at\" of two \"links\"; "
-                             "keep one", what);
-    if (!lw_json_member(object, damper ? "damping" : "stiffness", &n) &&
-        (damper || !lw_json_member(object, "law", &n)))
-        return lw_json_fault(object, e, damper ? "\"damping\" is missing" : "\"stiffness\" or \"law\" is missing");
     return at_joint ? read_joint_spring(object, what, index, m, e) : read_line_spring(object, what, index, m, e);
 }
 
@@ -404,23 +381,11 @@ static lw_status read_motor(const lw_json_node *object, size_t index, lw_model *
     const lw_reading r = reading_of(m);
     if (lw_is_driven_motor(object))
         return lw_states_read_motor(object, index, &r, e);
-    static const char *const known[] = { "name", "joint", "stall", "free_speed" };
     lw_motor *p = &m->motor[m->n_motor++];
-    lw_json_node n;
-    const lw_number_key numbers[] = {
-        { "stall", 1, LW_ANY, &p->stall, NULL }, { "free_speed", 1, LW_ANY, &p->free_speed, NULL },
-    };
-    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
-    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_read_own_name(object, "motor", index, p->name, e)) == LW_OK &&
-        (s = read_load_joint(object, "motors", m, &p->joint, e)) == LW_OK &&
-        (s = lw_read_need(object, "stall", &n, e)) == LW_OK &&
-        (s = lw_read_need(object, "free_speed", &n, e)) == LW_OK)
-        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    if (s == LW_OK && !(p->stall*p->free_speed > 0))
-        s = lw_json_fault(object, e, "\"stall\" and \"free_speed\" of a motor have the same sign, that of its turn, "
-                          "and are not 0");
-    return s;
+    lw_status s = lw_read_motor_name(object, index, p, e);
+    if (s == LW_OK)
+        s = read_load_joint(object, "motors", m, &p->joint, e);
+    return s == LW_OK ? lw_read_motor_line(object, p, e) : s;
 }
 
 /* ---- all loads ------------------------------------------------------------------------------------ */

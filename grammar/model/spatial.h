@@ -118,12 +118,6 @@ typedef struct lw_spatial_force {        /* on one link; the reaction goes to gr
     int     part;                        /* of an expanded model: 1 + the element whose load this is; 0: none */
 } lw_spatial_force;
 
-typedef struct lw_spatial_motor {        /* torque-speed line at a joint, as lw_motor                  */
-    char    name[LW_NAME_SIZE];
-    int     joint;
-    double  stall, free_speed;
-} lw_spatial_motor;
-
 /* An element between two nodes, which are links; elastic links become these (mbs/elastic/expand_space.h). */
 typedef struct lw_spatial_beam {
     int     link[2];
@@ -148,7 +142,7 @@ typedef struct lw_spatial {
     lw_spatial_spring       *spring;
     lw_spatial_joint_spring *joint_spring;
     lw_spatial_force        *force;
-    lw_spatial_motor        *motor;
+    lw_motor                *motor;
     int                      n_profile;
     lw_moves                *profile;    /* of profile(name) in expressions                            */
     lw_states                states;

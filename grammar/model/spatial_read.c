@@ -695,19 +695,6 @@ static lw_status read_tracer(const lw_json_node *tracer, lw_spatial *m, lw_error
 
 /* ---- loads ------------------------------------------------------------------------------------- */
 
-/* "law" stands alone. */
-static lw_status read_law(const lw_json_node *object, lw_spatial *m, lw_expression_scope sc, lw_expression **law, lw_error *e)
-{
-    const lw_reading r = reading_of(m);
-    static const char *const other[] = { "stiffness", "damping", "free" };
-    lw_json_node n;
-    lw_status s = lw_read_expression(object, "law", &r, sc, law, e);
-    for (int i = 0; s == LW_OK && *law && i < COUNT(other); i++)
-        if (lw_json_member(object, other[i], &n))
-            s = lw_json_fault(&n, e, "\"law\" says all of the force; leave \"%s\" out", other[i]);
-    return s;
-}
-
 /* "links" and "at" of a spring between two points; its free length. */
 static lw_status read_ends(const lw_json_node *object, lw_spatial *m, lw_spatial_spring *p, lw_error *e)
 {
@@ -730,6 +717,7 @@ static lw_status read_ends(const lw_json_node *object, lw_spatial *m, lw_spatial
 static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m,
                                   lw_error *e)
 {
+    const lw_reading r = reading_of(m);
     lw_spatial_spring *p = &m->spring[m->n_spring++];
     const lw_number_key numbers[] = {
         { "stiffness", 1, LW_NOT_NEGATIVE, &p->stiffness, NULL }, { "damping", 1, LW_NOT_NEGATIVE, &p->damping, NULL },
@@ -738,12 +726,13 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
     lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK && (s = read_ends(object, m, p, e)) == LW_OK)
         s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    return s == LW_OK ? read_law(object, m, LW_OF_LENGTH, &p->law, e) : s;
+    return s == LW_OK ? lw_read_law(object, &r, LW_OF_LENGTH, &p->law, e) : s;
 }
 
 static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m,
                                    lw_error *e)
 {
+    const lw_reading r = reading_of(m);
     lw_spatial_joint_spring *p = &m->joint_spring[m->n_joint_spring++];
     lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK)
@@ -755,7 +744,7 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
         { "free", measure_unit(m, p->measure), LW_ANY, &p->free, NULL },
     };
     s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    return s == LW_OK ? read_law(object, m, LW_OF_DISPLACEMENT, &p->law, e) : s;
+    return s == LW_OK ? lw_read_law(object, &r, LW_OF_DISPLACEMENT, &p->law, e) : s;
 }
 
 static lw_status read_spring_or_damper(const lw_json_node *object, size_t index, lw_spatial *m, bool damper,
@@ -765,18 +754,10 @@ static lw_status read_spring_or_damper(const lw_json_node *object, size_t index,
                                           "law" };
     static const char *const dashpot[] = { "name", "links", "at", "joint", "coordinate", "damping" };
     const char *what = damper ? "damper" : "spring";
-    lw_json_node n, joint;
-    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
-    if (s == LW_OK)
-        s = lw_json_known_keys(object, damper ? dashpot : spring, damper ? COUNT(dashpot) : COUNT(spring), e);
+    bool at_joint;
+    lw_status s = lw_read_spring_place(object, damper, damper ? dashpot : spring, damper ? COUNT(dashpot) : COUNT(spring), &at_joint, e);
     if (s != LW_OK)
         return s;
-    bool at_joint = lw_json_member(object, "joint", &joint);
-    if (at_joint && (lw_json_member(object, "links", &n) || lw_json_member(object, "at", &n)))
-        return lw_json_fault(&n, e, "a %s acts at a \"joint\" or between the points \"at\" of two \"links\"; keep one",
-                             what);
-    if (!lw_json_member(object, damper ? "damping" : "stiffness", &n) && (damper || !lw_json_member(object, "law", &n)))
-        return lw_json_fault(object, e, damper ? "\"damping\" is missing" : "\"stiffness\" or \"law\" is missing");
     return at_joint ? read_joint_spring(object, what, index, m, e) : read_line_spring(object, what, index, m, e);
 }
 
@@ -867,23 +848,14 @@ static lw_status read_motor_place(const lw_json_node *object, const lw_spatial *
 
 static lw_status read_motor(const lw_json_node *object, size_t index, lw_spatial *m, lw_error *e)
 {
-    static const char *const known[] = { "name", "joint", "stall", "free_speed" };
     const lw_reading r = reading_of(m);
     if (lw_is_driven_motor(object))
         return lw_states_read_motor(object, index, &r, e);
-    lw_spatial_motor *p = &m->motor[m->n_motor++];
-    lw_json_node n;
-    const lw_number_key numbers[] = { { "stall", 1, LW_ANY, &p->stall, NULL }, { "free_speed", 1, LW_ANY, &p->free_speed, NULL } };
-    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
-    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_read_own_name(object, "motor", index, p->name, e)) == LW_OK &&
-        (s = read_motor_place(object, m, &p->joint, e)) == LW_OK && (s = lw_read_need(object, "stall", &n, e)) == LW_OK &&
-        (s = lw_read_need(object, "free_speed", &n, e)) == LW_OK)
-        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    if (s == LW_OK && !(p->stall*p->free_speed > 0))
-        s = lw_json_fault(object, e, "\"stall\" and \"free_speed\" of a motor have the same sign, that of its "
-                                     "motion, and are not 0");
-    return s;
+    lw_motor *p = &m->motor[m->n_motor++];
+    lw_status s = lw_read_motor_name(object, index, p, e);
+    if (s == LW_OK)
+        s = read_motor_place(object, m, &p->joint, e);
+    return s == LW_OK ? lw_read_motor_line(object, p, e) : s;
 }
 
 /* ---- for expressions and states ---------------------------------------------------------------- */

@@ -843,7 +843,7 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
         push_spring(&s, &at, p->stiffness, p->damping, p->free, 1, p->law);
     }
     for (int i = 0; i < m->n_motor; i++) {
-        const lw_spatial_motor *p = &m->motor[i];
+        const lw_motor *p = &m->motor[i];
         measure_of(f, frame, lw_space_stop_measure(space, p->joint), v, sink, &at);
         double load = p->stall*(1 - at.rate/p->free_speed);
         push(&s, &at, load, 0, -p->stall/p->free_speed);

@@ -1,0 +1,55 @@
+/* grammar/model/model_loads.c - what loads of planar and of spatial models have in common. */
+#include "base/real.h"
+#include "grammar/model/model_internal.h"
+
+#define COUNT(a) ((int)(sizeof (a)/sizeof *(a)))
+
+lw_status lw_read_law(const lw_json_node *object, const lw_reading *r, lw_expression_scope scope, lw_expression **law, lw_error *e)
+{
+    static const char *const other[] = { "stiffness", "damping", "free" };
+    lw_json_node n;
+    lw_status s = lw_read_expression(object, "law", r, scope, law, e);
+    for (int i = 0; s == LW_OK && *law && i < COUNT(other); i++)
+        if (lw_json_member(object, other[i], &n))
+            s = lw_json_fault(&n, e, "\"law\" says all of the force; leave \"%s\" out", other[i]);
+    return s;
+}
+
+lw_status lw_read_spring_place(const lw_json_node *object, bool damper, const char *const *known, int n_known, bool *at_joint, lw_error *e)
+{
+    lw_json_node n, joint;
+    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
+    if (s == LW_OK)
+        s = lw_json_known_keys(object, known, n_known, e);
+    if (s != LW_OK)
+        return s;
+    *at_joint = lw_json_member(object, "joint", &joint);
+    if (*at_joint && (lw_json_member(object, "links", &n) || lw_json_member(object, "at", &n)))
+        return lw_json_fault(&n, e, "a %s acts at a \"joint\" or between the points \"at\" of two \"links\"; keep one", damper ? "damper" : "spring");
+    if (!lw_json_member(object, damper ? "damping" : "stiffness", &n) && (damper || !lw_json_member(object, "law", &n)))
+        return lw_json_fault(object, e, damper ? "\"damping\" is missing" : "\"stiffness\" or \"law\" is missing");
+    return LW_OK;
+}
+
+lw_status lw_read_motor_name(const lw_json_node *object, size_t index, lw_motor *p, lw_error *e)
+{
+    static const char *const known[] = { "name", "joint", "stall", "free_speed" };
+    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
+    if (s == LW_OK)
+        s = lw_json_known_keys(object, known, COUNT(known), e);
+    return s == LW_OK ? lw_read_own_name(object, "motor", index, p->name, e) : s;
+}
+
+lw_status lw_read_motor_line(const lw_json_node *object, lw_motor *p, lw_error *e)
+{
+    const lw_number_key numbers[] = { { "stall", 1, LW_ANY, &p->stall, NULL }, { "free_speed", 1, LW_ANY, &p->free_speed, NULL } };
+    lw_json_node n;
+    lw_status s = LW_OK;
+    for (int i = 0; s == LW_OK && i < COUNT(numbers); i++)
+        s = lw_read_need(object, numbers[i].key, &n, e);
+    if (s == LW_OK)
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+    if (s == LW_OK && !(p->stall*p->free_speed > 0))
+        s = lw_json_fault(object, e, "\"stall\" and \"free_speed\" of a motor have the same sign, that of its motion, and are not 0");
+    return s;
+}
