@@ -107,6 +107,13 @@ double lw_space_damper(const lw_space_forces *f, int k, const lw_space_frame *fr
 void lw_space_add_element(const lw_space *s, const lw_space_frame *frame, int n, const int *body, const double *load,
                           const double *by_x, const double *by_v, double *force, const lw_space_sink *sink);
 
+/* Of all beams and superelements (space_elements.c): make them, as a part of lw_space_forces_make; add their forces and their power, as
+ * lw_space_forces_apply does; return `energy` and that of their strain. */
+lw_status lw_space_elements_make(const lw_space *s, lw_space_forces *f, lw_error *e);
+void      lw_space_push_elements(const lw_space_forces *f, const lw_space_frame *frame, const double *v, double *force, double *power,
+                                 const lw_space_sink *sink);
+double    lw_space_elements_energy(const lw_space_forces *f, const lw_space_frame *frame, double energy);
+
 /* Beam element i at one moment. */
 void lw_space_beam(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i, bool derivatives,
                    lw_beam_space_state *out);
