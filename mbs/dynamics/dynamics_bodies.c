@@ -159,7 +159,7 @@ static lw_status state_at(void *context, double t, double *y)
         return LW_OK;
     }
     lw_status s = w->implicit ? lw_sundials_dense(&w->implicit_one, t, y) : lw_integrate_dense(&w->explicit_one, t, y);
-    return s == LW_OK && lw_run_project(w->run, t, y) < 0 ? LW_E_NUMERIC : s;
+    return s == LW_OK && lw_run_correct(w->run, t, y) < 0 ? LW_E_NUMERIC : s;
 }
 
 /* The last state at some distance from singular postures. */

@@ -306,7 +306,7 @@ static lw_status state_at(void *context, double t, double *state)
     if (s != LW_OK)
         return s;
     unpack(g, g->dense, state);
-    return lw_run_project(g->run, t, state);
+    return lw_run_correct(g->run, t, state);
 }
 
 /* y and dy for the state (q, v, work, z), which satisfies the constraints. */

@@ -734,7 +734,7 @@ static lw_status state_at(void *context, double t, double *y)
         for (int i = 0; i < g->n_x; i++)
             y[lw_run_states(g->run) + i] += by*g->last_x[j*g->n_x + i];
     }
-    return lw_run_project(g->run, t, y);
+    return lw_run_correct(g->run, t, y);
 }
 
 /* A step towards the next sample (dense: the end) or kink: as long as h, or evenly divided where few steps remain.  A sample just behind an end that

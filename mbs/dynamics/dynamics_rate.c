@@ -3,6 +3,7 @@
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include "mbs/equations/limits_internal.h"
 
 /* A shorter step may end before a place where friction has no solution (LW_E_NUMERIC), a force is not a number (the same), or only links without
@@ -55,6 +56,33 @@ lw_status lw_run_project(void *context, double t, double *y)
         if (fabs(v[i]) < at_rest)
             v[i] = 0;
     return s;
+}
+
+/* Greatest correction of a state beside a singular posture, over the error allowed in a step. */
+static const double correction_most = 30;
+
+/* Is x farther from y than the error of y explains? */
+static bool is_thrown(const lw_dynamics *d, int n, const double *y, const double *x)
+{
+    bool thrown = false;
+    for (int i = 0; i < n; i++)
+        thrown = thrown || !(fabs(x[i] - y[i]) <= correction_most*(d->o.absolute + d->o.relative*fmax(1, fabs(y[i]))));
+    return thrown;
+}
+
+lw_status lw_run_correct(lw_run *run, double t, double *y)
+{
+    lw_dynamics *d = run->d;
+    double *q = d->q_try, *v = d->v_try;
+    memcpy(q, y, (size_t)d->n_q*sizeof *q);
+    memcpy(v, y + d->n_q, (size_t)d->n_v*sizeof *v);
+    lw_status s = lw_run_project(run, t, y);
+    bool beside = s > 0 || d->weak < LW_SINGULAR_NEAR*LW_SINGULAR_NEAR;
+    if (s < 0 || !beside || !(is_thrown(d, d->n_q, q, y) || is_thrown(d, d->n_v, v, y + d->n_q)))
+        return s;
+    memcpy(y, q, (size_t)d->n_q*sizeof *q);
+    memcpy(y + d->n_q, v, (size_t)d->n_v*sizeof *v);
+    return LW_OK;
 }
 
 lw_status lw_run_limits(lw_run *run, double t, long steps)

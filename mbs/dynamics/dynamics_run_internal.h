@@ -54,9 +54,11 @@ typedef struct lw_run {
 
 /* ---- dynamics_rate.c: the right-hand side --------------------------------------------------------- */
 
-/* y' for explicit and implicit methods; projection of y onto the constraints. */
+/* y' for explicit and implicit methods; projection of y onto the constraints.  _correct: projection of a state within a step.  Beside a
+ * singular posture a projection magnifies its error without limit: the state stays as it is where that would move it by more than it can be off. */
 lw_status lw_run_rate(void *context, double t, const double *y, double *dy);
 lw_status lw_run_project(void *context, double t, double *y);
+lw_status lw_run_correct(lw_run *run, double t, double *y);
 
 /* LW_STOPPED if a limit or the caller ends the run.  _limits: after a step; `steps` are those not yet in the report.
  * _busy: in every evaluation of the right-hand side, because one step can take many of them. */

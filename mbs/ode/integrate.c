@@ -264,6 +264,7 @@ static double apart_from_dense(const lw_integrator *w, double x, const double *y
 }
 
 static const double most_apart = 1000;       /* of a state within a step from the continuous solution */
+static const double explained = 10;          /* the same, over the error that the continuous solution shows */
 
 /* Continuous solutions of both halves of the last step.  LW_NOTHING: they are not accurate either, or do not lead to its end. */
 static lw_status prepare_halves(lw_integrator *w)
@@ -310,12 +311,11 @@ static lw_status within_halves(lw_integrator *w, double t, double *y)
 
 /* State at t within the last step by steps from its nearer end.  That way may lead over a place where f is not known well, and
  * off the solution: where the continuous solution is not as near as its error tells, or not near at all, both ends are tried, and the
- * state that is nearer to it is taken. */
+ * state that is nearer to it is taken.  LW_NOTHING: neither is as near as the error of the continuous solution, if it is known, explains. */
 static lw_status integrate_within(lw_integrator *w, double t, double *y)
 {
     lw_ode ode;
     lw_integrator inner;
-    lw_status found = LW_NOTHING;
     double x = (t - w->t_old)/w->h_done, least = INFINITY;
     for (int k = 0; k < 2 && !(least <= fmin(w->rough, most_apart)); k++) {
         lw_ode_stop stop = LW_ODE_STEP;
@@ -330,12 +330,12 @@ static lw_status integrate_within(lw_integrator *w, double t, double *y)
         if (s != LW_OK || !(apart < least))
             continue;
         least = apart;
-        found = LW_OK;
         memcpy(w->k[2], inner.y, sizeof(double)*(size_t)ode.n);
     }
-    if (found == LW_OK)
-        memcpy(y, w->k[2], sizeof(double)*(size_t)ode.n);
-    return found;
+    if (!(least <= fmax(most_apart, explained*w->rough)))
+        return LW_NOTHING;
+    memcpy(y, w->k[2], sizeof(double)*(size_t)ode.n);
+    return LW_OK;
 }
 
 /* From so many states asked for in a rough step on, its halves cost less than a step to each of them. */
