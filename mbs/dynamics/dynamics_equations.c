@@ -211,8 +211,8 @@ static void fast_solve(lw_dynamics *d, const double *force, const double *rhs, d
 
 /* ---- by rank ------------------------------------------------------------------------------ */
 
-/* Factor N^T M N by Cholesky's method.  LW_E_ARG names the link whose motion has no mass. */
-static lw_status factor_null(lw_dynamics *d)
+/* Factor N^T M N by Cholesky's method.  Returns the link whose motion has no mass; -1: there is none. */
+static int factor_null(lw_dynamics *d)
 {
     int n = d->freedom, q = d->n_v;
     double *m = d->mass_null, top = 0;
@@ -235,14 +235,13 @@ static lw_status factor_null(lw_dynamics *d)
                 int worst = 0;
                 for (int k = 0; k < q; k++)
                     worst = fabs(d->null[i*q + k]) > fabs(d->null[i*q + worst]) ? k : worst;
-                return lw_error_set(d->e, LW_E_ARG, "link \"%s\" can move without moving any mass: give it a \"mass\" "
-                                    "and an \"inertia\", or hold it",
-                                    d->eq.name(d->eq.context, LW_NAMED_BLOCK, worst/LW_BLOCK));
+                return worst/LW_BLOCK;
             }
             m[i*n + i] = sqrt(sum);
         }
     }
-    return LW_OK;
+    d->null_ready = true;
+    return -1;
 }
 
 static void null_solve(const lw_dynamics *d, double *b)
@@ -261,15 +260,13 @@ static void null_solve(const lw_dynamics *d, double *b)
     }
 }
 
-/* x += N (N^T M N)^-1 N^T (force - M x) */
-static lw_status add_free(lw_dynamics *d, const double *force, double *x)
+/* x += N (N^T M N)^-1 N^T (force - M x), where all free motions have mass; returns as factor_null. */
+static int move_free(lw_dynamics *d, const double *force, double *x)
 {
-    int n = d->freedom, q = d->n_v;
+    int n = d->freedom, q = d->n_v, without = d->null_ready ? -1 : factor_null(d);
     double *b = d->along_null;
-    lw_status s = d->null_ready ? LW_OK : factor_null(d);
-    if (s != LW_OK)
-        return s;
-    d->null_ready = true;
+    if (without >= 0)
+        return without;
     for (int i = 0; i < n; i++) {
         b[i] = 0;
         for (int k = 0; k < q; k++)
@@ -279,7 +276,15 @@ static lw_status add_free(lw_dynamics *d, const double *force, double *x)
     for (int i = 0; i < n; i++)
         for (int k = 0; k < q; k++)
             x[k] += b[i]*d->null[i*q + k];
-    return LW_OK;
+    return -1;
+}
+
+static lw_status add_free(lw_dynamics *d, const double *force, double *x)
+{
+    int without = move_free(d, force, x);
+    return without < 0 ? LW_OK
+         : lw_error_set(d->e, LW_E_ARG, "link \"%s\" can move without moving any mass: give it a \"mass\" and an \"inertia\", or hold it",
+                        d->eq.name(d->eq.context, LW_NAMED_BLOCK, without));
 }
 
 static lw_status solve_by_rank(lw_dynamics *d, const double *force, const double *rhs, double *x, double *l)
@@ -608,12 +613,14 @@ double lw_mbs_impulse(lw_dynamics *d, const double *g, double *change)
 
 /* ---- onto the constraints ------------------------------------------------------------------------ */
 
-/* The least x with J x = rhs, in the metric of the masses or of the coordinates. */
+/* The least x with J x = rhs in the metric of the masses, which leaves the momenta of the free motions as they are; in that of the
+ * coordinates where a motion has no mass. */
 static void least_change(lw_dynamics *d, const double *rhs, double *x)
 {
-    if (d->by_rank)
+    if (d->by_rank) {
         lw_rank_solve_transposed(&d->rank_of, rhs, x);
-    else
+        move_free(d, NULL, x);
+    } else
         fast_solve(d, NULL, rhs, x, d->l_each);
 }
 
