@@ -266,8 +266,8 @@ static lw_status residuals(stages *g)
     return LW_OK;
 }
 
-/* One simplified Newton step.  Returns the greatest change of a stage of q, or of a state over its scale. */
-static double newton_step(stages *g)
+/* One simplified Newton step.  Returns the greatest change of a stage of q, or this share of the change of a state over its size or scale. */
+static double newton_step(stages *g, double share)
 {
     int n = g->n, first = n + g->n_x, all = first + g->c;
     for (int i = 0; i < all; i++)
@@ -291,6 +291,7 @@ static double newton_step(stages *g)
                 continue;
             }
             *(i < n ? &g->z[k*n + i] : &g->zx[k*g->n_x + i - n]) += i < n ? change : change*g->scale[i - n];
+            change *= i < n ? 1 : share/fmax(1, fabs(g->x[i - n])/g->scale[i - n]);
             most = fmax(most, fabs(change)) + (isfinite(change) ? 0 : INFINITY);
         }
     return most;
@@ -393,9 +394,11 @@ static lw_status iterate(stages *g)
 {
     lw_dynamics *d = g->run->d;
     /* contacts of the stages may throw Newton's method far; whole turns away, it would find the posture again */
-    double before = 0, wanted = 0.005*tolerance(g), far = d->eq.next_piece ? 0.3 : 1e3;
-    if (d->o.relative < 1e-9 || d->eq.n_switch)          /* velocities too, which are differences of stages over h; rounding of rows is 2e-16 */
-        wanted = fmax(wanted*fmin(1, g->h/g->way->real), 4e-16);
+    double before = 0, wanted = 0.005*tolerance(g), share = 1, far = d->eq.next_piece ? 0.3 : 1e3;
+    if (d->o.relative < 1e-9 || d->eq.n_switch) {        /* velocities too, which are differences of stages over h; rounding of rows is 2e-16 */
+        share = fmin(1, fmax(g->h/g->way->real, 4e-16/wanted));
+        wanted *= share;
+    }
     g->contraction = 0;
     for (int pass = 0; pass < most_newton; pass++) {
         lw_status s = lw_run_busy(g->run, g->t);
@@ -404,7 +407,7 @@ static lw_status iterate(stages *g)
         g->run->r->rates += g->s;
         if (s != LW_OK)
             return s == LW_E_NUMERIC ? LW_OPEN : s;
-        double change = newton_step(g);
+        double change = newton_step(g, share);
         if (!(change < far) || (pass > 1 && change > 2*before))
             return LW_OPEN;
         double ratio = pass ? change/fmax(before, 1e-300) : 1;
