@@ -86,9 +86,10 @@ bool lw_expression_may_pulse(const lw_expression *x, int variable);
  * time: it jumps there by *by, or is so fast, as near a pole (*by infinite).  Infinite: there is none, or it is no number there. */
 double lw_expression_next_break(const lw_expression *x, int t_variable, double t, double end, double most_change, double *by);
 
-/* Operations that jump (sign, mod) where something else than t changes.  Returns how many; side (unless v is NULL) gets for each a
- * number that is > 0 on one side of the jump, at the values v of lw_expression_value. */
-int lw_expression_jumps(const lw_expression *x, int t_variable, const double *v, double *side);
+/* Operations that jump (sign, mod), or that have kinks (abs, min, max, step, havsin, table, profile), where something else than t changes.  Returns
+ * how many; side (unless v is NULL) gets for each a number that is > 0 on one side of the jump or kink, at the values v of
+ * lw_expression_value. */
+int lw_expression_breaks(const lw_expression *x, int t_variable, bool jumps, const double *v, double *side);
 
 /* Takes an expression of a model, or NULL; _at: with the values of its variables. */
 typedef void lw_expression_sink(void *context, const lw_expression *x);

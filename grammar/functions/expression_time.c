@@ -266,6 +266,8 @@ static bool has_kinks(lw_op op)
         || op == LW_OP_HALF_SINE || op == LW_OP_SPLINE || op == LW_OP_MOVES;
 }
 
+static bool is_jump(lw_op op) { return op == LW_OP_SIGN || op == LW_OP_MOD; }
+
 static bound quantity(const lw_expression_node *n, const bound *of)
 {
     bound p = operand(&n->a, of), q;
@@ -356,8 +358,7 @@ static const double changes = 4, even = 1e-3, nothing = 1e-8;
 /* Kinks at known times are ends of steps; those of other quantities are not. */
 static bool may_pulse(lw_op op, bool with_kinks)
 {
-    bool jumps = op == LW_OP_SIGN || op == LW_OP_MOD;        /* located by their sides (lw_expression_jumps) */
-    return op >= LW_OP_DIVIDE && op <= LW_OP_SPLINE && !jumps && (with_kinks || !has_kinks(op));
+    return op >= LW_OP_DIVIDE && op <= LW_OP_SPLINE && !is_jump(op) && (with_kinks || !has_kinks(op));
 }
 
 bool lw_expression_may_pulse(const lw_expression *x, int variable)
@@ -440,9 +441,29 @@ double lw_expression_next_break(const lw_expression *x, int t_variable, double t
     return INFINITY;
 }
 
-/* ---- jumps of other quantities ------------------------------------------------------------------------- */
+/* ---- breaks of other quantities ------------------------------------------------------------------------ */
 
-int lw_expression_jumps(const lw_expression *x, int t_variable, const double *v, double *side)
+/* A number > 0 on one side of each place where an operation on a and b jumps or has a kink; with several places it is so in every other piece. */
+static double side_of(const lw_expression *x, const lw_expression_node *n, double a, double b)
+{
+    double side = 1;
+    switch (n->op) {
+    case LW_OP_ABS: case LW_OP_SIGN:
+        return a;
+    case LW_OP_MIN: case LW_OP_MAX:
+        return a - b;
+    case LW_OP_CUBIC: case LW_OP_HALF_SINE:
+        return a*(a - 1);
+    case LW_OP_MOD:
+        return fmod(floor(a/b), 2) != 0 ? -1 : 1;
+    default:
+        for (double knot = next_knot(x, n, -INFINITY); knot < a; knot = next_knot(x, n, knot))
+            side = -side;
+        return side;
+    }
+}
+
+int lw_expression_breaks(const lw_expression *x, int t_variable, bool jumps, const double *v, double *side)
 {
     bool timed[LW_EXPRESSION_NODE_MAX];
     double value[LW_EXPRESSION_NODE_MAX];
@@ -454,10 +475,10 @@ int lw_expression_jumps(const lw_expression *x, int t_variable, const double *v,
         timed[i] = variable ? x->variable[n->index] == t_variable
                  : (n->a.node < 0 || timed[n->a.node]) && (!second || n->b.node < 0 || timed[n->b.node]);
         value[i] = !v ? 0 : variable ? v[n->index] : lw_op_value(x, n, a, b);
-        if (timed[i] || (n->op != LW_OP_SIGN && n->op != LW_OP_MOD))
+        if (timed[i] || !has_kinks(n->op) || is_jump(n->op) != jumps)
             continue;
         if (v)
-            side[count] = n->op == LW_OP_SIGN ? a : fmod(floor(a/b), 2) != 0 ? -1 : 1;
+            side[count] = side_of(x, n, a, b);
         count++;
     }
     return count;

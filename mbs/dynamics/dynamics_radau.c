@@ -171,10 +171,13 @@ static double auxiliary(const stages *g, double z, double v, double old)
     return (z/g->h - v)/(g->h*g->beta) - (0.5/g->beta - 1)*old;
 }
 
+/* Does the last step tell how this one goes?  Not if it was far shorter, as one that ended at a switch may be: rounding is magnified. */
+static bool goes_on(const stages *g) { return g->since && g->h <= 10*g->h_old; }
+
 /* The old auxiliary acceleration is that of a time am - af steps after t, so it changes with the length of steps. */
 static double auxiliary_old(const stages *g, int i)
 {
-    return g->h_old > 0 ? g->a[i] + g->h/g->h_old*(g->aux[i] - g->a[i]) : g->aux[i];
+    return goes_on(g) ? g->a[i] + g->h/g->h_old*(g->aux[i] - g->a[i]) : g->a[i];
 }
 
 static void differentiate_alpha(stages *g)
@@ -330,14 +333,15 @@ static void predict(stages *g)
         predict_alpha(g);
         return;
     }
+    bool goes = goes_on(g);
     for (int k = 0; k < s; k++) {
-        polynomials p = polynomials_at(g, 1 + g->at[k]*g->h/(g->h_old > 0 ? g->h_old : 1));
+        polynomials p = polynomials_at(g, 1 + g->at[k]*g->h/(goes ? g->h_old : 1));
         for (int i = 0; i < n + x + c; i++) {
             const double *old = i < n ? g->last + i : i < n + x ? g->last_x + i - n : g->last_l + i - n - x;
             int size = i < n ? n : i < n + x ? x : c;
             double *to = i < n ? &g->z[k*n + i] : i < n + x ? &g->zx[k*x + i - n] : &g->zl[k*c + i - n - x];
             *to = i < n ? g->at[k]*g->h*g->v[i] : i < n + x ? g->at[k]*g->h*g->dx[i - n] : g->l[i - n - x];
-            if (!g->since)
+            if (!goes)
                 continue;
             *to = i < n + x ? -old[(s - 1)*size] : 0;
             for (int j = 0; j < s; j++)

@@ -100,8 +100,9 @@ typedef struct lw_equations {
     void   (*next_piece)(void *context, const double *q, const double *v, bool start);
     void   (*watch)(void *context, double t, const double *q, const double *v, bool first);     /* after each step */
     /* Where forces jump or have a kink that is no piece, as where compliant stops begin to push: side (n_switch) > 0 on one side;
-     * the last n_jump are those of sign() and mod() in expressions.  force (n_v): the forces, where n_jump > 0. */
-    int    n_switch, n_jump;
+     * the last are n_kink of functions with kinks in expressions, and n_jump of sign() and mod().  force (n_v): the forces, where there are any
+     * of these. */
+    int    n_switch, n_kink, n_jump;
     void   (*switches)(void *context, double t, const double *q, const double *v, double *force, double *side);
     /* Take z (n_z); its rates; its values at the start; the size of state i against which its error counts. */
     void   (*place_states)(void *context, const double *z);

@@ -355,8 +355,10 @@ static void switches(void *context, double t, const double *q, const double *v, 
 {
     const lw_planar *d = context;
     lw_forces_stop_sides(d->f, q, v, side);
-    if (d->n_jump)
-        lw_timed_sides(values, context, t, q, v, force, side + 2*d->f->n_stop);
+    if (d->n_kink + d->n_jump > 0) {
+        double *kink = side + 2*d->f->n_stop;
+        lw_timed_sides(values, context, t, q, v, force, kink, kink + d->n_kink);
+    }
 }
 
 static const char *name(void *context, lw_named what, int i)
@@ -420,7 +422,9 @@ lw_equations lw_planar_equations(lw_planar *p)
     bool consistent = false;
     for (int i = 0; i < m->n_beam; i++)
         consistent = consistent || m->beam[i].consistent;
-    p->n_jump = lw_timed_jumps(&(lw_timed){ .expressions = expressions, .context = p });
+    const lw_timed shown = { .expressions = expressions, .context = p };
+    p->n_kink = lw_timed_breaks(&shown, false);
+    p->n_jump = lw_timed_breaks(&shown, true);
     return (lw_equations){ .n_q = p->s->n_q, .n_v = p->s->n_q, .n_block = p->s->n_body, .n_row = p->s->n_row,
                            .n_slot = LW_ROW_BLOCKS, .bend_most = 24,         /* of a gear between two sliders */
                            .n_z = m->states.n_state, .z = p->f->z, .n_damper = m->n_spring + m->n_joint_spring + m->n_motor,
@@ -433,7 +437,8 @@ lw_equations lw_planar_equations(lw_planar *p)
                            .more_mass = consistent || m->n_super ? more_mass : NULL,
                            .more_inertia = m->n_super && !consistent ? more_inertia : NULL, .damper = damper,
                            .expressions = has_expressions(m) ? expressions : NULL,
-                           .n_switch = 2*p->f->n_stop + p->n_jump, .n_jump = p->n_jump, .switches = switches, .values = values, .place_states = place_states,
+                           .n_switch = 2*p->f->n_stop + p->n_kink + p->n_jump, .n_kink = p->n_kink, .n_jump = p->n_jump, .switches = switches,
+                           .values = values, .place_states = place_states,
                            .state_rates = state_rates, .state_start = state_start, .state_scale = state_scale,
                            .kinetic = kinetic, .potential = potential, .momentum = keeps_momentum(p) ? momentum : NULL,
                            .move = move, .rates = rates };

@@ -569,8 +569,10 @@ static void switches(void *context, double t, const double *q, const double *v, 
     lw_spatial_scene *c = context;
     lw_space_place(&c->s, q, c->frame);
     lw_space_stop_sides(&c->f, c->frame, v, side);
-    if (c->n_jump)
-        lw_timed_sides(values, c, t, q, v, force, side + count_stops(c));
+    if (c->n_kink + c->n_jump > 0) {
+        double *kink = side + count_stops(c);
+        lw_timed_sides(values, c, t, q, v, force, kink, kink + c->n_kink);
+    }
 }
 
 static void note_momenta(void *context, double t, const double *q, const double *v)
@@ -593,7 +595,9 @@ static void keep_momenta(void *context, double t, double *q, double *v, double *
 lw_equations lw_spatial_equations(lw_spatial_scene *c)
 {
     bool flies = c->flying.n > 0 && c->n_idle == 0;
-    c->n_jump = lw_timed_jumps(&(lw_timed){ .expressions = expressions, .context = c });
+    const lw_timed shown = { .expressions = expressions, .context = c };
+    c->n_kink = lw_timed_breaks(&shown, false);
+    c->n_jump = lw_timed_breaks(&shown, true);
     return (lw_equations){ .n_q = c->s.n_q, .n_v = c->s.n_v, .n_block = 2*c->s.n_body, .n_row = c->s.n_row + c->n_idle,
                            .n_slot = c->n_slot, .bend_most = c->s.n_term*LW_SPACE_BENDS,      /* of a measure 144 */
                            .n_damper = lw_space_dampers(&c->s), .mass = c->mass, .weight = c->f.weight, .unit = c->s.unit,
@@ -605,7 +609,8 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .more_inertia = c->model->n_super ? more_inertia : NULL,
                            .damper = damper, .n_z = c->model->states.n_state, .z = c->f.z, .place_states = place_states, .state_rates = state_rates,
                            .state_start = state_start, .state_scale = state_scale,
-                           .n_switch = count_stops(c) + c->n_jump, .n_jump = c->n_jump, .switches = switches, .values = values,
+                           .n_switch = count_stops(c) + c->n_kink + c->n_jump, .n_kink = c->n_kink, .n_jump = c->n_jump, .switches = switches,
+                           .values = values,
                            .piece_left = c->model->n_contact ? piece_left : NULL,
                            .next_piece = c->model->n_contact ? next_piece : NULL,
                            .watch = c->model->n_contact ? watch : NULL, .expressions = has_expressions(c) ? expressions : NULL, .kinetic = kinetic,

@@ -28,7 +28,7 @@ typedef struct lw_spatial_scene {
     int             massless;                    /* a body whose mass or inertia was made up; -1: none */
     int             redundant;                   /* rows of joints that depend on others */
     bool            has_drives, many_drives;     /* drives carry the forces of the inputs; more of them than freedoms */
-    int             n_jump;                      /* of the equations */
+    int             n_kink, n_jump;              /* of the equations */
     int             n_rub;                       /* joints whose friction drives carry, too */
     lw_space_rows_set drives;                    /* joints, spins, drives */
     lw_space_dense    drives_least;              /* the same, for drives that share a force */

@@ -26,29 +26,36 @@ static void find_calm(void *context, const lw_expression *x)
         s->found = fmin(s->found, lw_expression_calm(x, lw_variable(LW_QUANTITY_T, 0), false, s->from, s->t, s->found, 1e-9*(s->found - s->from)));
 }
 
-static void count_jumps(void *context, const lw_expression *x)
+typedef struct count { bool jumps; int n; } count;
+
+static void count_breaks(void *context, const lw_expression *x)
 {
-    *(int *)context += x ? lw_expression_jumps(x, lw_variable(LW_QUANTITY_T, 0), NULL, NULL) : 0;
+    count *c = context;
+    c->n += x ? lw_expression_breaks(x, lw_variable(LW_QUANTITY_T, 0), c->jumps, NULL, NULL) : 0;
 }
 
-/* Where the sides of jumps are written next. */
+/* Where the sides of kinks, of jumps are written next. */
+typedef struct sides { double *next[2]; } sides;
+
 static void note_sides(void *context, const lw_expression *x, const double *v)
 {
-    double **side = context;
-    *side += lw_expression_jumps(x, lw_variable(LW_QUANTITY_T, 0), v, *side);
+    sides *to = context;
+    for (int jumps = 0; jumps < 2; jumps++)
+        to->next[jumps] += lw_expression_breaks(x, lw_variable(LW_QUANTITY_T, 0), jumps, v, to->next[jumps]);
 }
 
-void lw_timed_sides(lw_timed_values *values, void *context, double t, const double *q, const double *v, double *force, double *side)
+void lw_timed_sides(lw_timed_values *values, void *context, double t, const double *q, const double *v, double *force, double *kink, double *jump)
 {
-    values(context, t, q, v, force, note_sides, &side);
+    sides to = { { kink, jump } };
+    values(context, t, q, v, force, note_sides, &to);
 }
 
-int lw_timed_jumps(const lw_timed *w)
+int lw_timed_breaks(const lw_timed *w, bool jumps)
 {
-    int n = 0;
+    count c = { jumps, 0 };
     if (w->expressions)
-        w->expressions(w->context, count_jumps, &n);
-    return n;
+        w->expressions(w->context, count_breaks, &c);
+    return c.n;
 }
 
 double lw_timed_next_kink(const lw_timed *w, double t, double end)

@@ -17,11 +17,11 @@ typedef struct lw_timed {
  * forces. */
 typedef void lw_timed_values(void *context, double t, const double *q, const double *v, double *force, lw_expression_sink_at *see, void *of);
 
-/* The sides of the jumps of these expressions (lw_expression_jumps). */
-void lw_timed_sides(lw_timed_values *values, void *context, double t, const double *q, const double *v, double *force, double *side);
+/* The sides of the kinks, and of the jumps, of these expressions (lw_expression_breaks). */
+void lw_timed_sides(lw_timed_values *values, void *context, double t, const double *q, const double *v, double *force, double *kink, double *jump);
 
-/* How often the functions jump where something else than the time changes (lw_expression_jumps). */
-int lw_timed_jumps(const lw_timed *w);
+/* How often the functions jump, or have kinks, where something else than the time changes (lw_expression_breaks). */
+int lw_timed_breaks(const lw_timed *w, bool jumps);
 
 /* The first kink between t and end; infinite: none. */
 double lw_timed_next_kink(const lw_timed *w, double t, double end);
