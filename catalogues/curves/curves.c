@@ -199,11 +199,14 @@ static lw_status add_set(lw_curve_maker *m, const lw_mechanism_set *all, int lin
     for (int i = 0; i < all->n; i++) {
         lw_families f = lw_mechanism_stage_families(&all->stage[i]);
         for (int n = 0; n < f.n && all->stage[i].links == links && status == LW_OK; n++) {
-            status = interrupt && *interrupt ? lw_error_set(e, LW_STOPPED, "stopped before all mechanisms were set up")
-                                             : f.make(f.of, n, made);
+            lw_error wrong = { .text = "" };
+            status = interrupt && *interrupt ? LW_STOPPED : f.make(f.of, n, made);
             if (status == LW_OK)
-                status = lw_curve_maker_add(m, made->name, &made->linkage, e);
+                status = lw_curve_maker_add(m, made->name, &made->linkage, &wrong);
             status = status == LW_E_KIND ? LW_OK : status;
+            if (status != LW_OK)
+                lw_error_set(e, status, "%s", status == LW_STOPPED ? "stopped before all mechanisms were set up"
+                             : wrong.text[0] ? wrong.text : lw_status_text(status));
         }
     }
     free(made);

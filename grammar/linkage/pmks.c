@@ -41,7 +41,7 @@ static lw_status split(lw_cursor *c, entry *t)
         }
         piece *more = lw_array_grow(t->piece, t->n, &t->capacity, sizeof *more);
         if (!more)
-            return lw_cursor_fail(c, "out of memory");
+            return lw_error_set(c->e, LW_E_MEMORY, "out of memory");
         t->piece = more;
         lw_cursor start = more[t->n].at = *c, ahead = *c;
         while (!ends_entry(lw_cursor_peek(c)) && !take_separator(&ahead)) {

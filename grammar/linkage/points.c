@@ -58,7 +58,7 @@ lw_status lw_points_add(lw_points *p, const lw_cursor *where, lw_point **out)
 {
     *out = new_point(p);
     if (!*out)
-        return lw_cursor_fail(where, "out of memory");
+        return lw_error_set(where->e, LW_E_MEMORY, "out of memory");
     (*out)->where = *where;
     return LW_OK;
 }
@@ -79,12 +79,12 @@ lw_status lw_points_join(lw_points *p, lw_point *q, const lw_cursor *where, size
         char (*more)[LW_NAME_SIZE] = lw_array_grow(p->name, l, &p->most_links, sizeof *more);
         p->name = more ? more : p->name;
         if (!more || !lw_key_table_add(&p->index, name, n + 1, l))
-            return lw_cursor_fail(where, "out of memory");
+            return lw_error_set(where->e, LW_E_MEMORY, "out of memory");
         memcpy(p->name[p->n_link++], name, sizeof name);
         if (strcmp(name, "ground") == 0)
             p->ground = l;
     }
-    return add_link(q, l) ? LW_OK : lw_cursor_fail(where, "out of memory");
+    return add_link(q, l) ? LW_OK : lw_error_set(where->e, LW_E_MEMORY, "out of memory");
 }
 
 lw_status lw_points_number(lw_cursor *c, const char *what, double *v)
@@ -201,7 +201,7 @@ lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_
     linkage->input = malloc(points*sizeof *linkage->input);
     linkage->tracer = malloc(points*sizeof *linkage->tracer);
     bool whole = linkage->link_name && linkage->joint && linkage->input && linkage->tracer;
-    lw_status s = whole ? fill(p, end, linkage) : lw_cursor_fail(end, "out of memory");
+    lw_status s = whole ? fill(p, end, linkage) : lw_error_set(end->e, LW_E_MEMORY, "out of memory");
     if (s != LW_OK)
         lw_assembly_free(linkage);
     return s;

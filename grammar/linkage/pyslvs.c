@@ -29,7 +29,7 @@ static lw_status read_pair(reader *r, const lw_cursor *start)
                               "driven link");
     struct pair *more = lw_array_grow(r->pair, r->n_pair, &r->most_pairs, sizeof *more);
     if (!more)
-        return lw_cursor_fail(start, "out of memory");
+        return lw_error_set(start->e, LW_E_MEMORY, "out of memory");
     r->pair = more;
     more[r->n_pair++] = (struct pair){ { a, b }, *start };
     return LW_OK;

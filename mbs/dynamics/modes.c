@@ -67,12 +67,13 @@ static lw_mode *add(lw_modes *out, double re, double im)
 
 /* Slow vibrations beside very fast ones: w of the slow ones from 1/w, which rounding of the fast ones does not touch.  The
  * two have the same error at the geometric mean of the rates.  k, m (n*n) are overwritten; inverse (n) x (n*n) scratch.  Changes
- * nothing where a motion is free or unstable. */
-static void refine_slow(int n, double *k, double *m, double *inverse, double *vectors, double *w, double *x)
+ * nothing where a motion is free or unstable.  LW_E_MEMORY. */
+static lw_status refine_slow(int n, double *k, double *m, double *inverse, double *vectors, double *w, double *x)
 {
     double top = w[n - 1];
-    if (!(w[0] > NEGLIGIBLE*NEGLIGIBLE*top) || lw_eigen_symmetric(n, m, k, inverse, vectors) != LW_OK || !(inverse[n - 1] > 0))
-        return;
+    lw_status s = w[0] > NEGLIGIBLE*NEGLIGIBLE*top ? lw_eigen_symmetric(n, m, k, inverse, vectors) : LW_E_NUMERIC;
+    if (s != LW_OK || !(inverse[n - 1] > 0))
+        return s == LW_E_MEMORY ? s : LW_OK;
     for (int i = 0; i < n; i++) {            /* 1/w ascends as w descends */
         double slow = 1/inverse[n - 1 - i];
         if (!(inverse[n - 1 - i] > 0) || slow*slow*inverse[n - 1] > top)
@@ -80,6 +81,7 @@ static void refine_slow(int n, double *k, double *m, double *inverse, double *ve
         w[i] = slow;
         memcpy(x + i*n, vectors + (n - 1 - i)*n, (size_t)n*sizeof *x);
     }
+    return LW_OK;
 }
 
 /* Undamped: w = s^2.  Below 0 it is a vibration; above, a pair of real values, of which the growing one is reported. */
@@ -99,7 +101,7 @@ static lw_status conservative(const lw_vibration *v, double *memory, lw_modes *o
         for (int i = 0; s == LW_OK && pass == 0 && i < n; i++)
             most = fmax(most, fabs(w[i]));
         if (s == LW_OK && pass == 1 && n > 1)
-            refine_slow(n, k, m, w + n, w + 2*n, w, x);
+            s = refine_slow(n, k, m, w + n, w + 2*n, w, x);
     }
     for (int i = 0; s == LW_OK && i < n; i++) {
         lw_mode *mode = add(out, 0.0, 0.0);
