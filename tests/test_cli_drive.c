@@ -149,6 +149,8 @@ TEST(wrong_use)
     expect("$P drive select " ARM PARTS " --drive sholder", 2, NULL, "did you mean \"shoulder\"");
     expect("$P drive select " ARM " --motors examples/drives/gears.csv", 3, NULL, "holds no motor");
     expect("$P drive select " ARM " --motors examples/ellipse.csv", 3, NULL, "this is a target");
+    expect("sed s/,3000,/,5e-324,/ examples/drives/motors.csv > $D/slow.csv; $P drive radius $D/slow.csv --mass 20 --way 1", 3, "", "speed is too small");
+    expect("sed s/,3000,/,1e200,/ examples/drives/motors.csv > $D/fast.csv; $P drive radius $D/fast.csv --mass 20 --way 1", 3, "", "speed is too large");
     expect("$P drive radius examples/drives/paper-d.csv --mass 200", 2, NULL, "--mass and --way");
     expect("$P drive", 2, NULL, "linkwright drive ACTION FILE");
     expect("$P drive lode x.json", 2, NULL, "did you mean 'load'");

@@ -461,6 +461,8 @@ TEST(tolerances_of_lengths_choose_a_robust_linkage)
     }
     CHECK(within[1] < 0.8*1000*within[0]);
     CHECK(stray[1] + within[1] < stray[0] + 1000*within[0]);
+    expect("printf 'x,y,angle\\n0,0,0\\n30,11,0.3\\n61,14,0.6\\n90,9,0.9\\n120,-6,1.2\\n' > $D/timed.csv && $P fit $D/timed.csv --unlimited "
+           "--starts 1 --rounds 1 --results 1 -q --tolerances 1e100 | grep ' -  *-  *most by .*; 1000 of 1000 do not close'", 0, NULL, NULL);
 }
 
 /* Types whose input cannot turn answer a closed target all the same, and the answer says what it does. */

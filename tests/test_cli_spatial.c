@@ -15,6 +15,7 @@ TEST(robots)
            "0.000000, 1.000000): a singular posture, place and turn of the tool have 3 of 6 freedoms", NULL);
     expect("$P robot jacobian examples/space/delta.json --tool-at 0,0,-1 | grep -c 'cannot move'", 1, "0", NULL);
     expect("$P robot jacobian examples/space/stewart.json --tool-at 0,0,0.8 --tool-turn 0,0,20", 0, "turned by (0, 0, 20) deg", NULL);
+    expect("$P robot budget examples/space/delta-clearance.json --tool-force 1,2,1e308", 3, "", "--tool-force takes three numbers");
     expect("$P robot jacobian examples/3-rrr.json --tool-turn 20,", 3, NULL, "--tool-turn takes one number");
     expect("$P robot jacobian examples/space/delta.json --tool-turn 1,2,3", 3, NULL, "cannot turn the tool and keep its place");
     expect("$P robot jacobian examples/space/delta.json --drives-at 1,2", 3, NULL, "--drives-at takes 3 numbers");

@@ -394,8 +394,12 @@ static void print_robustness(const cli_fit_set *s, FILE *f)
             fprintf(f, "%3d  %s\n", i + 1, e.text);
             continue;
         }
-        fprintf(f, "%3d  %9.3g %9.3g %9.3g %9.3g   most by %s (%.0f %%)", i + 1, length(s, r.rms), length(s, r.worst),
-                length(s, r.trial_rms), length(s, r.within), r.name[r.first], 100*r.part[r.first]);
+        fprintf(f, "%3d  %9.3g %9.3g ", i + 1, length(s, r.rms), length(s, r.worst));
+        if (r.open < r.trials)
+            fprintf(f, "%9.3g %9.3g", length(s, r.trial_rms), length(s, r.within));
+        else
+            fprintf(f, "%9s %9s", "-", "-");
+        fprintf(f, "   most by %s (%.0f %%)", r.name[r.first], 100*r.part[r.first]);
         if (r.open > 0)
             fprintf(f, "; %d of %d do not close", r.open, r.trials);
         fputc('\n', f);

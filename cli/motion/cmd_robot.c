@@ -84,13 +84,13 @@ static bool turns(const job *j, int i) { return drive_of(j, i).of == LW_OF_TURN;
 
 /* ---- beginning ------------------------------------------------------------------------------------------- */
 
-/* Exactly n numbers with commas between them. */
+/* Exactly n numbers with commas between them, whose squares are finite. */
 static bool read_list(const char *text, int n, double *v)
 {
     for (int i = 0; i < n; i++) {
         char *end;
         v[i] = strtod(text, &end);
-        if (end == text || !isfinite(v[i]) || *end != (i < n - 1 ? ',' : 0))
+        if (end == text || !(fabs(v[i]) < 1e100) || *end != (i < n - 1 ? ',' : 0))
             return false;
         text = end + 1;
     }

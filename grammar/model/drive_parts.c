@@ -166,6 +166,10 @@ static lw_status read_header(const field *f, int n, const char *file, long line,
     return LW_OK;
 }
 
+/* Of a part, in SI: products and quotients of several of them are finite. */
+#define LEAST_VALUE    1e-30
+#define GREATEST_VALUE 1e30
+
 static lw_status read_part(const header *h, const field *f, int n, const char *file, long line, lw_drive_parts *p,
                            lw_error *e)
 {
@@ -194,7 +198,9 @@ static lw_status read_part(const header *h, const field *f, int n, const char *f
         lw_amount a = h->unit[i];
         a.number = x;
         v = lw_amount_si(&a);
-        if (!isfinite(v) || (h->kind == 1 && strcmp(h->of[i]->name, "efficiency") == 0 && v > 1))
+        if (x != 0 && v < LEAST_VALUE)
+            return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "%s is too small", h->of[i]->name);
+        if (!(v <= GREATEST_VALUE) || (h->kind == 1 && strcmp(h->of[i]->name, "efficiency") == 0 && v > 1))
             return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "%s is too large", h->of[i]->name);
         *lw_part_value(p, h->kind, at, h->of[i]) = v;
     }
