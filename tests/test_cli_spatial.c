@@ -193,6 +193,8 @@ TEST(refusals)
     expect("$P simulate examples/space/top.json -a linear --along 3", 2, NULL, "planar");
     expect("$P simulate examples/space/top.json --formulation reduced", 3, NULL, "its links move in space");
     expect("$P simulate examples/space/sarrus.json --to 3 --formulation ggl", 4, NULL, "leave the formulation to auto");
+    expect("sed 's/0.9659258262890682, 0.2588190451025206/0.9, 0.4/' examples/space/bennett.json > $D/held.json && $P trace $D/held.json", 3, NULL,
+           "cannot move in the posture of the file");
     expect("$P simulate examples/space/top.json --balance", 2, NULL, "planar");
     expect("$P simulate examples/space/top.json -a kinematic", 3, NULL, "more freedoms would have to be driven");
     expect("$P trace examples/space/bricard.json --cycle", 2, NULL, "planar");

@@ -94,6 +94,9 @@ static lw_status count_freedoms(lw_space_follow *f, int rank, bool any, lw_error
     int freedom = s->n_v - rank;
     f->freedom = s->n_v - f->z.n_kept;
     f->redundant = s->n_row + f->n_idle - rank;
+    if (freedom == 0 && f->n_input > 0)
+        return lw_error_set(e, LW_E_ARG, "the model cannot move in the posture of the file: it has 0 freedoms and %d input%s; linkwright mobility tells "
+                            "what holds it", f->n_input, lw_plural(f->n_input));
     if (f->z.n_kept < rank + f->n_input)
         return lw_error_set(e, LW_E_ARG, "%d input%s only %d of %d freedom%s in the posture of the file: %sthe posture is singular for %s",
                             f->n_input, f->n_input == 1 ? " moves" : "s move", f->z.n_kept - rank, freedom, lw_plural(freedom),
