@@ -175,6 +175,58 @@ static lw_status merge(lw_fit *all, lw_fit *more)
     return LW_OK;
 }
 
+/* Was it found by a search for cranks?  Such searches do not see what others find, and are those of a search for cranks alone. */
+static bool is_of_cranks(const lw_candidate *c) { return c->part != LW_FIT_OTHERS; }
+
+/* Is it the same linkage, or a cognate: as many links and the same error to rounding? */
+static bool same(const lw_candidate *a, const lw_candidate *b)
+{
+    return lw_candidate_links(a) == lw_candidate_links(b)
+        && fabs(a->objective - b->objective) <= SAME*b->objective && b->objective > ROUNDING;
+}
+
+/* Has one of the first n candidates, whose errors are not greater, as many links, no greater size and no less transmission angle? */
+static bool is_dominated(const lw_fit *f, int n, const lw_candidate *c)
+{
+    bool dominated = false;
+    for (int k = 0; k < n && !dominated; k++) {
+        const lw_candidate *a = &f->candidate[k];
+        dominated = lw_candidate_links(a) == lw_candidate_links(c) && !a->shrunk && a->intended.turns >= c->intended.turns
+                 && is_of_cranks(a) >= is_of_cranks(c) && a->longest <= NO_SMALLER*c->longest && a->gentle >= c->gentle;
+    }
+    return dominated;
+}
+
+/* Keep the first candidates, some of every number of links, and with default limits some of each part of the types or dimensions: small
+ * linkages and those without a crank may be first in another measure than the error.  And keep those that none before is as good as
+ * in size and transmission angle, all that have a report, since rows may be among them, and all that are shrunk. */
+static void shorten(lw_staged_search *s, const lw_fit_options *o)
+{
+    const bool front = o->spec.by_default;
+    const int kept = lw_fit_kept(o), most = 2*kept, each = front ? most : OF_EACH, of_part = front ? kept : 0;
+    lw_fit *f = &s->fit;
+    int n = 0, others = 0, last = -1;                     /* not shrunk                                                */
+    int seen[LW_LINK_MAX + 1] = { 0 }, seen_of[LW_LINK_MAX + 1][LW_FIT_PARTS] = { 0 };
+    for (int i = 0; i < f->n; i++) {
+        lw_candidate *c = &f->candidate[i];
+        int links = lw_candidate_links(c);
+        bool wanted = others < most || seen[links] < each || seen_of[links][c->part] < of_part || c->report
+                   || (front && !is_dominated(f, n, c));
+        if (c->shrunk) {
+            f->candidate[n++] = *c;
+        } else if (wanted && (last < 0 || !same(c, &f->candidate[last]))) {
+            last = n;
+            f->candidate[n++] = *c;
+            others++;
+            seen[links]++;
+            seen_of[links][c->part]++;
+        } else {
+            lw_candidate_free(c);
+        }
+    }
+    f->n = n;
+}
+
 /* ---- stages ------------------------------------------------------------------------------------------ */
 
 /* Keep the results of one search of a stage, n_start of whose families are linkages to start from. */
@@ -197,9 +249,6 @@ static lw_status take(const stage_part *p, int n_start, lw_fit *fit)
     lw_fit_free(fit);
     return st;
 }
-
-/* Was it found by a search for cranks?  Such searches do not see what others find, and are those of a search for cranks alone. */
-static bool is_of_cranks(const lw_candidate *c) { return c->part != LW_FIT_OTHERS; }
 
 /* May a search both ways find better linkages?  Of open targets it is made in later parts of a stage only: short searches lost more by
  * its time than they gained. */
@@ -445,11 +494,16 @@ static double large(const lw_target *t, const lw_fit_spec *s)
     return lw_task_has_place(s->task) && s->by_default & LW_LIMIT_SIZE && !(s->length_hi > 0) && s->n_bound == 0 ? LARGE*t->extent : INFINITY;
 }
 
-/* Is the row that a person would see first of the linkages found (of the cranks, or of all) large?  LW_E_MEMORY. */
-static lw_status first_is_large(const lw_target *t, const lw_fit_options *o, bool cranks, const lw_fit *all, bool *is_large)
+/* Is the row that a person would see first of the linkages found (of the cranks, or of all) large?  All have reports after this.
+ * LW_E_MEMORY. */
+static lw_status first_is_large(const lw_target *t, const lw_fit_options *o, double end, bool cranks, lw_staged_search *out,
+                                bool *is_large)
 {
-    const lw_results_effort effort = { .jobs = o->jobs, .interrupt = o->interrupt };
+    const lw_results_effort effort = { .jobs = o->jobs, .until = end, .interrupt = o->interrupt };
+    const lw_fit *all = &out->fit;
     lw_fit_results rows;
+    shorten(out, o);
+    lw_fit_results_keep(t, &o->spec, &out->fit, &effort);
     lw_fit seen = { .candidate = malloc(sizeof *seen.candidate*((size_t)all->n + 1)) };
     for (int i = 0; seen.candidate && i < all->n; i++)
         if (!cranks || is_of_cranks(&all->candidate[i]))
@@ -466,8 +520,10 @@ static lw_status first_is_large(const lw_target *t, const lw_fit_options *o, boo
 /* Is one of the linkages found (of the cranks, or of all) near enough to the target to leave a stage out?  Those that break limits or are
  * large do not count; and where a large one would be the first row, because it is so much nearer, more links may be as near and
  * smaller. */
-static lw_status is_enough(const lw_target *t, const lw_fit_options *o, double unless, bool cranks, const lw_fit *all, bool *enough)
+static lw_status is_enough(const lw_target *t, const lw_fit_options *o, double end, double unless, bool cranks, lw_staged_search *out,
+                           bool *enough)
 {
+    const lw_fit *all = &out->fit;
     const lw_fit_spec *s = &o->spec;
     lw_fit_report *r = malloc(sizeof *r);
     lw_status st = r ? LW_OK : LW_E_MEMORY;
@@ -487,7 +543,7 @@ static lw_status is_enough(const lw_target *t, const lw_fit_options *o, double u
     }
     free(r);
     if (st == LW_OK && *enough && isfinite(most))
-        st = first_is_large(t, o, cranks, all, &is_large);
+        st = first_is_large(t, o, end, cranks, out, &is_large);
     *enough &= !is_large;
     return st;
 }
@@ -503,58 +559,11 @@ static lw_status run_all_families(const stage_part *p)
     lw_stop stop = p->r->stop;
     if ((st != LW_OK && st != LW_E_KIND) || kind != LW_FIT_CRANKS || must_turn || stop == LW_STOP_F_TARGET)
         return st;
-    if (p->stage->until > 0 && (st = is_enough(p->t, o, p->stage->until, false, &p->out->fit, &enough)) != LW_OK)
+    if (p->stage->until > 0 && (st = is_enough(p->t, o, p->end, p->stage->until, false, p->out, &enough)) != LW_OK)
         return lw_error_set(p->e, st, "no memory for a report");
     st = enough ? LW_OK : run_searches(p, LW_FIT_OTHERS, (o->budget + 1)/2, &p->r->n_of[1]);
     p->r->stop = st == LW_STOPPED ? p->r->stop : stop;    /* an exact find of the others does not end the search for cranks */
     return st;
-}
-
-/* Is it the same linkage, or a cognate: as many links and the same error to rounding? */
-static bool same(const lw_candidate *a, const lw_candidate *b)
-{
-    return lw_candidate_links(a) == lw_candidate_links(b)
-        && fabs(a->objective - b->objective) <= SAME*b->objective && b->objective > ROUNDING;
-}
-
-/* Has one of the first n candidates, whose errors are not greater, as many links, no greater size and no less transmission angle? */
-static bool is_dominated(const lw_fit *f, int n, const lw_candidate *c)
-{
-    bool dominated = false;
-    for (int k = 0; k < n && !dominated; k++) {
-        const lw_candidate *a = &f->candidate[k];
-        dominated = lw_candidate_links(a) == lw_candidate_links(c) && !a->shrunk && a->intended.turns >= c->intended.turns
-                 && is_of_cranks(a) >= is_of_cranks(c) && a->longest <= NO_SMALLER*c->longest && a->gentle >= c->gentle;
-    }
-    return dominated;
-}
-
-/* Keep `most` candidates, `each` of every number of links, `of_part` of these from each part of the types or dimensions: small
- * linkages and those without a crank may be first in another measure than the error.  And keep those that none before is as good as
- * in size and transmission angle (front), all that have a report, since rows may be among them, and all that are shrunk. */
-static void shorten(lw_staged_search *s, int most, int each, int of_part, bool front)
-{
-    lw_fit *f = &s->fit;
-    int n = 0, others = 0, last = -1;                     /* not shrunk                                                */
-    int seen[LW_LINK_MAX + 1] = { 0 }, seen_of[LW_LINK_MAX + 1][LW_FIT_PARTS] = { 0 };
-    for (int i = 0; i < f->n; i++) {
-        lw_candidate *c = &f->candidate[i];
-        int links = lw_candidate_links(c);
-        bool wanted = others < most || seen[links] < each || seen_of[links][c->part] < of_part || c->report
-                   || (front && !is_dominated(f, n, c));
-        if (c->shrunk) {
-            f->candidate[n++] = *c;
-        } else if (wanted && (last < 0 || !same(c, &f->candidate[last]))) {
-            last = n;
-            f->candidate[n++] = *c;
-            others++;
-            seen[links]++;
-            seen_of[links][c->part]++;
-        } else {
-            lw_candidate_free(c);
-        }
-    }
-    f->n = n;
 }
 
 /* ---- which stage gets the next evaluations -------------------------------------------------------- */
@@ -681,7 +690,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
             break;
         }
         double near = first ? stage[i].unless : stage[i].until;
-        if (near > 0 && is_enough(t, o, near, o->spec.by_default, &out->fit, &enough) != LW_OK) {
+        if (near > 0 && is_enough(t, o, end, near, o->spec.by_default, out, &enough) != LW_OK) {
             lw_staged_search_free(out);
             return lw_error_set(e, LW_E_MEMORY, "no memory for a report");
         }
@@ -708,8 +717,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
     }
     if (end > 0 && !asked)
         out->fit.stop = st == LW_STOPPED ? LW_STOP_TIME : c.beyond && out->fit.stop == LW_STOP_TIME ? LW_STOP_EVALS : out->fit.stop;
-    int kept = lw_fit_kept(o);
-    shorten(out, 2*kept, o->spec.by_default ? 2*kept : OF_EACH, o->spec.by_default ? kept : 0, o->spec.by_default);
+    shorten(out, o);
     return st == LW_OK && out->fit.n == 0 ? LW_NOTHING : st;
 }
 
