@@ -14,12 +14,17 @@ TEST(rows_and_report)
 }
 
 /* A mass of 2 kg hangs on a pin: it rests below, and the pin carries its weight. */
-/* The backward differences of CVODE lose energy in every step, those of the order 8 hardly any. */
+/* The backward differences of CVODE lose energy in every step, those of the order 8 hardly any.  Steps of alpha are of second order. */
 TEST(errors_that_add_up_are_said)
 {
     expect("$P simulate " PENDULUM " --to 600 -n 1 --formulation cvode --tolerance 1e-6", 0, NULL, "times the error allowed a step");
     ran r = run("$P simulate " PENDULUM " --to 300 -n 1 --tolerance 1e-6");
     CHECK(r.code == 0 && !strstr(r.err, "allowed a step"));
+    ran_free(&r);
+    expect("sed 's/\"mass\": 1/\"mass\": 1, \"inertia\": 1/' " PENDULUM " > $D/m.json; $P simulate $D/m.json --to 20 -n 1 --formulation alpha --tolerance 1e-7", 0,
+           NULL, "errors of the steps of alpha add up to");
+    r = run("$P simulate $D/m.json --to 20 -n 1 --formulation radau --tolerance 1e-7");
+    CHECK(r.code == 0 && !strstr(r.err, "add up"));
     ran_free(&r);
 }
 

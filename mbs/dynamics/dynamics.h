@@ -111,6 +111,7 @@ typedef struct lw_dynamics_report {
     double worst_off, worst_off_rate;      /* greatest residuals over all samples */
     double energy_error;         /* greatest |E - E(start) - work| [J] */
     double energy_steps;         /* that error over the error allowed a step, where it is more than 1000 times as great; 0: less, or not known */
+    double added;                /* sum of the errors of the steps of alpha, scaled, where it is more than 100 times that allowed in one; else 0 */
     double energy_held;          /* sum of the corrections of the energy after steps, where it is kept [J] */
     double period;               /* of a motion that repeats itself: measured, used for the rest of the run [s]; 0 */
     double period_off;           /* uncertainty of the phase at the last sample, in periods; 0 without a period */

@@ -64,6 +64,7 @@ typedef struct stages {
     double  power[MOST_STAGES];
     bool    alpha;                           /* generalised alpha; the following are its own */
     double  beta, gamma, am, af, power_old;
+    double  added;                           /* sum of the errors of all steps */
     double *aux, *aux_x;                     /* (n) auxiliary accelerations, (n_x) second rates of states, at t */
     double  contraction;                     /* of Newton's method in the last step: the greatest */
     double  h_factored;                      /* the step of the factored matrices; 0: none */
@@ -355,6 +356,9 @@ static const int most_newton = 10;
 /* Steps of second order are short beside the time in which their errors die away, so errors add up: this part of the tolerance
  * gives errors of the size of those of Radau's method. */
 static const double alpha_part = 0.1, alpha_energy = 10;     /* its energy is off by more than its places */
+
+/* From this sum of the errors of all steps on, over the error allowed in one, the report says so. */
+static const double added_most = 100;
 
 static double tolerance(const stages *g)
 {
@@ -1016,6 +1020,8 @@ static lw_status run_steps(stages *g)
         if (s != LW_OK)
             break;
         accept(g, t_end);
+        g->added += error*tolerance(g);
+        run->r->added = g->alpha && g->added > added_most*(d->o.relative + d->o.absolute) ? g->added : 0;
         run->r->steps++;
         double next = g->h_old*fmin(fmax(factor, 0.2), g->contraction > 0.3 ? 1 : 8);
         h = cut ? fmax(h, next) : next;
