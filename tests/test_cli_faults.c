@@ -395,9 +395,11 @@ static void limit_each(const char *command, const ran *whole, const char *whole_
 }
 #endif
 
-/* The message names the failure that ended the command, not a kind of mechanism that was left out before. */
+/* Lack of memory is named, not a kind of mechanism that was left out before, or a file that cannot be read. */
 TEST(last_failure_is_named)
 {
+    for (int n = 8; n < 16; n++)                 /* among them those of the matrices that the model names */
+        expect_with(MEMORY_ERROR, "", "out of memory", "LW_FAIL=malloc:%d $C simulate examples/space/superelement.json --analysis static", n);
     if (!SANITIZED)
         expect("rm -f $D/a.db; prlimit --data=11000000 $C catalogue curves $D/a.db --links 6 --samples 1 -q -j 2", MEMORY_ERROR, "", "out of memory");
 }

@@ -32,8 +32,8 @@ lw_status lw_read_beside(const lw_json_node *object, const char *key, const char
     int folder = end && *name != '/' ? (int)(end - file) + 1 : 0;
     if (snprintf(path, LW_PATH_SIZE, "%.*s%s", folder, file, name) >= LW_PATH_SIZE)
         return lw_json_fault(at, e, "the path is too long");
-    if (lw_file_read(path, text, size, e) != LW_OK)
-        return lw_json_fault(at, e, "the file \"%.200s\" cannot be read", path);
+    if ((s = lw_file_read(path, text, size, e)) != LW_OK)
+        return s == LW_E_MEMORY ? s : lw_json_fault(at, e, "the file \"%.200s\" cannot be read", path);
     size_t n = strlen(path) + 1;
     char *longer = realloc(at->json->beside, at->json->beside_size + n + 1);
     if (!longer)
