@@ -52,8 +52,9 @@ lw_status lw_motion_replace(const char *text, const int *n_profile, lw_moves *co
 
 /* ---- model_loads.c ----------------------------------------------------------------------------------------- */
 
-/* An optional "law" of a spring, beside which no other number of it stands. */
-lw_status lw_read_law(const lw_json_node *object, const lw_reading *r, lw_expression_scope scope, lw_expression **law, lw_error *e);
+/* Numbers of a spring or damper, or the "law" that stands in their place, of a length or of a joint's displacement in this unit. */
+lw_status lw_read_spring_numbers(const lw_json_node *object, const lw_reading *r, lw_expression_scope scope, double unit, double *stiffness,
+                                 double *damping, double *free, lw_expression **law, lw_error *e);
 
 /* Check the keys of a spring or damper.  Does it act at a "joint", or between two points of "links"? */
 lw_status lw_read_spring_place(const lw_json_node *object, bool damper, const char *const *known, int n_known, bool *at_joint, lw_error *e);

@@ -4,14 +4,20 @@
 
 #define COUNT(a) ((int)(sizeof (a)/sizeof *(a)))
 
-lw_status lw_read_law(const lw_json_node *object, const lw_reading *r, lw_expression_scope scope, lw_expression **law, lw_error *e)
+lw_status lw_read_spring_numbers(const lw_json_node *object, const lw_reading *r, lw_expression_scope scope, double unit, double *stiffness,
+                                 double *damping, double *free, lw_expression **law, lw_error *e)
 {
-    static const char *const other[] = { "stiffness", "damping", "free" };
+    const lw_number_key numbers[] = {
+        { "stiffness", 1, LW_NOT_NEGATIVE, stiffness, NULL }, { "damping", 1, LW_NOT_NEGATIVE, damping, NULL },
+        { "free", unit, scope == LW_OF_LENGTH ? 0 : -INFINITY, INFINITY, free, NULL },
+    };
     lw_json_node n;
-    lw_status s = lw_read_expression(object, "law", r, scope, law, e);
-    for (int i = 0; s == LW_OK && *law && i < COUNT(other); i++)
-        if (lw_json_member(object, other[i], &n))
-            s = lw_json_fault(&n, e, "\"law\" says all of the force; leave \"%s\" out", other[i]);
+    lw_status s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+    if (s == LW_OK)
+        s = lw_read_expression(object, "law", r, scope, law, e);
+    for (int i = 0; s == LW_OK && *law && i < COUNT(numbers); i++)
+        if (lw_json_member(object, numbers[i].key, &n))
+            s = lw_json_fault(&n, e, "\"law\" says all of the force; leave \"%s\" out", numbers[i].key);
     return s;
 }
 

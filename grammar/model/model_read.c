@@ -270,11 +270,6 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
 {
     const lw_reading r = reading_of(m);
     lw_spring *p = &m->spring[m->n_spring];
-    const lw_number_key numbers[] = {
-        { "stiffness", 1, 0, INFINITY, &p->stiffness, NULL },
-        { "damping", 1, 0, INFINITY, &p->damping, NULL },
-        { "free", m->linkage.units.metre, 0, INFINITY, &p->free, NULL },
-    };
     lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK)
         s = read_ends(object, m, p, e);
@@ -282,8 +277,7 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
         return s;
     m->n_spring++;
     p->free = hypot(p->at[1].x - p->at[0].x, p->at[1].y - p->at[0].y);
-    s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    return s == LW_OK ? lw_read_law(object, &r, LW_OF_LENGTH, &p->law, e) : s;
+    return lw_read_spring_numbers(object, &r, LW_OF_LENGTH, m->linkage.units.metre, &p->stiffness, &p->damping, &p->free, &p->law, e);
 }
 
 static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m,
@@ -297,13 +291,7 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
     if (s != LW_OK)
         return s;
     m->n_joint_spring++;
-    const lw_number_key numbers[] = {
-        { "stiffness", 1, 0, INFINITY, &p->stiffness, NULL },
-        { "damping", 1, 0, INFINITY, &p->damping, NULL },
-        { "free", joint_unit(m, p->joint), LW_ANY, &p->free, NULL },
-    };
-    s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    return s == LW_OK ? lw_read_law(object, &r, LW_OF_DISPLACEMENT, &p->law, e) : s;
+    return lw_read_spring_numbers(object, &r, LW_OF_DISPLACEMENT, joint_unit(m, p->joint), &p->stiffness, &p->damping, &p->free, &p->law, e);
 }
 
 /* A spring or damper: between two points of "links", or at a "joint". */

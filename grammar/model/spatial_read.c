@@ -719,14 +719,10 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
 {
     const lw_reading r = reading_of(m);
     lw_spatial_spring *p = &m->spring[m->n_spring++];
-    const lw_number_key numbers[] = {
-        { "stiffness", 1, LW_NOT_NEGATIVE, &p->stiffness, NULL }, { "damping", 1, LW_NOT_NEGATIVE, &p->damping, NULL },
-        { "free", m->units.metre, LW_NOT_NEGATIVE, &p->free, NULL },
-    };
     lw_status s = lw_read_own_name(object, what, index, p->name, e);
-    if (s == LW_OK && (s = read_ends(object, m, p, e)) == LW_OK)
-        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    return s == LW_OK ? lw_read_law(object, &r, LW_OF_LENGTH, &p->law, e) : s;
+    if (s == LW_OK)
+        s = read_ends(object, m, p, e);
+    return s != LW_OK ? s : lw_read_spring_numbers(object, &r, LW_OF_LENGTH, m->units.metre, &p->stiffness, &p->damping, &p->free, &p->law, e);
 }
 
 static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m,
@@ -737,14 +733,8 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
     lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK)
         s = read_measure(object, m, false, what, &p->measure, e);
-    if (s != LW_OK)
-        return s;
-    const lw_number_key numbers[] = {
-        { "stiffness", 1, LW_NOT_NEGATIVE, &p->stiffness, NULL }, { "damping", 1, LW_NOT_NEGATIVE, &p->damping, NULL },
-        { "free", measure_unit(m, p->measure), LW_ANY, &p->free, NULL },
-    };
-    s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    return s == LW_OK ? lw_read_law(object, &r, LW_OF_DISPLACEMENT, &p->law, e) : s;
+    return s != LW_OK ? s : lw_read_spring_numbers(object, &r, LW_OF_DISPLACEMENT, measure_unit(m, p->measure), &p->stiffness, &p->damping, &p->free,
+                                                   &p->law, e);
 }
 
 static lw_status read_spring_or_damper(const lw_json_node *object, size_t index, lw_spatial *m, bool damper,

@@ -125,8 +125,9 @@ struct lw_dynamics {
 lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e);
 lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_error *e);
 
-/* Parts of that: take the equations; memory for the numbers of d; is the start singular?  rank_nearby compares its rank with
- * that of a posture near by, large models look whether rows left out as dependent stay satisfied. */
+/* Parts of that: lists of joints, stops and inputs, before the special ones are found; take the equations; memory for the numbers
+ * of d. */
+lw_status lw_mbs_reserve_lists(lw_dynamics *d, size_t joints, size_t stops, size_t inputs, lw_error *e);
 void      lw_mbs_take_equations(lw_dynamics *d, lw_equations eq);
 lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e);
 

@@ -47,17 +47,15 @@ void lw_mbs_take_equations(lw_dynamics *d, lw_equations eq)
 typedef struct piece { double **to; size_t n; } piece;
 typedef struct int_piece { int **to; size_t n; } int_piece;
 
-/* Lists of joints and inputs, before the special ones are found. */
-static lw_status reserve_lists(lw_dynamics *d, lw_error *e)
+lw_status lw_mbs_reserve_lists(lw_dynamics *d, size_t joints, size_t stops, size_t inputs, lw_error *e)
 {
-    size_t joints = (size_t)d->s.n_joint, inputs = (size_t)(d->s.n_input + d->s.n_tie) + 1;
-    d->stop = calloc(2*joints, sizeof *d->stop);
+    d->stop = calloc(stops + 1, sizeof *d->stop);
     d->friction = calloc(joints + 1, sizeof *d->friction);
     d->friction_row = calloc(joints + 1, sizeof *d->friction_row);
-    d->driven = calloc(2*inputs, sizeof *d->driven);
-    d->driven_measure = d->driven + inputs;
-    d->held = calloc(inputs, sizeof *d->held);
-    d->at_rest = calloc(inputs, sizeof *d->at_rest);
+    d->driven = calloc(2*inputs + 2, sizeof *d->driven);
+    d->driven_measure = d->driven + inputs + 1;
+    d->held = calloc(inputs + 1, sizeof *d->held);
+    d->at_rest = calloc(inputs + 1, sizeof *d->at_rest);
     return d->stop && d->friction && d->friction_row && d->driven && d->held && d->at_rest
          ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
@@ -650,7 +648,7 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
     if (s == LW_OK)
         s = lw_forces_make(m, &d->s, &d->o.force, &d->f, e);
     if (s == LW_OK)
-        s = reserve_lists(d, e);
+        s = lw_mbs_reserve_lists(d, (size_t)d->s.n_joint, 2*(size_t)d->s.n_joint, (size_t)(d->s.n_input + d->s.n_tie), e);
     if (s != LW_OK)
         return s;
     d->frames = calloc((size_t)d->s.n_body + 1, sizeof *d->frames);

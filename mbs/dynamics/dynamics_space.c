@@ -27,21 +27,6 @@ const char *lw_dynamics_massless(const lw_dynamics *d)
 
 /* ---- what is special ------------------------------------------------------------------------------------------ */
 
-static lw_status reserve_lists(lw_dynamics *d, lw_error *e)
-{
-    const lw_spatial *m = d->space->model;
-    size_t inputs = (size_t)m->n_input + 1;
-    d->stop = calloc(3*(size_t)m->n_joint + 1, sizeof *d->stop);
-    d->friction = calloc((size_t)m->n_joint + 1, sizeof *d->friction);
-    d->friction_row = calloc((size_t)m->n_joint + 1, sizeof *d->friction_row);
-    d->driven = calloc(2*inputs, sizeof *d->driven);
-    d->driven_measure = d->driven + inputs;
-    d->held = calloc(inputs, sizeof *d->held);
-    d->at_rest = calloc(inputs, sizeof *d->at_rest);
-    return d->stop && d->friction && d->friction_row && d->driven && d->held && d->at_rest
-         ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
-}
-
 static void drive_input(lw_dynamics *d, int i)
 {
     d->driven_measure[d->n_driven] = lw_spatial_number(d->space, d->space->model->input[i].measure);
@@ -822,7 +807,7 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
         for (int i = 0; i < m->n_beam; i++)                          /* modes and statics alone know such masses */
             d->eq.more_inertia = m->beam[i].consistent ? NULL : d->eq.more_inertia;
         d->n_input = m->n_input;
-        st = reserve_lists(d, e);
+        st = lw_mbs_reserve_lists(d, (size_t)m->n_joint, 3*(size_t)m->n_joint, (size_t)m->n_input, e);
     }
     if (st != LW_OK)
         return st;
