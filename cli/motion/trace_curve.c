@@ -10,20 +10,9 @@
 
 /* ---- shared ------------------------------------------------------------------------------------ */
 
-static bool is_slider(const cli_curve_trace *t, int input)
-{
-    return lw_joint_slides(t->k.joint[t->k.input[input].joint].kind);
-}
-
 double cli_curve_unit(const cli_curve_trace *t, int input)
 {
-    return is_slider(t, input) ? t->k.units.metre : t->k.units.radian;
-}
-
-static const char *unit_name(const cli_curve_trace *t, int input)
-{
-    const char *length = t->k.units.length[0] ? t->k.units.length : "length";
-    return is_slider(t, input) ? length : t->k.units.angle;
+    return cli_input_slides(&t->k, input) ? t->k.units.metre : t->k.units.radian;
 }
 
 /* Compute the values of all tracers from a series of a posture (4 x n_q) into row. */
@@ -82,7 +71,7 @@ static void add_stretch(cli_curve_trace *t, cli_stretch s)
 /* Add the parts of a stretch in the requested range of the input, shifted by whole turns. */
 static void cut_stretch(cli_curve_trace *t, cli_stretch s)
 {
-    double low = fmin(s.first, s.last), high = fmax(s.first, s.last), turn = is_slider(t, 0) ? 0 : 2*LW_PI;
+    double low = fmin(s.first, s.last), high = fmax(s.first, s.last), turn = cli_input_slides(&t->k, 0) ? 0 : 2*LW_PI;
     if (!t->whole && s.input_per_round != 0) {
         s.first = t->from;
         s.last = t->to;
@@ -193,7 +182,7 @@ static void count_turns(const cli_curve_trace *t, const lw_motion_curve *motion,
 /* Unit of what derivatives are taken by: the free input's own unit, or time. */
 static double rate_unit(const cli_curve_trace *t)
 {
-    return t->timed ? t->speed : is_slider(t, 0) ? t->k.units.metre : 1;
+    return t->timed ? t->speed : cli_input_slides(&t->k, 0) ? t->k.units.metre : 1;
 }
 
 /* Compute the posture at a station and its derivatives. False: there are no derivatives. */
@@ -281,7 +270,7 @@ static const char *end_text(const cli_curve_trace *t, const lw_motion_curve *mot
         else if (lw_motion_curve_rests(motion))
             snprintf(text, 128, "closes, the input stands still");
         else
-            snprintf(text, 128, "closes, the input swings%s", is_slider(t, 0) ? " to and fro" : "");
+            snprintf(text, 128, "closes, the input swings%s", cli_input_slides(&t->k, 0) ? " to and fro" : "");
         return text;
     case LW_MOTION_CURVE_FAR:
         return "leaves for beyond 30 sizes of the linkage, where it is cut";
@@ -404,8 +393,8 @@ static void print_csv(cli_curve_trace *t, bool cycle)
 {
     char lead[128];
     fprintf(t->rows.f, "# %s\n", t->line);
-    snprintf(lead, sizeof lead, "%sinput %s", cycle ? "along 1; " : "", unit_name(t, 0));
-    cli_rows_units(&t->rows, lead, t->timed ? "s" : is_slider(t, 0) ? unit_name(t, 0) : "rad");
+    snprintf(lead, sizeof lead, "%sinput %s", cycle ? "along 1; " : "", cli_input_unit(&t->k, 0));
+    cli_rows_units(&t->rows, lead, t->timed ? "s" : cli_input_slides(&t->k, 0) ? cli_input_unit(&t->k, 0) : "rad");
     for (int i = 0; i < t->curves.n; i++)
         csv_curve(t, i);
     for (int i = 0; i < t->n_stretch && !cycle; i++)
@@ -455,24 +444,12 @@ void cli_curve_print(cli_curve_trace *t, bool cycle)
 
 /* ---- in time ------------------------------------------------------------------------------------- */
 
-static void lead_text(const cli_curve_trace *t, bool units, char *text, size_t size)
-{
-    size_t n = (size_t)snprintf(text, size, units ? "time s" : "time");
-    for (int i = 0; i < t->k.n_input && n < size; i++) {
-        char number[16] = "";
-        if (i > 0)
-            snprintf(number, sizeof number, "_%d", i + 1);
-        n += (size_t)snprintf(text + n, size - n, units ? "; input%s %s" : ",input%s", number,
-                              unit_name(t, i));
-    }
-}
-
 static void begin(cli_curve_trace *t)
 {
     char text[512];
     if (!t->rows.json) {
         fprintf(t->rows.f, "# %s\n", t->line);
-        lead_text(t, true, text, sizeof text);
+        cli_time_columns(&t->k, true, text, sizeof text);
         cli_rows_units(&t->rows, text, "s");
         for (int i = 0; i < t->k.n_input; i++) {
             const lw_expression *x = t->model->motion[i];
@@ -480,7 +457,7 @@ static void begin(cli_curve_trace *t)
                     x ? lw_expression_text(x) : t->k.input[i].ratio != 0 ? "goes with input 1" : "rests");
         }
     }
-    lead_text(t, false, text, sizeof text);
+    cli_time_columns(&t->k, false, text, sizeof text);
     cli_rows_head(&t->rows, text);
     if (t->rows.json) {
         cli_json_array(t->rows.json, "arcs");

@@ -17,17 +17,7 @@ typedef struct tracing {
     bool             begun;
 } tracing;
 
-static bool slides(const lw_assembly *a, int input)
-{
-    return lw_joint_slides(a->joint[a->input[input].joint].kind);
-}
-
-static double unit(const lw_assembly *a, int input) { return slides(a, input) ? a->units.metre : a->units.radian; }
-
-static const char *unit_name(const lw_assembly *a, int input)
-{
-    return slides(a, input) ? a->units.length[0] ? a->units.length : "length" : a->units.angle;
-}
+static double unit(const lw_assembly *a, int input) { return cli_input_slides(a, input) ? a->units.metre : a->units.radian; }
 
 static void put_row(tracing *w)
 {
@@ -36,7 +26,7 @@ static void put_row(tracing *w)
     const lw_assembly *a = &t->model->linkage;
     const lw_system *s = lw_follow_system(w->f);
     const double *series = lw_follow_series(w->f);
-    double by = t->time_range ? 1 : t->timed ? t->speed : slides(a, 0) ? a->units.metre : 1, now = lw_follow_time(w->f), length = now;
+    double by = t->time_range ? 1 : t->timed ? t->speed : cli_input_slides(a, 0) ? a->units.metre : 1, now = lw_follow_time(w->f), length = now;
     cli_row row = { .arc = 1, .mode = ".", .n_lead = t->time_range ? 1 + a->n_input : 1, .lead = w->lead, .rates = true,
                     .value = w->value };
     for (int k = 0; k < a->n_tracer; k++) {
@@ -94,7 +84,7 @@ static lw_status find_ends(const cli_trace_large *t, double ends[2], bool limit[
     double start = in->value;
     bool whole = !t->input_range && in->first == in->last;
     lw_status st = LW_OK;
-    if (whole && slides(a, 0))
+    if (whole && cli_input_slides(a, 0))
         return lw_error_set(e, LW_E_ARG, "the range of the input is needed: give it \"first\" and \"last\" in the file, or "
                             "--input-range");
     ends[0] = whole ? start : t->input_range ? t->input_range[0] : fmin(in->first, in->last);
@@ -108,27 +98,15 @@ static lw_status find_ends(const cli_trace_large *t, double ends[2], bool limit[
     return st == LW_OK && !(ends[0] < ends[1]) ? LW_NOTHING : st;
 }
 
-static void lead_text(const cli_trace_large *t, bool units, char *text, size_t size)
-{
-    const lw_assembly *a = &t->model->linkage;
-    size_t n = (size_t)snprintf(text, size, units ? "time s" : "time");
-    for (int i = 0; i < a->n_input && n < size; i++) {
-        char number[16] = "";
-        if (i > 0)
-            snprintf(number, sizeof number, "_%d", i + 1);
-        n += (size_t)snprintf(text + n, size - n, units ? "; input%s %s" : ",input%s", number, unit_name(a, i));
-    }
-}
-
 static void begin(const cli_call *call, cli_trace_large *t, cli_json *json, const double ends[2], const bool limit[2], char *lead)
 {
     const lw_assembly *a = &t->model->linkage;
     size_t size = 64 + 32*(size_t)a->n_input;
-    const char *by = t->time_range || t->timed ? "s" : slides(a, 0) ? unit_name(a, 0) : "rad";
+    const char *by = t->time_range || t->timed ? "s" : cli_input_slides(a, 0) ? cli_input_unit(a, 0) : "rad";
     if (t->time_range)
-        lead_text(t, true, lead, size);
+        cli_time_columns(a, true, lead, size);
     else
-        snprintf(lead, size, "input %s", unit_name(a, 0));
+        snprintf(lead, size, "input %s", cli_input_unit(a, 0));
     if (t->rows.json) {
         cli_json_head(json, call->line);
         cli_json_text(json, "name", a->name);
@@ -136,7 +114,7 @@ static void begin(const cli_call *call, cli_trace_large *t, cli_json *json, cons
         cli_json_object(json, "units");
         cli_json_text(json, "length", a->units.length);
         cli_json_text(json, "angle", a->units.angle);
-        cli_json_text(json, "rates_by", t->time_range || t->timed ? "s" : slides(a, 0) ? "length" : "rad");
+        cli_json_text(json, "rates_by", t->time_range || t->timed ? "s" : cli_input_slides(a, 0) ? "length" : "rad");
         cli_json_end(json);
     } else {
         fprintf(t->rows.f, "# %s\n", call->line);
@@ -149,7 +127,7 @@ static void begin(const cli_call *call, cli_trace_large *t, cli_json *json, cons
         fputs(end ? "\n" : "", t->rows.f);
     }
     if (t->time_range)
-        lead_text(t, false, lead, size);
+        cli_time_columns(a, false, lead, size);
     cli_rows_head(&t->rows, t->time_range ? lead : "input");
     if (!t->rows.json)
         return;

@@ -34,6 +34,23 @@ void cli_row_values(const cli_rows *r, const lw_vec2 *p, const double *a, double
     g[6] = m.inflection.y/length;
 }
 
+const char *cli_input_unit(const lw_assembly *k, int input)
+{
+    const char *length = k->units.length[0] ? k->units.length : "length";
+    return cli_input_slides(k, input) ? length : k->units.angle;
+}
+
+void cli_time_columns(const lw_assembly *k, bool units, char *text, size_t size)
+{
+    size_t n = (size_t)snprintf(text, size, units ? "time s" : "time");
+    for (int i = 0; i < k->n_input && n < size; i++) {
+        char number[16] = "";
+        if (i > 0)
+            snprintf(number, sizeof number, "_%d", i + 1);
+        n += (size_t)snprintf(text + n, size - n, units ? "; input%s %s" : ",input%s", number, cli_input_unit(k, i));
+    }
+}
+
 static const char *columns(const cli_rows *r) { return r->geometry ? COLUMNS GEOMETRY : COLUMNS; }
 
 static int n_value(const cli_rows *r) { return r->geometry ? CLI_ROW_MOST : CLI_ROW_VALUES; }

@@ -58,6 +58,11 @@ static inline int  cli_rows_tracers(const cli_rows *r) { return r->only < 0 ? r-
  * angle: of the tool [rad]. */
 void cli_row_values(const cli_rows *r, const lw_vec2 *p, const double *a, double angle, double *value);
 
+/* Does this input slide?  Its unit: of a length or of an angle.  "time" and all inputs, as column names or with their units. */
+static inline bool cli_input_slides(const lw_assembly *k, int input) { return lw_joint_slides(k->joint[k->input[input].joint].kind); }
+const char *cli_input_unit(const lw_assembly *k, int input);
+void        cli_time_columns(const lw_assembly *k, bool units, char *text, size_t size);
+
 /* Print "# units: ...".  lead: unit of the input; by: unit that derivatives are taken by. */
 void cli_rows_units(const cli_rows *r, const char *lead, const char *by);
 

@@ -42,7 +42,7 @@ typedef struct lw_kernels {
 /* Doubles of scratch: rows of the block for each lane; inverse Jacobians for each lane; rows to follow the higher
  * groups. */
 size_t lw_lane_rows(const lw_plan *plan);
-/* Rows of the padded last group of inputs and outputs, and eight accumulators for each sum. */
+/* Rows of the padded last group: its inputs and outputs. */
 size_t lw_group_rows(const lw_plan *plan);
 size_t lw_inverse_rows(const lw_plan *plan);
 size_t lw_continuation_size(const lw_plan *plan);
