@@ -174,6 +174,9 @@ TEST(few_stations_leave_the_curve_unsure)
     make_of(p, 4, 0, &t);
     CHECK_NEAR(lw_likeness_stray(&t, b, 2).unsure, 0, 1e-15, 0);
     lw_target_free(&t);
+    make_of(p, 2, 0, &t);
+    CHECK_NEAR(lw_likeness_stray(&t, b, 2).unsure, 0.5*tan(LW_PI/16)*hypot(0.1, 0.2), 0, 1e-3);      /* an arc of 45 degrees */
+    lw_target_free(&t);
 }
 
 /* The greatest distance of the stations from wild polylines of several lengths, compared with a look at every segment. */

@@ -6,6 +6,7 @@
 enum { N = LW_LIKENESS_POINTS, PIECES = 8 };
 #define CORNER 0.7              /* a target that turns more than this at a station has a corner there [rad] */
 #define LONGER 4                /* a chord so many times longer than its neighbour is a straight line that an arc touches */
+#define TWO_UNSURE 0.0995       /* of two stations: the height of an arc of 45 degrees over its chord                               */
 
 /* ---- the curve of a target ---------------------------------------------------------------------------- */
 
@@ -226,7 +227,7 @@ lw_stray lw_likeness_stray(const lw_target *t, const lw_vec2 *curve, size_t n)
     lw_vec2 *drawn = curve_of(t, &n_drawn);
     runs found = { 0 }, wanted = { 0 };
     if (drawn && make_runs(curve, n, t->closed, &found) && make_runs(drawn, n_drawn, t->closed, &wanted)) {
-        stray = (lw_stray){ 0, farthest(&wanted, curve, n, 0), 0 };
+        stray = (lw_stray){ 0, farthest(&wanted, curve, n, 0), t->n == 2 ? TWO_UNSURE*t->size : 0 };
         for (size_t i = 0; i < t->n; i++) {
             lw_vec2 p = station(t, i);
             stray.to_curve = farthest(&found, &p, 1, stray.to_curve);
