@@ -337,9 +337,12 @@ static void swing(const char *tracer, const char *more, int code, const char *ou
                 "[{\"name\": \"%s\", \"link\": \"arm\", \"at\": [1, 0]}]%s}' > $D/swing.json; $P simulate $D/swing.json -n 1", tracer, more);
 }
 
-/* Loads that are no numbers are named, with contacts too; columns have different names; two contacts of one pair are refused. */
+/* Loads that are no numbers are named, with contacts too; columns have different names; two contacts of one pair are refused; where
+ * nothing has a mass, forces of 0 have a reason. */
 TEST(models_that_mislead)
 {
+    expect("$P simulate examples/loader.json --to 0.1 -n 2", 0, NULL, "no link has a mass and nothing pulls on one");
+    expect("! $P simulate examples/pendulum.json --to 0.1 -n 2 2>&1 | grep 'no link has'", 0, NULL, NULL);
     swing("P", ", \"contacts\": [{\"links\": [\"ground\", \"arm\"]}], \"forces\": [{\"link\": \"arm\", \"torque\": \"sqrt(-1-t)\"}]", 4, NULL,
           "a force on link \"arm\" is not a number at t = 0 s");
     swing("P", ", \"states\": [{\"name\": \"z\", \"rate\": \"log(-1-t)\"}]", 4, NULL, "the rate of state \"z\" is not a number at t = 0 s");

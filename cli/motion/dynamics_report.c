@@ -135,6 +135,16 @@ static void note_inner(const cli_call *c, const lw_dynamics *d, const lw_dynamic
                  "less exact than places (often some percent at a tolerance of 1e-7); compare with a smaller --tolerance, as 1e-9, or give the links damping");
 }
 
+/* A linkage that comes from `fit` or from a drawing has neither masses nor loads. */
+static void note_weightless(const cli_call *c, const lw_model *m)
+{
+    bool loaded = m->n_elastic || m->n_super || m->n_spring || m->n_joint_spring || m->n_force || m->n_motor || m->states.n_state;
+    for (int i = 0; !loaded && i < m->linkage.n_link; i++)
+        loaded = m->body[i].given;
+    if (!loaded)
+        cli_note(c, "no link has a mass and nothing pulls on one, so all forces and torques are 0; give links a \"mass\", \"centre\" and \"inertia\" in the file");
+}
+
 static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamics_report *r)
 {
     char text[1024];
@@ -144,6 +154,8 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
     lw_linkage linkage;
     if (lw_dynamics_model(d) && lw_assembly_linkage(&lw_dynamics_model(d)->linkage, &linkage, NULL) == LW_OK)
         cli_note_nearly_flat(c, &linkage);
+    if (lw_dynamics_model(d))
+        note_weightless(c, lw_dynamics_model(d));
     if (r->moved > 1e-9)
         cli_note(c, "the posture of the file violates the constraints by %.3g of its size and was closed", r->moved);
     lw_dynamics_redundant(d, text, sizeof text);
