@@ -400,6 +400,8 @@ TEST(last_failure_is_named)
 {
     for (int n = 8; n < 16; n++)                 /* among them those of the matrices that the model names */
         expect_with(MEMORY_ERROR, "", "out of memory", "LW_FAIL=malloc:%d $C simulate examples/space/superelement.json --analysis static", n);
+    for (int n = 4; n < 9; n++)
+        expect_with(MEMORY_ERROR, "", "memory", "rm -f $D/k; LW_FAIL=malloc:%d $C chains --links 8 --count -j 1 --keep $D/k", n);
     if (!SANITIZED)
         expect("rm -f $D/a.db; prlimit --data=11000000 $C catalogue curves $D/a.db --links 6 --samples 1 -q -j 2", MEMORY_ERROR, "", "out of memory");
 }
