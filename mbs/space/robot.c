@@ -605,6 +605,14 @@ static bool fill_rates(lw_robot *r, lw_space_follow *f, bool of_drives, double *
     return true;
 }
 
+/* Remember a failure that is no limit of the motion. */
+static lw_status watched(lw_robot *r, lw_status s)
+{
+    if (s != LW_OK && s != LW_OPEN)
+        r->broken = s;
+    return s;
+}
+
 /* Determinant of the Jacobian where the tool is pulled: as the inverse of that of the drives by the pose, which is smooth where the drives lose
  * the tool, or else, where the tool can move no farther, itself.  0: neither is known. */
 static double determinant_by_tool(lw_robot *r)
@@ -615,8 +623,11 @@ static double determinant_by_tool(lw_robot *r)
         if (memcmp(f->z.filled, f->q, (size_t)r->space.n_q*sizeof *f->q) != 0)
             lw_space_rows_fill(&f->z, f->q, f->z.near);
         bool known = fill_rates(r, f, of_drives, a);
-        if (!known && f->z.n_kept < f->z.n_row)  /* the basis kept may be that of the end of another way */
-            known = lw_space_rows_arrange(&f->z, f->q, NULL) == LW_OK && fill_rates(r, f, of_drives, a);
+        if (!known && f->z.n_kept < f->z.n_row) {        /* the basis kept may be that of the end of another way */
+            if (watched(r, lw_space_rows_arrange(&f->z, f->q, NULL)) != LW_OK)
+                return 0;
+            known = fill_rates(r, f, of_drives, a);
+        }
         if (!known)
             continue;
         lw_qr_factor(r->n_drive, r->n_drive, a, diag);
@@ -662,7 +673,7 @@ static bool may_be_there(lw_robot *r)
     bool by_tool = r->by_tool.memory && !(r->condition_limit > 0);
     if (r->free)
         return true;
-    if (!by_tool && lw_robot_measure(r, &now, NULL) != LW_OK) {
+    if (!by_tool && watched(r, lw_robot_measure(r, &now, NULL)) != LW_OK) {
         snprintf(r->limit, sizeof r->limit, not_held);
         return false;
     }
@@ -676,15 +687,7 @@ static bool may_be_there(lw_robot *r)
         snprintf(r->limit, sizeof r->limit, r->condition_limit > 0 ? "the limit of the condition number" : not_held);
         return false;
     }
-    return true;
-}
-
-/* Remember a failure that is no limit of the motion. */
-static lw_status watched(lw_robot *r, lw_status s)
-{
-    if (s != LW_OK && s != LW_OPEN)
-        r->broken = s;
-    return s;
+    return r->broken == LW_OK;
 }
 
 /* As many drives as the tool's pose has coordinates: the tool itself is moved, and the drives follow.  *end: the links reach no farther, the tool is
@@ -727,7 +730,7 @@ static bool close_tool(lw_robot *r, lw_vec3 place, const lw_quaternion *turn)
     lw_robot_pose now;
     double error[6], change[LW_ROBOT_DRIVES], before = INFINITY;
     for (int round = 0; round < 12; round++) {
-        if (lw_robot_measure(r, &now, NULL) != LW_OK) {
+        if (watched(r, lw_robot_measure(r, &now, NULL)) != LW_OK) {
             snprintf(r->limit, sizeof r->limit, not_held);
             return false;
         }
@@ -777,10 +780,10 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         begin_to_pull(r);
         r->determinant = determinant_by_tool(r);
     } else
-        r->determinant = lw_robot_measure(r, &begin, NULL) == LW_OK ? determinant(r, &begin) : 0;
+        r->determinant = watched(r, lw_robot_measure(r, &begin, NULL)) == LW_OK ? determinant(r, &begin) : 0;
     double first_determinant = fabs(r->determinant);
     h = fmin(h, 0.5*LONGEST_STEP);
-    while (at < length) {
+    while (at < length && r->broken == LW_OK) {
         h = fmin(h, r->condition_limit > 0 ? CONDITION_STEP : LONGEST_STEP);
         double next = fmin(at + h, length), before = r->determinant, part = next/length;
         lw_quaternion now = lw_quaternion_times(lw_quaternion_of_vector(lw_v3_scale(spin, part)), from);
@@ -793,11 +796,8 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
             at = next;
             continue;
         }
-        if (r->broken != LW_OK) {
-            free(kept);
-            free(near);
-            return lw_error_set(e, r->broken, "the tool could not be moved: %s", lw_status_text(r->broken));
-        }
+        if (r->broken != LW_OK)
+            break;
         if (r->by_tool.memory && !end)           /* the links themselves may have ended the step early */
             h = fmax(fmin(h, r->by_tool.u*(next - at)), r->least);
         if (end) {
@@ -827,6 +827,8 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
     }
     free(kept);
     free(near);
+    if (r->broken != LW_OK)
+        return lw_error_set(e, r->broken, "the tool could not be moved: %s", lw_status_text(r->broken));
     r->limit[0] = 0;
     return LW_OK;
 }

@@ -169,6 +169,8 @@ bool lw_space_rows_factor(lw_space_rows_set *z)
         z->weak = 1;
         return true;
     }
+    if (!value)
+        return false;
     memset(value, 0, (size_t)(z->schur.n_entry + z->n_kept)*sizeof *value);
     for (int p = 0; p < z->n_pair; p++)
         value[z->pair[p].to] += dot6(z->jac + z->pair[p].row, z->jac_w + z->pair[p].other);
@@ -306,7 +308,7 @@ static lw_status choose_basis(lw_space_rows_set *z, int n, double least, lw_erro
     return st;
 }
 
-lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error *e)
+static lw_status arrange(lw_space_rows_set *z, const double *q, lw_error *e)
 {
     int n = z->n_kept;
     lw_space_rows_fill(z, q, NULL);
@@ -348,6 +350,16 @@ lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error 
     }
     lw_status st = choose_basis(z, n, 1e-12, e);
     return st == LW_OK ? analyse(z, e) : st;
+}
+
+lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error *e)
+{
+    lw_status st = arrange(z, q, e);
+    if (st != LW_OK) {                       /* no part of an arrangement is left: no factors, until the next one */
+        lw_cholesky_free(&z->schur);
+        z->n_kept = z->n_row;
+    }
+    return st;
 }
 
 /* ---- solving ----------------------------------------------------------------------------------------------------- */
