@@ -111,9 +111,11 @@ lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment
     for (int r = 0; r < d->n_c; r++)
         m.off = fmax(m.off, fabs(d->phi[r]));
     d->eq.forces(d->eq.context, t, q, rest, d->force, NULL);
-    if (d->touch)
-        lw_mbs_touch_forces(d, rest, d->force, NULL);
-    if (d->large) {
+    if (d->touch) {                              /* places that slipped last rub */
+        lw_status solved = lw_mbs_moment_forces(d, &m);
+        if (solved != LW_OK)
+            return lw_error_set(e, solved, "the forces of the contacts in the posture of rest were not found");
+    } else if (d->large) {
         memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
         lw_mbs_linear(d, d->force, d->rhs, d->a, d->l);
         lw_mbs_least_norm(d, d->l);

@@ -17,11 +17,13 @@ static void reach(lw_vec2 at, lw_vec2 box[2], bool *any)
     box[1] = lw_v2(fmax(box[1].x, at.x), fmax(box[1].y, at.y));
 }
 
+static double diagonal(const lw_vec2 box[2]) { return lw_v2_norm(lw_v2_sub(box[1], box[0])); }
+
 /* Size of the model, masses included [m]; 1 for a model without extent. */
 static double size_of_model(const lw_model *m)
 {
     const lw_assembly *linkage = &m->linkage;
-    lw_vec2 box[2];
+    lw_vec2 box[2] = { { 0, 0 }, { 0, 0 } };
     bool any = false;
     for (int j = 0; j < linkage->n_joint; j++)
         if (lw_joint_has_position(linkage->joint[j].kind))
@@ -29,7 +31,14 @@ static double size_of_model(const lw_model *m)
     for (int l = 0; l < linkage->n_link; l++)
         if (l != linkage->ground && m->body[l].mass > 0)
             reach(m->body[l].centre, box, &any);
-    double size = any ? 0.5*lw_v2_norm(lw_v2_sub(box[1], box[0])) : 0;
+    const bool alone = !(any && diagonal(box) > 0);
+    for (int i = 0; alone && i < m->n_shape; i++)            /* one free link: its outlines tell the size */
+        for (int k = 0; k < m->shape[i].n && m->shape[i].link != linkage->ground; k++) {
+            double r = m->shape[i].radius;
+            reach(lw_v2_add(m->shape[i].at[k], lw_v2(r, r)), box, &any);
+            reach(lw_v2_sub(m->shape[i].at[k], lw_v2(r, r)), box, &any);
+        }
+    double size = any ? 0.5*diagonal(box) : 0;
     return size > 0 ? size : 1;
 }
 
