@@ -238,8 +238,10 @@ lw_status lw_chain_table_make(const lw_numbers *numbers, lw_chain_table *table)
     for (bool more = lw_assortment_first(numbers, &a); more; more = lw_assortment_next(numbers, &a))
         table->n_row++;
     table->row = calloc(table->n_row, sizeof *table->row);
-    if (!table->row)
+    if (!table->row) {
+        table->n_row = 0;
         return LW_E_MEMORY;
+    }
     size_t k = 0;
     for (bool more = lw_assortment_first(numbers, &a); more; more = lw_assortment_next(numbers, &a))
         table->row[k++].links = a;

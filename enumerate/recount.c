@@ -122,10 +122,8 @@ static lw_status count_filtered(lw_recount *r, chain_numbers *n, const char *fil
     lw_chain_table table;
     how.filter = lw_filter_find(filter);
     lw_status s = lw_chains_count(n->chains, &how, &table);
-    if (s == LW_OK) {
-        *tally = table.total;
-        lw_chain_table_free(&table);
-    }
+    *tally = table.total;
+    lw_chain_table_free(&table);
     return s;
 }
 
@@ -161,8 +159,10 @@ static lw_status count_part(lw_recount *r, chain_numbers *n, enum part part)
         return LW_OK;
     if (!n->chains)
         s = lw_chains_create_while(n->n_link, n->dof, r->n_thread, NULL, structures_tick, r, &n->chains, NULL);
-    if (s == LW_OK && part == TABLE)
+    if (s == LW_OK && part == TABLE) {
+        lw_chain_table_free(&n->table);      /* of a count that was given up */
         s = lw_chains_count(n->chains, &how, &n->table);
+    }
     if (s == LW_OK && part == NONPLANAR)
         s = count_filtered(r, n, "non-planar", &n->nonplanar);
     if (s == LW_OK && part == ASYMMETRIC)

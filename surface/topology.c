@@ -488,8 +488,8 @@ lw_status lw_enumerate_count(const lw_enumeration *what, uint64_t *chains, uint6
         *chains = table.total.n_chain;
         if (grounds)
             *grounds = table.total.n_ground;
-        lw_chain_table_free(&table);
     }
+    lw_chain_table_free(&table);
     lw_chains_free(all);
     return s;
 }
