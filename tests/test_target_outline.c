@@ -517,7 +517,7 @@ TEST(points_are_stations)
     lw_target t = read_text(lw_target_read_dxf, HEAD "0\nPOINT\n10\n3\n20\n4\n0\nPOINT\n10\n0\n20\n0\n0\nPOINT\n10\n"
       "7\n20\n-1\n"
                             TAIL);
-    stations(&t, 1, want, 3, 1e-3);                             /* closed by the rule of tables */
+    stations(&t, 0, want, 3, 1e-3);                             /* open by the rule of tables */
     lw_target_free(&t);
 }
 
