@@ -96,7 +96,7 @@ TEST(heard_in_large_models)
     ran_free(&r);
     /* a top in space; elastic links have other masses in time */
     r = run("$P simulate examples/space/top.json --analysis linear --rest --fft");
-    row = strstr(r.out, "\n1,0,2,") ? strstr(r.out, "\n1,0,2,") : strstr(r.out, "\n1,nan,2,");
+    row = strstr(r.out, "\n1,0,2,") ? strstr(r.out, "\n1,0,2,") : strstr(r.out, "\n1,,2,");
     CHECK_NEAR(field(row ? row + 1 : NULL, 9), 1.00658424209, 0, 1e-6);
     ran_free(&r);
     expect("$P simulate examples/space/delta-elastic.json --analysis linear --fft", 3, NULL, "lumped masses");

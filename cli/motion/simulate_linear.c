@@ -40,7 +40,7 @@ static void head(linear *l)
         cli_json_array(&l->j, "postures");
         return;
     }
-    fprintf(l->out, "# %s\n# frequencies [Hz], eigenvalue re + i im [1/s], input [rad or m], unbalanced: force "
+    fprintf(l->out, "# %s\n# frequencies [Hz], eigenvalue re + i im [1/s], input [rad or m; empty: none], unbalanced: force "
             "left over in "
             "shares of the greatest\nposture,input,mode,frequency,natural,damping,re,im,unbalanced%s\n", l->call->line,
             l->o->fft ? ",heard" : "");
@@ -97,9 +97,11 @@ static void write_mode(linear *l, int k, double input)
 {
     const lw_mode *m = &l->modes.mode[k];
     if (!l->call->common.json) {
-        fprintf(l->out, "%d,%.12g,%d,%.12g,%.12g,%.12g,%.12g,%.12g,%.3g", l->n_posture, input, k + 1,
-                m->frequency, m->natural,
-                m->damping, m->re, m->im, l->modes.unbalanced);
+        fprintf(l->out, "%d,", l->n_posture);
+        if (isfinite(input))
+            fprintf(l->out, "%.12g", input);
+        fprintf(l->out, ",%d,%.12g,%.12g,%.12g,%.12g,%.12g,%.3g", k + 1, m->frequency, m->natural, m->damping, m->re, m->im,
+                l->modes.unbalanced);
         if (l->o->fft && isfinite(l->peak[k]))
             fprintf(l->out, ",%.9g", l->peak[k]);
         else if (l->o->fft)
@@ -121,29 +123,28 @@ static void write_mode(linear *l, int k, double input)
     cli_json_end(&l->j);
 }
 
-static double space_input(const linear *l)
+/* Value of the first input in the posture [rad or m]; NaN: the model has none.  LW_E_MEMORY. */
+static lw_status find_input(const linear *l, double *input, lw_error *e)
 {
-    const lw_space *s = lw_dynamics_space(l->d);
-    const lw_spatial_input *in = &l->space->input[0];
-    lw_space_frame *frame = malloc(((size_t)s->n_body + 1)*sizeof *frame);
-    double value = NAN;
-    if (frame) {
+    *input = NAN;
+    if (l->space && l->space->n_input > 0) {
+        const lw_space *s = lw_dynamics_space(l->d);
+        const lw_spatial_input *in = &l->space->input[0];
+        lw_space_frame *frame = malloc(((size_t)s->n_body + 1)*sizeof *frame);
+        if (!frame)
+            return lw_error_set(e, LW_E_MEMORY, "out of memory");
         lw_space_place(s, l->q, frame);
-        value = lw_space_scale(s, in->measure)*lw_space_measure(s, frame, in->measure, 0, NULL) + lw_spatial_offset(in);
+        *input = lw_space_scale(s, in->measure)*lw_space_measure(s, frame, in->measure, 0, NULL) + lw_spatial_offset(in);
+        free(frame);
+    } else if (!l->space && l->s->n_input > 0) {
+        int j = l->s->input_joint[0];
+        *input = l->s->input_value[0] + lw_system_joint_unit(l->s, j)*lw_system_measure(l->s, j, l->q, NULL);
     }
-    free(frame);
-    return value;
+    return LW_OK;
 }
 
-static void write_posture(linear *l)
+static void write_posture(linear *l, double input)
 {
-    double input = NAN;
-    if (l->space && l->space->n_input > 0)
-        input = space_input(l);
-    else if (!l->space && l->s->n_input > 0) {
-        int j = l->s->input_joint[0];
-        input = l->s->input_value[0] + lw_system_joint_unit(l->s, j)*lw_system_measure(l->s, j, l->q, NULL);
-    }
     l->n_posture++;
     if (l->call->common.json) {
         cli_json_object(&l->j, NULL);
@@ -220,8 +221,10 @@ static lw_status one(linear *l, bool rest, lw_error *e)
         return s;
     if (l->o->fft)
         compare(l);
-    write_posture(l);
-    return LW_OK;
+    double input;
+    if ((s = find_input(l, &input, e)) == LW_OK)
+        write_posture(l, input);
+    return s;
 }
 
 /* Make a large model or one with elastic links ready, at its posture. */
