@@ -235,8 +235,8 @@ void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynami
         cli_note(c, "that is %.2g times the error allowed a step: the motion is less accurate than --tolerance asks; a smaller one or another --formulation "
                  "shows by how much", r->energy_steps);
     if (r->added > 0)
-        cli_note(c, "the errors of the steps of alpha add up to %.2g rad, or parts of the size of the linkage: the motion is less accurate than --tolerance "
-                 "asks, and velocities that are off may move it by several times that; --formulation radau is of higher order", r->added);
+        cli_note(c, "the estimated errors of all steps of alpha add up to %.2g (angles in rad, places as parts of the size of the linkage), more than --tolerance "
+                 "asks for; the true error can be several times as great. --formulation radau is of higher order", r->added);
     if (r->momentum_scale > 1e-290)          /* something moved                                         */
         cli_note(c, "momentum error %.3g of %.3g kg m^2/s or kg m/s", r->momentum_error, r->momentum_scale);
     if (r->steps > 0)

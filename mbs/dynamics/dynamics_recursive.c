@@ -2,6 +2,7 @@
  * by collocation with eight states at once, if the loads are simple; else by an explicit method of order 8, or BDF methods (CVODE) where
  * dampers would keep its steps short.  Loops are closed after every step.  Singular postures of the loops are passed in the
  * coordinates of the bodies. */
+#include "base/linalg.h"
 #include "base/number.h"
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
@@ -219,35 +220,27 @@ typedef struct joint_row { lw_vec3 move, turn; double *l; } joint_row;      /* d
  * other; at most three others are moments alone. */
 static void joint_multipliers(int n, const joint_row *row, lw_vec3 force, lw_vec3 moment)
 {
-    const joint_row *turn[6];
-    double m[6][6], f[6];
+    double *l[3], a[3*3], diag[3];
     int turns = 0;
     for (int i = 0; i < n; i++) {
         double size = lw_v3_dot(row[i].move, row[i].move);
         if (size == 0) {
-            turn[turns++] = &row[i];
+            const double column[3] = { row[i].turn.x, row[i].turn.y, row[i].turn.z };
+            for (int k = 0; k < 3; k++)
+                a[3*turns + k] = column[k];
+            l[turns++] = row[i].l;
             continue;
         }
         *row[i].l = lw_v3_dot(row[i].move, force)/size;
         moment = lw_v3_sub(moment, lw_v3_scale(row[i].turn, *row[i].l));
     }
-    for (int i = 0; i < turns; i++) {        /* normal equations, L D L^T */
-        f[i] = lw_v3_dot(turn[i]->turn, moment);
-        for (int j = 0; j <= i; j++)
-            m[i][j] = lw_v3_dot(turn[i]->turn, turn[j]->turn);
+    double of[3] = { moment.x, moment.y, moment.z };
+    if (turns > 0) {
+        lw_qr_factor(3, turns, a, diag);
+        lw_qr_solve(3, turns, a, diag, of);
     }
-    for (int k = 0; k < turns; k++)
-        for (int i = k + 1; i < turns; i++) {
-            double by = m[i][k]/m[k][k];
-            for (int j = k + 1; j <= i; j++)
-                m[i][j] -= by*m[j][k];
-            f[i] -= by*f[k];
-        }
-    for (int i = turns - 1; i >= 0; i--) {
-        for (int j = i + 1; j < turns; j++)
-            f[i] -= m[j][i]**turn[j]->l;
-        *turn[i]->l = f[i]/m[i][i];
-    }
+    for (int i = 0; i < turns; i++)
+        *l[i] = of[i];
 }
 
 /* Take the force J^T l of a row off the bodies. */

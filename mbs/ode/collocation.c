@@ -14,8 +14,9 @@ static const double best_factor = 0.15;      /* of an improvement: longer steps 
 static const double least_factor = 0.01;     /* smaller ones are taken as this one */
 static const double first_change = 16;       /* square of how far rates may change in the first step, over their size there */
 static const double fresh_factor = 0.1;      /* above it derivatives are found afresh */
-static const double relax = 1.2;             /* growth of the limit that a step sets that did not converge; its part of that step, and that */
-static const double less = 0.7, shorter = 0.5;           /* of the step that is tried next */
+/* A step that did not converge: the next try over it, the limit that it sets for later steps over it, and the growth of that limit in
+ * each later step. */
+static const double shorter = 0.5, less = 0.7, relax = 1.2;
 static const double greatest_growth = 4, difference = 1e-7;
 
 static const lw_stage_loops *const loops[] = {
