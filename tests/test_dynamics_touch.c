@@ -572,6 +572,45 @@ TEST(groove)
     lw_model_free(&d.model);
 }
 
+/* Two jaws hold a part by friction.  Rigid bodies do not determine how its weight is shared, but each contact keeps to its limit, and the jaws carry as much. */
+static lw_status check_jaws(void *context, const lw_moment *m)
+{
+    const loads *l = context;
+    lw_vec2 f[2];
+    lw_reaction r[4];
+    lw_reactions_contacts(l->m, m, f, NULL);
+    lw_reactions_joints(l->m, m, r);
+    CHECK_NEAR(f[0].y + f[1].y, g, 1e-9, 0);
+    for (int i = 0; i < 2; i++) {
+        CHECK(fabs(f[i].y) <= 0.5*fabs(f[i].x) + 1e-7);
+        CHECK_NEAR(r[i].force.y, f[i].y + 0.2*g, 1e-9, 0);
+    }
+    return LW_OK;
+}
+
+TEST(gripper_shares_within_friction)
+{
+    for (int k = 0; k < 4; k++) {
+        lw_dynamics *m;
+        loads l = { 0 };
+        drun_read_format(&d, "{'linkwright': 1, 'links': [{'name': 'ground'}, {'name': 'a', 'mass': 0.2, 'centre': [-0.06, 0], 'inertia': 1e-4, 'shapes': ["
+            "{'polygon': [[-0.08, -0.03], [-0.05, -0.03], [-0.05, 0.03], [-0.08, 0.03]]}]}, {'name': 'b', 'mass': 0.2, 'centre': [0.06, 0], 'inertia': 1e-4,"
+            "'shapes': [{'polygon': [[0.05, -0.03], [0.08, -0.03], [0.08, 0.03], [0.05, 0.03]]}]}, {'name': 'part', 'mass': 1, 'centre': [%g, 0], 'inertia': 1e-3,"
+            "'shapes': [{'polygon': [[-0.05, -0.02], [0.05, -0.02], [0.05, 0.02], [-0.05, 0.02]]}]}], 'joints': [{'name': 'A', 'kind': 't', 'links': ["
+            "'ground', 'a'], 'at': [-0.06, 0], 'along': [1, 0]}, {'name': 'B', 'kind': 't', 'links': ['ground', 'b'], 'at': [0.06, 0], 'along': [1, 0]},"
+            "{'name': 'P', 'kind': 'n', 'links': ['ground', 'part']}], 'forces': [{'link': 'a', 'at': [-0.06, 0], 'fx': %g}, {'link': 'b', 'at': [0.06, 0], 'fx':"
+            "'-10-4*t'}], 'springs': [{'joint': 'A', 'law': '4*t'}], 'contacts': [{'links': ['a', 'part'], 'friction': 0.5}, {'links': ['b', 'part'], 'friction':"
+            "0.5}], 'gravity': [0, -9.81]}", k*0.001, 10);
+        d.o.to = 1;
+        d.o.formulation = LW_FORMULATION_INDEX1;
+        CHECK_INT(lw_dynamics_make(&d.model, &d.o, &m, &d.e), LW_OK);
+        l.m = m;
+        CHECK_INT(lw_dynamics_run(m, check_jaws, &l, &d.report, &d.e), LW_OK);
+        lw_dynamics_free(m);
+        lw_model_free(&d.model);
+    }
+}
+
 /* ---- at rest --------------------------------------------------------------------------------------------- */
 
 static lw_status add_loads(void *context, const lw_moment *m)

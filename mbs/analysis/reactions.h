@@ -24,7 +24,8 @@ typedef struct lw_inner_force { double normal, shear, moment, stress; } lw_inner
 void lw_reactions_inner(const lw_dynamics *d, const lw_moment *m, int chain, lw_inner_force *out);
 
 /* Forces of the contacts of the model on their second links, contact (n_contact), and tensions of its ropes, rope
- * (n_rope) [N].  Where places share a load in several ways (a block on three feet) one of them is given. */
+ * (n_rope) [N].  Where places share a load in several ways (a block on three feet) the
+ * forces keep to all limits of friction, with the least sum of squares. */
 void lw_reactions_contacts(const lw_dynamics *d, const lw_moment *m, lw_vec2 *contact, double *rope);
 
 #endif

@@ -43,6 +43,13 @@ lw_status lw_mbs_touch_share_make(lw_dynamics *d);
  * `yields`, none where a normal force is. */
 double lw_mbs_touch_share(lw_dynamics *d, const double *v, const double *l);
 
+/* Share the load of a sample among all these places, with the least sum of squares within the limits, and change the multipliers l (n_c) accordingly.  Rows
+ * and factors are those of the sample. */
+void lw_mbs_touch_spread(lw_dynamics *d, const double *v, double *l);
+
+/* Redundant force j as it was found last, scaled. */
+double lw_mbs_touch_redundant(const struct lw_touching *w, int j);
+
 /* Has any of its places friction? */
 bool      lw_mbs_touch_rubs(const lw_dynamics *d);
 
