@@ -126,6 +126,63 @@ TEST(projection)
     lw_spatial_free(&m);
 }
 
+/* From every side all postures together fill the page between its margins, in one direction, and stand in its middle. */
+TEST(pictures_are_filled)
+{
+    lw_spatial m;
+    load_spatial("boom", &m);
+    lw_space_scene s = make_scene(&m, 10);
+    for (int i = 0; i < 5; i++) {
+        lw_box all = { INFINITY, INFINITY, -INFINITY, -INFINITY };
+        for (size_t f = 0; f < s.n_frame; f++) {
+            lw_drawing d;
+            lw_error e = { 0 };
+            CHECK_INT(lw_space_draw(&s, f, (lw_space_view){ .azimuth = 0.9*i, .elevation = 0.3*i }, 400, 300, &d, &e), LW_OK);
+            for (size_t k = 0; k < d.n_shape; k++) {
+                const lw_shape *shape = &d.shape[k];
+                bool path = shape->kind == LW_SHAPE_PATH;
+                if (shape->kind == LW_SHAPE_TEXT || shape->role == LW_ROLE_PAPER || shape->role == LW_ROLE_AXIS || shape->role == LW_ROLE_SCALE)
+                    continue;
+                for (size_t p = 0; p < (path ? shape->n : 1); p++) {
+                    lw_vec2 at = path ? d.point[shape->first + p] : shape->at;
+                    all = (lw_box){ fmin(all.x0, at.x), fmin(all.y0, at.y), fmax(all.x1, at.x), fmax(all.y1, at.y) };
+                }
+            }
+            lw_drawing_free(&d);
+        }
+        CHECK_NEAR(fmax((all.x1 - all.x0)/(400 - 72), (all.y1 - all.y0)/(300 - 96)), 1, 1e-9, 0);
+        CHECK_NEAR(all.x0 + all.x1, 400, 1e-9, 0);
+        CHECK_NEAR(all.y0 + all.y1, 300 + 24, 1e-9, 0);
+    }
+    lw_space_scene_free(&s);
+    lw_spatial_free(&m);
+}
+
+/* Until the inputs rest or repeat; a motion that ends at a limit lasts as long as its frames. */
+TEST(motions_in_time_are_shown_to_their_end)
+{
+    static const struct { const char *motion; double seconds; bool loops; } of[] = {
+        { "0.5*step(t, 0, 0, 3, 1)", 5, false }, { "0.5*sin(pi*t)", 2, true }, { "t", 1, false } };
+    lw_spatial m;
+    lw_error e = { 0 };
+    for (int i = 0; i < 3; i++) {
+        load_spatial("arm", &m);
+        for (int k = 0; k < m.n_input; k++)
+            CHECK_INT(lw_spatial_set_motion(&m, k, of[i].motion, &e), LW_OK);
+        lw_space_scene s = make_scene(&m, 0);
+        CHECK_NEAR(s.seconds, of[i].seconds, 1e-12, 0);
+        CHECK_INT(s.loops, of[i].loops);
+        lw_space_scene_free(&s);
+        lw_spatial_free(&m);
+    }
+    load_spatial("delta", &m);
+    lw_space_scene s = make_scene(&m, 1);
+    CHECK(s.note[0] && s.n_frame > 1 && s.n_frame < 25);
+    CHECK_NEAR(s.seconds, (double)(s.n_frame - 1)/24, 1e-12, 0);
+    lw_space_scene_free(&s);
+    lw_spatial_free(&m);
+}
+
 /* The scale bar has its round length in the plane of the picture; names stand in still pictures, none on another. */
 TEST(scale_and_names)
 {
@@ -249,6 +306,8 @@ TEST(files)
             CHECK_INT(json_array_size(json_object_get(data, "frames")), s.n_frame);
             CHECK_INT(json_array_size(json_array_get(json_object_get(data, "frames"), 0)), 7*s.n_link);
             CHECK_INT(json_array_size(json_object_get(data, "shapes")), s.n_shape);
+            CHECK_NEAR(json_number_value(json_object_get(data, "radius"))*m.units.metre, s.radius, 0, 1e-5);
+            CHECK_TEXT(json_string_value(json_object_get(data, "unit")), m.units.length[0] ? m.units.length : "m");
             json_decref(data);
         }
         lw_bytes_free(&out);

@@ -182,3 +182,16 @@ double lw_motion_path_at(lw_motion_path *c, double t, double *q)
         lw_motion_curve_posture(c->curves.curve[c->shown], station_at(c, t, &input), q, NULL);
     return isnan(input) ? first_input(&c->s, q) : input;
 }
+
+double lw_motion_path_duration(bool (*alike)(void *context, double a, double b), void *context)
+{
+    static const double span[] = { 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100 };
+    for (size_t i = 0; i < sizeof span/sizeof *span; i++) {
+        double t = span[i];
+        bool again = alike(context, 0, t) && alike(context, 0.3*t, 1.3*t) && alike(context, 0.6*t, 1.6*t);
+        bool rest = alike(context, t, 1.3*t) && alike(context, t, 2*t);
+        if ((again || rest) && !alike(context, 0, 0.37*t))
+            return t;
+    }
+    return 1;
+}

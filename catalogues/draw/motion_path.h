@@ -33,6 +33,11 @@ lw_status lw_motion_path_in_time(const lw_linkage *linkage, lw_input_function *m
                                  double to, lw_motion_path *c, lw_error *e);
 void      lw_motion_path_free(lw_motion_path *c);
 
+/* How long a motion in time is shown if nobody says so [s]: until the inputs repeat or come to rest, within 100 s, else 1 s.
+ * alike: are the values and rates of the inputs at the times a and b the same, to LW_INPUTS_ALIKE? */
+#define LW_INPUTS_ALIKE 1e-6
+double lw_motion_path_duration(bool (*alike)(void *context, double a, double b), void *context);
+
 /* Show the whole of this curve. */
 void      lw_motion_path_choose(lw_motion_path *c, int curve);
 

@@ -436,38 +436,29 @@ static void sweep(void *linkage, double t, int order, double *u)
     }
 }
 
-/* u: (4*inputs) scratch */
-static bool inputs_are_alike(const lw_model *m, double a, double b, double *u)
+typedef struct inputs_in_time { const lw_model *model; double *value; } inputs_in_time;    /* value: (4*inputs) scratch */
+
+static bool inputs_are_alike(void *context, double a, double b)
 {
-    int n = 2*lw_assembly_free_inputs(&m->linkage);
-    double *v = u + n;
-    lw_prescribed_motion_of_model((void *)m, a, 1, u);
-    lw_prescribed_motion_of_model((void *)m, b, 1, v);
+    inputs_in_time *c = context;
+    int n = 2*lw_assembly_free_inputs(&c->model->linkage);
+    double *u = c->value, *v = u + n;
+    lw_prescribed_motion_of_model((void *)c->model, a, 1, u);
+    lw_prescribed_motion_of_model((void *)c->model, b, 1, v);
     for (int i = 0; i < n; i++)
-        if (!(fabs(u[i] - v[i]) <= 1e-6*(1 + fabs(u[i]))))
+        if (!(fabs(u[i] - v[i]) <= LW_INPUTS_ALIKE*(1 + fabs(u[i]))))
             return false;
     return true;
 }
 
-/* How long a motion in time is shown [s]: as the options say, or until the inputs repeat or come to rest, else 1 s. */
+/* How long a motion in time is shown [s]. */
 static lw_status duration(const lw_model *m, const lw_scene_options *o, double *out)
 {
-    static const double span[] = { 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100 };
-    *out = o->until > 0 ? o->until : 1;
-    double *u = o->until > 0 ? NULL : malloc(4*(size_t)m->linkage.n_input*sizeof *u);
-    if (!u)
-        return o->until > 0 ? LW_OK : LW_E_MEMORY;
-    for (size_t i = 0; i < sizeof span/sizeof *span; i++) {
-        double t = span[i];
-        bool again = inputs_are_alike(m, 0, t, u) && inputs_are_alike(m, 0.3*t, 1.3*t, u)
-                     && inputs_are_alike(m, 0.6*t, 1.6*t, u);
-        bool rest = inputs_are_alike(m, t, 1.3*t, u) && inputs_are_alike(m, t, 2*t, u);
-        if ((again || rest) && !inputs_are_alike(m, 0, 0.37*t, u)) {
-            *out = t;
-            break;
-        }
-    }
-    free(u);
+    inputs_in_time c = { m, malloc(4*(size_t)m->linkage.n_input*sizeof *c.value) };
+    if (!c.value)
+        return LW_E_MEMORY;
+    *out = o->until > 0 ? o->until : lw_motion_path_duration(inputs_are_alike, &c);
+    free(c.value);
     return LW_OK;
 }
 

@@ -20,6 +20,7 @@ typedef struct page {
     const lw_space_scene *s;
     size_t   frame;
     lw_vec3  axis[3];
+    lw_vec2  middle;                                    /* of all postures along the first two axes, from that of the scene */
     double   scale, width, height;
     piece   *piece;
     size_t   n, room;
@@ -44,7 +45,8 @@ static lw_vec2 on_page(const page *g, lw_vec3 p, double *depth)
 {
     lw_vec3 d = lw_v3_sub(p, g->s->middle);
     *depth = lw_v3_dot(d, g->axis[2]);
-    return lw_v2(0.5*g->width + g->scale*lw_v3_dot(d, g->axis[0]), 0.5*g->height + 12 - g->scale*lw_v3_dot(d, g->axis[1]));
+    lw_vec2 at = lw_v2_sub(lw_v2(lw_v3_dot(d, g->axis[0]), lw_v3_dot(d, g->axis[1])), g->middle);
+    return lw_v2(0.5*g->width + g->scale*at.x, 0.5*g->height + 12 - g->scale*at.y);
 }
 
 static piece *new_piece(page *g, const lw_space_shape *shape, int n)
@@ -276,20 +278,23 @@ static size_t count_pieces(const lw_space_scene *s)
     return (size_t)s->n_shape*PIECES + (size_t)s->n_tracer*s->n_path + 1;
 }
 
-/* The greatest scale at which every posture is on the page. */
+/* The greatest scale at which every posture is on the page, in its middle. */
 static void choose_scale(page *g)
 {
-    double w = 1e-12, h = 1e-12;
-    g->scale = 1;
+    lw_vec2 least = { INFINITY, INFINITY }, most = { -INFINITY, -INFINITY };
     for (size_t f = 0; f < g->s->n_frame; f++)
         for (int i = 0; i < g->s->n_shape; i++)
             for (int k = 0; k < g->s->shape[i].n; k++) {
-                const lw_space_shape *shape = &g->s->shape[i];
-                lw_vec3 p = lw_v3_sub(lw_space_scene_point(g->s, f, shape, k), g->s->middle);
-                w = fmax(w, fabs(lw_v3_dot(p, g->axis[0])));
-                h = fmax(h, fabs(lw_v3_dot(p, g->axis[1])));
+                lw_vec3 p = lw_v3_sub(lw_space_scene_point(g->s, f, &g->s->shape[i], k), g->s->middle);
+                lw_vec2 at = lw_v2(lw_v3_dot(p, g->axis[0]), lw_v3_dot(p, g->axis[1]));
+                least = lw_v2(fmin(least.x, at.x), fmin(least.y, at.y));
+                most = lw_v2(fmax(most.x, at.x), fmax(most.y, at.y));
             }
-    g->scale = fmin((0.5*g->width - MARGIN)/w, (0.5*g->height - MARGIN - 12)/h);
+    g->scale = 1;
+    if (g->s->n_shape == 0)
+        return;
+    g->middle = lw_v2_scale(lw_v2_add(least, most), 0.5);
+    g->scale = fmin((g->width - 2*MARGIN)/fmax(most.x - least.x, 2e-12), (g->height - 2*MARGIN - 24)/fmax(most.y - least.y, 2e-12));
 }
 
 lw_status lw_space_draw(const lw_space_scene *s, size_t frame, lw_space_view view, int width, int height,

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/vec3.h"
+#include "catalogues/draw/motion_path.h"
 #include "mbs/space/space_trace.h"
 
 lw_vec3 lw_space_scene_at(const lw_space_scene *s, size_t frame, int link, lw_vec3 p)
@@ -101,16 +102,40 @@ static bool closes(const lw_space_scene *s)
     return s->n_frame > 2;
 }
 
+typedef struct inputs_in_time { const lw_spatial *model; double (*value)[3]; } inputs_in_time;     /* value: (2*inputs) scratch */
+
+static bool inputs_are_alike(void *context, double a, double b)
+{
+    inputs_in_time *c = context;
+    double (*u)[3] = c->value, (*v)[3] = u + c->model->n_input;
+    if (lw_space_motions((void *)(uintptr_t)c->model, a, u) != LW_OK || lw_space_motions((void *)(uintptr_t)c->model, b, v) != LW_OK)
+        return false;
+    for (int i = 0; i < c->model->n_input; i++)
+        for (int k = 0; k < 2; k++)
+            if (!(fabs(u[i][k] - v[i][k]) <= LW_INPUTS_ALIKE*(1 + fabs(u[i][k]))))
+                return false;
+    return true;
+}
+
+/* How long the motion of the inputs in time is shown [s]. */
+static lw_status duration(const lw_spatial *m, double *out)
+{
+    inputs_in_time c = { m, malloc(2*(size_t)m->n_input*sizeof *c.value) };
+    if (!c.value)
+        return LW_E_MEMORY;
+    *out = lw_motion_path_duration(inputs_are_alike, &c);
+    free(c.value);
+    return LW_OK;
+}
+
 static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *o, lw_space_scene *s, lw_error *e)
 {
     size_t n_tracer = (size_t)m->n_tracer;
     film f = { .s = s, .most = o->n_frame + 1 };
-    lw_space_trace t = { .in_time = moves_in_time(m), .to = o->until > 0 ? o->until : 1, .intervals = (int)o->n_frame,
-                         .stop = o->stop };
+    lw_space_trace t = { .in_time = moves_in_time(m), .to = o->until, .intervals = (int)o->n_frame, .stop = o->stop };
     lw_spatial with = *m;                 /* the same model, with a tracer for each link */
     lw_error why = { 0 };
     t.whole = !t.in_time;
-    s->seconds = t.in_time ? t.to : 0;
     if (o->pose) {
         s->n_frame = s->n_path = o->n_frame;
         s->seconds = o->until;
@@ -125,6 +150,9 @@ static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *
         snprintf(s->note, sizeof s->note, "Shown without motion: the model has no input");
         return LW_OK;
     }
+    if (t.in_time && !(t.to > 0) && duration(m, &t.to) != LW_OK)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    double until = t.to;                  /* the run may end before */
     with.n_tracer = m->n_tracer + m->n_link;
     with.tracer = calloc((size_t)with.n_tracer, sizeof *with.tracer);
     f.place = calloc(2*n_tracer + 1, sizeof *f.place);
@@ -146,6 +174,8 @@ static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *
                  why.text[0] ? why.text : lw_status_text(status));
     if (s->n_frame == 0)
         stand_still(s, m);
+    if (t.in_time)
+        s->seconds = until*(double)(s->n_frame - 1)/(double)o->n_frame;
     s->loops = closes(s);
     s->n_frame -= s->loops;
     s->n_path -= s->loops;

@@ -43,7 +43,7 @@ typedef struct lw_space_scene {
     size_t   n_frame;            /* 1: it does not move                                                */
     bool     loops;              /* the first pose follows the last; else the motion goes back and forth, */
     bool     ends;               /* or ends and begins anew                                            */
-    double   seconds;            /* that the motion lasts; 0: it is not in time                        */
+    double   seconds;            /* that the frames last; 0: the motion is not in time                 */
     lw_space_pose *pose;         /* [frame*n_link + link]                                              */
     size_t   n_path;             /* points of each path: those of the frames, in time or by the input also some between */
     lw_vec3 *path;               /* [point*n_tracer + tracer]                                          */
@@ -55,7 +55,7 @@ typedef struct lw_space_scene {
 typedef struct lw_space_scene_options {
     const char *title;           /* NULL: the name of the model                                        */
     size_t      n_frame;         /* of the motion (120)                                                */
-    double      until;           /* length of a motion in time [s]; 0: 1 s                             */
+    double      until;           /* length of a motion in time [s]; 0: until the inputs repeat or come to rest, else 1 s */
     const lw_space_pose *pose;   /* a motion that is known [frame*n_link + link]; NULL: that of the inputs */
     const lw_vec3 *path, *origin;            /* its [frame*n_tracer + tracer] and (n_link), as of the scene */
     const volatile sig_atomic_t *stop;      /* the motion ends there, with a note; may be NULL         */

@@ -79,7 +79,12 @@ static void put_data(lw_bytes *b, const lw_space_scene *s, lw_space_view view)
     put_vector(b, ",\"front\":[", axis[2]);
     lw_bytes_text(b, s->loops ? ",\"loops\":true,\"seconds\":" : ",\"loops\":false,\"seconds\":");
     number(b, s->seconds);
-    lw_bytes_text(b, ",\"origins\":[");
+    const lw_units *units = &s->model->units;
+    lw_bytes_text(b, ",\"radius\":");
+    number(b, s->radius/units->metre);
+    lw_bytes_text(b, units->length[0] ? ",\"unit\":\"" : ",\"unit\":\"m");
+    lw_bytes_text(b, units->length);
+    lw_bytes_text(b, "\",\"origins\":[");
     for (int i = 0; i < s->n_link; i++) {
         lw_bytes_text(b, i ? "," : "");
         put_place(b, s, s->origin[i]);
@@ -118,7 +123,7 @@ lw_status lw_space_page_write(const lw_space_scene *s, lw_space_view view, lw_by
     lw_svg_inline(&still, "still", out);
     lw_bytes_text(out, "</div></figure>\n<div class=\"transport\" hidden>\n"
                        "<button type=\"button\" id=\"play\">Play</button>\n"
-                       "<input type=\"range\" id=\"time\" min=\"0\" step=\"any\" value=\"0\" aria-label=\"Time\">\n"
+                       "<input type=\"range\" id=\"time\" min=\"0\" step=\"any\" value=\"0\" aria-label=\"Time\"> <span id=\"clock\"></span>\n"
                        "<label>Speed <select id=\"speed\"><option>0.25</option><option>0.5</option><option selected>1</option>"
                        "<option>2</option><option>4</option></select></label>\n"
                        "<span class=\"views\"><button type=\"button\" data-view=\"home\">Home</button>\n"

@@ -1,13 +1,14 @@
 "use strict";
 (function () {
-  // data: { up, right, front, loops, seconds, origins, shapes: [{ kind, link, grounded, p }], paths, frames }
-  // lengths in radii of the scene from its middle; a frame holds x, y, z and a quaternion w, x, y, z for each link
+  // data: { up, right, front, loops, seconds, radius, unit, origins, shapes: [{ kind, link, grounded, p }], paths, frames }
+  // lengths in radii of the scene from its middle, the radius in the unit; a frame holds x, y, z and a quaternion w, x, y, z for each link
   const data = JSON.parse(document.getElementById("data").textContent);
   const canvas = document.getElementById("view"), pen = canvas.getContext("2d");
-  const play = document.getElementById("play"), time = document.getElementById("time"), speed = document.getElementById("speed");
+  const [play, time, clock, speed] = ["play", "time", "clock", "speed"].map((id) => document.getElementById(id));
   const still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
-  const SECONDS_A_ROUND = data.seconds || 6, PIECES = 12;
-  const round = Math.max(data.loops ? data.frames.length : 2 * (data.frames.length - 1), 1);
+  const PIECES = 12, there = data.loops ? data.frames.length : data.frames.length - 1;      // [frames], and back unless it loops
+  const round = Math.max(data.loops ? there : 2 * there, 1);
+  const SECONDS_A_ROUND = data.seconds ? (data.seconds * round) / there : 6;
 
   const add = (a, b, s) => [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -47,6 +48,42 @@
       const mixed = p.map((x, n) => (1 - part) * x + part * (n < 3 ? q[n] : sign * q[n]));
       return { at: mixed.slice(0, 3), turn: unit(mixed.slice(3)) };
     });
+  }
+
+  const place = (s, pose) => s.p.map((x) => add(pose.at, rotate(pose.turn, add(x, origins[s.link], -1)), 1));
+
+  // ---- scale: every frame is on the canvas, from whichever side it is seen ----
+  const MARGIN = 40, FOOT = 28;
+  const everywhere = data.frames.flatMap((_, f) => {
+    const placed = poses(f);
+    return shapes.flatMap((s) => place(s, placed[s.link]));
+  });
+
+  // Scale, and the middle of all points to the right and up.
+  function fit(right, up, width, height) {
+    const least = [Infinity, Infinity], most = [-Infinity, -Infinity];
+    for (const p of everywhere)
+      [dot(p, right), dot(p, up)].forEach((x, i) => {
+        least[i] = Math.min(least[i], x);
+        most[i] = Math.max(most[i], x);
+      });
+    if (!everywhere.length) return [1, 0, 0];
+    const wide = Math.max(most[0] - least[0], 1e-12), high = Math.max(most[1] - least[1], 1e-12);
+    const scale = Math.max(Math.min((width - 2 * MARGIN) / wide, (height - 2 * MARGIN - FOOT) / high), 1);
+    return [scale, (least[0] + most[0]) / 2, (least[1] + most[1]) / 2];
+  }
+
+  // The largest 1, 2 or 5 times a power of ten that is at most x.
+  function roundDown(x) {
+    const power = 10 ** Math.floor(Math.log10(x)), digit = x / power;
+    return (digit >= 5 ? 5 : digit >= 2 ? 2 : 1) * power;
+  }
+
+  function drawScaleBar(scale, width, height, inks) {
+    const length = roundDown((0.2 * width * data.radius) / scale), end = 94 + (length * scale) / data.radius, foot = height - 14;
+    stroke({ p: [[94, foot - 5], [94, foot], [end, foot], [end, foot - 5]] }, inks.text, 1.5);
+    pen.fillStyle = inks.text;
+    pen.fillText(`${Number(length.toPrecision(1))} ${data.unit} parallel to the picture`, end + 7, foot);
   }
 
   // ---- drawing: pieces from the farthest to the nearest ----
@@ -105,16 +142,16 @@
     pen.clearRect(0, 0, width, height);
     pen.lineCap = "round";
     pen.lineJoin = "round";
-    const inks = Object.fromEntries(["paper", "link", "ground", "faint", "blue", "red", "green"].map((n) => [n, ink(n)]));
-    const [right, up, front] = axes(), scale = 0.46 * Math.min(width, height) * view.zoom, pieces = [];
-    const project = (p) => [width / 2 + scale * dot(p, right), height / 2 - scale * dot(p, up), dot(p, front)];
+    const inks = Object.fromEntries(["paper", "text", "link", "ground", "faint", "blue", "red", "green"].map((n) => [n, ink(n)]));
+    const [right, up, front] = axes(), [fitted, x, y] = fit(right, up, width, height), scale = fitted * view.zoom, pieces = [];
+    const project = (p) => [width / 2 + scale * (dot(p, right) - x), (height - FOOT) / 2 - scale * (dot(p, up) - y), dot(p, front)];
     const put = (kind, list, rest) => {
       const p = list.map(project), depth = p.reduce((sum, q) => sum + q[2], 0) / p.length;
       pieces.push({ kind, p, depth: depth + (kind === "ball" || kind === "tracer" ? 0.02 : 0), closed: kind === "plate", ...rest });
     };
     const placed = poses(now);
     for (const s of shapes) {
-      const pose = placed[s.link], p = s.p.map((x) => add(pose.at, rotate(pose.turn, add(x, origins[s.link], -1)), 1));
+      const p = place(s, placed[s.link]);
       if (p.length !== 2) {
         put(s.kind, p, { grounded: s.grounded });
         continue;
@@ -127,6 +164,8 @@
     pieces.sort((p, q) => p.depth - q.depth);
     for (const piece of pieces) paint(piece, inks);
     pen.font = "12px system-ui, sans-serif";
+    drawScaleBar(scale, width, height, inks);
+    if (data.seconds) clock.textContent = `${((data.seconds * Math.min(now, data.loops ? now : round - now)) / there).toFixed(2)} s`;
     [["x", inks.red], ["y", inks.green], ["z", inks.blue]].forEach(([name, colour], i) => {
       const way = [right[i], -up[i]];
       stroke({ p: [[44, height - 44], [44 + 24 * way[0], height - 44 + 24 * way[1]]] }, colour, 2);
