@@ -90,6 +90,7 @@ TEST(faults)
         { "", "", ", 'mass': -1, 'centre': [0, 0]", "", "links[1].mass: this must not be negative" },
         { "", "", ", 'inertia': 1", "", "no \"mass\"" },
         { "", "", ", 'mass': 1", "", "no \"centre\"" },
+        { "", "", ", 'mass': 1, 'centre': [0, 1e12]", "", "links[1].centre: the centre of mass of link" },
         { "", "", ", 'mas': 1", "", "did you mean \"mass\"" },
         { ", 'friction': {'coefficient': 1}", "", "", "", "needs the \"radius\"" },
         { "", ", 'friction': {'coefficient': 1, 'radius': 2}", "", "", "only joints that turn" },

@@ -37,6 +37,7 @@ TEST(refuses_what_no_model_has)
           ", 'axis': [0, 0, 1]", "", "left-handed", 2 },
         { ", 'mass': 1", ", 'axis': [0, 0, 1]", "", "no \"centre\"", 2 },
         { ", 'mass': -1, 'centre': [0, 0, 0]", ", 'axis': [0, 0, 1]", "", "negative", 2 },
+        { ", 'mass': 1, 'centre': [1e30, 0, 0]", ", 'axis': [0, 0, 1]", ",\n'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0, 0]}]", "lies 1e+30 m from its joint", 2 },
         { "}, {'name': 'b'", ", 'axis': [0, 0, 1]", "", "connects link \"b\"", 3 },
         { "", ", 'axis': [0, 0, 1]", ",\n'input': {'tracer': 'P', 'coordinate': 'x'}", "no tracer", 4 },
         { "", ", 'kind': 'b'", ",\n'input': {'joint': 'A'}", "no single coordinate", 4 },

@@ -75,6 +75,10 @@ lw_status lw_read_friction(const lw_json_node *n, double metre, bool radius, lw_
 /* The clearance of a joint; its lengths are in units of `metre`. */
 lw_status lw_read_clearance(const lw_json_node *n, double metre, lw_clearance *c, lw_error *e);
 
+/* Refuse a centre of mass that lies `away` from a joint of its link, where all joints and tracers are within `extent` of the first joint: the
+ * equations keep the digits of the greatest distance. */
+lw_status lw_read_check_centre(const lw_json_node *root, int link, const char *name, double away, double extent, lw_error *e);
+
 /* ---- model_states.c: what has first-order states --------------------------------------------------------- */
 
 /* Names of the states of the lists "states", "motors", "cylinders", which expressions may use.  Names of all loads differ in their

@@ -86,3 +86,14 @@ lw_status lw_read_clearance(const lw_json_node *n, double metre, lw_clearance *c
         s = lw_read_need(n, "stiffness", &at, e);
     return s;
 }
+
+lw_status lw_read_check_centre(const lw_json_node *root, int link, const char *name, double away, double extent, lw_error *e)
+{
+    const double most = 1e6, rounding = 1e-7;      /* times the extent; [m]: joints in one point, such as those of a wrist, differ by rounding */
+    lw_json_node links, at, centre;
+    if (extent < rounding || away <= most*extent || !lw_json_member(root, "links", &links))
+        return LW_OK;
+    at = lw_json_element(&links, (size_t)link);
+    return lw_json_fault(lw_json_member(&at, "centre", &centre) ? &centre : &at, e, "the centre of mass of link \"%s\" lies %.3g m from its joint, but all joints and tracers lie within %.3g m: the "
+                         "digits of their places would be lost; check the centre and its unit", name, away, extent);
+}

@@ -103,6 +103,24 @@ static lw_status read_bodies(const lw_json_node *root, lw_model *m, lw_error *e)
     return s;
 }
 
+static lw_status check_centres(const lw_json_node *root, const lw_model *m, lw_error *e)
+{
+    const lw_assembly *a = &m->linkage;
+    double extent = 0;
+    lw_status s = LW_OK;
+    for (int i = 0; i < a->n_joint; i++)
+        extent = lw_joint_has_position(a->joint[i].kind) ? fmax(extent, lw_v2_norm(lw_v2_sub(a->joint[i].at, a->joint[0].at))) : extent;
+    for (int i = 0; i < a->n_tracer; i++)
+        extent = fmax(extent, lw_v2_norm(lw_v2_sub(a->tracer[i].at, a->joint[0].at)));
+    for (int i = 0; s == LW_OK && i < 2*a->n_joint; i++) {
+        const lw_joint *j = &a->joint[i/2];
+        int link = j->link[i % 2];
+        if (lw_joint_has_position(j->kind) && m->body[link].mass > 0)
+            s = lw_read_check_centre(root, link, a->link_name[link], lw_v2_norm(lw_v2_sub(m->body[link].centre, j->at)), extent, e);
+    }
+    return s;
+}
+
 static lw_status read_motion(const lw_json_node *input, lw_model *m, int i, lw_error *e)
 {
     const lw_number_key speed = { "speed", 1, LW_ANY, &m->speed[i], &m->has_speed[i] };
@@ -446,6 +464,8 @@ lw_status lw_model_read_result(const char *text, size_t size, const char *file, 
         s = reserve_loads(root, m, e);
     if (s == LW_OK)
         s = read_bodies(root, m, e);
+    if (s == LW_OK)
+        s = check_centres(root, m, e);
     if (s == LW_OK)
         s = lw_moves_read_profiles(root, &m->n_profile, &m->profile, e);
     if (s == LW_OK)

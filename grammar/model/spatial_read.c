@@ -906,6 +906,23 @@ static size_t count_list(const lw_json_node *root, const char *key)
     return lw_json_member(root, key, &all) && lw_json_kind_of(&all) == LW_JSON_ARRAY ? lw_json_count(&all) : 0;
 }
 
+static lw_status check_centres(const lw_json_node *root, const lw_spatial *m, lw_error *e)
+{
+    double extent = 0;
+    lw_status s = LW_OK;
+    for (int i = 0; i < m->n_joint; i++)
+        extent = lw_spatial_kind_of(m->joint[i].kind)->rows > 0 ? fmax(extent, lw_v3_norm(lw_v3_sub(m->joint[i].at, m->joint[0].at))) : extent;
+    for (int i = 0; i < m->n_tracer; i++)
+        extent = fmax(extent, lw_v3_norm(lw_v3_sub(m->tracer[i].at, m->joint[0].at)));
+    for (int i = 0; s == LW_OK && i < 2*m->n_joint; i++) {
+        const lw_spatial_joint *j = &m->joint[i/2];
+        const lw_spatial_body *b = &m->body[j->link[i % 2]];
+        if (lw_spatial_kind_of(j->kind)->rows > 0 && b->mass > 0)
+            s = lw_read_check_centre(root, j->link[i % 2], b->name, lw_v3_norm(lw_v3_sub(b->centre, j->at)), extent, e);
+    }
+    return s;
+}
+
 static lw_status read_each(const lw_json_node *root, const char *key, lw_spatial *m,
                            lw_status (*read)(const lw_json_node *, size_t, lw_spatial *, lw_error *), lw_error *e)
 {
@@ -966,7 +983,7 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
     if ((s = lw_read_need(root, "joints", &n, e)) == LW_OK && (s = lw_read_list(&n, 1, SIZE_MAX, e)) == LW_OK &&
         (s = read_each(root, "joints", m, take_joint, e)) == LW_OK && (s = check_connected(root, m, e)) == LW_OK &&
         (s = read_each(root, "couplings", m, read_coupling, e)) == LW_OK &&
-        (s = read_each(root, "tracers", m, take_tracer, e)) == LW_OK &&
+        (s = read_each(root, "tracers", m, take_tracer, e)) == LW_OK && (s = check_centres(root, m, e)) == LW_OK &&
         (s = lw_moves_read_profiles(root, &m->n_profile, &m->profile, e)) == LW_OK && (s = read_inputs(root, m, e)) == LW_OK)
         s = read_drives(root, m, e);
     if (s == LW_OK && lw_json_member(root, "gravity", &n))
