@@ -1242,6 +1242,31 @@ TEST(corner_comes_round_an_end)
     }
 }
 
+/* A floor and a ramp drawn as one polygon, or in pieces that meet or lie in each other, are the same ground: a box slides over the joints, up and on. */
+TEST(ground_in_pieces)
+{
+    static const char *const ground[] = { "{'polygon': [[-2, 0], [0.5, 0], [1.5, 0.364], [3, 0.364], [3, -1], [-2, -1]]}",
+        "{'line': [[0, 0], [1, 0]]}, {'polygon': [[0.5, 0], [3, 0], [3, 0.364], [1.5, 0.364]]}",
+        "{'line': [[0, 0], [1, 0]]}, {'polygon': [[0.5, 0], [0.5, -0.3], [3, -0.3], [3, 0.364], [1.5, 0.364]]}",
+        "{'segment': [[-2, 0], [0.2, 0]]}, {'segment': [[0.2, 0], [0.5, 0]]}, {'segment': [[0.5, 0], [1.5, 0.364]]}, {'segment': [[1.5, 0.364], [3, 0.364]]}",
+        "{'polygon': [[-2, 0], [0.2, 0], [0.2, -1], [-2, -1]]}, {'polygon': [[0.2, 0], [0.5, 0], [0.5, -1], [0.2, -1]]}, {'polygon': [[0.5, 0], [1.5, 0.364],"
+        "[1.5, -1], [0.5, -1]]}, {'polygon': [[1.5, 0.364], [3, 0.364], [3, -1], [1.5, -1]]}" };
+    double want[3] = { 0 };
+    for (int k = 0; k < 10; k++) {
+        char text[1500];
+        snprintf(text, sizeof text, FREE("%s", "'mass': 1, 'centre': [0, 0.15], 'inertia': 0.02, 'velocity': [5, 0]",
+                 "{'polygon': [[-0.2, 0], [0.2, 0], [0.2, 0.3], [-0.2, 0.3]]}", "'friction': %g"), ground[k%5], k < 5 ? 0.2 : 0);
+        drun_read_text(&d, text);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-9, 0.8, 4), LW_OK);
+        for (int i = 0; i < 3; i++) {
+            want[i] = k%5 ? want[i] : state(d.q, i);
+            CHECK_NEAR(state(d.q, i), want[i], 1e-9, 0);
+        }
+        CHECK(want[0] > 2.2);
+        lw_model_free(&d.model);
+    }
+}
+
 /* A growing force pushes a box that stands on two or three points: it sticks until all of them are at the limit of their friction, and slides on
  * then.  On a second box of which it slides, too. */
 TEST(pushed_boxes_let_go)

@@ -486,7 +486,7 @@ static int find_shut(capture *g, double h)
             lw_touch_round_end(touch, &m, h);
             lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
         }
-        p->shut = m.gap < closed*g->part*g->size && !lw_touch_past_end(touch, &m);
+        p->shut = m.gap < closed*g->part*g->size && !lw_touch_past_end(touch, &m) && !lw_touch_beside_end(touch, d->frames, &m);
         shut += p->shut;
         p->presses = p->presses && p->shut;
         p->normal = p->across = 0;

@@ -13,6 +13,8 @@
 /* Corners that overlap by `depth` and are nearer to each other than `end_on` times that meet end on, where depth is below this part of the thickness. */
 static const double end_on = 10, thin_part = 0.05;
 
+static const double meet = 1e-9;             /* outlines that are nearer, over the size of the shape, meet */
+
 /* ---- discs and faces of a shape ------------------------------------------------------------------ */
 
 typedef struct disc { lw_vec2 at, edge[2], into; double radius, size; } disc;
@@ -123,6 +125,74 @@ static face face_of(const lw_contour *p, int i)
     return f;
 }
 
+/* ---- shapes of one link that meet, as the pieces of a rail -------------------------------------------- */
+
+/* The outlines of other shapes of its link that go through corner `at` of shape p: up to two directions from there that are not those of its own sides. */
+static void find_onward(const lw_model *m, const lw_contour *p, lw_vec2 at, const lw_vec2 edge[2], lw_vec2 onward[2])
+{
+    int n = 0;
+    for (int i = 0; i < m->n_shape; i++) {
+        const lw_contour *o = &m->shape[i];
+        double near = meet*extent(p);
+        for (int j = 0; o != p && o->link == p->link && !(o->radius > 0) && j < face_count(o); j++) {
+            lw_vec2 a = o->at[j], b = o->at[(j + 1)%o->n], u = unit_vector(lw_v2_sub(b, a)), d = lw_v2_sub(at, a);
+            double place = lw_v2_dot(u, d), length = lw_v2_norm(lw_v2_sub(b, a));
+            bool endless = o->kind == LW_CONTOUR_LINE, on = fabs(lw_v2_cross(u, d)) <= near && (endless || fmin(place, length - place) >= -near);
+            for (int back = 0; on && back < 2; back++) {
+                lw_vec2 way = lw_v2_scale(u, back ? -1 : 1);
+                bool goes_on = endless || (back ? place : length - place) > near, own = false;
+                for (int k = 0; k < 2; k++)
+                    own = own || lw_v2_dot(way, unit_vector(edge[k])) > 1 - 0.5*meet;
+                if (goes_on && !own && n < 2)
+                    onward[n++] = way;
+            }
+        }
+    }
+}
+
+/* Is the point in the solid of a polygon or line? */
+static bool is_inside(const lw_contour *p, lw_vec2 c)
+{
+    bool in = p->kind == LW_CONTOUR_LINE && lw_v2_cross(lw_v2_sub(p->at[1], p->at[0]), lw_v2_sub(c, p->at[0])) < 0;
+    for (int j = 0; p->kind == LW_CONTOUR_POLYGON && j < p->n; j++) {
+        lw_vec2 a = p->at[j], b = p->at[(j + 1)%p->n];
+        if ((a.y > c.y) != (b.y > c.y) && c.x < a.x + (c.y - a.y)/(b.y - a.y)*(b.x - a.x))
+            in = !in;
+    }
+    return in;
+}
+
+static bool crosses(const lw_contour *p, lw_vec2 from, lw_vec2 to)
+{
+    bool any = false;
+    for (int j = 0; p->kind == LW_CONTOUR_POLYGON && j < p->n; j++) {
+        lw_vec2 a = p->at[j], b = p->at[(j + 1)%p->n], u = lw_v2_sub(to, from), w = lw_v2_sub(b, a);
+        bool apart = (lw_v2_cross(u, lw_v2_sub(a, from)) > 0) == (lw_v2_cross(u, lw_v2_sub(b, from)) > 0)
+                  || (lw_v2_cross(w, lw_v2_sub(from, a)) > 0) == (lw_v2_cross(w, lw_v2_sub(to, a)) > 0);
+        any = any || !apart;
+    }
+    return any;
+}
+
+/* At which ends do other solids of its link lie on face f of polygon p?  True: one of them lies on all of it. */
+static bool find_covered(const lw_model *m, const lw_contour *p, const face *f, bool end[2])
+{
+    lw_vec2 u = lw_v2_sub(f->to, f->from), out = lw_v2_scale(lw_v2_perp(u), meet), in = lw_v2_scale(u, 1e-3);
+    lw_vec2 a = lw_v2_add(lw_v2_add(f->from, in), out), b = lw_v2_add(lw_v2_sub(f->to, in), out);
+    bool whole = false;
+    end[0] = end[1] = false;
+    for (int i = 0; p->kind == LW_CONTOUR_POLYGON && i < m->n_shape; i++) {
+        const lw_contour *o = &m->shape[i];
+        if (o == p || o->link != p->link)
+            continue;
+        bool first = is_inside(o, a), last = is_inside(o, b);
+        end[0] = end[0] || first;
+        end[1] = end[1] || last;
+        whole = whole || (first && last && !crosses(o, a, b));
+    }
+    return whole;
+}
+
 /* ---- the list ------------------------------------------------------------------------------------ */
 
 typedef struct maker { const lw_model *m; const lw_system *s; lw_touch_list *list; bool counting; } maker;
@@ -154,8 +224,14 @@ static void add_discs(maker *w, const lw_contour *p, const lw_contour *o, bool d
         if (is_notch(p, i))
             continue;
         disc a = disc_of(p, i);
+        lw_vec2 onward[2] = { { 0, 0 }, { 0, 0 } };
+        if (!w->counting && !(a.radius > 0))
+            find_onward(w->m, p, a.at, a.edge, onward);
         for (int j = 0; j < face_count(o); j++) {
             face f = face_of(o, j);
+            bool covered[2];
+            if (find_covered(w->m, o, &f, covered))
+                continue;
             lw_touch *t = next_touch(w);
             if (!t)
                 continue;
@@ -165,6 +241,8 @@ static void add_discs(maker *w, const lw_contour *p, const lw_contour *o, bool d
             t->kind = LW_TOUCH_FACE;
             for (int k = 0; k < 2; k++) {
                 t->edge[k] = lw_v2_scale(a.edge[k], 1/unit);
+                t->onward[k] = onward[k];
+                t->covered[k] = covered[k];
                 t->beyond[k] = lw_v2_scale(f.beyond[k], 1/unit);
                 t->notch[k] = f.notch[k]/unit;
             }
@@ -271,13 +349,15 @@ static bool is_pinned(const lw_assembly *k, int a, int b, lw_vec2 at)
 
 static bool same_point(lw_vec2 a, lw_vec2 b) { return a.x == b.x && a.y == b.y; }
 
-/* Do two links that are pinned together touch the same thing with equal discs about the pin?  One of them is enough. */
+/* Do two links that are pinned together touch the same thing with equal discs about the pin, or two shapes of one link with equal discs where they meet?
+ * One of them is enough. */
 static bool is_twin(const lw_model *m, const lw_touch *p, const lw_touch *q)
 {
-    return p->kind == q->kind && p->kind <= LW_TOUCH_DISCS && same_point(p->drawn, q->drawn) && p->link != q->link
+    return p->kind == q->kind && p->kind <= LW_TOUCH_DISCS && same_point(p->drawn, q->drawn)
         && p->radius[0] == q->radius[0] && p->radius[1] == q->radius[1] && p->body[1] == q->body[1]
         && same_point(p->arm[1], q->arm[1]) && same_point(p->along, q->along) && p->length == q->length
-        && memcmp(p->surface, q->surface, sizeof *p->surface) == 0 && is_pinned(&m->linkage, p->link, q->link, p->drawn);
+        && memcmp(p->surface, q->surface, sizeof *p->surface) == 0
+        && (p->link == q->link || is_pinned(&m->linkage, p->link, q->link, p->drawn));
 }
 
 static void drop_twins(const lw_model *m, lw_touch_list *list)
@@ -287,8 +367,9 @@ static void drop_twins(const lw_model *m, lw_touch_list *list)
         bool twin = false;
         for (int j = 0; j < n && !twin; j++) {
             twin = is_twin(m, &list->touch[i], &list->touch[j]);
-            if (twin) {                      /* it stands for the corners of two links */
+            if (twin && list->touch[i].link != list->touch[j].link) {        /* it stands for the corners of two links */
                 memset(list->touch[j].edge, 0, sizeof list->touch[j].edge);
+                memset(list->touch[j].onward, 0, sizeof list->touch[j].onward);
                 list->touch[j].into = lw_v2(0, 0);
             }
         }
@@ -410,16 +491,16 @@ static void between_points(const lw_touch *t, const lw_body_frame *f, const doub
             - (t->radius[0] + t->radius[1])*turned;
 }
 
-/* Does a side of the corner (of body 0) run behind the face with this normal?  *side is its vector. */
-static bool runs_behind(const lw_touch *t, const lw_body_frame *f, lw_vec2 normal, lw_vec2 *side)
+/* Does a side of the corner (of body 0), or an outline that goes on from it, run behind the face with this normal? */
+static bool runs_behind(const lw_touch *t, const lw_body_frame *f, lw_vec2 normal)
 {
     static const double least = 1e-6;                    /* sine of the angle behind the face */
-    for (int k = 0; k < 2; k++) {
-        *side = lw_v2_turn(t->edge[k], f[t->body[0] + 1].dir);
-        if (lw_v2_dot(normal, *side) < -least*lw_v2_norm(*side))
-            return true;
+    bool behind = false;
+    for (int k = 0; k < 4; k++) {
+        lw_vec2 side = lw_v2_turn(k < 2 ? t->edge[k] : t->onward[k - 2], f[t->body[0] + 1].dir);
+        behind = behind || lw_v2_dot(normal, side) < -least*lw_v2_norm(side);
     }
-    return false;
+    return behind;
 }
 
 /* How far the corner with sides e, at d from one with sides f, is from it along n; below 0: they overlap by so much. */
@@ -580,9 +661,8 @@ bool lw_touch_past_end(const lw_touch *p, const lw_touch_motion *m)
 /* Bodies that touch corner to corner have a line between them along one of the four sides, so that one of the faces stays. */
 bool lw_touch_beside_end(const lw_touch *p, const lw_body_frame *frames, const lw_touch_motion *m)
 {
-    lw_vec2 side;
-    return p->kind == LW_TOUCH_FACE && p->side == 0 && !(fmin(m->place, p->length - m->place) > LW_TOUCH_END)
-        && runs_behind(p, frames, m->normal, &side);
+    bool at_end = p->kind == LW_TOUCH_FACE && !(p->radius[1] > 0) && !(fmin(m->place, p->length - m->place) > LW_TOUCH_END);
+    return at_end && (p->covered[m->place > 0.5*p->length] || runs_behind(p, frames, m->normal));
 }
 
 bool lw_touch_crosses(const lw_touch *p, const lw_body_frame *frames, double by)

@@ -36,6 +36,8 @@ typedef struct lw_touch {
     lw_vec2 drawn;                       /* centre of the disc in the posture [m]                      */
     lw_vec2 arm[2];                      /* centre of the disc, on body 0; begin of the face or centre, on body 1 */
     lw_vec2 edge[2];                     /* sides of a body from its corner or sharp end, in the frame of body 0; 0: none */
+    lw_vec2 onward[2];                   /* of a sharp corner: where the outlines of other shapes of its link go on from it, as in a rail of pieces; 0: none */
+    bool    covered[2];                  /* face: another polygon of its link lies on it at this end    */
     lw_vec2 into;                        /* direction from the disc into its shape, in the frame of body 0; 0: a circle */
     double  radius[2];                   /* of a face: half the thickness of a bar                       */
     lw_vec2 along;                       /* face: its direction in the frame of body 1; outside is on its left */
@@ -93,8 +95,8 @@ double lw_touch_size(const lw_touch *p, const lw_touch_motion *m);
 /* Has the disc left the face over one of its ends? */
 bool lw_touch_past_end(const lw_touch *p, const lw_touch_motion *m);
 
-/* Is the disc a corner at the end of a face, and does one of its sides run behind the face?  Then the face does not hold it: another
- * face that ends there, or one of the corner's own sides does. */
+/* Is the disc a corner at the end of a face, and does one of its sides, or of the outlines that go on from it, run behind the face?  Then the face does
+ * not hold it: another face that ends there, or one of the corner's own sides does.  Nor does a face at an end that is covered hold anything. */
 bool lw_touch_beside_end(const lw_touch *p, const lw_body_frame *frames, const lw_touch_motion *m);
 
 /* Does a side of a corner that is outside cross the face, by more than this at both of their ends?  Then tips have passed each other, and bodies overlap
