@@ -1158,6 +1158,47 @@ TEST(drives_that_are_not_as_many_as_freedoms_lose_the_tool)
     }
 }
 
+/* A 3-RRR robot with the pivot of one leg on a rail has four drives for three coordinates of its tool.  To the right the lines of the outer bars meet in
+ * one point at 0.5067 (Python model that integrates the least rates of the drives: 0.5063); above, two legs are stretched. */
+TEST(more_drives_than_coordinates)
+{
+    static char text[3000];
+    const double inner = 0.62, outer = 0.55;
+    size_t n = (size_t)snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', 'plate', 'rail', 'a0', 'b0', 'a1', 'b1', 'a2', 'b2'], 'joints': [{'name': 'S', "
+                                "'kind': 't', 'links': ['ground', 'rail'], 'at': [1, 0, 0], 'axis': [0, 1, 0]}");
+    for (int i = 0; i < 3; i++) {
+        double a = 2*LW_PI*i/3 + 0.2*i;
+        lw_vec2 base = lw_v2(cos(a), sin(a)), plate = lw_v2(0.25*cos(a + 0.4), 0.25*sin(a + 0.4)), d = lw_v2_sub(plate, base);
+        double far = lw_v2_norm(d), x = (far*far + inner*inner - outer*outer)/(2*far), h = sqrt(inner*inner - x*x);
+        lw_vec2 elbow = lw_v2(base.x + (x*d.x - h*d.y)/far, base.y + (x*d.y + h*d.x)/far);
+        n += (size_t)snprintf(text + n, sizeof text - n, ", {'name': 'A%d', 'links': ['%s', 'a%d'], 'at': [%.17g, %.17g, 0], 'axis': [0, 0, 1]}, {'name': 'B%d', 'links': "
+                              "['a%d', 'b%d'], 'at': [%.17g, %.17g, 0], 'axis': [0, 0, 1]}, {'name': 'C%d', 'links': ['b%d', 'plate'], 'at': [%.17g, %.17g, 0], "
+                              "'axis': [0, 0, 1]}", i, i ? "ground" : "rail", i, base.x, base.y, i, i, i, elbow.x, elbow.y, i, i, plate.x, plate.y);
+    }
+    snprintf(text + n, sizeof text - n, "], 'drives': [{'joint': 'S'}, {'joint': 'A0'}, {'joint': 'A1'}, {'joint': 'A2'}], 'tracers': [{'name': 'T', 'link': 'plate', "
+             "'at': [0, 0, 0]}]}");
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    read_spatial(text, "3-RRR on a rail", &m);
+    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+    CHECK_INT(lw_robot_move(&r, lw_v3(1, 0, 0), NULL, &e), LW_OPEN);
+    CHECK_HAS(e.text, "the drives do not hold the tool");
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_NEAR(p.place.x, 0.5063, 1e-3, 0);
+    lw_robot_reset(&r);
+    CHECK_INT(lw_robot_move(&r, lw_v3(0, 1, 0), NULL, &e), LW_OPEN);
+    CHECK_HAS(e.text, "what the drives can reach");
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    double left = LW_PI*2/3 + 0.2, x = cos(left) - 0.25*cos(left + 0.4), y = sin(left) - 0.25*sin(left + 0.4), right = LW_PI*4/3 + 0.4;
+    double of_left = y + sqrt((inner + outer)*(inner + outer) - x*x);
+    x = cos(right) - 0.25*cos(right + 0.4), y = sin(right) - 0.25*sin(right + 0.4);
+    CHECK_NEAR(p.place.y, fmin(of_left, y + sqrt((inner + outer)*(inner + outer) - x*x)), 1e-6, 0);
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}
+
 /* Masses that forces on the tool of a planar robot move: of a gantry its slides, of an arm with all mass at its tip that mass. */
 TEST(masses_in_a_plane)
 {

@@ -666,6 +666,16 @@ static bool drives_were_lost(lw_robot *r, double det)
     return true;
 }
 
+/* The fastest motion or turn of the tool by a unit rate of a drive, in sizes: it grows without limit where the drives lose the tool. */
+static double fastest(const lw_robot *r, const lw_robot_pose *p)
+{
+    double most = 0;
+    for (int k = 0; k < 6; k++)
+        for (int i = 0; i < r->n_drive; i++)
+            most = fmax(most, fabs(p->jacobian[k][i])*lw_space_scale(&r->space, measure_of(r, i))/(k < 3 ? r->space.unit : 1));
+    return most;
+}
+
 /* Is the posture reached one in which the robot may be? */
 static bool may_be_there(lw_robot *r)
 {
@@ -774,14 +784,17 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
     lw_robot_pose begin;
+    double fastest_first = INFINITY;
     r->broken = LW_OK;
     r->jump = 0;
+    r->determinant = 0;
     if (r->by_tool.memory && !(r->condition_limit > 0)) {
         begin_to_pull(r);
         r->determinant = determinant_by_tool(r);
-    } else
-        r->determinant = watched(r, lw_robot_measure(r, &begin, NULL)) == LW_OK ? determinant(r, &begin) : 0;
-    double first_determinant = fabs(r->determinant);
+    } else if (watched(r, lw_robot_measure(r, &begin, NULL)) == LW_OK) {
+        r->determinant = determinant(r, &begin);
+        fastest_first = fastest(r, &begin);
+    }
     h = fmin(h, 0.5*LONGEST_STEP);
     while (at < length && r->broken == LW_OK) {
         h = fmin(h, r->condition_limit > 0 ? CONDITION_STEP : LONGEST_STEP);
@@ -811,10 +824,11 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         h *= 0.5;
         if (h < r->least) {
             lw_robot_pose pose;
-            if (at == 0 && lw_robot_measure(r, &pose, NULL) == LW_OK && pose.freedoms < r->freedoms)
+            bool measured = lw_robot_measure(r, &pose, NULL) == LW_OK;
+            if (at == 0 && measured && pose.freedoms < r->freedoms)
                 snprintf(r->limit, sizeof r->limit, "the posture is singular, and the drives cannot move it this way; begin from another one");
-            else if (strcmp(r->limit, out_of_reach) == 0 && first_determinant > 0 && fabs(r->determinant) > 100*first_determinant)
-                snprintf(r->limit, sizeof r->limit, not_held);           /* it grows without limit there, and falls to 0 at the end of a reach */
+            else if (strcmp(r->limit, out_of_reach) == 0 && (!measured || fastest(r, &pose) > 100*fastest_first))
+                snprintf(r->limit, sizeof r->limit, not_held);           /* at the end of a reach the tool is not fast */
             tool_pose(r, &first, &to);
             free(kept);
             free(near);
