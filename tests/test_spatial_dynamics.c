@@ -1278,6 +1278,25 @@ TEST(a_damped_stop)
     lw_spatial_free(&m);
 }
 
+/* A slider between two compliant stops: arcs of 10 rad/s, and 0.7 s at 1 m/s between them. */
+TEST(steps_end_at_compliant_stops)
+{
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0, 0], 'inertia': "
+        "[1, 1, 1]}], 'joints': [{'name': 'S', 'kind': 'prismatic', 'links': ['ground', 'a'], 'at': [0, 0, 0], 'axis': "
+        "[1, 0, 0], 'stop': {'least': -0.4, 'greatest': 0.3, 'stiffness': 100}}], 'inputs': [{'joint': 'S', 'speed': 1}]}";
+    static const lw_formulation each[] = { LW_FORMULATION_RECURSIVE, LW_FORMULATION_INDEX1 };
+    double t = 5*(LW_PI/5 + 1.4);                        /* five periods */
+    lw_spatial m;
+    read_spatial(text, "text", &m);
+    for (int f = 0; f < 2; f++) {
+        formulation = each[f];
+        run(&m, LW_ANALYSIS_TRANSIENT, t, 1, 1e-10);
+        CHECK_NEAR(k.at[1].input, 0, 1e-9, 0);
+    }
+    formulation = LW_FORMULATION_AUTO;
+    lw_spatial_free(&m);
+}
+
 TEST(refuses_what_it_cannot)
 {
     static const struct { const char *link, *joint, *more, *says; } bad[] = {

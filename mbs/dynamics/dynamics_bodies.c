@@ -68,23 +68,29 @@ typedef struct stepper {
     int           n_aimed;                   /* steps that ended at samples, or could have */
 } stepper;
 
+/* Event functions of stops, contacts or friction; that of kinks comes after them. */
+static int n_event(const stepper *w)
+{
+    const lw_dynamics *d = w->run->d;
+    return d->touch ? LW_TOUCH_EVENTS : w->sticks ? d->n_friction : d->n_stop + (d->eq.piece_left != NULL);
+}
+
 static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
 {
     const lw_dynamics_options *o = &run->d->o;
     lw_ode_options each = lw_ode_options_default();
-    each.relative = o->relative;
-    each.absolute = o->absolute;
+    each.relative = w->implicit ? lw_run_bdf_tolerance(o->relative) : o->relative;
+    each.absolute = w->implicit ? lw_run_bdf_tolerance(o->absolute) : o->absolute;
     each.max_step = lw_run_steps_left(run);
     each.smooth = run->d->eq.smooth;
     lw_status s = LW_OK;
-    w->each = w->each ? w->each : lw_run_tolerances(run, &s);
+    w->each = w->each ? w->each : lw_run_tolerances(run, each.absolute, &s);
     each.absolute_each = w->each;
     if (s != LW_OK)
         return s;
     w->ode = (lw_ode){ .n = run->n, .context = run, .rate = lw_run_rate,
                        .project = w->implicit ? lw_run_project : project_and_hold_energy,
-                       .n_event = run->d->touch ? LW_TOUCH_EVENTS : w->sticks ? run->d->n_friction
-                                : run->d->n_stop + (run->d->eq.piece_left != NULL),
+                       .n_event = n_event(w) + (run->kinks != NULL),
                        .event = run->d->touch ? lw_run_touch_events : w->sticks ? lw_run_stick_events : lw_run_stop_events };
     memset(w->ode.direction, -1, sizeof w->ode.direction);
     if (w->implicit)
@@ -144,7 +150,7 @@ static lw_status watch_touch(stepper *w, double *y)
     lw_integrator *e = &w->explicit_one;
     memcpy(y, e->y, (size_t)w->run->n*sizeof *y);
     lw_status s = lw_run_touch_accept(w->run, e->t, y);
-    memset(e->side, 1, LW_TOUCH_EVENTS);
+    memset(e->side, 1, (size_t)e->ode->n_event);
     e->o.greatest = lw_run_touch_step(w->run, y);
     e->o.greatest = e->o.greatest < INFINITY ? e->o.greatest : 0;
     return s;
@@ -278,6 +284,19 @@ static lw_status check_solved(lw_run *run, stepper *w, double *y)
     return s;
 }
 
+/* A kink that is passed in the last step: begin again.  *stop: LW_ODE_STEP if it was the only event. */
+static lw_status pass_kinks(stepper *w, double *y, lw_ode_stop *stop)
+{
+    unsigned long long *events = w->implicit ? &w->implicit_one.events : &w->explicit_one.events, kink = 1ull << n_event(w);
+    bool event = *stop == LW_ODE_EVENT && *events & kink, passed = lw_run_pass_kinks(w->run, time_of(w), state(w), event);
+    *events &= ~kink;
+    *stop = event && !*events ? LW_ODE_STEP : *stop;
+    if (!passed || *stop != LW_ODE_STEP)
+        return LW_OK;
+    memcpy(y, state(w), (size_t)w->run->n*sizeof *y);
+    return restart(w, y, 0, w->run->e);
+}
+
 /* Impacts at the state y, and what rests, touches or sticks from here on; begin again. */
 static lw_status decide(stepper *w, double *y, unsigned long long events)
 {
@@ -345,6 +364,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
                              "let it begin a little away from the stop, or press on it from the start", time_of(w));
         if (s == LW_OK)
             s = lw_run_samples(run, time_of(w), state_at, w);
+        if (s == LW_OK)
+            s = pass_kinks(w, y, &stop);
         if (s == LW_OK && stop == LW_ODE_EVENT) {
             memcpy(y, state(w), (size_t)run->n*sizeof *y);
             if (d->eq.next_piece) {

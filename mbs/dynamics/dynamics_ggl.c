@@ -309,6 +309,14 @@ static lw_status state_at(void *context, double t, double *state)
     return lw_run_correct(g->run, t, state);
 }
 
+static lw_status kink_ahead(void *context, double t, const double *y, double *ahead)
+{
+    ggl *g = context;
+    unpack(g, y, g->dense);
+    *ahead = lw_run_kink_ahead(g->run, t, g->dense);
+    return LW_OK;
+}
+
 /* y and dy for the state (q, v, work, z), which satisfies the constraints. */
 static lw_status pack(const ggl *g, double t, const double *state, double *y, double *dy)
 {
@@ -413,10 +421,11 @@ static lw_status begin(ggl *g, lw_sundials *w, const lw_dae *dae, double *y, dou
     if (s == LW_OK)
         s = lw_run_begin(run, run->state);
     lw_ode_options o = lw_ode_options_default();
-    o.relative = d->o.relative;
+    double absolute = lw_run_bdf_tolerance(d->o.absolute);
+    o.relative = lw_run_bdf_tolerance(d->o.relative);
     o.absolute_each = g->each;
     for (int i = 0; i < dae->n; i++)
-        g->each[i] = dae->algebraic[i] ? unjudged : d->o.absolute;
+        g->each[i] = dae->algebraic[i] ? unjudged : absolute;
     for (int i = 0; i < d->eq.n_z; i++)
         g->each[dae->n - d->eq.n_z + i] *= d->eq.state_scale(d->eq.context, i);
     o.max_step = lw_run_steps_left(run);
@@ -432,7 +441,8 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
     unsigned char *algebraic = g->algebraic;
     memset(algebraic + g->q + g->v, 1, 2*(size_t)g->c);
     lw_dae dae = { .n = unknowns(g), .context = g, .residual = residual,
-                   .jacobian = lw_mbs_has_derivatives(d) ? jacobian : NULL, .algebraic = algebraic, .pattern = g->columns.n ? &g->columns : NULL };
+                   .jacobian = lw_mbs_has_derivatives(d) ? jacobian : NULL, .algebraic = algebraic, .pattern = g->columns.n ? &g->columns : NULL,
+                   .n_event = run->kinks != NULL, .event = kink_ahead, .direction = { -1 } };
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = begin(g, w, &dae, y, dy);
     if (s != LW_OK)
@@ -447,7 +457,8 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
         }
         if (s != LW_OK)
             break;
-        stop = lw_run_stop(run, w->t, stop);
+        bool kink = stop == LW_ODE_EVENT;
+        stop = lw_run_stop(run, w->t, kink ? LW_ODE_STEP : stop);
         unpack(g, w->y, run->y);
         if (d->eq.accept)
             d->eq.accept(d->eq.context, run->y);
@@ -462,6 +473,11 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
             s = lw_run_pass_kink(run, &w->t, state_at, g);
             stop = lw_run_stop(run, w->t, LW_ODE_STEP);
             if (s == LW_OK && stop != LW_ODE_END)
+                s = begin_again(g, w, w->t, y, dy);
+        }
+        if (s == LW_OK && stop != LW_ODE_END) {
+            unpack(g, w->y, run->state);
+            if (lw_run_pass_kinks(run, w->t, run->state, kink))
                 s = begin_again(g, w, w->t, y, dy);
         }
         if (s == LW_OK && stop != LW_ODE_END) {

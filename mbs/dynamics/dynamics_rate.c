@@ -104,13 +104,13 @@ lw_status lw_run_busy(lw_run *run, double t)
     return lw_limits_check(o->stop, o->until, look_at_clock, t, run->e);
 }
 
-double *lw_run_tolerances(const lw_run *run, lw_status *s)
+double *lw_run_tolerances(const lw_run *run, double absolute, lw_status *s)
 {
     const lw_dynamics *d = run->d;
     double *each = d->eq.n_z ? malloc((size_t)run->n*sizeof *each) : NULL;
     *s = each || !d->eq.n_z ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     for (int i = 0; each && i < run->n; i++)
-        each[i] = d->o.absolute*(i < lw_run_states(run) ? 1 : d->eq.state_scale(d->eq.context, i - lw_run_states(run)));
+        each[i] = absolute*(i < lw_run_states(run) ? 1 : d->eq.state_scale(d->eq.context, i - lw_run_states(run)));
     return each;
 }
 

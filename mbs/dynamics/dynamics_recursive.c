@@ -29,8 +29,8 @@ enum { MOST_ROWS = 48 };                     /* of loops: more are faster in the
 static const double most_accurate = 0.9e-10;   /* tolerance */
 static const double damped = 1e3;            /* decay [1/s] times the length of the run, */
 static const double damped_from = 1e-8;      /* which grows with powers of this over the tolerance */
-static const double bdf_share = 0.05, bdf_share_tight = 0.005;       /* of the tolerance, for BDF steps, whose errors add up to a */
-static const double tight = 0.9e-7;          /* multiple of it, the greater the smaller it is */
+static const double bdf_share_tight = 0.005;         /* in place of LW_BDF_SHARE below a tolerance, */
+static const double tight = 0.9e-7;          /* since the multiple grows */
 enum { MOST_DIFFERENCES = 40 };
 static const double most_turn = 3;           /* of a joint in one step: turns are counted from step to step [rad] */
 
@@ -383,6 +383,14 @@ static lw_status state_at(void *context, double t, double *out)
     return to_bodies(m, t, p->y, t != time_of(p), out);      /* loops that are closed are placed */
 }
 
+static lw_status kink_ahead(void *context, double t, const double *y, double *ahead)
+{
+    motion *m = context;
+    lw_status s = to_bodies(m, t, y, false, m->run->y);
+    *ahead = s == LW_OK ? lw_run_kink_ahead(m->run, t, m->run->y) : 0;
+    return s;
+}
+
 static lw_status step_stages(stepper *w, double end, lw_ode_stop *stop)
 {
     double fastest = 1e-300;
@@ -415,10 +423,11 @@ static lw_status run_steps(motion *m, stepper *w, double *t, double *out)
             s = m->r.n_row ? LW_OPEN : s;
             break;
         }
-        s = to_bodies(m, time_of(w), now(w), !w->implicit, out);
+        bool placed = !w->implicit && !run->kinks, kink = stop == LW_ODE_EVENT;       /* kinks are looked for after the last projection */
+        s = to_bodies(m, time_of(w), now(w), placed, out);
         *t = run->r->t = time_of(w);
-        stop = lw_run_stop(run, *t, stop);
-        if (s == LW_OK && w->implicit)
+        stop = lw_run_stop(run, *t, kink ? LW_ODE_STEP : stop);
+        if (s == LW_OK && !placed)
             d->eq.accept(d->eq.context, out);
         if (s == LW_OK) {
             lw_run_watch(run, out);
@@ -433,6 +442,8 @@ static lw_status run_steps(motion *m, stepper *w, double *t, double *out)
             if (s == LW_OK && stop != LW_ODE_END)
                 s = restart(w, w->y);
         }
+        if (s == LW_OK && lw_run_pass_kinks(run, *t, out, kink) && stop != LW_ODE_END)
+            s = restart(w, w->y);
         if (s == LW_OK && stop != LW_ODE_END && !w->implicit && lw_recursive_wrap(&m->r, w->y))
             s = restart(w, w->y);            /* samples are done with the old angles */
         if (s == LW_OK)
@@ -520,9 +531,12 @@ static lw_status run_one(motion *m, double *y, double *work)
     w.staged = s == LW_OK;
     w.implicit = !w.staged && takes_bdf(m);
     w.ode.project = w.implicit ? NULL : project;
+    w.ode.n_event = run->kinks != NULL;
+    w.ode.event = kink_ahead;
+    w.ode.direction[0] = -1;
     w.at_stages = (lw_stages_ode){ w.ode.n, m->r.n_x, m->r.n_u, stiff, m, rates, m->r.n_x > m->r.n_u ? joints_move : NULL, project, m->stages.isa };
     w.y = y + ode->n;
-    double share = !w.implicit ? 1 : fmax(d->o.relative, d->o.absolute) < tight ? bdf_share_tight : bdf_share;
+    double share = !w.implicit ? 1 : fmax(d->o.relative, d->o.absolute) < tight ? bdf_share_tight : LW_BDF_SHARE;
     o.relative = share*d->o.relative;
     o.absolute = share*d->o.absolute;
     o.max_step = d->o.max_step;
@@ -588,7 +602,7 @@ static void unmake(motion *m)
     free(m->near);
 }
 
-static size_t work_size(int n) { return lw_integrate_work(n, 0) > lw_collocation_work(n, true) ? lw_integrate_work(n, 0) : lw_collocation_work(n, true); }
+static size_t work_size(int n) { return lw_integrate_work(n, 1) > lw_collocation_work(n, true) ? lw_integrate_work(n, 1) : lw_collocation_work(n, true); }
 
 static lw_status run_recursive(lw_run *run)
 {

@@ -123,7 +123,7 @@ static lw_status watch(motion *m, const lw_integrator *w, double *y)
     lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
     lw_reduced_count_turns(m->r);
     predict_turns(m, y, w->t - w->t_old, w->y[1]/sqrt(mass), y);
-    return w->n_step % turns_every && !run->sides && !run->pulses ? LW_OK : bodies_state(m, w->y, y);
+    return w->n_step % turns_every && !run->sides && !run->pulses && !run->kinks ? LW_OK : bodies_state(m, w->y, y);
 }
 
 /* Near a dead point the links move like the square root of the distance to it, which magnifies rounding and the
@@ -173,9 +173,8 @@ static bool steps_over_dip(const motion *m)
 }
 
 /* Rest, the next reversal of a joint, and where the reaction of a slide changes its sign (m->slides). */
-static lw_status events(void *context, double t, const double *y, double *g)
+static lw_status friction_events(motion *m, double t, const double *y, double *g)
 {
-    motion *m = context;
     lw_reduced_friction *f = m->r->friction;
     double ds, dp, power, greatest = 0;
     g[0] = f->sense*y[1];
@@ -194,6 +193,20 @@ static lw_status events(void *context, double t, const double *y, double *g)
             m->turning = i;
         }
     return s;
+}
+
+/* After the events of friction, the next kink. */
+static lw_status events(void *context, double t, const double *y, double *g)
+{
+    motion *m = context;
+    lw_status s = LW_OK;
+    int n = m->r->friction ? 2 + m->slides : 0;
+    if (m->run->kinks) {
+        memcpy(m->run->y, m->r->q, (size_t)m->run->d->n_q*sizeof *y);       /* turns of the last evaluation */
+        s = bodies_state(m, y, m->run->y);
+        g[n] = s == LW_OK ? lw_run_kink_ahead(m->run, t, m->run->y) : 0;
+    }
+    return s == LW_OK && n > 0 ? friction_events(m, t, y, g) : s;
 }
 
 /* Find the signs of the reactions of slides for the sense of the motion. */
@@ -525,9 +538,15 @@ static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *befor
             s = lw_run_samples(run, w->t, state_at, m);
         if (s == LW_OK)
             s = lw_run_limits(run, w->t, k);
-        if (s == LW_OK && stop == LW_ODE_EVENT) {
+        unsigned long long kink = run->kinks ? 1ull << (w->ode->n_event - 1) : 0;
+        bool passed = s == LW_OK && lw_run_pass_kinks(run, w->t, y, w->events & kink);
+        w->events &= ~kink;
+        if (s == LW_OK && stop == LW_ODE_EVENT && w->events) {
             s = change_friction(m, w->events & 1);
             stop = lw_run_stop(run, w->t, LW_ODE_STEP);
+            longest = 0;
+        } else if (s == LW_OK && passed && stop != LW_ODE_END) {
+            s = lw_integrate_restart(w, NULL, run->e);
             longest = 0;
         }
         if (s == LW_OK && lw_run_at_kink(run, w->t)) {
@@ -562,15 +581,16 @@ static lw_status run_one(motion *m, double *y)
 {
     lw_run *run = m->run;
     lw_dynamics *d = run->d;
-    double s[3] = { 0 }, memory[512], *before = y + run->n;
+    double s[3] = { 0 }, memory[LW_INTEGRATE_WORK(3, 4)], *before = y + run->n;
     lw_ode ode = { .n = 2 + run->has_work, .context = m, .rate = rate,
                    .project = run->has_work ? NULL : hold_energy };
     if (m->r->friction) {
         m->slides = m->r->friction->n_slide > 0;
         ode.n_event = 2 + m->slides;
-        ode.event = events;
-        memset(ode.direction, -1, sizeof ode.direction);
     }
+    ode.n_event += run->kinks != NULL;
+    ode.event = events;
+    memset(ode.direction, -1, sizeof ode.direction);
     lw_ode_options o = lw_ode_options_default();
     lw_integrator w;
     o.relative = d->o.relative;

@@ -480,6 +480,7 @@ static void note_start(lw_run *run, const double *y)
     run->pulse_t[0] = run->pulse_t[1] = INFINITY;
     if (run->pulses)
         limit_by_pulses(run, d->o.from, y);
+    lw_run_start_kinks(run, d->o.from, y);
     run->timed = (lw_timed){ .expressions = d->eq.expressions, .context = d->eq.context, .from = d->o.from, .to = d->o.to,
                               .kink = d->o.from, .calm = d->o.from };
 }

@@ -40,6 +40,7 @@ typedef struct lw_run {
     double  chosen;                  /* greatest value of the least pivot since the basis of the rows was chosen */
     double *sides;                   /* memory of lw_run_jumps; NULL: nothing jumps */
     struct lw_pulses *pulses;        /* of lw_run_pulses; NULL: no function of a joint or another measure can have a pulse */
+    struct lw_kinks *kinks;          /* of dynamics_kinks.c; NULL: forces have no kinks or jumps that depend on the motion */
     double  pulse_t[2];              /* when the next step must end because of them; _near */
     double  most_force, jumps_t, jumped[LW_RUN_JUMPS];       /* greatest force so far; time of the last check; times of the last jumps */
     long    n_jumped;
@@ -69,10 +70,15 @@ lw_status lw_run_busy(lw_run *run, double t);
  * failure; else s.  With LW_OPEN the reason stays in run->e, whose status is LW_OPEN, too. */
 lw_status lw_run_failed_rates(lw_run *run, double t, lw_status s);
 
-/* Index in y of the first-order states; absolute tolerances of y (n), to be freed.  NULL: they are all equal, or *s is
- * LW_E_MEMORY. */
+/* Index in y of the first-order states; tolerances of y (n) for the absolute one of lengths and angles, to be freed.  NULL: they are all equal, or *s
+ * is LW_E_MEMORY. */
 static inline int lw_run_states(const lw_run *run) { return run->d->n_q + run->d->n_v + run->has_work; }
-double *lw_run_tolerances(const lw_run *run, lw_status *s);
+double *lw_run_tolerances(const lw_run *run, double absolute, lw_status *s);
+
+/* The tolerance of a step of BDF methods: this part of the one asked for, since the errors of many steps of low order add up to a multiple of it. */
+#define LW_BDF_SHARE 0.05
+#define LW_BDF_LEAST 2e-14               /* Newton's method does not converge much below it */
+static inline double lw_run_bdf_tolerance(double tolerance) { return fmin(tolerance, fmax(LW_BDF_SHARE*tolerance, LW_BDF_LEAST)); }
 
 /* Steps left of those allowed; 0: no limit. */
 long lw_run_steps_left(const lw_run *run);
@@ -128,6 +134,16 @@ lw_status lw_run_slides(lw_run *run, double t);          /* sets this error */
  * step to where such a change is seen: from the values after the last three steps, and the bounds of lw_expression_calm.  LW_E_MEMORY. */
 lw_status lw_run_make_pulses(lw_run *run);
 void      lw_run_free_pulses(lw_run *run);
+
+/* ---- dynamics_kinks.c: kinks and jumps of forces that depend on the motion ----------------------------------- */
+
+/* _ahead: an event function, which falls to 0 at the next kink or jump; solvers add it to theirs, as the last one, if run->kinks is not NULL.  _pass: call
+ * after a step to (t, y); event: the step has ended at this event.  True: a kink has been passed, and the solver must begin anew.  _make: LW_E_MEMORY. */
+lw_status lw_run_make_kinks(lw_run *run);
+void      lw_run_free_kinks(lw_run *run);
+void      lw_run_start_kinks(lw_run *run, double t, const double *y);
+double    lw_run_kink_ahead(lw_run *run, double t, const double *y);
+bool      lw_run_pass_kinks(lw_run *run, double t, const double *y, bool event);
 
 /* Kinetic and potential energy at y less the work done since the start [J], which is constant. */
 double lw_run_energy(const lw_run *run, const double *y);

@@ -50,6 +50,8 @@ lw_status lw_run_stick_events(void *context, double t, const double *y, double *
     lw_run *run = context;
     lw_dynamics *d = run->d;
     lw_status s = LW_OK;
+    if (run->kinks)
+        g[d->n_friction] = lw_run_kink_ahead(run, t, y);
     if (d->n_resting > 0)
         s = lw_mbs_accelerate(d, t, y, y + d->n_q, d->a, d->l, NULL);
     d->eq.place(d->eq.context, y);

@@ -46,6 +46,8 @@ lw_status lw_run_stop_events(void *context, double t, const double *y, double *g
 {
     lw_run *run = context;
     lw_dynamics *d = run->d;
+    if (run->kinks)
+        g[d->n_stop + (d->eq.piece_left != NULL)] = lw_run_kink_ahead(run, t, y);
     if (d->eq.piece_left)
         g[d->n_stop] = d->eq.piece_left(d->eq.context, y);
     d->eq.place(d->eq.context, y);

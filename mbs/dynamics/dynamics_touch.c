@@ -50,12 +50,14 @@ static void least(double *g, double value) { *g = fmin(*g, value); }
 
 lw_status lw_run_touch_events(void *context, double t, const double *y, double *g)
 {
-    const lw_run *run = context;
+    lw_run *run = context;
     lw_dynamics *d = run->d;
     struct lw_touching *w = d->touch;
     const double *v = y + d->n_q;
     for (int i = 0; i < LW_TOUCH_EVENTS; i++)
         g[i] = 1;
+    if (run->kinks)
+        g[LW_TOUCH_EVENTS] = lw_run_kink_ahead(run, t, y);
     if (w->n_row > 0) {
         d->eq.place_states(d->eq.context, y + lw_run_states(run));
         lw_status s = lw_mbs_accelerate(d, t, y, v, d->a, d->l, NULL);

@@ -287,7 +287,7 @@ static lw_status confirm(const lw_run *run, lw_formulation f, const char *why)
         ending end = { q + (size_t)k*n, d->n_q };
         lw_error e = { 0 };
         lw_dynamics_report r = { .formulation = f };
-        lw_run dry = { .d = d, .sink = keep_posture, .context = &end, .sides = run->sides, .pulses = run->pulses };
+        lw_run dry = { .d = d, .sink = keep_posture, .context = &end, .sides = run->sides, .pulses = run->pulses, .kinks = run->kinks };
         d->o.relative = given.relative*(k ? 1 : 10), d->o.absolute = given.absolute*(k ? 1 : 10);
         s = run_again(&dry, why, &r, &e);
     }
@@ -363,6 +363,8 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     }
     lw_status s = lw_run_make_pulses(&run);
     if (s == LW_OK)
+        s = lw_run_make_kinks(&run);
+    if (s == LW_OK)
         s = run_one(&run);
     if ((s == LW_E_ARG || s == LW_E_KIND) && (r->t > d->o.from || r->samples > 0))      /* the model ran until here */
         s = run.e->status = LW_E_NUMERIC;
@@ -372,5 +374,6 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     free(run.last_shown);
     free(run.sides);
     lw_run_free_pulses(&run);
+    lw_run_free_kinks(&run);
     return s;
 }

@@ -390,13 +390,12 @@ static void apply_springs(const lw_forces *f, double t, const double *q, const d
     }
 }
 
-/* Depth of a joint beyond its stop; *sense: direction of the push. */
+/* Depth of a joint beyond the nearer end of its stop, < 0 before it; *sense: direction of the push. */
 static double depth(const lw_joint_stop *p, double value, double *sense)
 {
-    *sense = p->has_least && value < p->least ? 1 : -1;
-    if (*sense > 0)
-        return p->least - value;
-    return p->has_greatest ? fmax(value - p->greatest, 0) : 0;
+    double least = p->has_least ? p->least - value : -INFINITY, greatest = p->has_greatest ? value - p->greatest : -INFINITY;
+    *sense = least > greatest ? 1 : -1;
+    return fmax(least, greatest);
 }
 
 /* The damper of a stop pushes but does not pull. */
@@ -424,8 +423,8 @@ void lw_forces_stop_sides(const lw_forces *f, const double *q, const double *v, 
         double sense;
         lw_measure_joint(f->system, f->stop_joint[i], q, v, false, &m);
         double in = depth(p, m.value, &sense);
-        side[2*i] = in > 0 ? in : -1;
-        side[2*i + 1] = in > 0 ? p->stiffness*in - sense*p->damping*m.rate : -1;
+        side[2*i] = in;
+        side[2*i + 1] = p->stiffness*in - (in > 0 ? sense*p->damping*m.rate : 0);
     }
 }
 
@@ -807,7 +806,7 @@ double lw_forces_potential(const lw_forces *f, const double *q)
     for (int i = 0; i < f->n_stop; i++) {
         const lw_joint_stop *p = &m->stop[f->stop_joint[i]];
         lw_measure_joint(s, f->stop_joint[i], q, q, false, &l);
-        double in = depth(p, l.value, &sense);
+        double in = fmax(depth(p, l.value, &sense), 0);
         energy += 0.5*p->stiffness*in*in;
     }
     /* strains of superelements are in both */

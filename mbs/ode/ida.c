@@ -78,6 +78,8 @@ static bool set_kinds(lw_sun *own)
         && (!any || IDASetNonlinConvCoef(own->solver, newton) == 0);
 }
 
+static const int most_failures = 30;         /* of the error test in a row: a run that begins on a jump of F needs a very short first step */
+
 static bool set_up(lw_sun *own, double t)
 {
     const lw_dae *dae = own->problem;
@@ -85,7 +87,7 @@ static bool set_up(lw_sun *own, double t)
     bool ok = s && IDASetErrHandlerFn(s, lw_sun_message, own) == 0
         && IDAInit(s, residual, t, own->v[LW_SUN_NOW], own->v[LW_SUN_RATE]) == 0 && IDASetUserData(s, own) == 0
         && IDAWFtolerances(s, weights) == 0
-        && IDASetLinearSolver(s, own->linear, own->matrix) == 0 && IDASetMaxNumSteps(s, -1) == 0
+        && IDASetLinearSolver(s, own->linear, own->matrix) == 0 && IDASetMaxNumSteps(s, -1) == 0 && IDASetMaxErrTestFails(s, most_failures) == 0
         && set_kinds(own);
     ok = ok && (!dae->jacobian || IDASetJacFn(s, jacobian) == 0);
     ok = ok && (dae->n_event == 0 || (IDARootInit(s, dae->n_event, roots) == 0

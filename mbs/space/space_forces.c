@@ -444,8 +444,9 @@ void lw_space_stop_sides(const lw_space_forces *f, const lw_space_frame *frame, 
             continue;
         measure_of(f, frame, lw_space_stop_measure(f->s, i), v, false, &at);
         double depth = beyond(p, at.value);
-        side[n++] = depth == 0 ? -1 : 1;
-        side[n++] = depth == 0 ? -1 : copysign(1, depth)*(p->stiffness*depth + p->damping*at.rate);
+        double in = fmax(p->has_least ? p->least - at.value : -INFINITY, p->has_greatest ? at.value - p->greatest : -INFINITY);
+        side[n++] = in;
+        side[n++] = p->stiffness*in + (depth == 0 ? 0 : copysign(p->damping, depth)*at.rate);
     }
 }
 
