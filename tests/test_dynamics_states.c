@@ -250,6 +250,56 @@ TEST(oil_at_fine_tolerances)
     }
 }
 
+/* A four-bar turned by a motor: filter of a controller, inductance, voltage. */
+static const char with_motor[] =
+    "{'linkwright': 1, 'units': {'length': 'm'}, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.15], 'inertia': 0.01}, "
+    "{'name': 'b', 'mass': 1.5, 'centre': [0.4, 0.5], 'inertia': 0.1}, {'name': 'c', 'mass': 1.2, 'centre': [0.9, 0.35], 'inertia': 0.05}], 'joints': "
+    "[{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0, 0.3]}, {'name': 'C', 'links': ['b', 'c'], 'at': "
+    "[0.8, 0.7]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [1, 0]}], 'input': {'joint': 'A', 'speed': 6}, 'controllers': [{'name': 'k', 'wanted': "
+    "'havsin(t, 0.1, 0, 0.6, 1)', 'measured': 'q(A)', 'proportional': 200, 'integral': 400, 'derivative': 20, 'filter': %g}], 'motors': [{'name': 'M', "
+    "'joint': 'A', 'resistance': 0.8, 'inductance': %g, 'torque_constant': 0.05, 'inertia': 1e-4, 'ratio': 20, 'voltage': '%s'}]}";
+
+static void read_motor(double filter, double inductance, const char *voltage)
+{
+    char text[3000];
+    json_format(text, sizeof text, with_motor, filter, inductance, voltage);
+    drun_read_json(&d, text);
+}
+
+/* The fast filter of a controller magnifies errors of the angle, which methods of low order answer by ever shorter steps (14000 at 1e-8 in a
+ * second). */
+TEST(a_fast_filter)
+{
+    double q = 0;
+    for (int k = 0; k < 3; k++) {
+        read_motor(2e-5, 1e-3, "output(k)");
+        drun_to(&d, k ? LW_FORMULATION_AUTO : LW_FORMULATION_INDEX1, k < 2 ? 1e-8 : 1e-5, 0.3, 20);
+        CHECK_TEXT(d.e.text, "");
+        if (k) {
+            CHECK(d.report.steps + d.report.refused < 200);
+            CHECK_NEAR(d.q[2], q, k < 2 ? 1e-9 : 1e-6, 0);
+        }
+        q = k ? q : d.q[2];
+        lw_model_free(&d.model);
+    }
+}
+
+/* A current that follows the speed at once is a little off after each step.  Steps do not get short by that; where they do after all, an implicit method
+ * goes on. */
+TEST(a_current_that_follows_at_once)
+{
+    static const struct { double inductance, tolerance; lw_formulation asked, by; } part[] = {
+        { 1e-6, 1e-9, LW_FORMULATION_RADAU, LW_FORMULATION_RADAU }, { 1e-6, 1e-10, LW_FORMULATION_AUTO, LW_FORMULATION_CVODE },
+        { 5e-4, 1e-4, LW_FORMULATION_AUTO, LW_FORMULATION_CVODE }, { 5e-4, 1e-7, LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1 } };
+    for (int k = 0; k < 4; k++) {
+        read_motor(0.1, part[k].inductance, "24");
+        drun_to(&d, part[k].asked, part[k].tolerance, 0.6, 1);
+        CHECK_TEXT(d.e.text, "");
+        CHECK_INT(d.report.formulation, part[k].by);
+        lw_model_free(&d.model);
+    }
+}
+
 /* At rest, rounding moves the crank: at this speed it would be in a singular posture in 30 s. No step over that is tried. */
 TEST(a_singular_posture_behind_the_end)
 {

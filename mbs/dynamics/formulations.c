@@ -308,7 +308,9 @@ static lw_status run_others(lw_run *run, lw_status s)
     long steps = d->o.max_step;
     char why[sizeof first.why];
     snprintf(why, sizeof why, "%s gave up at t = %.9g s", lw_formulation_name(first.formulation), first.t);
-    for (int f = LW_FORMULATION_REDUCED; f < (int)(sizeof table/sizeof *table) && s == LW_E_NUMERIC && !run->refused; f++) {
+    const int n = sizeof table/sizeof *table - LW_FORMULATION_REDUCED, begin = lw_mbs_is_stiff(d) ? LW_FORMULATION_CVODE - LW_FORMULATION_REDUCED : 0;
+    for (int k = 0; k < n && s == LW_E_NUMERIC && !run->refused; k++) {      /* explicit ones last where they would take long */
+        int f = LW_FORMULATION_REDUCED + (begin + k)%n;
         next = d->choice;
         next.formulation = (lw_formulation)f;
         if (f == (int)first.formulation || f == LW_FORMULATION_CAPTURE || f == LW_FORMULATION_RADAU || f == LW_FORMULATION_ALPHA || table[f]->able(d, true, &next) != LW_OK)
