@@ -64,6 +64,12 @@ TEST(rounded)
     expect("sed -E 's/([0-9]\\.[0-9]{7})[0-9]+/\\1/g' examples/space/bennett.json > $D/finer.json && $P trace $D/finer.json -n 3", 0, NULL,
            "their axes turned by up to");
     expect("$P trace examples/space/bennett.json -n 3 2>&1 | grep -c overconstrained", 1, "0", NULL);
+    /* crank and coupler in one plane, a ball, and a rocker across another plane: rigid, though it yields to first order */
+    expect("printf '{\"linkwright\": 1, \"links\": [\"ground\", \"a\", \"b\", \"c\"], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], "
+           "\"axis\": [0, 0, 1]}, {\"name\": \"B\", \"links\": [\"a\", \"b\"], \"at\": [0, 1, 0], \"axis\": [0, 0, 1]}, {\"name\": \"C\", \"kind\": \"b\", \"links\": "
+           "[\"b\", \"c\"], \"at\": [2, 1.5, 0]}, {\"name\": \"D\", \"links\": [\"c\", \"ground\"], \"at\": [2, 0, 0], \"axis\": [0, 0.02, 1]}], \"input\": {\"joint\": "
+           "\"A\"}, \"tracers\": [{\"name\": \"P\", \"link\": \"b\", \"at\": [1, 1, 0]}]}' > $D/rigid.json; $P trace $D/rigid.json", 4, NULL,
+           "its dimensions do not let it move farther");
 }
 
 /* Motions that move every freedom beyond a rigid stop, also there and back between two rows; sin(t) = 2/3 at t = 0.7297. */

@@ -248,14 +248,15 @@ static bool same_curve(lw_space_follow *f, double h)
  * of the linkage.  One drawn with rounded numbers opens as it moves: how fast shows in the first step. */
 static bool stays_closed(lw_space_follow *f, double length)
 {
-    static const double exact = 1e-7, faster = 1e4, clear_step = 1e-3;
+    static const double exact = 1e-7, faster = 1e4, clear_step = 1e-3, rounded = 1e-3;
     if (f->z.n_kept == f->z.n_row)
         return true;
     double open = lw_space_rows_open(&f->z);
-    if (f->open > 0)
+    f->opened = open > rounded;
+    if (f->open > 0 || f->opened)
         return open <= f->open;
     if (length > clear_step)
-        f->open = fmax(exact, faster*open/length);
+        f->open = fmin(fmax(exact, faster*open/length), rounded);
     return true;
 }
 
@@ -264,7 +265,7 @@ static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context
 {
     const lw_space *s = f->z.s;
     double moved = 0, length;
-    *taken = false;
+    *taken = f->opened = false;
     lw_space_follow_second(f);
     memcpy(f->q_try, f->q, (size_t)s->n_q*sizeof *f->q);
     for (int i = 0; i < s->n_v; i++)
@@ -350,6 +351,10 @@ static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, 
         free(want), free(got);
         return lw_error_set(e, LW_OPEN, "the motion ends near %s, where link \"%s\" slides away without bound: it is %.3g m from its place in the file",
                             where, s->model->body[away].name, distance*s->unit);
+    }
+    if (f->opened) {
+        free(want), free(got);
+        return lw_error_set(e, LW_OPEN, "joints open beyond %s: the linkage is overconstrained, and its dimensions do not let it move farther (linkwright mobility)", where);
     }
     bool small = f->z.n_row <= LW_SPACE_MANY_ROWS;       /* the search for the gap takes full matrices */
     double gap = known && small ? lw_space_gap(f, want, &joint, &angle) : 0;
@@ -580,7 +585,7 @@ lw_status lw_space_reach(lw_space_follow *f, double to, double *reached, bool *l
     lw_space_follow_values(f, reached);
     f->u = *reached;
     lw_status s = lw_space_follow_to(f, own_value, NULL, to, e);
-    *limit = s == LW_OPEN;
+    *limit = s == LW_OPEN && !f->opened;
     *reached = f->u;
     return *limit ? LW_OK : s;
 }

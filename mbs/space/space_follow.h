@@ -24,6 +24,8 @@ typedef struct lw_space_follow {
     bool    between;                     /* v and a come from postures beside a singular one               */
     double  clear;                       /* greatest z.weak of the postures gone through: far from singular ones */
     double  open;                        /* rows that depend on others stay closed to this; 0: not known yet */
+    bool    opened;                      /* the last step tried would open rows that depend on others farther than rounded numbers do: an
+                                          * overconstrained linkage that does not move as drawn */
     double  least;                       /* share of the way of a call to which a limit is found           */
     lw_space_path *made_by;
     void   (*passed)(void *context, const double *q);    /* sees every posture on the way, less than half a turn apart; NULL */
@@ -63,7 +65,7 @@ void lw_space_follow_values(const lw_space_follow *f, double *value);
 lw_space_path lw_space_motions;
 
 /* A limit of the input, or where the model is singular, in direction `to` from the posture of f (one input): the last
- * value reached and *limit; or `to` and no limit.  LW_E_MEMORY. */
+ * value reached and *limit; or `to` and no limit.  LW_OPEN with a text: f->opened.  LW_E_MEMORY. */
 lw_status lw_space_reach(lw_space_follow *f, double to, double *reached, bool *limit, lw_error *e);
 
 /* How far the joints stay apart at best with these inputs (SI), found from f->q: the greatest gap [m] or angle [rad],
