@@ -1060,12 +1060,14 @@ static lw_status run_steps(stages *g)
     return s;
 }
 
+static bool high_order(const lw_dynamics *d) { return d->o.relative < 1e-7; }
+
 static lw_status run_implicit(lw_run *run, bool alpha)
 {
     lw_dynamics *d = run->d;
     stages g = { .run = run, .alpha = alpha, .n = d->n_v, .n_q = d->n_q, .n_x = d->eq.n_z, .c = d->n_kept, .t = d->o.from };
     size_t n = (size_t)g.n, c = (size_t)g.c, q = (size_t)g.n_q, x = (size_t)g.n_x;
-    g.way = &methods[d->o.relative < 1e-7];
+    g.way = &methods[high_order(d)];
     if (alpha)
         set_alpha(&g, d->o.rho);
     else
@@ -1117,7 +1119,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         if (kind != LW_SPATIAL_REVOLUTE && kind != LW_SPATIAL_PRISMATIC)
             return lw_formulation_say(r, LW_E_KIND, 0, "it knows friction of revolute and prismatic joints only");
     }
-    bool slow_states = d->eq.n_z && !lw_mbs_is_stiff(d);     /* a method of low order or the explicit one takes less time */
+    /* a method of low order takes less time at loose tolerances, the explicit one where states are slow */
+    bool slow_states = d->eq.n_z && !lw_mbs_is_stiff(d) && !(high_order(d) && lw_mbs_states_decay(d));
     if (!asked && !d->elastic && !d->eq.next_piece && (d->n_friction || !lw_mbs_is_damped(d, false) || (!d->space && (!d->eq.exact || d->s.n_tie || slow_states))))
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for elastic links and where it is asked for");
     return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : d->elastic

@@ -14,7 +14,7 @@ static const double vibrating = 2e3;
 /* Decay of first-order states times the length of the run above which an implicit method of low order takes less time for the same error than
  * the explicit one of order 8: least_states at loose tolerances, more at tolerances below states_at, which cost it more steps but the
  * explicit one, whose steps are short for stability, none.  Measured for motors and controllers from 800 to 8000. */
-static const double least_states = 500, damped_states = 900, states_at = 3e-6;
+static const double least_states = 500, damped_states = 900, states_at = 7e-6;
 enum { most_looked = 400 };              /* dampers and motors that are looked at, evenly spread */
 
 /* The fastest decay of a state by itself: the greatest derivative of a rate by its own state. */
