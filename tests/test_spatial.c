@@ -45,6 +45,7 @@ TEST(refuses_what_no_model_has)
         { "", ", 'axis': [0, 0, 1, 4]", "", "list of 3", 3 },
         { ", 'elastic': {'section': {'shape': 'round', 'diameter': 0.1}, 'material': 'steel', 'axis': [[0, 0, 0], [0, 0, 0]]}",
           ", 'axis': [0, 0, 1]", "", "length 0", 2 },
+        { ", 'velocity': [1, 0, 0]", ", 'axis': [0, 0, 1]", ",\n'ground': 'a'", "the ground does not move", 2 },
         { "", ", 'axis': [0, 0, 1]", ",\n'gravity': [0, -9.81]", "list of 3", 4 },
         { "", ", 'axis': [0, 0, 1]", ",\n'couplings': [{'name': 'g', 'terms': [{'joint': 'A', 'factor': 1}]}]", "at least 2", 4 },
         { "", ", 'axis': [0, 0, 1]", ",\n'couplings': [{'name': 'g', 'terms': [{'joint': 'A', 'factor': 1}, {'joint': 'A', "

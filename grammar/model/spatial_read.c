@@ -322,6 +322,8 @@ static lw_status read_links(const lw_json_node *root, lw_spatial *m, lw_error *e
         m->ground = lw_read_find(root->json, "ground", NAMES(m->body, m->n_link, lw_spatial_body));
     if (s == LW_OK && m->ground < 0)
         return lw_json_fault(root, e, "\"ground\" is missing: name the fixed link, or call a link \"ground\"");
+    if (s == LW_OK && (m->body[m->ground].has_velocity || m->body[m->ground].has_omega))
+        return lw_json_fault(&links, e, "the ground does not move: leave \"velocity\" and \"angular_velocity\" of \"%s\" out", m->body[m->ground].name);
     return s != LW_OK || !m->elastic[m->ground].given ? s
          : lw_json_fault(&links, e, "the ground \"%s\" cannot be elastic; weld an elastic link to it", m->body[m->ground].name);
 }

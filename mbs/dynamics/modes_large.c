@@ -484,7 +484,7 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, bool damping, lw_tangent *k
             }
             if (s == LW_OK)
                 s = known ? lw_modes_solve(&v, modes, e)
-                  : lw_error_set(e, LW_E_KIND, "whether it is stable is not known: a force that turns with its link or depends on others has no potential");
+                  : lw_error_set(e, LW_E_KIND, "whether it is stable is not known: a moment in space, or a force that turns with its link or depends on others, has no potential");
             if (s == LW_OK && !whole) {
                 keep_exact(&z, wanted, t, l, still, k, damp, modes);
                 s = modes->n_mode > 0 ? s : lw_error_set(e, LW_E_NUMERIC, "no mode was found: Krylov's method does not converge under loads without a potential");

@@ -71,7 +71,7 @@ static lw_status settle(lw_dynamics *d, double t, double *q, lw_rest *r, lw_erro
 
 const char *lw_rest_text(const lw_rest *r)
 {
-    return r->unknown ? "stability not known, since a force that turns with its link or depends on other quantities has no potential"
+    return r->unknown ? "stability not known, since a moment in space, or a force that turns with its link or depends on other quantities, has no potential"
          : r->stable ? "stable" : r->neutral ? "neutral: it can move without any force, so this is one of many postures of equilibrium" : "not stable";
 }
 
