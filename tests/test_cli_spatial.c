@@ -27,6 +27,8 @@ TEST(robots)
     expect("$P robot jacobian examples/space/stewart.json --tool-at 0.05,-0.03,0.82 --tool-turn 5,-8,12 > $D/there; v=$(grep ^drive $D/there | "
            "awk '{printf s $3; s = \",\"}'); $P robot jacobian examples/space/stewart.json --drives-at $v | head -2", 0,
            "at (0.05, -0.03, 0.82) m\nturned by (5, -8, 12) deg", NULL);
+    expect("$P robot jacobian examples/five-bar.json --tool-at 0,0", 4, NULL, "the tool stops at (0, 17.7403108, 0) mm: the limit of what the links can reach");
+    expect("$P robot workspace examples/space/delta.json --max-condition 1.2", 4, NULL, "in the level plane: the condition number 1.63775 there exceeds --max-condition");
     expect("$P robot budget examples/space/delta.json", 3, NULL, "nothing lets the tool stray");
     expect("$P robot workspace examples/space/arm.json", 4, NULL, "the posture is singular, or the robot lacks this freedom");
     expect("$P robot map examples/space/arm.json", 4, NULL, "the posture is singular, or the robot lacks this freedom");

@@ -836,7 +836,10 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
             if (lw_v3_norm(spin) > 1e-12)
                 snprintf(turned, sizeof turned, ", turned by %.6g of %.6g degrees",
                          lw_v3_norm(lw_quaternion_vector(lw_quaternion_times(to, lw_quaternion_inverse(from))))*180/LW_PI, lw_v3_norm(spin)*180/LW_PI);
-            return lw_error_set(e, LW_OPEN, "the tool stops at (%.9g, %.9g, %.9g) m%s: %s", first.x, first.y, first.z, turned, r->limit);
+            const lw_units *units = &r->model->units;
+            first = lw_v3_scale(first, 1/units->metre);
+            return lw_error_set(e, LW_OPEN, "the tool stops at (%.9g, %.9g, %.9g) %s%s: %s", first.x, first.y, first.z, units->length[0] ? units->length : "m",
+                                turned, r->limit);
         }
     }
     free(kept);
