@@ -175,8 +175,21 @@ TEST(few_stations_leave_the_curve_unsure)
     CHECK_NEAR(lw_likeness_stray(&t, b, 2).unsure, 0, 1e-15, 0);
     lw_target_free(&t);
     make_of(p, 2, 0, &t);
-    CHECK_NEAR(lw_likeness_stray(&t, b, 2).unsure, 0.5*tan(LW_PI/16)*hypot(0.1, 0.2), 0, 1e-3);      /* an arc of 45 degrees */
+    CHECK_NEAR(lw_likeness_stray(&t, b, 2).unsure, 0.5*tan(LW_PI/16)*hypot(0.1, 0.2), 0, 1e-12);     /* an arc of 45 degrees */
     lw_target_free(&t);
+}
+
+/* Between poses a body may turn about one point, the shorter way: by 100 and 90 degrees here, along a straight line of stations. */
+TEST(poses_leave_the_arc_of_a_turn_open)
+{
+    const double x[] = { 0, 3, 8 }, y[] = { 0, 0, 0 }, theta[] = { 0, 100*LW_PI/180, 370*LW_PI/180 };
+    const lw_vec2 b[2] = { { 2, 0 }, { 0, 0 } };
+    lw_target t;
+    for (size_t n = 2; n <= 3; n++) {
+        CHECK_INT(lw_target_make(n, x, y, theta, NULL, NULL, 0, &t, NULL), LW_OK);
+        CHECK_NEAR(lw_likeness_stray(&t, b, 2).unsure, n == 2 ? 1.5*tan(25*LW_PI/180) : 2.5*tan(22.5*LW_PI/180), 0, 1e-12);
+        lw_target_free(&t);
+    }
 }
 
 /* The greatest distance of the stations from wild polylines of several lengths, compared with a look at every segment. */

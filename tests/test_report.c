@@ -402,6 +402,25 @@ TEST(errors_below_those_of_manufacture_cost_little)
     }
 }
 
+/* Between few stations a four-bar may go on an arc through them, whether it meets them or not: its error there is what it misses them by. */
+TEST(few_stations_are_missed_by_their_errors)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 20);
+    made k;
+    make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
+    lw_fit_report r = report_of(&k);
+    const double extent = k.t.extent;
+    for (int trial = 0; trial < 3; trial++) {
+        r.error_max = r.stray.to_curve = (trial == 0 ? 0 : 0.003)*extent;
+        r.stray.to_target = 0.03*extent;
+        r.stray.unsure = 0.028*extent;
+        k.t.n = trial < 2 ? 8 : 30;
+        CHECK_NEAR(lw_fit_report_distance(&k.t, &r), (trial == 0 ? 0.002 : trial == 1 ? 0.003 : 0.03)*extent, 0, 1e-9*extent);
+    }
+    lw_target_free(&k.t);
+}
+
 /* A four-bar that leaves the target by 8 % of its diagonal is no row beside six links that follow it, unless it alone turns fully. */
 TEST(rows_far_from_the_target_end_where_another_is_near)
 {
