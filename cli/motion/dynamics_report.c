@@ -33,8 +33,8 @@ void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status
         fprintf(f, "# several motions from t = %.12g s on: contact %s and others share a load in several ways while they slip\n", r->undetermined_t,
                 r->undetermined);
     if (r->captured_step > 0)
-        fprintf(f, "# assumed: contacts are captured in steps of up to %.2g s; impacts are that late, overlaps within a step "
-                "reach %.2g m\n", r->captured_step, r->overlap);
+        fprintf(f, "# assumed: contacts are captured in steps of up to %.2g s; impacts are up to %.2g s late, overlaps within a step "
+                "reach %.2g m\n", r->captured_step, r->captured_late, r->overlap);
     if (status != LW_OK)
         fprintf(f, "# incomplete: ended at t = %.12g s: %s\n", r->t, e->text);
 }
@@ -71,6 +71,7 @@ void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_repo
         cli_json_real(j, "undetermined_from", r->undetermined_t);
     if (r->captured_step > 0) {
         cli_json_real(j, "captured_step", r->captured_step);
+        cli_json_real(j, "captured_late", r->captured_late);
         cli_json_real(j, "overlap", r->overlap);
     }
     cli_json_int(j, "steps", r->steps);
@@ -214,9 +215,12 @@ void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynami
     if (r->undetermined)
         cli_note(c, "from t = %.12g s on contact %s and others share a load in several ways while they slip, each with other friction: rigid bodies have "
                  "several motions then, of which one is given; a \"stiffness\" of the contacts determines it", r->undetermined_t, r->undetermined);
-    if (r->captured_step > 0)
-        cli_note(c, "contacts are captured in steps of up to %.2g s: impacts are that late, and overlaps within a step reach %.2g m; the error is "
-                 "of first order (--formulation index1 locates each event)", r->captured_step, r->overlap);
+    if (r->captured_late > 0)
+        cli_note(c, "contacts are captured in steps of up to %.2g s: impacts that follow each other, or many at once, are up to %.2g s late, and overlaps "
+                 "within a step reach %.2g m; the error is of first order (--formulation index1 locates each event)", r->captured_step, r->captured_late,
+                 r->overlap);
+    else if (r->captured_step > 0)
+        cli_note(c, "contacts are captured in steps of up to %.2g s, and each impact was located: the error is of second order", r->captured_step);
     note_start(c, d, r);
     for (int i = 0; i < r->n_event && i < 10; i++) {
         const lw_run_event *h = &r->event[i];

@@ -42,7 +42,7 @@ typedef enum lw_analysis {
     X(REDUCED, reduced, "one freedom: one equation in the input; friction sticks") \
     X(ALPHA, alpha, "generalised-alpha method of second order, for lightly damped elastic links at loose tolerances") \
     X(RADAU, radau, "implicit Runge-Kutta method of order 5 or 9, for elastic links and stiff dampers") \
-    X(CAPTURE, capture, "many rigid contacts: captured in steps, first order; impacts are not located") \
+    X(CAPTURE, capture, "many rigid contacts: captured in steps, second order; many impacts at once: first order") \
     X(RECURSIVE, recursive, "models in space: coordinates of the joints, loops cut; explicit method") \
     X(INDEX1, index1, "any model: coordinates of all bodies, explicit method") \
     X(CVODE, cvode, "the same by an implicit method, for smooth friction") \
@@ -121,7 +121,8 @@ typedef struct lw_dynamics_report {
     lw_run_event event[LW_REPORT_EVENT_MAX];
     const char *undetermined;    /* a contact that shares a load with one that slips in several ways, each with another motion; NULL: none */
     double undetermined_t;       /* the first time [s] */
-    double captured_step, overlap;           /* of the capture formulation: longest step [s], greatest overlap [m] */
+    double captured_step, captured_late, overlap;        /* of the capture formulation: longest step, longest one with an impact that was not located [s];
+                                              * greatest overlap [m] */
     bool   smooth_friction;      /* friction without a "speed" was regularised, and creeps instead of sticking */
     bool   no_friction;          /* friction of joints was left out, as in every equilibrium */
     double t;                    /* time reached */

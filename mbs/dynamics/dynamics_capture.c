@@ -1,6 +1,5 @@
-/* mbs/dynamics/dynamics_capture.c - many rigid contacts at once: impacts, rest, stick and slip are captured in steps,
- * not located (Moreau 1988, Jean 1999).  A chain of a thousand links that falls on the ground has more impacts than can be
- * located one by one.
+/* mbs/dynamics/dynamics_capture.c - many rigid contacts at once: rest, stick and slip are captured in steps, and so are impacts where many follow each
+ * other (Moreau 1988, Jean 1999).  A chain of a thousand links that falls on the ground has more impacts than can be located one by one.
  *
  * A step of length h goes half of it with the old velocities v.  There bodies that approach and have a restitution bounce, by the law of impact of
  * dynamics_touch.c.  Then it finds the new velocities v' and goes the other half:
@@ -16,8 +15,12 @@
  *
  * While no contact begins, ends, slips or sticks anew, the new velocities satisfy the constraints at the end of the step, to second order: the rows
  * of joints, and those of the contacts that press and stick.  If they satisfied them in its middle, a linkage would lose energy in proportion to h.  So
- * the error is of second order there, except for forces that depend on velocities.  Times of impacts and overlaps are of first order.  The report
- * says both. */
+ * the error is of second order there, except for forces that depend on velocities.
+ *
+ * Where few places are struck within a step, it ends at the first impact: at the root of the gap by its rates and the accelerations of the step before.
+ * All places that are closed there take part in it, as at a located event.  So the times of impacts are of second order, too.  Impacts that follow each
+ * other within a part of a step, or many of them in one, are captured in its middle: their times, and overlaps, are of first order.  The report says
+ * the longest step in which that happened. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
@@ -36,6 +39,8 @@ static const double give = 1e-9;             /* share by which rows of contacts 
 static const double resolved = 0.1;          /* step over the time constant of a compliant place */
 static const double unstable = 1e-4;         /* change of a state whose rate turns, over that of other states */
 static const double moment = 1e-8;           /* a step for the forces at the start, over the length of the run */
+static const double soonest = 1/16.0;        /* an impact in less than this part of a step is captured in it */
+enum { STRUCK_MOST = 12 };                   /* with more places that are struck in a step, they are captured */
 enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENSE_MOST = 250, LEAST_CONTACTS = 24, HALVINGS = 8, BOUNCES = 200, TOGETHER_MOST = 60 };
 
 /* A place in the pattern: index, first of its rows (gap, then slip where it has friction), what holds there. */
@@ -59,8 +64,10 @@ typedef struct capture {
     lw_sparse_lu *lu;                        /* its factors, */
     double *value;                           /* its entries: where pairs of rows and their own products go */
     int    *to, *diagonal;
+    bool    hits;                            /* a step ended at an impact, which is still to be applied */
+    double  late;                            /* the step captures an impact: its length, else 0 */
     double  t, work, power;                  /* power of forces without potential in the middle of the step [W] */
-    double *z, *next_z, *try_z, *rate, *other;       /* first-order states, their rates (n_z) */
+    double *z, *next_z, *mean_z, *try_z, *rate, *other;      /* first-order states, their mean over a step, their rates (n_z) */
 } capture;
 
 /* ---- states and compliant places ---------------------------------------------------------------------------- */
@@ -72,10 +79,10 @@ static lw_status rates_of(capture *g, double t, const double *q, const double *v
     return lw_mbs_state_rates(g->d, t, q, v, rate);
 }
 
-/* Move the states z over `whole` from t on, at (q, v), by the midpoint rule, in so many parts that its two rates hardly
- * differ: the states of motors are far faster than steps of contact.  Near rest the rates differ little in steps that are too
+/* Move the states z over `whole` from t on, at (q, v), and set mean (n_z, unless NULL) to their mean; by the midpoint rule, in so many parts that its two
+ * rates hardly differ: the states of motors are far faster than steps of contact.  Near rest the rates differ little in steps that are too
  * long for the rule to be stable; there a rate must not turn to a greater one of the other sign. */
-static lw_status move_states(capture *g, double t, double whole, const double *q, const double *v, double *z)
+static lw_status move_states(capture *g, double t, double whole, const double *q, const double *v, double *z, double *mean)
 {
     const lw_equations *eq = &g->d->eq;
     double done = 0, h = whole;
@@ -83,6 +90,8 @@ static lw_status move_states(capture *g, double t, double whole, const double *q
     if (eq->n_z == 0)
         return LW_OK;
     eq->place(eq->context, q);
+    if (mean)
+        memset(mean, 0, (size_t)eq->n_z*sizeof *mean);
     while (s == LW_OK && done < whole) {
         double off = 0, grows = 0;
         h = fmin(h, whole - done);
@@ -102,11 +111,24 @@ static lw_status move_states(capture *g, double t, double whole, const double *q
             h *= 0.5;
             continue;
         }
-        for (int i = 0; i < eq->n_z; i++)
+        for (int i = 0; i < eq->n_z; i++) {
             z[i] += h*g->other[i];
+            if (mean)
+                mean[i] += h/whole*g->try_z[i];
+        }
         done = h < whole - done ? done + h : whole;
         h *= off < 0.2*g->part ? 2 : 1;
     }
+    return s;
+}
+
+/* Set mean_z, whose first half is known, to the mean of the states over a step of length h: the second half follows from their rates in the middle. */
+static lw_status mean_states(capture *g, double h)
+{
+    const lw_equations *eq = &g->d->eq;
+    lw_status s = eq->n_z ? rates_of(g, g->t + 0.5*h, g->next_q, g->v, g->next_z, g->rate) : LW_OK;
+    for (int i = 0; i < eq->n_z; i++)
+        g->mean_z[i] = 0.5*(g->mean_z[i] + g->next_z[i] + 0.25*h*g->rate[i]);
     return s;
 }
 
@@ -139,8 +161,33 @@ static double compliant_step(capture *g, double h)
 
 /* ---- the pattern ------------------------------------------------------------------------------------------ */
 
-/* Speed of the fastest place, scaled; and is a place that is not in the pattern nearer than `near`? */
-static double look(capture *g, double near, bool *missing)
+/* Time until the gap closes, by its rates and the accelerations of the step before; INFINITY: it does not. */
+static double closes_in(const capture *g, const lw_touch *p, const lw_touch_motion *m, double *rate)
+{
+    double curve = m->bias;
+    for (int i = 0; i < 6; i++)
+        if (p->body[i/3] >= 0)
+            curve += m->n[i]*g->d->a[3*p->body[i/3] + i%3];
+    double gap = m->straight, square = m->rate*m->rate - 2*curve*gap, root = square > 0 ? sqrt(square) : 0;
+    *rate = -root;
+    return gap > 0 && square > 0 && root > m->rate ? 2*gap/(root - m->rate) : INFINITY;
+}
+
+/* The time until the first impact, if it is within h, and few places are struck within h; else INFINITY.  `pull` is the greatest acceleration. */
+typedef struct ahead_of { double h, pull, first; int n; } ahead_of;
+
+static void look_ahead(const capture *g, const lw_touch *p, const lw_touch_motion *m, ahead_of *to)
+{
+    double rate, in = closes_in(g, p, m, &rate), along = m->place + m->place_rate*in;
+    bool on = p->kind != LW_TOUCH_FACE || (along >= 0 && along <= p->length);
+    if (!(in <= to->h) || !on || !(rate < -3*to->h*to->pull))
+        return;
+    to->first = fmin(to->first, in);
+    to->n++;
+}
+
+/* Speed of the fastest place, scaled; is a place that is not in the pattern nearer than `near`?  And impacts ahead, unless NULL. */
+static double look(capture *g, double near, bool *missing, ahead_of *to)
 {
     lw_touch_list *list = &g->d->touch->list;
     double fastest = 0;
@@ -156,6 +203,8 @@ static double look(capture *g, double near, bool *missing)
             k++;
         bool in = k < g->n && g->at[k].touch == i;
         *missing = *missing || (!in && m.gap < near);
+        if (to && !(in && g->at[k].presses))
+            look_ahead(g, &list->touch[i], &m, to);
     }
     return fastest;
 }
@@ -472,10 +521,17 @@ static lw_status aim_at_middle(capture *g, double t)
     return s;
 }
 
-/* Which places are closed in the middle of the step; returns their number. */
-static int find_shut(capture *g, double h)
+/* Does the gap stay open until the end of the step, of which half is left?  As that of a wheel and the next joint of a rail. */
+static bool stays_open(const lw_touch_motion *m, double half)
+{
+    return half > 0 && m->gap > 0 && m->rate < 0 && m->gap + half*(m->rate + 0.5*half*m->bias) > 0;
+}
+
+/* Which places are closed in the middle of a step, of which half is left; returns their number.  half 0: at an impact. */
+static int find_shut(capture *g, double half)
 {
     lw_dynamics *d = g->d;
+    double near = closed*g->part*g->size;
     int shut = 0;
     for (int k = 0; k < g->n; k++) {
         place *p = &g->at[k];
@@ -483,10 +539,11 @@ static int find_shut(capture *g, double h)
         lw_touch_motion m;
         lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
         if (!p->presses && m.gap < 0) {
-            lw_touch_round_end(touch, &m, h);
+            lw_touch_round_end(touch, &m, 2*half);
             lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
         }
-        p->shut = m.gap < closed*g->part*g->size && !lw_touch_past_end(touch, &m) && !lw_touch_beside_end(touch, d->frames, &m);
+        p->shut = m.gap < near && (p->presses || !stays_open(&m, half)) && !lw_touch_past_end(touch, &m)
+               && !lw_touch_goes_on(touch, d->frames, &m, near) && !lw_touch_beside_end(touch, d->frames, &m);
         shut += p->shut;
         p->presses = p->presses && p->shut;
         p->normal = p->across = 0;
@@ -494,12 +551,12 @@ static int find_shut(capture *g, double h)
     return shut;
 }
 
-/* Forces in the middle of the step, at the velocities after its impacts; returns the greatest change of a velocity by them. */
+/* Forces in the middle of the step, at the mean of the states and the velocities after its impacts; returns the greatest change of a velocity by them. */
 static lw_status find_pull(capture *g, double t, double h, double *pull)
 {
     lw_dynamics *d = g->d;
     *pull = g->power = 0;
-    d->eq.place_states(d->eq.context, g->next_z);
+    d->eq.place_states(d->eq.context, g->mean_z);
     d->eq.forces(d->eq.context, t, g->next_q, g->after, g->force, &g->power);
     lw_mbs_touch_forces(d, g->after, g->force, &g->power);
     for (int i = 0; i < d->n_v; i++) {
@@ -517,13 +574,17 @@ static double bend(const place *p, const lw_touch_motion *m, double h) { return 
 static bool is_struck(const place *p, const lw_touch_motion *m, double h, double pull) { return m->rate < -3*(pull + fabs(bend(p, m, h))); }
 
 /* Bodies that are faster than rest on each other needs bounce in the middle of the step, by the law of impact of located events (dynamics_touch.c): at the
- * places that approach, then at those that approach because of it.  Where nothing has a restitution, the step itself ends the approach. */
+ * places that approach, then at those that approach because of it.  Where nothing has a restitution, the step itself ends the approach; at a located
+ * impact, for which h is 0, all closed places take part in that then. */
 static lw_status bounce(capture *g, double t, double h, double pull)
 {
     lw_dynamics *d = g->d;
     const lw_touch *touch = d->touch->list.touch;
+    bool plastic = true;
+    for (int k = 0; k < g->n; k++)
+        plastic = plastic && !(g->at[k].shut && touch[g->at[k].touch].surface->restitution > 0);
     lw_status s = LW_OK;
-    for (int pass = 0; s == LW_OK && pass < BOUNCES; pass++) {
+    for (int pass = 0; s == LW_OK && pass < (plastic ? 1 : BOUNCES); pass++) {
         int n = 0, struck[TOGETHER_MOST];
         bool bounces = false;
         for (int k = 0; k < g->n && n < TOGETHER_MOST; k++) {
@@ -531,10 +592,11 @@ static lw_status bounce(capture *g, double t, double h, double pull)
             if (!g->at[k].shut)
                 continue;
             lw_touch_at(&touch[g->at[k].touch], &d->eq, d->frames, g->after, &m);
-            if (is_struck(&g->at[k], &m, h, pull)) {
+            bool hit = is_struck(&g->at[k], &m, h, pull);
+            if (hit || (plastic && h == 0))
                 struck[n++] = g->at[k].touch;
-                bounces = bounces || touch[g->at[k].touch].surface->restitution > 0;
-            }
+            g->late = hit && h > 0 ? h : g->late;
+            bounces = bounces || (hit && (h == 0 || touch[g->at[k].touch].surface->restitution > 0));
         }
         if (!bounces)
             break;
@@ -548,6 +610,13 @@ static lw_status bounce(capture *g, double t, double h, double pull)
     return s == LW_NOTHING ? LW_OPEN : s;
 }
 
+/* Keep the rows of places: bounce and the passes of a step clear those that are not in force. */
+static void keep_rows(capture *g)
+{
+    const lw_dynamics *d = g->d;
+    memcpy(g->full, lw_mbs_jac(d, first_row(d)), (size_t)((d->n_c - first_row(d))*d->row_size)*sizeof *d->jac);
+}
+
 /* New velocities for a step of length h with the middle at next_q.  LW_OPEN: the passes do not end. */
 static lw_status solve_step(capture *g, double t, double h)
 {
@@ -556,9 +625,10 @@ static lw_status solve_step(capture *g, double t, double h)
     lw_status s = lw_mbs_rows(d, t, g->next_q);
     if (s != LW_OK)
         return s;
-    memcpy(g->full, lw_mbs_jac(d, first_row(d)), (size_t)((d->n_c - first_row(d))*d->row_size)*sizeof *d->jac);
+    keep_rows(g);
+    g->late = 0;
     memcpy(g->after, g->v, (size_t)d->n_v*sizeof *g->v);
-    int shut = find_shut(g, h);
+    int shut = find_shut(g, 0.5*h);
     s = find_pull(g, t, h, &pull);
     if (s == LW_OK)
         s = bounce(g, t, h, pull);
@@ -643,11 +713,13 @@ static lw_status step(capture *g, double h, double *overlap)
     memcpy(g->next_q, g->q, (size_t)d->n_q*sizeof *g->q);
     d->eq.move(d->eq.context, g->next_q, way);
     memcpy(g->next_z, g->z, (size_t)d->eq.n_z*sizeof *g->z);
-    lw_status s = move_states(g, g->t, 0.5*h, g->next_q, g->v, g->next_z);
+    lw_status s = move_states(g, g->t, 0.5*h, g->next_q, g->v, g->next_z, g->mean_z);
+    if (s == LW_OK)
+        s = mean_states(g, h);
     if (s == LW_OK)
         s = solve_step(g, g->t + 0.5*h, h);
     if (s == LW_OK)
-        s = move_states(g, g->t + 0.5*h, 0.5*h, g->next_q, g->next_v, g->next_z);
+        s = move_states(g, g->t + 0.5*h, 0.5*h, g->next_q, g->next_v, g->next_z, NULL);
     if (s != LW_OK)
         return s;
     for (int i = 0; i < d->n_c; i++)
@@ -669,6 +741,31 @@ static lw_status step(capture *g, double h, double *overlap)
     d->eq.move(d->eq.context, g->next_q, way);
     g->work += gained + h*g->power;
     return put_back(g, g->t + h, g->next_q, overlap);
+}
+
+/* The impact at which a step has ended.  pull: the change of velocities by forces in a step. */
+static lw_status hit(capture *g, double pull, double *overlap)
+{
+    lw_dynamics *d = g->d;
+    size_t n_v = (size_t)d->n_v;
+    lw_status s = lw_mbs_rows(d, g->t, g->q);
+    if (s != LW_OK || find_shut(g, 0) >= TOGETHER_MOST)
+        return s;                            /* too many: the next step captures it */
+    for (int k = 0; k < g->n; k++)
+        g->at[k].presses = g->at[k].shut;
+    s = put_back(g, g->t, g->q, overlap);
+    if (s == LW_OK)
+        s = lw_mbs_rows(d, g->t, g->q);
+    if (s != LW_OK)
+        return s;
+    keep_rows(g);
+    memcpy(g->after, g->v, n_v*sizeof *g->v);
+    s = bounce(g, g->t, 0, pull);
+    if (s != LW_OK)
+        return s == LW_OPEN ? LW_OK : s;
+    g->work += d->eq.kinetic(d->eq.context, g->after) - d->eq.kinetic(d->eq.context, g->v);
+    memcpy(g->v, g->after, n_v*sizeof *g->v);
+    return LW_OK;
 }
 
 /* ---- the run ------------------------------------------------------------------------------------------------- */
@@ -735,25 +832,30 @@ static lw_status run_steps(capture *g, double *y)
     lw_status s = LW_OK;
     while (s == LW_OK && run->next <= d->o.intervals) {
         bool missing = false;
-        double speed = look(g, 0, &missing), pull = 0, end = fmin(lw_run_time(d, run->next), lw_run_near(run, g->t));
+        double speed = look(g, 0, &missing, NULL), pull = 0, end = fmin(lw_run_time(d, run->next), lw_run_near(run, g->t));
         for (int i = 0; i < d->n_v; i++)
             pull = fmax(pull, fabs(d->a[i]));
         h = fmin(longest, fmin(2*h, part*g->size/fmax(speed, sqrt(part*g->size*pull))));
         h = compliant_step(g, h);
         missing = false;
-        look(g, 2*h*speed + closed*g->part*g->size, &missing);
+        double overlap = 0, left = end - g->t, whole = left/ceil(left/h - 1e-9);     /* a short last step would have wrong mean forces */
+        ahead_of to = { .h = whole, .pull = pull, .first = INFINITY };
+        look(g, 2*h*speed + closed*g->part*g->size, &missing, &to);
         if (missing)
             s = choose_places(g, ahead*h*speed + 0.1*g->size);
-        double overlap = 0, left = end - g->t, whole = left/ceil(left/h - 1e-9);     /* a short last step would have wrong mean forces */
+        bool locates = to.n <= STRUCK_MOST && to.first < whole && (to.first > soonest*whole || !g->hits);
+        if (locates)
+            whole = to.first;
         s = s == LW_OK ? LW_OPEN : s;
         for (int k = 0; s == LW_OPEN && k < HALVINGS; k++, whole *= 0.5) {
+            g->hits = locates && k == 0;
             bool last = g->t + whole > end - 1e-9*whole;
             s = step(g, last ? end - g->t : whole, &overlap);
             if (s == LW_OPEN) {
                 run->r->refused++;
                 continue;
             }
-            h = last ? h : whole;
+            h = last || g->hits ? h : whole;
             note_impacts(g, g->t);
             g->t = last ? end : g->t + whole;
         }
@@ -766,7 +868,7 @@ static lw_status run_steps(capture *g, double *y)
         run->r->t = g->t;
         run->r->steps++;
         run->r->captured_step = fmax(run->r->captured_step, whole);
-        run->r->overlap = fmax(run->r->overlap, overlap*d->s.unit);
+        run->r->captured_late = fmax(run->r->captured_late, g->late);
         d->eq.place(d->eq.context, g->q);
         for (int i = 0; i < list->n; i++)
             if (list->touch[i].state == LW_TOUCH_APART)
@@ -779,6 +881,9 @@ static lw_status run_steps(capture *g, double *y)
             s = show(g, y);
             run->next++;
         }
+        if (s == LW_OK && g->hits)
+            s = hit(g, h*pull, &overlap);
+        run->r->overlap = fmax(run->r->overlap, overlap*d->s.unit);
         if (s == LW_OK)
             s = lw_run_limits(run, g->t, 0);
     }
@@ -809,7 +914,7 @@ static lw_status run_capture(lw_run *run)
     capture g = { .run = run, .d = d, .t = d->o.from, .n_kept = d->n_kept, .size = smallest(d),
                   .part = fmin(fmax(pow(d->o.relative, 0.2), finest), coarsest) };
     size_t n_z = (size_t)d->eq.n_z;
-    double *memory = calloc(5*n_z + 2*n_q + 5*n_v + rows + 2*rows*(size_t)d->row_size + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
+    double *memory = calloc(6*n_z + 2*n_q + 5*n_v + rows + 2*rows*(size_t)d->row_size + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
     g.at = calloc((size_t)d->touch->list.n + 1, sizeof *g.at);
     g.kept = calloc((size_t)d->n_kept + 1, sizeof *g.kept);
     lw_status s = memory && g.at && g.kept ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
@@ -817,7 +922,7 @@ static lw_status run_capture(lw_run *run)
         g.q = p, p += n_q, g.next_q = p, p += n_q, g.v = p, p += n_v, g.after = p, p += n_v, g.next_v = p, p += n_v;
         g.momentum = p, p += n_v, g.force = p, p += n_v, g.wanted = p, p += rows, g.full = p, p += rows*(size_t)d->row_size;
         g.push = p, p += rows*(size_t)d->row_size;
-        g.z = p, p += n_z, g.next_z = p, p += n_z, g.try_z = p, p += n_z, g.rate = p, p += n_z, g.other = p, p += n_z, y = p;
+        g.z = p, p += n_z, g.next_z = p, p += n_z, g.mean_z = p, p += n_z, g.try_z = p, p += n_z, g.rate = p, p += n_z, g.other = p, p += n_z, y = p;
         memcpy(g.kept, d->kept, (size_t)d->n_kept*sizeof *g.kept);
         lw_dynamics_start(d, g.q, g.v);
         if (n_z)
@@ -871,7 +976,7 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     if (!asked && d->model->n_contact < LEAST_CONTACTS)
         return lw_formulation_say(r, LW_E_KIND, 0, "few contacts: index1 locates each event");
     return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : "many contacts: they are captured in steps, "
-                              "of first order, instead of locating each event (index1)");
+                              "instead of locating each event (index1)");
 }
 
 const lw_formulation_row lw_formulation_capture = { able, run_capture };

@@ -320,7 +320,7 @@ static const double most_off = 1e-6, far_off = 1e3;
 
 /* Work is integrated with the motion, and impacts count as work.  So kinetic and potential energy less the work are constant up to
  * the errors of the steps.  A far greater error shows a wrong motion, for instance on another assembly mode.  Not checked: alpha,
- * which sums the work by trapeziums; capture, whose impacts are of first order; elastic links and clearance joints, whose fast
+ * which sums the work by trapeziums; capture, which may take impacts late; elastic links and clearance joints, whose fast
  * vibrations implicit methods damp; prescribed motion, which integrates nothing; statics of contacts,
  * which damps the motion. */
 static const double least_energy_off = 0.01; /* part of the energy exchanged below which there is no error yet */

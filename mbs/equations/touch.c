@@ -150,6 +150,15 @@ static void find_onward(const lw_model *m, const lw_contour *p, lw_vec2 at, cons
     }
 }
 
+/* Does another shape of its link go on from this end of a bar? */
+static bool goes_on_from(const lw_model *m, const lw_contour *bar, int end)
+{
+    lw_vec2 onward[2] = { { 0, 0 }, { 0, 0 } }, edge[2];
+    edge[0] = edge[1] = lw_v2_sub(bar->at[1 - end], bar->at[end]);
+    find_onward(m, bar, bar->at[end], edge, onward);
+    return onward[0].x != 0 || onward[0].y != 0;
+}
+
 /* Is the point in the solid of a polygon or line? */
 static bool is_inside(const lw_contour *p, lw_vec2 c)
 {
@@ -254,6 +263,8 @@ static void add_discs(maker *w, const lw_contour *p, const lw_contour *o, bool d
             t->deepest = f.deepest/unit;
             t->slope[0] = f.slope[0];
             t->slope[1] = f.slope[1];
+            for (int k = 0; f.two_sided && k < 2; k++)
+                t->joined[k] = goes_on_from(w->m, o, k);
             t->side = f.two_sided ? LW_TOUCH_NO_SIDE : 0;
             t->size = f.infinite ? INFINITY : (f.two_sided ? 2*(a.radius + f.radius) : 2*f.deepest)/unit;
             t->least_size = 1e-4*fmin(length, a.size > 0 ? a.size : length)/unit;
@@ -480,7 +491,7 @@ static void between_points(const lw_touch *t, const lw_body_frame *f, const doub
     lw_vec2 n = length > 0 ? lw_v2_scale(d, 1/length) : lw_v2(1, 0);
     double across = lw_v2_cross(n, dd), w = length > 0 ? across/length : 0;
     m->normal = lw_v2_scale(n, sign);
-    m->gap = sign*(length - reach);
+    m->gap = m->straight = sign*(length - reach);
     fill_row(t, f, m->normal, k[0].p, m->n);
     m->rate = row_rate(t, m->n, v);
     m->bias = v ? sign*(lw_v2_dot(n, lw_v2_sub(k[0].a, k[1].a)) + across*w) : 0;
@@ -491,15 +502,13 @@ static void between_points(const lw_touch *t, const lw_body_frame *f, const doub
             - (t->radius[0] + t->radius[1])*turned;
 }
 
-/* Does a side of the corner (of body 0), or an outline that goes on from it, run behind the face with this normal? */
-static bool runs_behind(const lw_touch *t, const lw_body_frame *f, lw_vec2 normal)
+/* Does one of two sides, or outlines, of a corner of body 0 run behind the face with this normal? */
+static bool runs_behind(const lw_touch *t, const lw_body_frame *f, lw_vec2 normal, const lw_vec2 side[2])
 {
     static const double least = 1e-6;                    /* sine of the angle behind the face */
     bool behind = false;
-    for (int k = 0; k < 4; k++) {
-        lw_vec2 side = lw_v2_turn(k < 2 ? t->edge[k] : t->onward[k - 2], f[t->body[0] + 1].dir);
-        behind = behind || lw_v2_dot(normal, side) < -least*lw_v2_norm(side);
-    }
+    for (int k = 0; k < 2; k++)
+        behind = behind || lw_v2_dot(normal, lw_v2_turn(side[k], f[t->body[0] + 1].dir)) < -least*lw_v2_norm(side[k]);
     return behind;
 }
 
@@ -560,7 +569,7 @@ static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, 
     m->normal = n;
     m->place = lw_v2_dot(u, d);
     m->place_rate = lw_v2_dot(u, dd) + w*lw_v2_cross(u, d);
-    m->gap = height - reach;
+    m->gap = m->straight = height - reach;
     fill_row(t, f, n, k[0].p, m->n);
     m->rate = row_rate(t, m->n, v);
     m->bias = v ? lw_v2_dot(n, lw_v2_sub(k[0].a, k[1].a)) + 2*w*lw_v2_dot(lw_v2_perp(n), dd) - w*w*height : 0;
@@ -591,7 +600,7 @@ void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame 
         double row[LW_ROW_SIZE] = { 0 };
         eq->measure_blocks(eq->context, p->owner, body);
         memset(out, 0, sizeof *out);
-        out->gap = p->sign*(eq->measure(eq->context, p->owner, row, body) - p->limit);
+        out->gap = out->straight = p->sign*(eq->measure(eq->context, p->owner, row, body) - p->limit);
         for (int k = 0; k < LW_ROW_BLOCKS && body[k] >= 0; k++)
             for (int i = 0; i < 3; i++)
                 out->n[3*(body[k] != p->body[0]) + i] += p->sign*row[3*k + i];
@@ -631,7 +640,7 @@ void lw_touch_round_end(lw_touch *p, const lw_touch_motion *m, double since)
 {
     bool begin = m->place < 0.5*p->length;
     double in = begin ? m->place : p->length - m->place, rate = begin ? m->place_rate : -m->place_rate;
-    bool came = p->kind == LW_TOUCH_FACE && abs(p->side) == 1 && in > LW_TOUCH_END && in < rate*since;
+    bool came = p->kind == LW_TOUCH_FACE && abs(p->side) == 1 && !p->joined[!begin] && in > LW_TOUCH_END && in < rate*since;
     if (came && m->gap + p->radius[0] + p->radius[1] - m->rate*in/rate < -1e-7)          /* there, by more than rounding */
         p->side = -p->side;
 }
@@ -658,11 +667,22 @@ bool lw_touch_past_end(const lw_touch *p, const lw_touch_motion *m)
     return past > (rate > 0 ? 0.5 : 1)*LW_TOUCH_END;
 }
 
+static bool at_end(const lw_touch *p, const lw_touch_motion *m, double near)
+{
+    return p->kind == LW_TOUCH_FACE && p->length < INFINITY && !(p->radius[1] > 0) && !(fmin(m->place, p->length - m->place) > near);
+}
+
+bool lw_touch_goes_on(const lw_touch *p, const lw_body_frame *frames, const lw_touch_motion *m, double near)
+{
+    bool meets = p->onward[0].x != 0 || p->onward[0].y != 0;
+    return at_end(p, m, near) && (p->covered[m->place > 0.5*p->length] || (meets && (runs_behind(p, frames, m->normal, p->edge)
+                                                                                      || runs_behind(p, frames, m->normal, p->onward))));
+}
+
 /* Bodies that touch corner to corner have a line between them along one of the four sides, so that one of the faces stays. */
 bool lw_touch_beside_end(const lw_touch *p, const lw_body_frame *frames, const lw_touch_motion *m)
 {
-    bool at_end = p->kind == LW_TOUCH_FACE && !(p->radius[1] > 0) && !(fmin(m->place, p->length - m->place) > LW_TOUCH_END);
-    return at_end && (p->covered[m->place > 0.5*p->length] || runs_behind(p, frames, m->normal));
+    return at_end(p, m, LW_TOUCH_END) && (runs_behind(p, frames, m->normal, p->edge) || lw_touch_goes_on(p, frames, m, LW_TOUCH_END));
 }
 
 bool lw_touch_crosses(const lw_touch *p, const lw_body_frame *frames, double by)

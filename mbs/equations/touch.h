@@ -37,7 +37,8 @@ typedef struct lw_touch {
     lw_vec2 arm[2];                      /* centre of the disc, on body 0; begin of the face or centre, on body 1 */
     lw_vec2 edge[2];                     /* sides of a body from its corner or sharp end, in the frame of body 0; 0: none */
     lw_vec2 onward[2];                   /* of a sharp corner: where the outlines of other shapes of its link go on from it, as in a rail of pieces; 0: none */
-    bool    covered[2];                  /* face: another polygon of its link lies on it at this end    */
+    bool    covered[2];                  /* face: another solid of its link lies on it at this end      */
+    bool    joined[2];                   /* face of a bar: another shape of its link goes on at this end */
     lw_vec2 into;                        /* direction from the disc into its shape, in the frame of body 0; 0: a circle */
     double  radius[2];                   /* of a face: half the thickness of a bar                       */
     lw_vec2 along;                       /* face: its direction in the frame of body 1; outside is on its left */
@@ -62,6 +63,7 @@ typedef struct lw_touch_list {
 typedef struct lw_touch_motion {
     double  gap, rate, bias, n[6];
     double  slip, slip_bias, t[6];
+    double  straight;                    /* gap as if a face had no ends and the solid behind it none; `rate` is its rate */
     double  place, place_rate;           /* distance along the face                                    */
     double  path;                        /* the slip is its rate: what has been slipped since the anchor, and more */
     lw_vec2 at, normal;                  /* point of contact, direction of the force on body 0         */
@@ -79,8 +81,8 @@ void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame 
  * bar counts as on it.  False: it lies on a bar without thickness, and nothing tells its side. */
 bool lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool anew, double near);
 
-/* A disc that came beside a bar within the time `since`, at the rates in m, may have passed over its end to the other side: that side is
- * taken then. */
+/* A disc that came beside a bar within the time `since`, at the rates in m, may have passed over its end to the other side, unless another shape goes on
+ * there: that side is taken then. */
 void lw_touch_round_end(lw_touch *p, const lw_touch_motion *m, double since);
 
 #define LW_TOUCH_NO_SIDE 2               /* not known yet, taken as 1 */
@@ -95,8 +97,12 @@ double lw_touch_size(const lw_touch *p, const lw_touch_motion *m);
 /* Has the disc left the face over one of its ends? */
 bool lw_touch_past_end(const lw_touch *p, const lw_touch_motion *m);
 
-/* Is the disc a corner at the end of a face, and does one of its sides, or of the outlines that go on from it, run behind the face?  Then the face does
- * not hold it: another face that ends there, or one of the corner's own sides does.  Nor does a face at an end that is covered hold anything. */
+/* Is the disc within `near` of the end of a face, or beyond it, where the shapes of one link go on?  An outline goes on from the corner behind the face, as
+ * at the joints of a rail, or another solid covers that end: then the face does not hold it. */
+bool lw_touch_goes_on(const lw_touch *p, const lw_body_frame *frames, const lw_touch_motion *m, double near);
+
+/* Is the disc a corner at the end of a face, and does one of its sides run behind the face, or do shapes go on there?  Then the face does not hold it: another
+ * face that ends there, or one of the corner's own sides does. */
 bool lw_touch_beside_end(const lw_touch *p, const lw_body_frame *frames, const lw_touch_motion *m);
 
 /* Does a side of a corner that is outside cross the face, by more than this at both of their ends?  Then tips have passed each other, and bodies overlap
