@@ -426,6 +426,40 @@ TEST(a_planar_four_bar_in_space)
     lw_spatial_free(&m);
 }
 
+/* A pendulum without inputs; its hinge turns against the normal, y, or names the ground second: a spring and a stop push there alike. */
+TEST(a_pendulum_in_its_plane)
+{
+    for (int n = 0; n < 4; n++) {
+        char text[800];
+        lw_spatial m;
+        lw_model p;
+        lw_dynamics *d;
+        lw_dynamics_report report;
+        lw_error e = { 0 };
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.4, 0.1, 0.2], 'inertia': [0.03, 0.04, 0.05]}], 'joints': "
+                 "[{'name': 'A', 'links': [%s], 'at': [0, 0, 0], 'axis': [0, %d, 0], 'stop': {'greatest': 1, 'stiffness': 500, 'damping': 3}}], 'springs': "
+                 "[{'joint': 'A', 'stiffness': 6, 'damping': 0.1, 'free': 0.3}], 'gravity': [0, 0, -9.81], 'tracers': [{'name': 'P', 'link': 'a', 'at': [0.5, 0, 0]}]}",
+                 n < 2 ? "'a', 'ground'" : "'ground', 'a'", n % 2 ? -1 : 1);
+        read_spatial(text, "pendulum", &m);
+        run(&m, LW_ANALYSIS_TRANSIENT, 1.5, 10, 1e-12);
+        lw_dynamics_options o = lw_dynamics_options_default();
+        o.to = 1.5;
+        o.intervals = 10;
+        o.relative = o.absolute = 1e-12;
+        planar_n = 0;
+        CHECK_INT(lw_spatial_in_plane(&m, &p, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        CHECK_INT(lw_dynamics_make(&p, &o, &d, &e), LW_OK);
+        CHECK_INT(lw_dynamics_run(d, keep_planar, NULL, &report, &e), LW_OK);
+        CHECK_INT(planar_n, 11);
+        for (int i = 0; i < k.n && i < planar_n; i++)
+            CHECK_NEAR(remainder(planar_angle[i] - planar_angle[0] - atan2(-k.at[i].tracer.z, k.at[i].tracer.x), 2*LW_PI), 0, 1e-9, 0);
+        lw_dynamics_free(d);
+        lw_model_free(&p);
+        lw_spatial_free(&m);
+    }
+}
+
 /* ---- accuracy, forces, hard cases ---- */
 
 /* The error falls with the tolerance, down to 1e-11. */

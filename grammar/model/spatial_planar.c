@@ -57,20 +57,17 @@ static const char *beyond(const plane *w, double flat)
     if (m->n_force || m->n_motor || m->states.n_state || m->states.n_signal || m->n_profile || m->n_drive || m->n_coupling)
         return "forces, motors, states, profiles, drives or couplings";
     for (int j = 0; j < m->n_joint; j++) {
-        const lw_joint_stop *p = &m->joint[j].stop;
         if (m->joint[j].kind != LW_SPATIAL_REVOLUTE && m->joint[j].kind != LW_SPATIAL_PRISMATIC && m->joint[j].kind != LW_SPATIAL_FIXED)
             return "joints other than hinges, slides and welds";
         if (m->joint[j].friction.coefficient > 0 || m->joint[j].clearance.model != LW_CLEARANCE_NONE)
             return "friction or clearance";
-        if (counts_backwards(w, j) && (p->has_least || p->has_greatest))
-            return "a stop at a hinge whose second link is the ground";
     }
     for (int i = 0; i < m->n_input; i++)
         if (m->input[i].measure.of > LW_OF_SLIDE || counts_backwards(w, m->input[i].measure.index))
-            return "inputs at tracers, or at a hinge whose second link is the ground";
+            return "inputs at tracers, or at a hinge on the ground with a turn against the normal of the plane (turn its axis round, or exchange its links)";
     for (int i = 0; i < m->n_joint_spring; i++)
-        if (m->joint_spring[i].law || m->joint_spring[i].measure.of > LW_OF_SLIDE || counts_backwards(w, m->joint_spring[i].measure.index))
-            return "springs with a law, or at a hinge whose second link is the ground";
+        if (m->joint_spring[i].law)
+            return "springs with a law";
     for (int i = 0; i < m->n_spring; i++)
         if (m->spring[i].law || fabs(lw_v3_dot(w->normal, lw_v3_sub(m->spring[i].at[1], m->spring[i].at[0]))) > flat)
             return "springs with a law, or across the plane";
@@ -112,11 +109,12 @@ static void put_joints(const plane *w)
         if (p->kind == LW_SPATIAL_PRISMATIC)
             put_vec(w, "along", p->axis);
         if (p->stop.has_least || p->stop.has_greatest) {
+            bool back = counts_backwards(w, j);
             fprintf(w->f, ", \"stop\": {\"restitution\": %.17g", p->stop.restitution);
             if (p->stop.has_least)
-                put_number(w, "least", p->stop.least);
+                put_number(w, back ? "greatest" : "least", back ? -p->stop.least : p->stop.least);
             if (p->stop.has_greatest)
-                put_number(w, "greatest", p->stop.greatest);
+                put_number(w, back ? "least" : "greatest", back ? -p->stop.greatest : p->stop.greatest);
             if (p->stop.stiffness > 0) {
                 put_number(w, "stiffness", p->stop.stiffness);
                 put_number(w, "damping", p->stop.damping);
@@ -130,10 +128,10 @@ static void put_joints(const plane *w)
 static void put_rest(const plane *w)
 {
     const lw_spatial *m = w->m;
-    fputs("], \"inputs\": [", w->f);
+    fputs("]", w->f);
     for (int i = 0; i < m->n_input; i++) {
         const lw_spatial_input *in = &m->input[i];
-        fputs(i ? ", {\"joint\": " : "{\"joint\": ", w->f);
+        fputs(i ? ", {\"joint\": " : ", \"inputs\": [{\"joint\": ", w->f);
         put_string(w, m->joint[in->measure.index].name);
         put_number(w, "value", in->value);
         if (in->motion)
@@ -142,7 +140,7 @@ static void put_rest(const plane *w)
             put_number(w, "speed", in->speed);
         fputs("}", w->f);
     }
-    fputs("], \"springs\": [", w->f);
+    fputs(m->n_input ? "], \"springs\": [" : ", \"springs\": [", w->f);
     for (int i = 0; i < m->n_spring; i++) {
         const lw_spatial_spring *c = &m->spring[i];
         fprintf(w->f, "%s{\"stiffness\": %.17g, \"damping\": %.17g, \"free\": %.17g", i ? ", " : "", c->stiffness, c->damping, c->free);
@@ -156,7 +154,7 @@ static void put_rest(const plane *w)
     for (int i = 0; i < m->n_joint_spring; i++) {
         const lw_spatial_joint_spring *c = &m->joint_spring[i];
         fprintf(w->f, "%s{\"stiffness\": %.17g, \"damping\": %.17g, \"free\": %.17g", i + m->n_spring ? ", " : "", c->stiffness,
-                c->damping, c->free);
+                c->damping, counts_backwards(w, c->measure.index) ? -c->free : c->free);
         put_text(w, "joint", m->joint[c->measure.index].name);
         if (c->name[0])
             put_text(w, "name", c->name);
