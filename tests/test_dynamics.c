@@ -201,3 +201,27 @@ TEST(energy_from_nowhere_is_refused)
             lw_model_free(&d.model);
         }
 }
+
+/* A slider-crank that its slider drives, in its dead point: no velocities give the slider a speed. */
+TEST(velocities_that_do_not_exist)
+{
+    lw_dynamics *made = NULL;
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0], 'inertia': 1}, {'name': 'b', 'mass': 1, 'centre': "
+                     "[0, 1], 'inertia': 1}, {'name': 'c', 'mass': 1, 'centre': [%.17g, 0], 'inertia': 1}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], "
+                     "'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0, 1]}, {'name': 'C', 'links': ['b', 'c'], 'at': [%.17g, 0]}, {'name': 'S', "
+                     "'kind': 't', 'links': ['ground', 'c'], 'at': [0, 0], 'along': [1, 0]}], 'inputs': [{'joint': 'S', 'motion': 't'}], 'tracers': []}",
+                     sqrt(3), sqrt(3));
+    d.o = lw_dynamics_options_default();
+    CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_OK);
+    if (made) {
+        double unit = made->eq.unit, flat[] = { 0, 0, -LW_PI/2, 1/unit, -1/unit, LW_PI/6, (3 - sqrt(3))/unit, 0, 0 }, v[9] = { 0 };
+        CHECK_INT(lw_mbs_project_v(made, 0, made->start_v), LW_OK);
+        memcpy(made->start_q, flat, sizeof flat);
+        lw_mbs_arrange(made, 0, flat);
+        lw_mbs_factor(made, false);
+        CHECK_INT(lw_mbs_project_v(made, 0, v), LW_OPEN);
+    }
+    lw_dynamics_free(made);
+    lw_system_free(&d.system);
+    lw_model_free(&d.model);
+}

@@ -215,7 +215,7 @@ lw_input_function lw_mbs_driven_inputs;         /* the inputs with a motion, in 
 lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion **out, lw_error *e);
 
 /* Put q, then v on the constraints, by the least change in the metric of the masses or, by rank, of the coordinates.
- * LW_OPEN: a step of q would be longer than `far`. */
+ * LW_OPEN: a step of q would be longer than `longest`; velocities do not satisfy the rows, as in a singular posture. */
 lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double longest);
 lw_status lw_mbs_project_v(lw_dynamics *d, double t, double *v);
 
