@@ -66,6 +66,9 @@ typedef struct stepper {
     double       *each;                      /* absolute tolerances, NULL: all the same */
     bool          open;                      /* a planar model without loops, which has no singular postures */
     int           n_aimed;                   /* steps that ended at samples, or could have */
+    bool          may_leave;                 /* for the implicit method */
+    long          look, looked;              /* steps after which to see whether equations became stiff, and at the last time */
+    double        looked_t;
 } stepper;
 
 /* Event functions of stops, contacts or friction; that of kinks comes after them. */
@@ -312,6 +315,35 @@ static lw_status decide(stepper *w, double *y, unsigned long long events)
     return s;
 }
 
+/* Equations can become stiff on the way, as where a valve opens, and then steps are short for stability alone.  Seen first after LOOK steps, then after twice
+ * as many each time. */
+enum { LOOK = 64 };
+
+static bool became_stiff(lw_run *run, stepper *w, const double *y)
+{
+    long n = w->explicit_one.n_step;
+    double t = time_of(w);
+    if (!w->may_leave || n < w->look)
+        return false;
+    double mean = (t - w->looked_t)/(double)(n - w->looked);
+    w->look = 2*n, w->looked = n, w->looked_t = t;
+    run->d->eq.place_states(run->d->eq.context, y + lw_run_states(run));
+    return lw_mbs_became_stiff(run->d, t, y, y + run->d->n_q, mean);
+}
+
+/* Go on by the implicit method from the state y. */
+static lw_status leave(lw_run *run, stepper *w, const double *y)
+{
+    double t = time_of(w);
+    end_steps(w, run->r);
+    w->work = NULL;
+    w->may_leave = w->open = false;
+    w->implicit = true;
+    run->r->formulation = LW_FORMULATION_CVODE;
+    snprintf(run->r->why, sizeof run->r->why, "index1 to t = %.3g s, where the equations became stiff, then an implicit method", t);
+    return begin_steps(w, run, t, y);
+}
+
 static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
 {
     lw_dynamics *d = run->d;
@@ -399,6 +431,10 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         }
         if (s == LW_OK && stop != LW_ODE_END && run->clear > 0 && !w->implicit && d->weak > run->clear)
             s = LW_NOTHING;
+        if (s == LW_OK && stop != LW_ODE_END && became_stiff(run, w, state(w))) {
+            memcpy(y, state(w), (size_t)run->n*sizeof *y);
+            s = leave(run, w, y);
+        }
     }
     free(f.y);
     return s;
@@ -406,9 +442,11 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
 
 static lw_status run_bodies(lw_run *run, bool implicit)
 {
-    stepper w = { .run = run, .implicit = implicit };
     lw_dynamics *d = run->d;
+    stepper w = { .run = run, .implicit = implicit, .look = LOOK, .looked_t = d->o.from };
     bool changed = false;
+    w.may_leave = !implicit && d->o.formulation == LW_FORMULATION_AUTO && !d->n_friction && !d->touch && !d->eq.next_piece && !d->large && !d->has_zero_mass
+               && !d->eq.more_inertia && !d->elastic && !lw_mbs_is_stiff(d);
     w.open = !implicit && !d->space && !d->touch && d->s.n_joint <= d->s.n_body && d->n_driven == 0;
     double *y = calloc(2*(size_t)run->n, sizeof *y);
     if (!y)

@@ -261,6 +261,9 @@ double lw_mbs_fastest(lw_dynamics *d, double t, const double *q, const double *v
 /* Do dampers make the equations stiff over the length of the run? */
 bool lw_mbs_is_stiff(lw_dynamics *d);
 
+/* Are they so from t on, where the state is q, v and the states placed last, and are steps of an explicit method of length h short for it? */
+bool lw_mbs_became_stiff(lw_dynamics *d, double t, const double *q, const double *v, double h);
+
 /* Do first-order states decay so fast that cvode takes less time than index1 at the tolerance? */
 bool lw_mbs_states_decay(lw_dynamics *d);
 

@@ -15,6 +15,7 @@ static const double vibrating = 2e3;
  * the explicit one of order 8: least_states at loose tolerances, more at tolerances below states_at, which cost it more steps but the
  * explicit one, whose steps are short for stability, none.  Measured for motors and controllers from 800 to 8000. */
 static const double least_states = 500, damped_states = 900, states_at = 7e-6;
+static const double at_limit = 4;            /* decay times the length of explicit steps which it limits: 6, less where lengths vary */
 enum { most_looked = 400 };              /* dampers and motors that are looked at, evenly spread */
 
 /* The fastest decay of a state by itself: the greatest derivative of a rate by its own state. */
@@ -100,32 +101,42 @@ double lw_mbs_fastest(lw_dynamics *d, double t, const double *q, const double *v
     return size;
 }
 
-/* The fastest decay that dampers and states cause at the start [1/s]: of all dampers together where derivatives are at hand, else of one. */
-static double fastest_decay(lw_dynamics *d)
+static bool knows_dampers_together(const lw_dynamics *d) { return !d->space && d->eq.exact && !d->o.force.apply; }
+
+/* The fastest decay that dampers and states cause [1/s]: of all dampers together where derivatives are at hand, else of one. */
+static double fastest_decay(lw_dynamics *d, double t, const double *q, const double *v)
 {
-    bool together = !d->space && d->eq.exact && !d->o.force.apply;
-    double most = together ? lw_mbs_fastest(d, d->o.from, d->start_q, d->start_v, true) : 0, *g = d->small_v, *change = d->v_try;
-    d->frequency = together ? sqrt(lw_mbs_fastest(d, d->o.from, d->start_q, d->start_v, false)) : 0;
-    bool looks = !together && d->eq.n_damper > 0;
-    if (looks && (lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK))
+    bool together = knows_dampers_together(d), looks = !together && d->eq.n_damper > 0;
+    double most = together ? lw_mbs_fastest(d, t, q, v, true) : 0, *g = d->small_v, *change = d->v_try;
+    if (looks && (lw_mbs_rows(d, t, q) != LW_OK || lw_mbs_factor(d, false) != LW_OK))
         return 0;
     for (int k = 0; k < d->eq.n_damper && looks; k += 1 + d->eq.n_damper/most_looked) {
         memset(g, 0, (size_t)d->n_v*sizeof *g);
-        double c = d->eq.damper(d->eq.context, k, d->start_q, d->start_v, g);
+        double c = d->eq.damper(d->eq.context, k, q, v, g);
         most = fmax(most, c > 0 ? c*lw_mbs_impulse(d, g, change) : 0);
     }
     own_decay own = { d->n_v, most };
     if (d->eq.n_z)
-        d->eq.derivatives(d->eq.context, d->o.from, d->start_q, d->start_v, d->force, &(lw_force_sink){ &own, no_force, see_state });
+        d->eq.derivatives(d->eq.context, t, q, v, d->force, &(lw_force_sink){ &own, no_force, see_state });
     return own.most;
 }
 
 bool lw_mbs_is_stiff(lw_dynamics *d)
 {
-    if (!d->decay_known)
-        d->decay = fastest_decay(d);
+    if (!d->decay_known) {
+        d->decay = fastest_decay(d, d->o.from, d->start_q, d->start_v);
+        d->frequency = knows_dampers_together(d) ? sqrt(lw_mbs_fastest(d, d->o.from, d->start_q, d->start_v, false)) : 0;
+    }
     d->decay_known = true;
     return d->decay*(d->o.to - d->o.from) > (d->space ? stiff_space : stiff);
+}
+
+bool lw_mbs_became_stiff(lw_dynamics *d, double t, const double *q, const double *v, double h)
+{
+    if (d->eq.conservative && d->eq.n_z == 0)
+        return false;
+    double decay = fastest_decay(d, t, q, v);
+    return decay*h > at_limit && decay*(d->o.to - t) > (d->space ? stiff_space : stiff);
 }
 
 bool lw_mbs_states_decay(lw_dynamics *d)
