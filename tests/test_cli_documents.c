@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LIMIT " --time 0.5"
-#define SHORT " --rounds 1"              /* all that a next command needs */
+#define LIMIT " --time 0.1"
+#define SHORT " --rounds 1"              /* all that a next command needs, on a machine of any speed */
 
 /* Commands that search or draw samples until they are told to stop. */
 static bool is_long(const char *command)
@@ -41,7 +41,8 @@ static size_t command_length(const char *line)
 
 static void run_one(const char *page, int number, const char *command, bool whole)
 {
-    bool limited = !whole && is_long(command), shortened = whole && is_long(command);
+    bool shortened = is_long(command) && (whole || (strncmp(command, "linkwright fit ", 15) == 0 && strstr(command, " -o ")));
+    bool limited = is_long(command) && !shortened;
     const char *pipe = strpbrk(command, "|>");
     size_t first = pipe && (limited || shortened) ? (size_t)(pipe - command) : strlen(command);
     ran r = run_with("cd $D/w && PATH=$D/bin:$PATH && %.*s%s %s", (int)first, command, limited ? LIMIT : shortened ? SHORT : "",
