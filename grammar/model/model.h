@@ -139,7 +139,7 @@ typedef struct lw_contour {
     double   radius;                     /* of a circle; half the thickness of a segment [m]       */
 } lw_contour;
 
-/* How two things behave that touch: rigid with Newton's restitution (Poisson's, with friction) or, with a stiffness,
+/* How two things behave that touch: rigid with Poisson's restitution or, with a stiffness,
  * compliant: F = stiffness depth^exponent (1 + damping d(depth)/dt), never less than 0 (Hunt & Crossley 1975). */
 typedef struct lw_surface {
     double friction;                     /* Coulomb's coefficient, 0: none                         */
