@@ -138,8 +138,12 @@ static lw_status solve(int n, const double *m, double shift, bool keep, const do
         pivot(&t, r, enter);
         if (leaves == 2*n) {
             t.shift = keep ? shift : 0;
-            for (int i = 0; i < REFINEMENTS && refine(&t, q) > 1e-16; i++)
-                ;
+            double change = INFINITY, before;
+            int passes = 0;
+            do {                                 /* until only rounding changes */
+                before = change;
+                change = refine(&t, q);
+            } while (++passes < REFINEMENTS && change > 1e-16 && change < 0.5*before);
             for (int i = 0; i < n; i++)
                 if (t.basis[i] >= n && t.basis[i] < 2*n)
                     z[t.basis[i] - n] = fmax(t.q[i], 0);

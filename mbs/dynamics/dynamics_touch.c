@@ -95,7 +95,10 @@ lw_status lw_run_touch_events(void *context, double t, const double *y, double *
         if (compliant && !w->events)
             continue;
         lw_touch_motion m;
-        lw_touch_at(p, &d->eq, d->frames, v, &m);
+        if (p->state == LW_TOUCH_HELD || p->slips != 0)
+            lw_touch_at(p, &d->eq, d->frames, v, &m);
+        else
+            m.gap = lw_touch_gap(p, &d->eq, d->frames);
         if (p->state == LW_TOUCH_APART)
             least(&g[compliant ? COMPLIANT : GAP], m.gap + late + p->passed);
         else if (p->state == LW_TOUCH_PASSIVE)
@@ -116,14 +119,13 @@ lw_status lw_run_touch_accept(lw_run *run, double t, const double *y)
     d->eq.place(d->eq.context, y);
     for (int i = 0; i < d->touch->list.n; i++) {
         lw_touch *p = &d->touch->list.touch[i];
-        lw_touch_motion m;
         bool rigid_apart = p->state == LW_TOUCH_APART && is_rigid(p);
         if (rigid_apart || p->state == LW_TOUCH_PASSIVE) {
-            lw_touch_at(p, &d->eq, d->frames, NULL, &m);
-            if (m.gap + p->passed < -missed)
+            double gap = lw_touch_gap(p, &d->eq, d->frames);
+            if (gap + p->passed < -missed)
                 return lw_error_set(run->e, LW_E_NUMERIC, "contact \"%s\" was closed before t = %.9g s without being seen; "
                                     "ask for a smaller tolerance", lw_touch_name(d->model, p), t);
-            bool open = m.gap > LW_TOUCH_CLOSED;
+            bool open = gap > LW_TOUCH_CLOSED;
             p->state = p->state == LW_TOUCH_PASSIVE && open ? LW_TOUCH_APART : p->state;
             p->passed = open ? 0 : p->passed;            /* the next closure is where the gap is 0 again */
         }
@@ -870,11 +872,9 @@ static void note_gaps(lw_dynamics *d, const double *y)
     d->eq.place(d->eq.context, y);
     for (int i = 0; i < d->touch->list.n; i++) {
         lw_touch *p = &d->touch->list.touch[i];
-        lw_touch_motion m;
         if (!is_rigid(p) || (p->state != LW_TOUCH_APART && p->state != LW_TOUCH_PASSIVE))
             continue;
-        lw_touch_at(p, &d->eq, d->frames, NULL, &m);
-        p->passed = fmax(p->passed, -m.gap);
+        p->passed = fmax(p->passed, -lw_touch_gap(p, &d->eq, d->frames));
     }
 }
 

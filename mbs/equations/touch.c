@@ -502,8 +502,8 @@ static void between_points(const lw_touch *t, const lw_body_frame *f, const doub
             - (t->radius[0] + t->radius[1])*turned;
 }
 
-/* Does one of two sides, or outlines, of a corner of body 0 run behind the face with this normal? */
-static bool runs_behind(const lw_touch *t, const lw_body_frame *f, lw_vec2 normal, const lw_vec2 side[2])
+/* Does one of two sides, or outlines, of a corner of body 0 (2) run behind the face with this normal? */
+static bool runs_behind(const lw_touch *t, const lw_body_frame *f, lw_vec2 normal, const lw_vec2 *side)
 {
     static const double least = 1e-6;                    /* sine of the angle behind the face */
     bool behind = false;
@@ -561,6 +561,25 @@ static corner_hold meets_end_on(const lw_touch *t, const lw_body_frame *f, lw_ve
     return held;
 }
 
+/* The gap of a disc at `place` along a face with the normal n and the direction u, and `height` in front of it, at d from its begin. */
+static double gap_at_face(const lw_touch *t, const lw_body_frame *f, lw_vec2 n, lw_vec2 u, lw_vec2 d, double place, double height)
+{
+    double reach = t->radius[0] + t->radius[1], depth = -height;
+    if (t->state == LW_TOUCH_HELD)
+        return height - reach;
+    /* at a notch the next face holds the disc, up to interpolation: this face goes on there */
+    double begin = t->notch[0], end = t->notch[1], deepest = place < 0 ? begin : place > t->length ? end : t->deepest;
+    double past = t->length < INFINITY ? fmax(-place - begin, place - t->length - end) : 0;
+    corner_hold held = meets_end_on(t, f, n, u, d, place, depth);
+    if (held == HOLDS)
+        return height - reach;
+    if (past > 0)                            /* an end: the disc there repels, and this less than that */
+        return hypot(past, height) - reach + past;
+    bool behind = t->side == 0 && depth > 0 && t->length < INFINITY &&
+                  (held == HOLDS_ELSEWHERE || depth > deepest || (begin == 0 && depth > place*t->slope[0]) || (end == 0 && depth > (t->length - place)*t->slope[1]));
+    return behind ? depth : height - reach;
+}
+
 static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, const point *k, lw_touch_motion *m)
 {
     lw_vec2 u = lw_v2_turn(t->along, f[t->body[1] + 1].dir), d = lw_v2_sub(k[0].p, k[1].p);
@@ -569,27 +588,14 @@ static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, 
     m->normal = n;
     m->place = lw_v2_dot(u, d);
     m->place_rate = lw_v2_dot(u, dd) + w*lw_v2_cross(u, d);
-    m->gap = m->straight = height - reach;
+    m->straight = height - reach;
+    m->gap = gap_at_face(t, f, n, u, d, m->place, height);
     fill_row(t, f, n, k[0].p, m->n);
     m->rate = row_rate(t, m->n, v);
     m->bias = v ? lw_v2_dot(n, lw_v2_sub(k[0].a, k[1].a)) + 2*w*lw_v2_dot(lw_v2_perp(n), dd) - w*w*height : 0;
     fill_slip(t, f, v, k, w, m);
     m->path = (t->side < 0 ? -1 : 1)*m->place
             + t->radius[0]*(f[t->body[0] + 1].turn - f[t->body[1] + 1].turn);
-    if (t->state == LW_TOUCH_HELD)
-        return;
-    /* at a notch the next face holds the disc, up to interpolation: this face goes on there */
-    double begin = t->notch[0], end = t->notch[1], deepest = m->place < 0 ? begin : m->place > t->length ? end : t->deepest;
-    double past = t->length < INFINITY ? fmax(-m->place - begin, m->place - t->length - end) : 0, depth = -height;
-    corner_hold held = meets_end_on(t, f, n, u, d, m->place, depth);
-    if (held == HOLDS)
-        return;
-    if (past > 0)                            /* an end: the disc there repels, and this less than that */
-        m->gap = hypot(past, height) - reach + past;
-    else if (t->side == 0 && depth > 0 && t->length < INFINITY &&
-             (held == HOLDS_ELSEWHERE || depth > deepest || (begin == 0 && depth > m->place*t->slope[0]) ||
-              (end == 0 && depth > (t->length - m->place)*t->slope[1])))
-        m->gap = depth;
 }
 
 void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame *frames, const double *v,
@@ -615,6 +621,22 @@ void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame 
         between_points(p, frames, v, k, -1, p->limit, out);
     else
         between_points(p, frames, v, k, 1, p->radius[0] + p->radius[1], out);
+}
+
+double lw_touch_gap(const lw_touch *p, const lw_equations *eq, const lw_body_frame *frames)
+{
+    lw_touch_motion m;
+    if (p->kind == LW_TOUCH_STOP) {
+        lw_touch_at(p, eq, frames, NULL, &m);
+        return m.gap;
+    }
+    lw_vec2 d = lw_v2_sub(point_of(p, 0, frames, NULL).p, point_of(p, 1, frames, NULL).p);
+    if (p->kind == LW_TOUCH_ROPE)
+        return p->limit - lw_v2_norm(d);
+    if (p->kind == LW_TOUCH_DISCS)
+        return lw_v2_norm(d) - (p->radius[0] + p->radius[1]);
+    lw_vec2 u = lw_v2_turn(p->along, frames[p->body[1] + 1].dir), n = lw_v2_scale(lw_v2_perp(u), p->side < 0 ? -1 : 1);
+    return gap_at_face(p, frames, n, u, d, lw_v2_dot(u, d), lw_v2_dot(n, d));
 }
 
 bool lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool anew, double near)

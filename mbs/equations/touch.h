@@ -77,6 +77,9 @@ void      lw_touch_free(lw_touch_list *list);
 void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame *frames, const double *v,
                  lw_touch_motion *out);
 
+/* The gap of lw_touch_at alone. */
+double lw_touch_gap(const lw_touch *p, const lw_equations *eq, const lw_body_frame *frames);
+
 /* A bar is touched on the side where the disc was before it came beside the bar; anew: at the start.  A disc within `near` of the line of the
  * bar counts as on it.  False: it lies on a bar without thickness, and nothing tells its side. */
 bool lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool anew, double near);
