@@ -113,7 +113,15 @@ static bool solve(const program *q, double *p)
     double l[N*N], work[2*N*N];
     memcpy(l, q->h, sizeof *l*(size_t)(q->n*q->n));
     CHECK(lw_qp_cholesky(q->n, l));
-    return lw_qp_solve(q->n, l, q->g, q->m, q->a, q->b, work, p);
+    short first[M + 1], column[M*N];
+    lw_qp_rows dense = { .m = q->m, .a = q->a, .b = q->b }, listed = { q->m, q->a, q->b, q->m/2, first, column };
+    lw_qp_list(q->n, listed.n_listed, q->a, first, column);
+    double same[N] = { 0 };
+    bool found = lw_qp_solve(q->n, l, q->g, &listed, work, same);
+    CHECK(lw_qp_solve(q->n, l, q->g, &dense, work, p) == found);
+    for (int i = 0; i < q->n && found; i++)
+        CHECK_NEAR(same[i], p[i], 0, 0);
+    return found;
 }
 
 static void check_against_all_sets(const program *q)

@@ -81,6 +81,8 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->g_row = piece(base, &at, g*variables*v);
     w->step_a = piece(base, &at, (2*variables + (size_t)p->n_linear + g)*variables*v);
     w->step_b = piece(base, &at, (2*variables + (size_t)p->n_linear + g)*v);
+    w->step_first = piece(base, &at, (2*variables + (size_t)p->n_linear + 1)*sizeof *w->step_first);
+    w->step_column = piece(base, &at, (2 + (size_t)p->n_linear)*variables*sizeof *w->step_column);
     w->step_h = piece(base, &at, 4*variables*variables*v);
     w->cost = piece(base, &at, p->n*(LW_CURVE_SAMPLES + 1)*v);
     w->best = piece(base, &at, 2*(LW_CURVE_SAMPLES + 1)*v);

@@ -75,6 +75,7 @@ typedef struct lw_work {
     double *g_row;                 /* their derivatives, g_row[i*n_var + d]                           */
     double *step_h;                /* its quadratic model: four matrices of (n_var)^2                  */
     double *step_a, *step_b;       /* conditions on a step of a solver: rows a (n_var), a . step >= b  */
+    short  *step_first, *step_column;      /* their nonzero coefficients, as lw_qp_rows has them         */
     double *cost, *best;         /* dynamic programme: station by sample                           */
     short  *from, *order;
     void   *batch, *registers;   /* of lw_random_linkage_draw: n_reg rows of LW_CURVE_SAMPLES complex numbers */

@@ -42,51 +42,64 @@ typedef struct model {
     double g[LW_QP_MAX], step[LW_QP_MAX];           /* J'r                                     */
     int    m, m_linear;                             /* conditions on the step: a step >= b; less the motion's */
     double *a, *b;                                  /* (m*n), (m), in the scratch              */
+    short  *first, *column;                         /* the same: nonzero coefficients of the first m_linear rows */
     double *h, *l, *work;                           /* the same: J'J (lower) and the damped factor (n*n), (2*n*n) */
 } model;
 
-static void choose_variables(const lw_problem *p, const lw_work *w, model *q)
+/* sign step[i] >= .. */
+static void bound_row(model *q, int i, double sign)
 {
-    q->n = 0;
+    double *a = q->a + q->m_linear++*q->n;
+    memset(a, 0, sizeof *a*(size_t)q->n);
+    a[i] = sign;
+}
+
+/* Choose the free variables; set the rows of bounds and linear conditions, which are the same for all steps. */
+static void begin_model(const lw_problem *p, const lw_work *w, model *q)
+{
+    q->n = q->m_linear = 0;
     q->a = w->step_a;
     q->b = w->step_b;
+    q->first = w->step_first;
+    q->column = w->step_column;
     for (int i = 0; i < p->n_var; i++)
         if (p->lo[i] < p->hi[i])
             q->var[q->n++] = i;
     q->h = w->step_h;
     q->l = q->h + q->n*q->n;
     q->work = q->l + q->n*q->n;
+    for (int i = 0; i < q->n; i++) {
+        if (isfinite(p->lo[q->var[i]]))
+            bound_row(q, i, 1);
+        if (isfinite(p->hi[q->var[i]]))
+            bound_row(q, i, -1);
+    }
+    for (int j = 0; j < p->n_linear; j++, q->m_linear++)
+        for (int i = 0; i < q->n; i++)
+            q->a[q->m_linear*q->n + i] = p->linear[j][q->var[i]];
+    lw_qp_list(q->n, q->m_linear, q->a, q->first, q->column);
 }
 
-/* sign step[i] >= b */
-static void bound_row(model *q, int i, double sign, double b)
-{
-    double *a = q->a + q->m*q->n;
-    memset(a, 0, sizeof *a*(size_t)q->n);
-    a[i] = sign;
-    q->b[q->m++] = b;
-}
-
-static void conditions(const lw_problem *p, const double *x, model *q)
+/* The limits of the bounds and linear conditions on a step from x. */
+static void linear_limits(const lw_problem *p, const double *x, model *q)
 {
     q->m = 0;
     for (int i = 0; i < q->n; i++) {
         int v = q->var[i];
         if (isfinite(p->lo[v]))
-            bound_row(q, i, 1, p->lo[v] - x[v]);
+            q->b[q->m++] = p->lo[v] - x[v];
         if (isfinite(p->hi[v]))
-            bound_row(q, i, -1, x[v] - p->hi[v]);
+            q->b[q->m++] = x[v] - p->hi[v];
     }
     for (int j = 0; j < p->n_linear; j++) {
         double now = 0;
         for (int v = 0; v < p->n_var; v++)
             now += p->linear[j][v]*x[v];
-        for (int i = 0; i < q->n; i++)
-            q->a[q->m*q->n + i] = p->linear[j][q->var[i]];
         q->b[q->m++] = LW_LINEAR_LEAST - now;
     }
-    q->m_linear = q->m;
 }
+
+static lw_qp_rows step_rows(const model *q) { return (lw_qp_rows){ q->m, q->a, q->b, q->m_linear, q->first, q->column }; }
 
 /* Add the conditions on the motion to first order.  A violated one has to become better by `part` of its violation. */
 static void motion_conditions(const lw_problem *p, const lw_work *w, double part, model *q)
@@ -130,7 +143,8 @@ static double solve_step(model *q, double damping)
         most = fmax(most, q->h[i*n + i]);
     for (int i = 0; i < n; i++)
         l[i*n + i] += damping*fmax(q->h[i*n + i], DIAGONAL_LEAST*most) + RIDGE*most + 1e-300;
-    if (!lw_qp_cholesky(n, l) || !lw_qp_solve(n, l, q->g, q->m, q->a, q->b, q->work, q->step))
+    const lw_qp_rows rows = step_rows(q);
+    if (!lw_qp_cholesky(n, l) || !lw_qp_solve(n, l, q->g, &rows, q->work, q->step))
         return NAN;
     for (int i = 0; i < n; i++) {
         double hs = 0;
@@ -264,7 +278,7 @@ static double bend_of(run *r, const double *x, double *a)
     lw_work *w = r->w;
     model *q = &r->q;
     double g[LW_QP_MAX], *more = w->best_theta, a2 = 0, step2 = 0;
-    bool known = second_derivatives(r, x, more, g) && lw_qp_solve(q->n, q->l, g, 0, NULL, NULL, q->work, a);
+    bool known = second_derivatives(r, x, more, g) && lw_qp_solve(q->n, q->l, g, NULL, q->work, a);
     memcpy(w->phase, w->keep_theta, p->n*sizeof *w->phase);
     for (int i = 0; i < q->n && known; i++) {
         a2 += q->h[i*q->n + i]*a[i]*a[i];
@@ -286,7 +300,7 @@ static lw_stop advance(run *r, double *x)
     double part = 1;
     lw_problem_rows(p, x, r->w, true);
     normal_equations(p, r->w, &r->q);
-    conditions(p, x, &r->q);
+    linear_limits(p, x, &r->q);
     if (r->conditioned) {
         lw_problem_conditions(p, x, true, FAR, r->w->g_now, r->w->g_row, r->w);
         r->broken = violation(p, r->w->g_now);
@@ -398,7 +412,7 @@ static double improve(const lw_problem *p, const lw_lm_options *o, double *x, bo
 {
     run r = { .p = p, .o = o, .w = work, .conditioned = conditioned, .evals = 1 };
     bool closes = true;
-    choose_variables(p, work, &r.q);
+    begin_model(p, work, &r.q);
     if (!keep_inputs && p->timing != LW_TIMING_PRESCRIBED)
         closes = lw_problem_settle(p, x, r.w);
     r.f = closes ? evaluate(p, x, r.w) : INFINITY;
@@ -427,7 +441,7 @@ double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, boo
 bool lw_lm_feasible(const lw_problem *p, double *x, void *work)
 {
     model q;
-    choose_variables(p, work, &q);
+    begin_model(p, work, &q);
     clip(p, x);
     for (int j = 0, bad = 0; j < p->n_linear; j++) {
         double now = 0;
@@ -442,8 +456,9 @@ bool lw_lm_feasible(const lw_problem *p, double *x, void *work)
         q.l[i*q.n + i] = 1/fmax(0.1, fabs(x[q.var[i]]));
         q.g[i] = 0;
     }
-    conditions(p, x, &q);
-    if (p->n_linear && !lw_qp_solve(q.n, q.l, q.g, q.m, q.a, q.b, q.work, q.step))
+    linear_limits(p, x, &q);
+    const lw_qp_rows rows = step_rows(&q);
+    if (p->n_linear && !lw_qp_solve(q.n, q.l, q.g, &rows, q.work, q.step))
         return false;
     for (int i = 0; p->n_linear && i < q.n; i++)
         x[q.var[i]] += q.step[i];

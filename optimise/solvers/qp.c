@@ -29,9 +29,9 @@ bool lw_qp_cholesky(int n, double *h)
     return true;
 }
 
-static void forward(int n, const double *l, double *v)          /* v = L^-1 v */
+static void forward(int n, int first, const double *l, double *v)          /* v = L^-1 v; 0 before `first` */
 {
-    for (int q = 0; q < n; q++) {
+    for (int q = first; q < n; q++) {
         v[q] /= l[q*n + q];
         for (int i = q + 1; i < n; i++)
             v[i] -= l[i*n + q]*v[q];
@@ -47,15 +47,37 @@ static void backward(int n, const double *l, double *v)         /* v = L^-T v */
     }
 }
 
-/* The active conditions: rows L^-1 a as columns of an orthonormal matrix q and a triangle r.  Both are recomputed from the
- * first row that changes on, which is cheap for so few unknowns. */
+void lw_qp_list(int n, int m, const double *a, short *first, short *column)
+{
+    short count = 0;
+    for (int j = 0; j < m; j++) {
+        first[j] = count;
+        for (int c = 0; c < n; c++)
+            if (a[j*n + c] != 0)
+                column[count++] = (short)c;
+    }
+    first[m] = count;
+}
+
+/* The active conditions: rows L^-1 a as columns of an orthonormal matrix q and a triangle r.  After one of them is dropped, those
+ * that follow it are worked out again, which is cheap for so few unknowns. */
 typedef struct active {
     int    n, count;
+    const double     *l;
+    const lw_qp_rows *rows;
     int    row[LW_QP_MAX];
     double u[LW_QP_MAX + 1];                    /* multipliers, >= 0                     */
     double *q, *r;                              /* (n*n); row k of q is the k-th orthonormal vector */
     double size;                                /* largest |L'p| so far                  */
 } active;
+
+/* y = L^-1 a of condition j. */
+static void condition_vector(const active *w, int j, double *y)
+{
+    const lw_qp_rows *c = w->rows;
+    memcpy(y, c->a + j*w->n, sizeof *y*(size_t)w->n);
+    forward(w->n, j < c->n_listed && c->first[j] < c->first[j + 1] ? c->column[c->first[j]] : 0, w->l, y);
+}
 
 /* Take from v its parts along the first `count` orthonormal vectors, which become part[k*stride], and return the square of the
  * rest.  Where little is left, rounding has left parts along them: then they are taken once more. */
@@ -77,25 +99,26 @@ static double take_out(const active *w, int count, double *v, double *part, int 
     return rest;
 }
 
-static void remake(active *w, int first, const double *l, const double *a)
+static void remake(active *w, int first)
 {
     int n = w->n;
     for (int k = first; k < w->count; k++) {
         double *v = w->q + k*n;
-        memcpy(v, a + w->row[k]*n, sizeof(double)*(size_t)n);
-        forward(n, l, v);
+        condition_vector(w, w->row[k], v);
         w->r[k*n + k] = sqrt(take_out(w, k, v, w->r + k, n));
         for (int c = 0; c < n; c++)
             v[c] /= w->r[k*n + k];
     }
 }
 
-/* Split y = L^-1 a_p into its part z outside the active space and the change d of the multipliers; returns the square of z. */
-static double split(const active *w, const double *y, double *z, double *d)
+/* Split y = L^-1 a_p into its parts along the active conditions and its rest z; returns the square of z.  d: the change of the
+ * multipliers. */
+static double split(const active *w, const double *y, double *z, double *part, double *d)
 {
     int n = w->n;
     memcpy(z, y, sizeof(double)*(size_t)n);
-    double z2 = take_out(w, w->count, z, d, 1);
+    double z2 = take_out(w, w->count, z, part, 1);
+    memcpy(d, part, sizeof(double)*(size_t)w->count);
     for (int k = w->count - 1; k >= 0; k--) {
         for (int i = k + 1; i < w->count; i++)
             d[k] -= w->r[k*n + i]*d[i];
@@ -104,32 +127,50 @@ static double split(const active *w, const double *y, double *z, double *d)
     return z2;
 }
 
-static void drop(active *w, int k, const double *l, const double *a)
+/* Make condition j, which was split last, active. */
+static void join(active *w, int j, double u, const double *part, const double *z, double z2)
+{
+    int n = w->n, k = w->count++;
+    w->row[k] = j;
+    w->u[k] = u;
+    for (int i = 0; i < k; i++)
+        w->r[i*n + k] = part[i];
+    w->r[k*n + k] = sqrt(z2);
+    for (int c = 0; c < n; c++)
+        w->q[k*n + c] = z[c]/w->r[k*n + k];
+}
+
+static void drop(active *w, int k)
 {
     for (int i = k + 1; i < w->count; i++) {
         w->row[i - 1] = w->row[i];
         w->u[i - 1] = w->u[i];
     }
     w->count--;
-    remake(w, k, l, a);
+    remake(w, k);
 }
 
-static double gap_of(int n, int j, const double *a, const double *b, const double *p)
+static double gap_of(const active *w, int j, const double *p)
 {
-    return lw_dot(n, a + j*n, p) - b[j];
+    const lw_qp_rows *c = w->rows;
+    const double *a = c->a + j*w->n;
+    if (j >= c->n_listed)
+        return lw_dot(w->n, a, p) - c->b[j];
+    double sum = 0;
+    for (int i = c->first[j]; i < c->first[j + 1]; i++)
+        sum += a[c->column[i]]*p[c->column[i]];
+    return sum - c->b[j];
 }
 
-/* Rounding error to expect in condition j: p is accurate to a few units in the last place only in the metric of H, in
- * which the path to p is at most `size` long. */
-static double rounding(const active *w, int j, const double *l, const double *a, const double *b,
-                       const double *p)
+/* Rounding error to expect in condition j, of which y is the vector: p is accurate to a few units in the last place only in the
+ * metric of H, in which the path to p is at most `size` long. */
+static double rounding(const active *w, int j, const double *y, const double *p)
 {
     int n = w->n;
-    double y[LW_QP_MAX], scale = fabs(b[j]);
+    const double *a = w->rows->a + j*n;
+    double scale = fabs(w->rows->b[j]);
     for (int c = 0; c < n; c++)
-        scale += fabs(a[j*n + c]*p[c]);
-    memcpy(y, a + j*n, sizeof(double)*(size_t)n);
-    forward(n, l, y);
+        scale += fabs(a[c]*p[c]);
     return ROUNDING_ROW*scale + ROUNDING_STEP*sqrt(lw_dot(n, y, y))*w->size;
 }
 
@@ -156,26 +197,29 @@ static void gaps_of_four(int n, int j, const double *a, const double *b, const d
         gap[k] = sum[k] - b[j + k];
 }
 
-/* The condition that is violated most, by more than rounding, and its gap; -1: there is none. */
-static int most_violated(const active *w, int m, const double *l, const double *a, const double *b,
-                         const double *p, double *gap)
+/* The condition that is violated most, by more than rounding, with its gap and its vector y; -1: there is none. */
+static int most_violated(const active *w, const double *p, double *gap, double *y)
 {
-    int n = w->n, last = -1;
+    int n = w->n, m = w->rows->m, listed = w->rows->n_listed, last = -1;
     double within = -INFINITY;                  /* rows up to here, and up to `last` at it, are violated within rounding */
     for (int i = 0; i <= m; i++) {
         int worst = -1;
         double least = 0, four[4];
         for (int j = 0; j < m; j++) {
-            if (j % 4 == 0 && j + 4 <= m)
-                gaps_of_four(n, j, a, b, p, four);
-            double s = j < m/4*4 ? four[j % 4] : gap_of(n, j, a, b, p);
+            bool in_four = j >= listed && (j - listed)/4*4 + 4 <= m - listed;
+            if (in_four && (j - listed) % 4 == 0)
+                gaps_of_four(n, j, w->rows->a, w->rows->b, p, four);
+            double s = in_four ? four[(j - listed) % 4] : gap_of(w, j, p);
             if (s < least && (s > within || (s == within && j > last)) && !is_active(w, j)) {
                 least = s;
                 worst = j;
             }
         }
         *gap = least;
-        if (worst < 0 || least < -rounding(w, worst, l, a, b, p))
+        if (worst < 0)
+            return worst;
+        condition_vector(w, worst, y);
+        if (least < -rounding(w, worst, y, p))
             return worst;
         within = least;
         last = worst;
@@ -183,46 +227,43 @@ static int most_violated(const active *w, int m, const double *l, const double *
     return -1;
 }
 
-static void grow(active *w, const double *l, const double *p)
+static void grow(active *w, const double *p)
 {
     double y2 = 0;
     for (int i = 0; i < w->n; i++) {
         double y = 0;
         for (int q = i; q < w->n; q++)
-            y += l[q*w->n + i]*p[q];
+            y += w->l[q*w->n + i]*p[q];
         y2 += y*y;
     }
     w->size = fmax(w->size, sqrt(y2));
 }
 
 /* Move p back onto the active conditions, which it left by the rounding of its path. */
-static void settle(const active *w, const double *l, const double *a, const double *b, double *p)
+static void settle(const active *w, double *p)
 {
     int n = w->n;
     double step[LW_QP_MAX] = { 0 }, v[LW_QP_MAX];
     for (int k = 0; k < w->count; k++) {
-        v[k] = -gap_of(n, w->row[k], a, b, p);
+        v[k] = -gap_of(w, w->row[k], p);
         for (int i = 0; i < k; i++)
             v[k] -= w->r[i*n + k]*v[i];
         v[k] /= w->r[k*n + k];
         for (int c = 0; c < n; c++)
             step[c] += v[k]*w->q[k*n + c];
     }
-    backward(n, l, step);
+    backward(n, w->l, step);
     for (int c = 0; c < n; c++)
         p[c] += step[c];
 }
 
-/* Activate condition j: step in primal and dual space until it holds. */
-static bool bring_in(active *w, int j, double gap, const double *l, const double *a, double *p)
+/* Activate condition j with the vector y: step in primal and dual space until it holds. */
+static bool bring_in(active *w, int j, double gap, const double *y, double *p)
 {
     int n = w->n;
-    double y[LW_QP_MAX], z[LW_QP_MAX], d[LW_QP_MAX], u_new = 0;
-    memcpy(y, a + j*n, sizeof(double)*(size_t)n);
-    forward(n, l, y);
-    double y2 = lw_dot(n, y, y);
+    double z[LW_QP_MAX], part[LW_QP_MAX], d[LW_QP_MAX], step[LW_QP_MAX], u_new = 0, y2 = lw_dot(n, y, y);
     for (int guard = 0; guard < 4*LW_QP_MAX; guard++) {
-        double z2 = split(w, y, z, d), t1 = INFINITY, t2 = INFINITY;
+        double z2 = split(w, y, z, part, d), t1 = INFINITY, t2 = INFINITY;
         int leave = -1;
         for (int k = 0; k < w->count; k++)
             if (d[k] > 0 && w->u[k]/d[k] < t1) {
@@ -238,49 +279,45 @@ static bool bring_in(active *w, int j, double gap, const double *l, const double
             w->u[k] = fmax(0, w->u[k] - t*d[k]);
         u_new += t;
         if (isfinite(t2)) {
-            backward(n, l, z);
+            memcpy(step, z, sizeof *step*(size_t)n);
+            backward(n, w->l, step);
             for (int c = 0; c < n; c++)
-                p[c] += t*z[c];
+                p[c] += t*step[c];
             gap += t*z2;
-            grow(w, l, p);
+            grow(w, p);
         }
         if (t2 <= t1) {
             assert(w->count < n);
-            w->row[w->count] = j;
-            w->u[w->count++] = u_new;
-            remake(w, w->count - 1, l, a);
+            join(w, j, u_new, part, z, z2);
             return true;
         }
-        drop(w, leave, l, a);
+        drop(w, leave);
     }
     return false;
 }
 
-bool lw_qp_solve(int n, const double *l, const double *g, int m, const double *a, const double *b, double *work,
-                 double *p)
+bool lw_qp_solve(int n, const double *l, const double *g, const lw_qp_rows *rows, double *work, double *p)
 {
-    active w;
+    static const lw_qp_rows none = { .m = 0 };
+    active w = { .n = n, .l = l, .rows = rows ? rows : &none, .q = work, .r = work + n*n };
+    double y[LW_QP_MAX];
     assert(n <= LW_QP_MAX);
-    w.n = n;
-    w.count = 0;
-    w.q = work;
-    w.r = work + n*n;
     for (int i = 0; i < n; i++)
         p[i] = -g[i];
-    forward(n, l, p);
+    forward(n, 0, l, p);
     w.size = sqrt(lw_dot(n, p, p));
     backward(n, l, p);
     for (int round = 0; round < 20*LW_QP_MAX; round++) {
         double gap;
-        int j = most_violated(&w, m, l, a, b, p, &gap);
+        int j = most_violated(&w, p, &gap, y);
         if (j < 0) {
-            settle(&w, l, a, b, p);
+            settle(&w, p);
             return true;
         }
-        if (bring_in(&w, j, gap, l, a, p))
+        if (bring_in(&w, j, gap, y, p))
             continue;
-        settle(&w, l, a, b, p);                              /* what is left of a row that depends on active ones? */
-        if (gap_of(n, j, a, b, p) < -rounding(&w, j, l, a, b, p))
+        settle(&w, p);                                       /* what is left of a row that depends on active ones? */
+        if (gap_of(&w, j, p) < -rounding(&w, j, y, p))
             return false;
     }
     return false;

@@ -11,9 +11,20 @@
  * is not positive definite to rounding. */
 bool lw_qp_cholesky(int n, double *h);
 
-/* Find the p that minimises 1/2 p'Hp + g'p subject to a[j*n ..] . p >= b[j], j < m; l is the factor of H. work: 2*n*n
+/* The conditions a[j*n ..] . p >= b[j], j < m. */
+typedef struct lw_qp_rows {
+    int           m;
+    const double *a, *b;
+    int           n_listed;      /* the first so many rows ...                                       */
+    const short  *first;         /* ... have the coefficients column[first[j]] .. column[first[j + 1] - 1] (n_listed + 1) */
+    const short  *column;        /* and no others: bounds and ratios of two lengths are worked out faster */
+} lw_qp_rows;
+
+/* List the nonzero coefficients of m rows in first (m + 1) and column (m*n). */
+void lw_qp_list(int n, int m, const double *a, short *first, short *column);
+
+/* Find the p that minimises 1/2 p'Hp + g'p subject to these conditions (NULL: none); l is the factor of H. work: 2*n*n
  * doubles. False: the conditions contradict each other (p is then unspecified). */
-bool lw_qp_solve(int n, const double *l, const double *g, int m, const double *a, const double *b, double *work,
-                 double *p);
+bool lw_qp_solve(int n, const double *l, const double *g, const lw_qp_rows *rows, double *work, double *p);
 
 #endif
