@@ -624,7 +624,7 @@ static bool have_no_pulse(const lw_dynamics *d)
         bool pin = i >= m->n_spring;
         const lw_expression *law = pin ? m->joint_spring[i - m->n_spring].law : m->spring[i].law;
         double from = pin ? -most : 0;
-        yes = yes && (!law || lw_expression_calm(law, lw_variable(LW_QUANTITY_LENGTH, 0), true, from, from, most, 1e-3*most) == most);
+        yes = yes && (!law || lw_expression_calm(law, lw_variable(LW_QUANTITY_LENGTH, 0), false, from, from, most, 1e-3*most) == most);
     }
     return yes;
 }
@@ -636,6 +636,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, s, 0, d->not_reduced);
     if (!by_posture(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "forces depend on time or speed");
+    if (d->eq.n_kink + d->eq.n_jump > 0)
+        return lw_formulation_say(r, LW_E_KIND, 0, "the law of a spring has kinks, at which its panels do not end");
     if (!have_no_pulse(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "the law of a spring changes too fast for its panels");
     d->rule = d->rule ? d->rule : malloc(sizeof *d->rule);
