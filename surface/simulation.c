@@ -403,7 +403,7 @@ static lw_status find_slowest(vibrations *w, const lw_model *model, const lw_spa
     if (s != LW_OK)
         return s;
     if (lw_dynamics_massless(w->d))
-        return lw_error_set(e, LW_E_ARG, "link \"%s\" has no mass or no inertia, so its motion has no frequency: give it a \"mass\" "
+        return lw_error_set(e, LW_E_ARG, "link \"%s\" has no mass, or no inertia about an axis, so its motion has no frequency: give it a \"mass\" "
                             "and an \"inertia\"", lw_dynamics_massless(w->d));
     size_t n = (size_t)(space ? lw_dynamics_space(w->d)->n_q : lw_dynamics_system(w->d)->n_q);
     double *q = calloc(2*n, sizeof *q);

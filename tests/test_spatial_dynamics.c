@@ -426,6 +426,35 @@ TEST(a_planar_four_bar_in_space)
     lw_spatial_free(&m);
 }
 
+/* A slender rod has no inertia about itself.  On a pin across, where that does not act, it swings at sqrt(3 g/(2 L)); a ball lets it spin. */
+TEST(modes_of_slender_rods)
+{
+    for (int ball = 0; ball < 2; ball++) {
+        char text[400];
+        lw_spatial m;
+        lw_dynamics *d;
+        lw_modes modes = { 0 };
+        lw_error e = { 0 };
+        lw_dynamics_options o = lw_dynamics_options_default();
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': 3, 'centre': [0, 0, -1], 'inertia': [1, 1, 0]}], 'joints': [{'name': 'A', "
+                 "%s, 'links': ['ground', 'rod'], 'at': [0, 0, 0]}], 'gravity': [0, 0, -9.81]}", ball ? "'kind': 'b'" : "'axis': [0, 1, 0]");
+        read_spatial(text, "rod", &m);
+        o.analysis = LW_ANALYSIS_STATIC;
+        CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
+        CHECK_TEXT(lw_dynamics_massless(d) ? lw_dynamics_massless(d) : "", ball ? "rod" : "");
+        double q[64] = { 0 };
+        lw_dynamics_start(d, q, q + lw_dynamics_space(d)->n_q);
+        if (!ball) {
+            CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ .rest = false }, 3, 0, q, &modes, &e), LW_OK);
+            CHECK_INT(modes.n_mode, 1);
+            CHECK_NEAR(modes.mode[0].frequency, sqrt(9.81*3/4)/(2*LW_PI), 0, 1e-12);
+        }
+        lw_modes_free(&modes);
+        lw_dynamics_free(d);
+        lw_spatial_free(&m);
+    }
+}
+
 /* A pendulum without inputs; its hinge turns against the normal, y, or names the ground second: a spring and a stop push there alike. */
 TEST(a_pendulum_in_its_plane)
 {

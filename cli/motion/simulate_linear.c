@@ -237,7 +237,7 @@ static lw_status open_large(linear *l, lw_error *e)
         return s;
     const char *massless = lw_dynamics_massless(l->d);
     if (massless)
-        return lw_error_set(e, LW_E_ARG, "link \"%s\" has no mass or no inertia, so its motion has no frequency: give it a \"mass\" "
+        return lw_error_set(e, LW_E_ARG, "link \"%s\" has no mass, or no inertia about an axis, so its motion has no frequency: give it a \"mass\" "
                             "and an \"inertia\"", massless);
     l->s = lw_dynamics_system(l->d);
     l->f = lw_dynamics_forces(l->d);

@@ -177,7 +177,7 @@ bool lw_dynamics_many_drives(const lw_dynamics *d);
 /* Does the run include inertia (not static, not quasi-static)? */
 bool lw_dynamics_in_time(const lw_dynamics *d);
 
-/* A link without mass or inertia, for which a static analysis assumed values; NULL: all links have them. */
+/* A link that can move without moving any mass, for which a static analysis assumed values; NULL: there is none. */
 const char *lw_dynamics_massless(const lw_dynamics *d);
 
 /* Does input i start at rest because neither its speed nor its motion is given? */

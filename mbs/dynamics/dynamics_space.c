@@ -770,6 +770,38 @@ lw_status lw_dynamics_place_on_rigid(lw_dynamics *d, const lw_space *rigid, cons
     return lw_mbs_arrange(d, d->o.from, q);
 }
 
+/* Forget the mass that a static analysis made up if no joint lets it move, as the spin of a slender rod on a pin. */
+static lw_status judge_massless(lw_dynamics *d, lw_error *e)
+{
+    static const double still = 1e-9;
+    lw_spatial_scene *c = d->space;
+    lw_space_rows_set z;
+    double *push = calloc(3*(size_t)d->n_v, sizeof *push), *by = push + d->n_v, *weight = by + d->n_v;
+    if (!push)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_space_metric(&c->s, weight);
+    lw_status st = lw_space_rows_make(&c->s, c->idle, c->n_idle, weight, c->s.start, &z, e);
+    if (st == LW_OK) {
+        double *l = calloc((size_t)z.n_row + 1, sizeof *l);
+        st = l ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+        lw_space_rows_fill(&z, c->s.start, z.near);
+        bool moves = st != LW_OK || !lw_space_rows_factor(&z);
+        for (int i = 0; i < d->n_v && !moves; i++) {
+            if (c->mass[i] == c->s.mass[i] || c->s.mass[i] > 0)
+                continue;
+            push[i] = 1;
+            moves = !lw_space_rows_solve(&z, push, NULL, true, by, l) || by[i] > still*weight[i];
+            push[i] = 0;
+            c->massless = moves ? i/6 : c->massless;
+        }
+        c->massless = moves ? c->massless : -1;
+        free(l);
+    }
+    lw_space_rows_free(&z);
+    free(push);
+    return st;
+}
+
 /* At rest no mass matters to the multipliers: rows of a link of next to no inertia must not look dependent. */
 static void weigh_alike(lw_dynamics *d)
 {
@@ -816,6 +848,8 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
     d->large = d->n_v > LW_MBS_DENSE || rest || d->elastic;
     if (d->large)
         st = lw_spatial_weigh_massless(d->space, rest, e);
+    if (st == LW_OK && d->space->massless >= 0)
+        st = judge_massless(d, e);
     if (st == LW_OK && d->large)
         d->has_zero_mass = false;
     if (st == LW_OK && d->n_stop > LW_EVENT_MAX/2)

@@ -53,7 +53,7 @@ lw_status lw_spatial_weigh_massless(lw_spatial_scene *c, bool at_rest, lw_error 
         top = fmax(top, c->mass[i]);
     for (int i = 0; i < c->s.n_v; i++)
         if (!at_rest && !(c->mass[i] > 0))
-            return lw_error_set(e, LW_E_ARG, "link \"%s\" needs a \"mass\" and an \"inertia\": in a model of this size every link has "
+            return lw_error_set(e, LW_E_ARG, "link \"%s\" needs a \"mass\" and an \"inertia\" about every axis: in large models and beside elastic links every link has "
                                 "them", c->model->body[c->s.link_of[i/6]].name);
         else if (!(c->mass[i] > 0))
             c->mass[i] = top > 0 ? 1e-3*top : 1, c->massless = i/6;
