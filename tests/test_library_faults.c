@@ -212,7 +212,8 @@ static lw_status search(sum *s, bool exact)
     lw_error e;
     o.starts = 4;
     o.rounds = o.jobs = 1;
-    o.crank_only = !exact;                           /* the default limits, in a quarter of the time */
+    o.crank_only = !exact;                           /* the default limits, in an eighth of the time */
+    o.max_size = exact ? 0 : 1.5;
     lw_status st = exact ? lw_target_create(5, x, y, NULL, NULL, NULL, false, &t, &e)
                          : lw_target_load("examples/ellipse.csv", NULL, &t, &e);
     if (st == LW_OK)
