@@ -110,7 +110,7 @@ static bool is_lost(const lw_target *t, const front *f, const lw_fit_report *r)
 }
 
 /* Is candidate i lost, or so much worse than the one with the least error and no more links (of inputs that turn, if its turns) that
- * nobody wants it? */
+ * nobody wants it?  Between the stations, a linkage is judged by its stray unless it meets them. */
 static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, const front *f, int i)
 {
     const lw_candidate *c = &fit->candidate[i];
@@ -121,9 +121,11 @@ static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report 
     if (is_lost(t, f, r))
         return true;
     bool far = t->extent > 0 ? lw_fit_report_misses(t, r) > FAR*t->extent : r->angle_max > FAR*lw_target_swing(t);
+    bool meets = r->error_max < LW_EXACT_ENOUGH*t->extent;
     double worse = far ? FAR_WORSE : WORSE, less = far ? MUCH_SMALLER : 1;
+    double distance = meets ? lw_fit_report_distance(t, r) : lw_fit_report_misses(t, r);
     return c->objective > worse*worse*first->objective && !(lw_fit_report_stray(r) < less*lw_fit_report_stray(best))
-        && (lw_fit_report_distance(t, r) > fmax(ROUGH*t->size, t->noise) || r->angle_max > ROUGH_ANGLE);
+        && (distance > fmax(ROUGH*t->size, t->noise) || r->angle_max > ROUGH_ANGLE);
 }
 
 static void measures(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, double m[MEASURES])
