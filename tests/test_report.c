@@ -402,6 +402,35 @@ TEST(errors_below_those_of_manufacture_cost_little)
     }
 }
 
+/* A four-bar that misses the target by 1/500 comes before six links that meet it, one that misses it by 1/200 after them. */
+TEST(two_links_more_cost_as_much_as_a_small_error)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 21);
+    for (int trial = 0; trial < 2; trial++) {
+        made k;
+        lw_fit_results found;
+        make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
+        lw_fit_spec_set_limits(&k.spec, &k.t, LW_LIMIT_ALL & ~LW_LIMIT_SIZE);
+        lw_family six = *k.m.family;
+        six.links = 6;
+        lw_candidate c[] = { k.c, k.c };
+        lw_fit_report r[] = { report_of(&k), report_of(&k) };
+        c[0].family = &six;
+        for (int i = 0; i < 2; i++) {
+            c[i].input = k.input;
+            c[i].report = &r[i];
+            r[i].error_max = r[i].stray.to_curve = r[i].stray.to_target = (i == 0 ? 0 : trial == 0 ? 0.002 : 0.005)*k.t.extent;
+            c[i].objective = r[i].error_max*r[i].error_max;
+        }
+        lw_fit fit = { .n = 2, .candidate = c };
+        CHECK_INT(lw_fit_results_make(&k.t, &k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
+        CHECK(found.n > 0 && found.candidate[0] == (trial == 0 ? 1 : 0));
+        lw_fit_results_free(&found);
+        lw_target_free(&k.t);
+    }
+}
+
 /* Between few stations a four-bar may go on an arc through them, whether it meets them or not: its error there is what it misses them by. */
 TEST(few_stations_are_missed_by_their_errors)
 {

@@ -247,7 +247,7 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 #define PER_RATIO    0.85          /* beyond LW_EVEN, twice the ratio of longest to shortest link counts as 1.8 times the error */
 #define PER_MISS     0.8           /* beyond LW_NEAR twice the error counts as 3.5 times                            */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
-#define PER_LINK     0.2           /* for each link more                                                            */
+#define PER_LINK     0.5           /* for each link more: two links with their three joints count as 2.7 times the error */
 #define ROCKING      0.2           /* an input that has to be reversed                                              */
 
 static double cost_of_size(double bulk)
@@ -259,13 +259,13 @@ static double cost_of_size(double bulk)
 /* Less is better. */
 static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
-    double error = isnan(r->angle_max) ? 0 : r->angle_max, bulk = bulk_of(t, r);
-    const double none = t->extent > 0 ? fmax(LW_EXACT_ENOUGH, t->noise/t->extent) : LW_EXACT_ENOUGH;      /* errors of manufacture */
-    if (t->extent > 0 && isfinite(lw_fit_report_stray(r)))
-        error = (lw_fit_report_distance(t, r) + (isnan(r->spread) ? 0 : r->spread))/t->extent;
-    return log(hypot(error, none)) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/fmax(LW_NEAR, none))) : 0)
+    const bool has_place = t->extent > 0;
+    const double bulk = bulk_of(t, r), none = has_place ? fmax(LW_EXACT_ENOUGH, t->noise/t->extent) : LW_EXACT_ENOUGH;  /* of manufacture */
+    const double error = has_place ? (lw_fit_report_distance(t, r) + (isnan(r->spread) ? 0 : r->spread))/t->extent
+                                   : r->angle_max/fmax(1, lw_target_swing(t));
+    return log(hypot(error, none)) + PER_MISS*log(fmax(1, error/fmax(LW_NEAR, none)))
          + cost_of_size(bulk) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
-         + (t->extent > 0 ? PER_RATIO*log(lw_uneven(lw_fit_report_ratio(t, r), 1)) : 0)
+         + (has_place ? PER_RATIO*log(lw_uneven(lw_fit_report_ratio(t, r), 1)) : 0)
          + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
 }
 
