@@ -104,7 +104,7 @@ TEST(pieces_make_the_whole)
     agree(load("examples/dynamics/trebuchet.json"), 1, 20, 1e-6);
     agree(load("examples/dynamics/servo-arm.json"), 0.5, 20, 1e-7);
     agree(load("examples/five-bar.json"), 0.4, 10, 1e-7);                 /* every freedom is driven */
-    agree(load("examples/dynamics/boxes.json"), 0.6, 12, 1e-6);           /* contacts that stick and slip */
+    agree(load("examples/dynamics/boxes.json"), 0.2, 8, 1e-9);            /* contacts that stick and slip; later impacts of corners depend on rounding */
     agree(load("examples/dynamics/rope.json"), 1, 20, 1e-8);
     agree(load("examples/elastic-slider-crank.json"), 0.02, 4, 1e-5);
     /* an arm that falls on its stop, bounces and rests there */
