@@ -322,11 +322,33 @@ static void compare_derivatives(const lw_problem *p, const double *x, long *smoo
     free(j);
 }
 
+/* Conditions of zones with no more room than `enough`, and their rows, are the same as without that limit; the others have more. */
+static void compare_near(const lw_problem *p, const double *x, double enough, long *near)
+{
+    size_t n = lw_problem_constraint_count(p), nv = (size_t)p->n_var, first = n - p->n_zone_condition;
+    double *j = calloc(n*nv, sizeof *j), *row = calloc(n*nv, sizeof *row), *g = conditions(p, x, j);
+    double *some = calloc(n, sizeof *some), *least = calloc(n, sizeof *least);
+    void *work = new_work(p);
+    lw_problem_conditions(p, x, false, enough, some, NULL, work);
+    lw_problem_conditions(p, x, false, enough, least, row, work);
+    for (size_t i = first; i < n; i++) {
+        CHECK(g[i] > enough ? some[i] > enough : some[i] == g[i]);
+        CHECK(isinf(least[i]) || (least[i] == g[i] && memcmp(row + i*nv, j + i*nv, nv*sizeof *j) == 0));
+        *near += g[i] <= enough;
+    }
+    free(g);
+    free(j);
+    free(row);
+    free(some);
+    free(least);
+    free(work);
+}
+
 /* Stations are off the linkage's curve, so that the best inputs of free stations move with the variables. */
 TEST(derivatives_are_those_of_differences)
 {
     lw_rng rng;
-    long smooth = 0, all = 0;
+    long smooth = 0, all = 0, near = 0;
     lw_rng_seed(&rng, check_seed(), 5);
     for (int trial = 0; trial < 6*N_FAMILY; trial++) {
         member m;
@@ -349,10 +371,11 @@ TEST(derivatives_are_those_of_differences)
         CHECK_INT(lw_problem_make(&t, &spec, m.family, 1, 1, &p, NULL), LW_OK);
         variables_of(&p, &m, x);
         compare_derivatives(&p, x, &smooth, &all);
+        compare_near(&p, x, 0.1*(trial % 5), &near);
         lw_problem_free(&p);
         lw_target_free(&t);
     }
-    CHECK(smooth > 0.6*(double)all);
+    CHECK(smooth > 0.6*(double)all && near > 500);
 }
 
 TEST(derivatives_of_a_six_bar)

@@ -7,6 +7,7 @@
 
 #include <string.h>
 
+#include "base/vector.h"
 #include "mbs/batch/posture.h"
 #include "optimise/problem/circuit.h"
 #include "optimise/problem/evaluate.h"
@@ -844,11 +845,43 @@ static double bulge(lw_vec2 a, lw_vec2 b, lw_vec2 c)
     return 0.125*length_of(lw_v2_sub(lw_v2_add(a, c), lw_v2_scale(b, 2)));
 }
 
-/* The pins and tracers whose places are checked, each place once; which: as lw_batch_jacobian has it.  From posture k - 1 to k:
- * the length of the chord, and how far the path may leave it. */
+/* A box that holds points: its corners with the least and the greatest coordinates. */
+typedef struct box { lw_vec2 least, most; } box;
+
+static void extend(box *b, lw_vec2 at)
+{
+    *b = (box){ lw_v2(lw_lesser(b->least.x, at.x), lw_lesser(b->least.y, at.y)),
+                lw_v2(-lw_lesser(-b->most.x, -at.x), -lw_lesser(-b->most.y, -at.y)) };
+}
+
+static box box_of_zone(const lw_zone *z)
+{
+    lw_vec2 reach = lw_v2(z->reach, z->reach);
+    if (z->kind == LW_ZONE_NO_CIRCLE)
+        return (box){ lw_v2_sub(z->at, reach), lw_v2_add(z->at, reach) };
+    box b = { z->at, z->to };
+    if (lw_zone_is_polygon(z))
+        b = (box){ z->corner[0], z->corner[0] };
+    for (int i = 0; lw_zone_is_polygon(z) && i < z->n_corner; i++)
+        extend(&b, z->corner[i]);
+    return b;
+}
+
+/* Square of the distance between two boxes. */
+static double apart(box a, box b)
+{
+    double x = fmax(0, fmax(a.least.x - b.most.x, b.least.x - a.most.x));
+    double y = fmax(0, fmax(a.least.y - b.most.y, b.least.y - a.most.y));
+    return x*x + y*y;
+}
+
+/* The pins and tracers whose places are checked, each place once; which: as lw_batch_jacobian has it.  Their paths are in boxes,
+ * from which they may stick out by `out`.  From posture k - 1 to k: the length of the chord, and how far the path may leave it. */
 typedef struct places {
     int n, which[LW_PLACE_MAX];
-    bool closes[ZONE_POSTURES];
+    bool closes[ZONE_POSTURES], measured[LW_PLACE_MAX];
+    box within[LW_PLACE_MAX];
+    double out[LW_PLACE_MAX];
     double length[LW_PLACE_MAX][ZONE_POSTURES], bulge[LW_PLACE_MAX][ZONE_POSTURES];
 } places;
 
@@ -859,6 +892,21 @@ static lw_vec2 place(const lw_work *w, int i, size_t k)
 
 /* The first of the three postures that give the bulge between k - 1 and k. */
 static size_t bulge_from(size_t k) { return k > 1 ? k - 2 : 0; }
+
+static void find_box(const lw_work *w, places *all, int i)
+{
+    box b = { place(w, i, 0), place(w, i, 0) };
+    double bend2 = 0;
+    for (size_t k = 1; k < ZONE_POSTURES; k++)
+        extend(&b, place(w, i, k));
+    for (size_t k = 2; k < ZONE_POSTURES; k++) {
+        lw_vec2 bend = lw_v2_sub(lw_v2_add(place(w, i, k - 2), place(w, i, k)), lw_v2_scale(place(w, i, k - 1), 2));
+        bend2 = -lw_lesser(-bend2, -lw_v2_dot(bend, bend));
+    }
+    all->within[i] = b;
+    all->out[i] = 0.125*sqrt(bend2);
+    all->measured[i] = false;
+}
 
 static void find_places(const lw_problem *p, const double *x, lw_work *w, places *out)
 {
@@ -881,26 +929,38 @@ static void find_places(const lw_problem *p, const double *x, lw_work *w, places
     for (size_t k = 0; k < ZONE_POSTURES; k++)
         out->closes[k] = margin[k] >= 0;
     for (int i = 0; i < out->n; i++)
-        for (size_t k = 1; k < ZONE_POSTURES; k++) {
-            size_t from = bulge_from(k);
-            out->length[i][k] = length_of(lw_v2_sub(place(w, i, k), place(w, i, k - 1)));
-            out->bulge[i][k] = bulge(place(w, i, from), place(w, i, from + 1), place(w, i, from + 2));
-        }
+        find_box(w, out, i);
+}
+
+/* Lengths and bulges of the chords of place i. */
+static void measure_chords(const lw_work *w, places *all, int i)
+{
+    for (size_t k = 1; k < ZONE_POSTURES && !all->measured[i]; k++) {
+        size_t from = bulge_from(k);
+        all->length[i][k] = length_of(lw_v2_sub(place(w, i, k), place(w, i, k - 1)));
+        all->bulge[i][k] = bulge(place(w, i, from), place(w, i, from + 1), place(w, i, from + 2));
+    }
+    all->measured[i] = true;
 }
 
 /* Where a condition is least: of which place, how far from posture k - 1 to posture k, with the bulge or not. */
 typedef struct nearest { int place; double where; bool bulges; } nearest;
 
-/* The least distances between each posture and the one before. 0 if one of them does not close; another condition covers
- * that. */
-static void least_distances(const lw_work *w, const places *all, const lw_zone *z, double *g, nearest *at)
+/* The least distances between each posture and the one before, of places no farther than `enough` from the zone. 0 if one of them
+ * does not close; another condition covers that. */
+static void least_distances(const lw_work *w, places *all, const lw_zone *z, double enough, double *g, nearest *at)
 {
+    const box zone = box_of_zone(z);
     double least[ZONE_POSTURES], outside[ZONE_POSTURES], where;
     for (size_t k = 1; k < ZONE_POSTURES; k++) {
         least[k] = INFINITY;
         at[k] = (nearest){ .place = -1 };
     }
     for (int i = 0; i < all->n; i++) {
+        double far = enough + all->out[i];
+        if (apart(zone, all->within[i]) > far*far)
+            continue;
+        measure_chords(w, all, i);
         for (size_t k = 0; k < ZONE_POSTURES; k++)
             outside[k] = lw_zone_outside(z, place(w, i, k));
         for (size_t k = 1; k < ZONE_POSTURES; k++) {
@@ -1022,7 +1082,7 @@ static void forbidden(const lw_problem *p, const double *x, lw_work *w, const mo
     find_places(p, x, w, &all);
     for (int i = 0; i < p->n_zone; i++)
         if (g[i])
-            least_distances(w, &all, &p->zone[i], g[i], at[i]);
+            least_distances(w, &all, &p->zone[i], enough, g[i], at[i]);
     for (int i = 0; i < p->n_zone; i++)
         needed[i] = j && g[i] ? choose_rows(g[i], LW_ZONE_SAMPLES, enough, chosen[i]) : 0;
     for (int q = 0; j && q < all.n; q++) {

@@ -4,9 +4,9 @@
 
 #include "optimise/problem/work.h"
 
-/* As lw_problem_constraints.  settled: the inputs of the stations in w are those of x already.  With rows j, conditions on
- * the motion that have more room than `enough`, or more than those beside them, become INFINITY and their rows are not set;
- * enough = INFINITY: all are needed. */
+/* As lw_problem_constraints.  settled: the inputs of the stations in w are those of x already.  Conditions on the motion that
+ * have more room than `enough` may become INFINITY; with rows j, also those with more room than the ones beside them, whose rows
+ * are not set; enough = INFINITY: all are needed. */
 void lw_problem_conditions(const lw_problem *p, const double *x, bool settled, double enough, double *g, double *j,
                            lw_work *w);
 
