@@ -89,6 +89,16 @@ static int read_all(int fd, size_t expected, char **text, size_t *size)
     return 0;
 }
 
+lw_status lw_file_unchanged(int fd, const struct stat *before, const char *path, lw_error *e)
+{
+    struct stat now;
+    if (!S_ISREG(before->st_mode) || fstat(fd, &now) != 0)
+        return LW_OK;
+    if (now.st_size == before->st_size && now.st_mtim.tv_sec == before->st_mtim.tv_sec && now.st_mtim.tv_nsec == before->st_mtim.tv_nsec)
+        return LW_OK;
+    return lw_error_at(e, LW_E_IO, path, 0, 0, "another program changed it while it was read");
+}
+
 lw_status lw_file_read_bytes(const char *path, char **text, size_t *size, lw_error *e)
 {
     bool standard = strcmp(path, "-") == 0;
@@ -108,6 +118,9 @@ lw_status lw_file_read_bytes(const char *path, char **text, size_t *size, lw_err
         expected = (size_t)st.st_size;
     if (!error)
         error = read_all(fd, expected, text, size);
+    lw_status s = error ? LW_E_IO : lw_file_unchanged(fd, &st, path, e);
+    if (!error && s != LW_OK)
+        free(*text);
     if (!standard)
         close(fd);
     if (error == EFBIG)
@@ -115,7 +128,7 @@ lw_status lw_file_read_bytes(const char *path, char **text, size_t *size, lw_err
                            "which is no file meant for here", FILE_SIZE_MAX >> 20);
     if (error == ENOMEM)
         return lw_error_at(e, LW_E_MEMORY, path, 0, 0, "cannot be read: out of memory");
-    return error ? lw_file_failed(e, "read", path, error) : LW_OK;
+    return error ? lw_file_failed(e, "read", path, error) : s;
 }
 
 lw_status lw_file_read(const char *path, char **text, size_t *size, lw_error *e)

@@ -10,11 +10,15 @@
 #include "base/error.h"
 
 /* Read the whole file as a terminated string; *size does not count the terminator.  Free it with free().
- * LW_E_IO if it cannot be read (the text says so if it is a directory) or is larger than 256 MiB. */
+ * LW_E_IO if it cannot be read (the text says so if it is a directory), is larger than 256 MiB or changes meanwhile. */
 lw_status lw_file_read_bytes(const char *path, char **bytes, size_t *size, lw_error *e);
 
 /* The same for a text: a byte order mark in front of it is dropped, and UTF-16 that begins with one becomes UTF-8. */
 lw_status lw_file_read(const char *path, char **text, size_t *size, lw_error *e);
+
+/* LW_E_IO if size or time of the regular file differ from those `before`: what was read in between belongs to no one version. */
+struct stat;
+lw_status lw_file_unchanged(int fd, const struct stat *before, const char *path, lw_error *e);
 
 /* The error LW_E_IO "PATH: cannot be VERB: why" for an error number of the system. */
 lw_status lw_file_failed(lw_error *e, const char *verb, const char *path, int number);

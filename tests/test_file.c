@@ -1,5 +1,6 @@
 /* Files in and out: nothing half-written, every refusal says why. */
 #include <dirent.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -263,6 +264,34 @@ TEST(partial_output_is_gone_on_with)
     unlink(path);
     CHECK_INT(lw_output_open_partial(&o, "/dev/null", NULL), LW_OK);
     CHECK_INT(lw_output_commit(&o, NULL), LW_OK);
+}
+
+/* A text that another program appends to meanwhile is no version of the file: sooner or later this is noticed. */
+TEST(changes_while_it_is_read)
+{
+    const char *path = temporary_file("growing");
+    lw_error e = { 0 };
+    lw_status s = LW_OK;
+    CHECK_INT(lw_file_write(path, "", 0, NULL), LW_OK);
+    CHECK_INT(truncate(path, 1 << 20), 0);
+    pid_t writer = fork();
+    if (writer == 0) {
+        int fd = open(path, O_WRONLY | O_APPEND);
+        while (write(fd, "+", 1) == 1) { }
+        _exit(1);
+    }
+    for (int i = 0; i < 10000 && s == LW_OK; i++) {
+        char *text = NULL;
+        size_t size = 0;
+        s = lw_file_read_bytes(path, &text, &size, &e);
+        if (s == LW_OK)
+            free(text);
+    }
+    kill(writer, SIGKILL);
+    waitpid(writer, NULL, 0);
+    CHECK_INT(s, LW_E_IO);
+    CHECK_HAS(e.text, "changed it while it was read");
+    unlink(path);
 }
 
 /* A link that somebody put beside the output must not lead the writing to another file. */

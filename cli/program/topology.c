@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/bytes.h"
 #include "base/clock.h"
@@ -15,6 +16,7 @@
 
 typedef struct source {
     FILE         *f;
+    struct stat   opened;
     const char   *path;
     char         *text;
     size_t        capacity;
@@ -25,7 +27,7 @@ typedef struct source {
 static lw_status open_source(source *s, const char *path, lw_error *e)
 {
     *s = (source){ .path = path, .f = strcmp(path, "-") ? fopen(path, "rb") : stdin };
-    if (!s->f)
+    if (!s->f || fstat(fileno(s->f), &s->opened) != 0)
         return lw_file_failed(e, "read", path, errno);
     if (s->f == stdin)
         cli_say_waiting("chains or mechanisms");
@@ -66,7 +68,7 @@ static lw_status read_on(source *s, lw_error *e)
     s->t.at = begins && n >= 3 && memcmp(s->text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     s->t.size = left + n;
     s->t.more = n > 0;
-    return LW_OK;
+    return n > 0 ? LW_OK : lw_file_unchanged(fileno(s->f), &s->opened, s->path, e);
 }
 
 static lw_status next_topology(source *s, lw_mechanism *m, lw_error *e)
