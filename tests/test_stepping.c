@@ -240,6 +240,39 @@ TEST(restored_runs_have_the_same_bits)
     lw_model_destroy(model);
 }
 
+/* With contacts, too: a rope that is taut, goes slack and is taut again, Newton's cradle, boxes that fall on each other. */
+TEST(restored_contacts_have_the_same_bits)
+{
+    static const char *const path[] = { "examples/dynamics/rope.json", "examples/dynamics/newtons-cradle.json", "examples/dynamics/boxes.json" };
+    lw_simulation_options o = lw_simulation_options_default();
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    o.tolerance = 1e-8;
+    for (int k = 0; k < 3; k++) {
+        lw_stepper *a = NULL, *b = NULL;
+        model = load(path[k]);
+        CHECK_INT(lw_stepper_create(model, &o, &a, &e), LW_OK);
+        CHECK_INT(lw_stepper_create(model, &o, &b, &e), LW_OK);
+        for (int at = 0; at < 40; at++) {
+            char *bytes = NULL;
+            size_t size;
+            last x, y;
+            memset(&x, 0, sizeof x);
+            memset(&y, 0, sizeof y);
+            CHECK_INT(lw_stepper_save(a, &bytes, &size), LW_OK);
+            CHECK_INT(lw_stepper_restore(b, bytes, size, &e), LW_OK);
+            CHECK_INT(lw_stepper_advance(a, 0.025*(at + 1), &e), LW_OK);
+            CHECK_INT(lw_stepper_advance(b, 0.025*(at + 1), &e), LW_OK);
+            keep(&x, model, lw_stepper_sample(a));
+            keep(&y, model, lw_stepper_sample(b));
+            CHECK(memcmp(&x, &y, sizeof x) == 0);
+            lw_free(bytes);
+        }
+        lw_stepper_destroy(a);
+        lw_stepper_destroy(b);
+        lw_model_destroy(model);
+    }
+}
+
 /* ---- in space ------------------------------------------------------------------------------------------------ */
 
 typedef struct last_in_space { lw_frame_motion link[160]; lw_spatial_reaction joint[40]; double work, energy; } last_in_space;

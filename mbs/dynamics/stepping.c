@@ -203,10 +203,10 @@ lw_status lw_stepping_advance(lw_stepping *s, double t, lw_moment_sink *sink, vo
         status = LW_OK;
     if (r)
         *r = report;
-    if (status != LW_OK)
+    if (status != LW_OK || s->only_start)    /* a look leaves the state as it is, to the last digit */
         return status;
     take_memory(s);
-    s->t = fmax(t, s->t);
+    s->t = t;
     s->work = s->next_work;
     memcpy(s->y, s->next, numbers(s)*sizeof *s->y);
     return LW_OK;
