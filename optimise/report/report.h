@@ -109,9 +109,13 @@ double lw_fit_report_misses(const lw_target *t, const lw_fit_report *r);
 
 /* How far the linkage is from what is known of the target [m]: its point at the stations, with the angle as above, and its curve.
  * Between the stations the target is an interpolation.  If a linkage meets all of many stations, its curve is more exact than that.
- * Between a few stations, a four-bar may leave the interpolation as far as other smooth curves through them do.  Longer
+ * If a four-bar meets all of a few stations, it may leave the interpolation as far as other smooth curves through them do.  Longer
  * linkages may not: they can meet a few stations with any curve. */
 double lw_fit_report_distance(const lw_target *t, const lw_fit_report *r);
+
+/* What the linkage surely misses the target by [m]: as above, but between a few stations any linkage may leave the interpolation so far,
+ * whether it meets them or not. */
+double lw_fit_report_known_miss(const lw_target *t, const lw_fit_report *r);
 
 /* The active limits with commas between. */
 void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size);

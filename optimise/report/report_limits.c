@@ -182,10 +182,16 @@ double lw_fit_report_misses(const lw_target *t, const lw_fit_report *r)
 double lw_fit_report_distance(const lw_target *t, const lw_fit_report *r)
 {
     int links = r->linkage.n_link;
-    if (links == 4 && r->linkage.n_joint == 4 && t->n < FEW)
-        return fmax(r->error_max, r->stray.to_target - r->stray.unsure) + turned(t, r);
+    if (links == 4 && r->linkage.n_joint == 4 && t->n < FEW && r->error_max < LW_EXACT_ENOUGH*t->extent)
+        return fmax(r->stray.to_curve, r->stray.to_target - r->stray.unsure) + turned(t, r);
     bool drawn_by_it = r->error_max < SAME_CURVE*t->extent && (int)t->n >= 4*links;
     return (drawn_by_it ? r->stray.to_curve : fmax(r->error_max, lw_fit_report_stray(r))) + turned(t, r);
+}
+
+double lw_fit_report_known_miss(const lw_target *t, const lw_fit_report *r)
+{
+    double distance = lw_fit_report_distance(t, r);
+    return t->n < FEW ? fmin(distance, fmax(r->error_max, r->stray.to_target - r->stray.unsure) + turned(t, r)) : distance;
 }
 
 void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size)

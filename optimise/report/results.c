@@ -93,7 +93,7 @@ enum { ERROR, STRAY, CHAMFER, ANGLE, BULK, TRANSMISSION, SPREAD, MEASURES };
 /* How far the linkage is from the target, as a part of its diagonal, or of the swing of the output. */
 static double part_missed(const lw_target *t, const lw_fit_report *r)
 {
-    return t->extent > 0 ? lw_fit_report_distance(t, r)/t->extent : r->angle_max/lw_target_swing(t);
+    return t->extent > 0 ? lw_fit_report_known_miss(t, r)/t->extent : r->angle_max/lw_target_swing(t);
 }
 
 /* The front of the candidates that can be results: of each number of links the one with the least error among those with no more links
@@ -110,7 +110,7 @@ static bool is_lost(const lw_target *t, const front *f, const lw_fit_report *r)
 }
 
 /* Is candidate i lost, or so much worse than the one with the least error and no more links (of inputs that turn, if its turns) that
- * nobody wants it?  Between the stations, a linkage is judged by its stray unless it meets them. */
+ * nobody wants it? */
 static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, const front *f, int i)
 {
     const lw_candidate *c = &fit->candidate[i];
@@ -121,11 +121,9 @@ static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report 
     if (is_lost(t, f, r))
         return true;
     bool far = t->extent > 0 ? lw_fit_report_misses(t, r) > FAR*t->extent : r->angle_max > FAR*lw_target_swing(t);
-    bool meets = r->error_max < LW_EXACT_ENOUGH*t->extent;
     double worse = far ? FAR_WORSE : WORSE, less = far ? MUCH_SMALLER : 1;
-    double distance = meets ? lw_fit_report_distance(t, r) : lw_fit_report_misses(t, r);
     return c->objective > worse*worse*first->objective && !(lw_fit_report_stray(r) < less*lw_fit_report_stray(best))
-        && (distance > fmax(ROUGH*t->size, t->noise) || r->angle_max > ROUGH_ANGLE);
+        && (lw_fit_report_distance(t, r) > fmax(ROUGH*t->size, t->noise) || r->angle_max > ROUGH_ANGLE);
 }
 
 static void measures(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, double m[MEASURES])
@@ -261,7 +259,7 @@ static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_re
 {
     const bool has_place = t->extent > 0;
     const double bulk = bulk_of(t, r), none = has_place ? fmax(LW_EXACT_ENOUGH, t->noise/t->extent) : LW_EXACT_ENOUGH;  /* of manufacture */
-    const double error = has_place ? (lw_fit_report_distance(t, r) + (isnan(r->spread) ? 0 : r->spread))/t->extent
+    const double error = has_place ? (lw_fit_report_known_miss(t, r) + (isnan(r->spread) ? 0 : r->spread))/t->extent
                                    : r->angle_max/fmax(1, lw_target_swing(t));
     return log(hypot(error, none)) + PER_MISS*log(fmax(1, error/fmax(LW_NEAR, none)))
          + cost_of_size(bulk) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
