@@ -201,6 +201,16 @@ static const char *const outputs[] = {
     "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --min-transmission-angle 0 --type fourbar --max-size 1.5 --starts 1 --rounds 1 --results 2 -j 2 -q",
     "LW_CLOCK_STEP=1e-9 $C fit $D/five.csv --exact -j 1 --json -q",
     "$C robot map examples/space/delta-elastic.json --eigenfrequency --places 3 --plot $D/o.svg --force",
+    "$C simulate examples/elastic-cantilever.json --rigid --to 0.01 -n 2",
+    "$C robot workspace examples/3-rrr.json --rays 3 --max-condition 10",
+    "$C robot budget examples/space/delta-clearance.json --joint-gap 1e-4",
+    "$C drive simulate examples/drives/servo-axis.json --to 0.05 -n 4 --band 0.01",
+    "$C profile 1 --straight 0.5 --speed-limit 1 --acceleration-limit 20",
+    "$C mechanisms --links 4 --joints r,t --slider-direction",
+    "$C grammar derive --links 4 --count",
+    "$C catalogue query $D/six.db links=6 --columns links,graph6 --sort links --results 2",
+    "$C catalogue check $D/six.db --disagreeing",
+    "$C convert $D/in.pmks --from-format pmks --format stl --plate-width 10 --plate-thickness 3 --hole 4",
 };
 
 enum { N_ROW = sizeof rows/sizeof *rows, N_OUTPUT = sizeof outputs/sizeof *outputs };
