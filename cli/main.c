@@ -101,7 +101,8 @@ static void actions_help(const cli_action *a, const cli_action *only, FILE *f)
     }
 }
 
-void cli_command_help(const cli_command *c, const cli_action *only, FILE *f)
+/* Help of one command, from its row, or of one of its actions (NULL: of all). */
+static void command_help(const cli_command *c, const cli_action *only, FILE *f)
 {
     char part[64] = "";
     if (only)
@@ -185,7 +186,7 @@ static int help(int argc, char **argv)
     if (argc > 1 && !action)
         return unknown_action(c, argv[1]);
     if (c)
-        cli_command_help(c, action, stdout);
+        command_help(c, action, stdout);
     else
         overview(stdout);
     return finish_text(CLI_DONE);
@@ -296,7 +297,7 @@ static int run(const cli_command *c, int argc, char **argv)
     else if (cli_parse(c->options, argc - 2, argv + 2, settings, &call.common, &call.parsed, &e) != LW_OK)
         code = e.status == LW_E_MEMORY ? cli_fail(&call, &e) : cli_usage(&call, "%s", e.text);
     else if (call.common.json = call.common.json || (!c->pictures && cli_ends_in(call.common.output, "json")), call.common.help) {
-        cli_command_help(c, call.parsed.n_word ? find_action(c, call.parsed.word[0]) : NULL, stdout);
+        command_help(c, call.parsed.n_word ? find_action(c, call.parsed.word[0]) : NULL, stdout);
         code = finish_text(CLI_DONE);
     } else if ((code = check_words(&call, &act)) == CLI_DONE && (code = cli_check_outputs(&call)) == CLI_DONE) {
         cli_limit_time(call.common.time);

@@ -64,9 +64,7 @@ extern const cli_command cli_simulate_command, cli_clearance_command, cli_fit_co
                          cli_bench_command, cli_mobility_command, cli_plasma_command, cli_convert_command, cli_profile_command, cli_robot_command,
                          cli_gallery_command, cli_drive_command, cli_family_command, cli_studio_command;
 
-/* Help of one command, from its row, or of one of its actions (NULL: of all); the same as a section of the manual page
- * (cli/program/man.c). */
-void cli_command_help(const cli_command *c, const cli_action *only, FILE *f);
+/* Help of one command, from its row, as a section of the manual page (cli/program/man.c). */
 void cli_command_roff(const cli_command *c, FILE *f);
 void cli_common_roff(FILE *f);
 

@@ -611,7 +611,8 @@ static void straight(void *context, double t, int order, double *u)
     }
 }
 
-void lw_prescribed_motion_itself(void *context, double x, int order, double *u)
+/* One input as a function of itself: postures along its value, which takes the place of the time. */
+static void itself_alone(void *context, double x, int order, double *u)
 {
     (void)context;
     for (int k = 0; k <= order; k++)
@@ -638,7 +639,7 @@ static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error
 {
     lw_input_function *motion = d->motion;
     void *context = d->context;
-    bool itself = motion == lw_prescribed_motion_itself;
+    bool itself = motion == itself_alone;
     motion(context, t, 0, d->target);
     if (motion == on_line || itself)                      /* a posture that was adjusted has other values than drawn */
         values_of(d, d->q, d->first);
@@ -687,7 +688,7 @@ static lw_status make(const lw_system *s, const double *q, lw_input_function *mo
         return lw_error_set(e, LW_E_ARG, "the linkage has %d freedom%s but %d input%s; drive %d more joint%s",
                             s->n_q - s->n_row, lw_plural(s->n_q - s->n_row), s->n_input, lw_plural(s->n_input), missing,
                             lw_plural(missing));
-    bool by_value = s->n_input == 1 && motion != lw_prescribed_motion_itself;
+    bool by_value = s->n_input == 1 && motion != itself_alone;
     lw_prescribed_motion *d = calloc(1, sizeof *d);
     for (int i = 0; i < s->n_input; i++)
         all[i] = i;
@@ -710,7 +711,7 @@ static lw_status make(const lw_system *s, const double *q, lw_input_function *mo
     if (by_value) {
         d->t = d->away_t = t;
         d->away = value_at(d, t);
-        status = make(s, q, lw_prescribed_motion_itself, NULL, d->away, t, NULL, &d->place, e);
+        status = make(s, q, itself_alone, NULL, d->away, t, NULL, &d->place, e);
         if (status == LW_OK)
             tell(d, t, d->place->posture);
     } else {

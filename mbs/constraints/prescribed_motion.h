@@ -21,9 +21,6 @@ lw_input_function lw_prescribed_motion_of_model;
 /* The first input of a model, which is the context, is t itself; the others rest. */
 lw_input_function lw_prescribed_motion_first_alone;
 
-/* One input as a function of itself: postures along its value, which takes the place of the time. */
-lw_input_function lw_prescribed_motion_itself;
-
 typedef struct lw_prescribed_motion lw_prescribed_motion;
 
 /* Move the inputs straight from posture q (NULL: the drawn one), which is at or near the drawn values of the inputs, to their

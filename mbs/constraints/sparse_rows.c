@@ -151,7 +151,8 @@ void lw_sparse_rows_times(const lw_sparse_rows *r, const double *x, double *out)
     }
 }
 
-void lw_sparse_rows_times_transposed(const lw_sparse_rows *r, const double *y, double *out)
+/* out (n) = A^T y */
+static void times_transposed(const lw_sparse_rows *r, const double *y, double *out)
 {
     memset(out, 0, (size_t)r->n*sizeof *out);
     for (int i = 0; i < r->m; i++)
@@ -165,7 +166,7 @@ void lw_sparse_rows_solve(const lw_sparse_rows *r, const double *b, bool rough, 
     memset(x, 0, (size_t)r->n*sizeof *x);
     memcpy(r->rest, b, (size_t)r->m*sizeof *b);
     for (int pass = 0; pass < 2; pass++) {
-        lw_sparse_rows_times_transposed(r, r->rest, r->x);
+        times_transposed(r, r->rest, r->x);
         for (int i = 0; i < r->n; i++)
             r->right[r->place[i]] = r->x[i] - weight[i]*weight[i]*x[i];
         lw_cholesky_solve(&r->factor, r->right);

@@ -42,9 +42,8 @@ double lw_sparse_rows_factor(lw_sparse_rows *r, double least, int *left);
 /* The solution x (n) for b (m), with 0 for coordinates left out.  rough: without the correction, with half the digits at worst. */
 void   lw_sparse_rows_solve(const lw_sparse_rows *r, const double *b, bool rough, double *x);
 
-/* out (m) = A x;  out (n) = A^T y */
+/* out (m) = A x */
 void   lw_sparse_rows_times(const lw_sparse_rows *r, const double *x, double *out);
-void   lw_sparse_rows_times_transposed(const lw_sparse_rows *r, const double *y, double *out);
 
 /* x (n): the vector with A x = 0 that is 1 in coordinate k, which has a weight or was left out, and 0 in others left out. */
 void   lw_sparse_rows_null(const lw_sparse_rows *r, int k, double *x);

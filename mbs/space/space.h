@@ -109,7 +109,6 @@ double lw_space_measure(const lw_space *s, const lw_space_frame *frame, lw_spati
                         double *jac);
 double lw_space_measure_bias(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, const double *v);
 double lw_space_scale(const lw_space *s, lw_spatial_measure of);      /* 1 of turns, unit of lengths */
-bool   lw_space_measures_turn(lw_spatial_measure of);
 
 /* Its second derivatives over the unit, by the 12 coordinates of its bodies along their motions: derivative by b of entry a
  * of the first derivatives.  And those of row k of a joint, of which there are at most LW_SPACE_BENDS, and of a coupling, at most

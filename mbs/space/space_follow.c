@@ -316,6 +316,74 @@ int lw_space_away(const lw_space_follow *f, double *distance, double *left)
     return *left < 1e-3 && *left < 2*as_well && as_well < 2*(*left) ? s->link_of[far] : -1;
 }
 
+/* How far the joints stay apart at best with these inputs (SI), found from f->q: the greatest gap [m] or angle [rad],
+ * and its joint. */
+static double gap_of(const lw_space_follow *f, const double *value, int *joint, bool *angle)
+{
+    const lw_space *s = f->z.s;
+    lw_space_rows_set z;
+    lw_space_dense d;
+    lw_error none;
+    double gap = 0, *q = malloc((size_t)s->n_q*sizeof *q), *by = malloc((size_t)s->n_v*sizeof *by), *target, *b;
+    *joint = -1;
+    *angle = false;
+    target = calloc((size_t)f->z.n_extra + 1, sizeof *target);
+    b = malloc(((size_t)f->z.n_row + 1)*sizeof *b);
+    bool good = q && by && target && b && lw_space_rows_make(s, f->z.extra, f->z.n_extra, f->z.weight, f->q, &z,
+                                                             &none) == LW_OK;
+    if (good && lw_space_dense_make(&z, &d, &none) != LW_OK) {
+        lw_space_rows_free(&z);
+        good = false;
+    }
+    if (good) {
+        for (int i = 0; i < f->n_input; i++)
+            target[f->n_idle + i] = value[i]/lw_space_scale(s, f->z.extra[f->n_idle + i].measure);
+        memcpy(q, f->q, (size_t)s->n_q*sizeof *q);
+        memcpy(z.near, f->z.near, (size_t)z.n_near*sizeof *z.near);
+        double weight = 1e3;                 /* inputs are kept more exactly than joints */
+        for (int round = 0; round < 60; round++) {
+            lw_space_rows_fill(&z, q, target);
+            for (int r = s->n_row; r < z.n_row; r++) {
+                z.phi[r] *= weight;
+                for (int i = z.at[r]; i < z.at[r + 1]; i++)
+                    z.jac[i] *= weight;
+            }
+            lw_space_dense_factor(&z, &d, 1e-6);
+            memcpy(b, z.phi, (size_t)z.n_row*sizeof *b);
+            lw_rank_solve_transposed(&d.rank, b, by);
+            for (int i = 0; i < s->n_v; i++)
+                by[i] = -by[i];
+            double length = lw_space_length(s, by);
+            for (int i = 0; i < s->n_v && length > 0.2; i++)
+                by[i] *= 0.2/length;
+            if (!isfinite(length) || length < 1e-10)
+                break;
+            lw_space_move(s, q, by);
+        }
+        lw_space_rows_fill(&z, q, target);
+        for (int j = 0; j < s->n_joint; j++) {
+            int rows = lw_spatial_kind_of(s->joint[j].kind)->rows;
+            double off = 0, tilt = 0;
+            for (int k = 0; k < rows; k++) {
+                const char *name = lw_space_row_name(s, s->joint[j].row + k, &(int){ 0 });
+                double p = z.phi[s->joint[j].row + k];
+                if (name[0] == 't')
+                    tilt += p*p;
+                else
+                    off += p*p*s->unit*s->unit;
+            }
+            if (sqrt(off)/s->unit > (*angle ? gap : gap/s->unit))
+                gap = sqrt(off), *joint = j, *angle = false;
+            if (sqrt(tilt) > (*angle ? gap : gap/s->unit))
+                gap = sqrt(tilt), *joint = j, *angle = true;
+        }
+        lw_space_dense_free(&d);
+        lw_space_rows_free(&z);
+    }
+    free(q), free(by), free(target), free(b);
+    return gap;
+}
+
 /* Why the path to u ends at f->u. */
 static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e)
 {
@@ -357,7 +425,7 @@ static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, 
         return lw_error_set(e, LW_OPEN, "joints open beyond %s: the linkage is overconstrained, and its dimensions do not let it move farther (linkwright mobility)", where);
     }
     bool small = f->z.n_row <= LW_SPACE_MANY_ROWS;       /* the search for the gap takes full matrices */
-    double gap = known && small ? lw_space_gap(f, want, &joint, &angle) : 0;
+    double gap = known && small ? gap_of(f, want, &joint, &angle) : 0;
     free(want), free(got);
     if (!small)
         return lw_error_set(e, LW_OPEN, "the motion cannot be followed beyond %s: a joint would open there, or the posture is singular "
@@ -588,72 +656,4 @@ lw_status lw_space_reach(lw_space_follow *f, double to, double *reached, bool *l
     *limit = s == LW_OPEN && !f->opened;
     *reached = f->u;
     return *limit ? LW_OK : s;
-}
-
-/* ---- gaps ------------------------------------------------------------------------------------------------- */
-
-double lw_space_gap(const lw_space_follow *f, const double *value, int *joint, bool *angle)
-{
-    const lw_space *s = f->z.s;
-    lw_space_rows_set z;
-    lw_space_dense d;
-    lw_error none;
-    double gap = 0, *q = malloc((size_t)s->n_q*sizeof *q), *by = malloc((size_t)s->n_v*sizeof *by), *target, *b;
-    *joint = -1;
-    *angle = false;
-    target = calloc((size_t)f->z.n_extra + 1, sizeof *target);
-    b = malloc(((size_t)f->z.n_row + 1)*sizeof *b);
-    bool good = q && by && target && b && lw_space_rows_make(s, f->z.extra, f->z.n_extra, f->z.weight, f->q, &z,
-                                                             &none) == LW_OK;
-    if (good && lw_space_dense_make(&z, &d, &none) != LW_OK) {
-        lw_space_rows_free(&z);
-        good = false;
-    }
-    if (good) {
-        for (int i = 0; i < f->n_input; i++)
-            target[f->n_idle + i] = value[i]/lw_space_scale(s, f->z.extra[f->n_idle + i].measure);
-        memcpy(q, f->q, (size_t)s->n_q*sizeof *q);
-        memcpy(z.near, f->z.near, (size_t)z.n_near*sizeof *z.near);
-        double weight = 1e3;                 /* inputs are kept more exactly than joints */
-        for (int round = 0; round < 60; round++) {
-            lw_space_rows_fill(&z, q, target);
-            for (int r = s->n_row; r < z.n_row; r++) {
-                z.phi[r] *= weight;
-                for (int i = z.at[r]; i < z.at[r + 1]; i++)
-                    z.jac[i] *= weight;
-            }
-            lw_space_dense_factor(&z, &d, 1e-6);
-            memcpy(b, z.phi, (size_t)z.n_row*sizeof *b);
-            lw_rank_solve_transposed(&d.rank, b, by);
-            for (int i = 0; i < s->n_v; i++)
-                by[i] = -by[i];
-            double length = lw_space_length(s, by);
-            for (int i = 0; i < s->n_v && length > 0.2; i++)
-                by[i] *= 0.2/length;
-            if (!isfinite(length) || length < 1e-10)
-                break;
-            lw_space_move(s, q, by);
-        }
-        lw_space_rows_fill(&z, q, target);
-        for (int j = 0; j < s->n_joint; j++) {
-            int rows = lw_spatial_kind_of(s->joint[j].kind)->rows;
-            double off = 0, tilt = 0;
-            for (int k = 0; k < rows; k++) {
-                const char *name = lw_space_row_name(s, s->joint[j].row + k, &(int){ 0 });
-                double p = z.phi[s->joint[j].row + k];
-                if (name[0] == 't')
-                    tilt += p*p;
-                else
-                    off += p*p*s->unit*s->unit;
-            }
-            if (sqrt(off)/s->unit > (*angle ? gap : gap/s->unit))
-                gap = sqrt(off), *joint = j, *angle = false;
-            if (sqrt(tilt) > (*angle ? gap : gap/s->unit))
-                gap = sqrt(tilt), *joint = j, *angle = true;
-        }
-        lw_space_dense_free(&d);
-        lw_space_rows_free(&z);
-    }
-    free(q), free(by), free(target), free(b);
-    return gap;
 }

@@ -68,8 +68,4 @@ lw_space_path lw_space_motions;
  * value reached and *limit; or `to` and no limit.  LW_OPEN with a text: f->opened.  LW_E_MEMORY. */
 lw_status lw_space_reach(lw_space_follow *f, double to, double *reached, bool *limit, lw_error *e);
 
-/* How far the joints stay apart at best with these inputs (SI), found from f->q: the greatest gap [m] or angle [rad],
- * and its joint. */
-double lw_space_gap(const lw_space_follow *f, const double *value, int *joint, bool *angle);
-
 #endif

@@ -246,9 +246,10 @@ void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double 
 
 /* ---- measures ---------------------------------------------------------------------------------------------- */
 
-bool lw_space_measures_turn(lw_spatial_measure of) { return of.of == LW_OF_TURN || of.of >= LW_OF_TURN_X; }
-
-double lw_space_scale(const lw_space *s, lw_spatial_measure of) { return lw_space_measures_turn(of) ? 1 : s->unit; }
+double lw_space_scale(const lw_space *s, lw_spatial_measure of)
+{
+    return of.of == LW_OF_TURN || of.of >= LW_OF_TURN_X ? 1 : s->unit;
+}
 
 void lw_space_bodies(const lw_space *s, const lw_space_extra *x, int body[2])
 {
