@@ -10,13 +10,13 @@ typedef struct seen { lw_chain *form; size_t n, room, n_bridged; } seen;
 
 static int bridges_by_trial(const lw_chain *c)
 {
-    lw_chain_joint joint[LW_CHAIN_JOINT_MAX];
-    int n = lw_chain_joints(c, joint), n_bridge = 0;
-    for (int j = 0; j < n; j++) {
-        lw_chain without = *c;
-        lw_chain_unjoin(&without, joint[j].first, joint[j].second);
-        n_bridge += !lw_chain_is_connected(&without);
-    }
+    int n_bridge = 0;
+    for (int i = 0; i < c->n_link; i++)
+        for (int k = i + 1; k < c->n_link; k++) {
+            lw_chain without = *c;
+            lw_chain_unjoin(&without, i, k);
+            n_bridge += lw_chain_freedom(c, i, k) != 0 && !lw_chain_is_connected(&without);
+        }
     return n_bridge;
 }
 

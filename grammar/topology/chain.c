@@ -44,18 +44,6 @@ int lw_chain_count(const lw_chain *c, int freedom)
     return n/2;
 }
 
-int lw_chain_joints(const lw_chain *c, lw_chain_joint *joint)
-{
-    int n = 0;
-    for (int i = 0; i < c->n_link; i++)
-        for (int k = i + 1; k < c->n_link; k++) {
-            int freedom = lw_chain_freedom(c, i, k);
-            if (freedom)
-                joint[n++] = (lw_chain_joint){ (uint8_t)i, (uint8_t)k, (uint8_t)freedom };
-        }
-    return n;
-}
-
 int lw_chain_mobility_of(const lw_chain *c, uint32_t links)
 {
     int twice = 0;      /* 2 (2 n1 + n2): every joint is seen from both sides */

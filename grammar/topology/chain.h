@@ -11,7 +11,6 @@
 #include "base/error.h"
 
 #define LW_LINK_MAX        32
-#define LW_CHAIN_JOINT_MAX (LW_LINK_MAX*(LW_LINK_MAX - 1)/2)
 #define LW_JOINT_MAX       64                 /* of a mechanism or linkage */
 #define LW_INPUT_MAX        8
 
@@ -20,9 +19,6 @@ typedef struct lw_chain {
     uint32_t one[LW_LINK_MAX];   /* bit k of one[i]: i and k share a joint of one freedom (r, t)  */
     uint32_t two[LW_LINK_MAX];   /* the same for two freedoms (p, g); rows n_link.. are 0         */
 } lw_chain;
-
-/* Joint between links first < second. */
-typedef struct lw_chain_joint { uint8_t first, second, freedom; } lw_chain_joint;
 
 /* n_link links and no joint.  LW_E_ARG, c untouched, when n_link is not 1 .. LW_LINK_MAX. */
 lw_status lw_chain_clear(lw_chain *c, int n_link);
@@ -55,10 +51,6 @@ static inline uint32_t lw_chain_links(const lw_chain *c)
 
 /* Number of joints of 1 or of 2 freedoms (n1, n2). */
 int lw_chain_count(const lw_chain *c, int freedom);
-
-/* Joints in the order of the link adjacency matrix read row by row: by first link, then second.
- * joint (LW_CHAIN_JOINT_MAX).  Returns their number. */
-int lw_chain_joints(const lw_chain *c, lw_chain_joint *joint);
 
 /* F = 3 (P - 1) - 2 n1 - n2  (Makkonen 1999, eq. 2).  A count, not a proof: the sum does not show a
  * rigid subchain, see lw_chain_rigid. */

@@ -3,7 +3,7 @@
  *
  * A chain with joint kinds alone is the same type with ground and output LW_NONE and no inputs.  Joints are
  * numbered from 0 in the order of the link adjacency matrix read row by row (by their smaller, then their larger
- * link), the order of lw_chain_joints.  Links count from 0 here and from 1 in every text.  Plain data, copied
+ * link).  Links count from 0 here and from 1 in every text.  Plain data, copied
  * with '='. */
 #ifndef LW_GRAMMAR_TOPOLOGY_MECHANISM_H
 #define LW_GRAMMAR_TOPOLOGY_MECHANISM_H
