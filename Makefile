@@ -235,10 +235,15 @@ sanitize-threads:
 	$(MAKE) $(JOBS) B=$B/tsan CFLAGS='-O1 -g1 -fsanitize=thread $$(QUICK)' KERNEL_CFLAGS="-O1 -g1 -fno-sanitize=all" run-threads
 run-threads: $(THREADED:%=$B/tests/test_%)
 	@tests/run.sh $^
-# lines and branches of the library that `make test` reaches, in $B/coverage.txt
+# lines and branches of the library that `make test` reaches, in $B/coverage.txt; needs clang and llvm.  All programs count into
+# mapped files (%c): those that end by a signal, too, and none of some ten thousand spends its time at writing counters when it ends
 coverage:
-	$(MAKE) B=$B/cov CFLAGS="-O0 -g --coverage -fprofile-update=atomic" KERNEL_CFLAGS="-O1 -g" test
-	@tests/coverage.sh $B/cov > $B/coverage.txt && tail -n 12 $B/coverage.txt
+	@rm -rf $B/cov/profiles
+	$(MAKE) $(JOBS) $(COUNTED) shared
+	@failed=0; LLVM_PROFILE_FILE=$(abspath $B/cov/profiles)/%m%c.profraw $(MAKE) $(COUNTED) test || failed=1; \
+	tests/coverage.sh $B/cov > $B/coverage.txt && tail -n 8 $B/coverage.txt; exit $$failed
+COUNTED  = B=$B/cov CC=clang KERNEL_CFLAGS="-O1 -Wno-pass-failed" CFLAGS='-O1 $$(QUICK) $$(if $$(filter $$(HOT_SRC),$$<),,$(COUNTERS))'
+COUNTERS = -fprofile-instr-generate -fcoverage-mapping -mllvm -runtime-counter-relocation -Wno-unused-command-line-argument
 browser-test: $B/tests/test_atlas_html $B/linkwright     # the atlas and the studio in Chromium and Firefox; skipped without
 	@tests/browser/run.sh $B
 	@tests/browser/studio.sh $B/linkwright long
