@@ -395,10 +395,11 @@ double lw_expression_calm(const lw_expression *x, int variable, bool with_kinks,
                     }
             }
             for (int i = 0; i < x->n_node && calm; i++) {
+                if (!of[i].is || !may_pulse(x->node[i].op, with_kinks))
+                    continue;
                 double shown = pass ? high[i] - low[i] : of[i].f.hi - of[i].f.lo, change = fabs(h)*most(of[i].d);
                 bool small = isfinite(peak[i]) && change <= nothing*peak[i];
-                if (of[i].is && may_pulse(x->node[i].op, with_kinks) && !small)
-                    calm = change <= changes*shown + even*most(of[i].f);
+                calm = small || change <= changes*shown + even*most(of[i].f);
             }
         }
         if (calm)
