@@ -769,8 +769,6 @@ lw_status lw_mbs_moment_forces(lw_dynamics *d, const lw_moment *m)
     lw_status s = lw_mbs_factor(d, !m->unique);
     if (s == LW_OK)
         s = lw_mbs_solve(d, m->t, m->q, m->v, d->a, d->l, NULL);
-    if (s == LW_OK && d->touch)
-        lw_mbs_touch_spread(d, m->v, d->l);
     if (s == LW_OK)
         lw_mbs_least_norm(d, d->l);
     return s;

@@ -1,6 +1,7 @@
 /* mbs/dynamics/dynamics_run.c - what every run does: samples, energy and momentum, limits, kinks of the loads. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
+#include "mbs/dynamics/touch_internal.h"
 
 #include <float.h>
 #include <stdio.h>
@@ -395,6 +396,8 @@ lw_status lw_run_show(lw_run *run, double t, const double *y)
         return hand_out(run, &m);
     if (s == LW_OK)
         s = lw_mbs_moment_forces(d, &m);
+    if (s == LW_OK && d->touch)
+        lw_mbs_touch_spread(d, m.v, d->l);
     bool touches = d->touch || d->n_resting;             /* what holds now may not hold around it */
     double apart = s == LW_OPEN ? 0 : d->by_rank ? d->rank_of.weakest : sqrt(d->weak);
     bool jams = s == LW_E_NUMERIC && d->n_friction && !d->touch && apart < LW_SINGULAR_NEAR;

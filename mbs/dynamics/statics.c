@@ -115,6 +115,7 @@ lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment
         lw_status solved = lw_mbs_moment_forces(d, &m);
         if (solved != LW_OK)
             return lw_error_set(e, solved, "the forces of the contacts in the posture of rest were not found");
+        lw_mbs_touch_spread(d, m.v, d->l);
     } else if (d->large) {
         memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
         lw_mbs_linear(d, d->force, d->rhs, d->a, d->l);

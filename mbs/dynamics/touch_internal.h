@@ -17,7 +17,7 @@ struct lw_touching {
     lw_touch_row *row;                   /* (row_max)                                                  */
     int     n_redundant;                 /* forces whose rows depend on those in `row`: touch_shares.c */
     lw_touch_row *redundant;             /* (row_max)                                                  */
-    double *share;                       /* memory for them                                            */
+    double *share;                       /* those forces (n_redundant) as they were found last, scaled; then memory */
     int     n_slip;                      /* rigid places that slip; they follow the joints in d->friction */
     double *response;                    /* as that of lw_dynamics, n_slip more                         */
     double  determinant;                 /* of the friction equations; 1 without friction              */
@@ -46,9 +46,6 @@ double lw_mbs_touch_share(lw_dynamics *d, const double *v, const double *l);
 /* Share the load of a sample among all these places, with the least sum of squares within the limits, and change the multipliers l (n_c) accordingly.  Rows
  * and factors are those of the sample. */
 void lw_mbs_touch_spread(lw_dynamics *d, const double *v, double *l);
-
-/* Redundant force j as it was found last, scaled. */
-double lw_mbs_touch_redundant(const struct lw_touching *w, int j);
 
 /* Has any of its places friction? */
 bool      lw_mbs_touch_rubs(const lw_dynamics *d);

@@ -154,7 +154,7 @@ double lw_mbs_touch_load(const lw_dynamics *d, int i, const double *v, const dou
             *(w->row[k].tangent ? &across : &normal) = -l[d->n_c - w->n_row + k]/unit;
     for (int k = 0; k < w->n_redundant; k++)
         if (w->redundant[k].touch == i)
-            *(w->redundant[k].tangent ? &across : &normal) = lw_mbs_touch_redundant(w, k)/unit;
+            *(w->redundant[k].tangent ? &across : &normal) = w->share[k]/unit;
     if (!p->sticks)
         across = -s->friction*normal*(s->friction_speed > 0 ? tanh(m.slip*unit/s->friction_speed) : p->slips);
     *f = lw_v2_add(lw_v2_scale(m.normal, normal), lw_v2_scale(lw_v2(m.normal.y, -m.normal.x), across));

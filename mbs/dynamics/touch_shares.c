@@ -235,5 +235,3 @@ void lw_mbs_touch_spread(lw_dynamics *d, const double *v, double *l)
     for (int i = 0; i < d->n_c; i++)
         l[i] += d->l_each[i];
 }
-
-double lw_mbs_touch_redundant(const struct lw_touching *w, int j) { return w->share[j]; }
