@@ -61,7 +61,7 @@ static void compare(const last *a, const last *b, double off)
 }
 
 /* To `end` in one and in pieces. */
-static void agree(lw_model *m, double end, int pieces, double off)
+static void agree_by(const char *formulation, lw_model *m, double end, int pieces, double off)
 {
     lw_simulation_options o = lw_simulation_options_default();
     lw_simulation *run = NULL;
@@ -69,6 +69,7 @@ static void agree(lw_model *m, double end, int pieces, double off)
     lw_error e = { LW_OK, "", 0, 0, "" };
     last one = { .n = 0 }, many = { .n = 0 };
     model = m;
+    o.formulation = formulation;
     o.to = end;
     CHECK_INT(lw_simulation_create(m, &o, &run, &e), LW_OK);
     CHECK_INT(lw_simulation_run(run, keep_last, &one, NULL, &e), LW_OK);
@@ -84,6 +85,8 @@ static void agree(lw_model *m, double end, int pieces, double off)
     lw_stepper_destroy(steps);
     lw_model_destroy(m);
 }
+
+static void agree(lw_model *m, double end, int pieces, double off) { agree_by("auto", m, end, pieces, off); }
 
 static const char motor[] =
     "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'mass': 2, 'centre': [0.3, 0], 'inertia': 0.02}],'joints': [{'name': 'A', 'links': ['ground', "
@@ -109,6 +112,12 @@ TEST(pieces_make_the_whole)
     agree(load("examples/elastic-slider-crank.json"), 0.02, 4, 1e-5);
     /* an arm that falls on its stop, bounces and rests there */
     agree(motor_model(", 'stop': {'least': -0.2, 'restitution': 0.4}"), 1.5, 60, 1e-7);
+}
+
+/* Captured contacts overlap a little at the end of a piece; the next one goes on from there. */
+TEST(pieces_of_captured_contacts)
+{
+    agree_by("capture", load("examples/dynamics/boxes.json"), 0.6, 12, 3e-3);
 }
 
 /* A block on an incline sticks by friction, piece after piece, and slides when it is pushed. */

@@ -931,7 +931,7 @@ static lw_status run_capture(lw_run *run)
         fill_state(&g, y);
         d->eq.place(d->eq.context, g.q);
         s = lw_run_touch_choose_sides(run);
-        if (s == LW_OK)
+        if (s == LW_OK && !d->touch->goes_on)
             s = lw_run_touch_check(run, g.t);
         d->touch->captured = true;
         for (int i = 0; i < d->touch->list.n; i++)

@@ -22,6 +22,7 @@ struct lw_stepping {
     lw_dynamics    *d;
     lw_caller_force force;                   /* of the caller's own; apply NULL: none */
     bool            loaded;                  /* some load is held */
+    bool            goes_on;                 /* the present is the end of a piece */
     int             n_link, width;           /* width: numbers of a load */
     double         *load;                    /* (n_link of width) loads that are held */
     double          t, work;                 /* at the present, and the work done since the start */
@@ -60,6 +61,7 @@ static void put_memory(const lw_stepping *s)
     if (d->touch) {                          /* which places are rows is decided at the start of the piece */
         d->touch->n_row = d->touch->n_slip = d->touch->n_redundant = 0;
         d->touch->stalled = 0;
+        d->touch->goes_on = s->goes_on;
         d->touch->last = -INFINITY;
     }
 }
@@ -206,6 +208,7 @@ lw_status lw_stepping_advance(lw_stepping *s, double t, lw_moment_sink *sink, vo
     if (status != LW_OK || s->only_start)    /* a look leaves the state as it is, to the last digit */
         return status;
     take_memory(s);
+    s->goes_on = true;
     s->t = t;
     s->work = s->next_work;
     memcpy(s->y, s->next, numbers(s)*sizeof *s->y);
@@ -326,6 +329,7 @@ lw_status lw_stepping_restore(lw_stepping *s, const void *bytes, size_t size, lw
     copy(s->turn, from += (size_t)h.loads*sizeof *s->load, (size_t)h.turns*sizeof *s->turn);
     copy(s->touch, from += (size_t)h.turns*sizeof *s->turn, (size_t)h.touches*sizeof *s->touch);
     copy(s->resting, from + (size_t)h.touches*sizeof *s->touch, (size_t)h.stops);
+    s->goes_on = true;
     s->t = h.t;
     s->work = h.work;
     find_loaded(s);
