@@ -3,6 +3,7 @@
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_errno.h>
 #include <stdbool.h>
+#include <stdlib.h>
 #include "base/gsl_errors.h"
 #include "base/real.h"
 #include "base/eigen.h"
@@ -25,26 +26,23 @@ lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)
     if (!prepare(k, size*size) || (m && !prepare(m, size*size)))
         return LW_E_ARG;
     gsl_matrix_view a = gsl_matrix_view_array(k, size, size), b = gsl_matrix_view_array(m ? m : k, size, size);
+    gsl_matrix_view vectors = gsl_matrix_view_array(x, size, size);
     gsl_vector_view values = gsl_vector_view_array(w, size);
     lw_gsl_begin();                        /* a mass matrix that is not positive is an error of GSL */
-    gsl_matrix *vectors = gsl_matrix_alloc(size, size);
-    gsl_eigen_gensymmv_workspace *work = vectors && m ? gsl_eigen_gensymmv_alloc(size) : NULL;
-    gsl_eigen_symmv_workspace *plain = vectors && !m ? gsl_eigen_symmv_alloc(size) : NULL;
+    gsl_eigen_gensymmv_workspace *work = m ? gsl_eigen_gensymmv_alloc(size) : NULL;
+    gsl_eigen_symmv_workspace *plain = !m ? gsl_eigen_symmv_alloc(size) : NULL;
     lw_status s = work || plain ? LW_OK : LW_E_MEMORY;
-    if (s == LW_OK && (m ? gsl_eigen_gensymmv(&a.matrix, &b.matrix, &values.vector, vectors, work)
-                         : gsl_eigen_symmv(&a.matrix, &values.vector, vectors, plain)) != GSL_SUCCESS)
+    if (s == LW_OK && (m ? gsl_eigen_gensymmv(&a.matrix, &b.matrix, &values.vector, &vectors.matrix, work)
+                         : gsl_eigen_symmv(&a.matrix, &values.vector, &vectors.matrix, plain)) != GSL_SUCCESS)
         s = LW_E_NUMERIC;
-    if (s == LW_OK)
-        gsl_eigen_gensymmv_sort(&values.vector, vectors, GSL_EIGEN_SORT_VAL_ASC);
-    for (size_t i = 0; s == LW_OK && i < size; i++)
-        for (size_t j = 0; j < size; j++)
-            x[j*size + i] = gsl_matrix_get(vectors, i, j);
+    if (s == LW_OK) {
+        gsl_eigen_gensymmv_sort(&values.vector, &vectors.matrix, GSL_EIGEN_SORT_VAL_ASC);
+        gsl_matrix_transpose(&vectors.matrix);
+    }
     if (work)
         gsl_eigen_gensymmv_free(work);
     if (plain)
         gsl_eigen_symmv_free(plain);
-    if (vectors)
-        gsl_matrix_free(vectors);
     lw_gsl_end();
     return s;
 }
@@ -123,30 +121,26 @@ lw_status lw_eigen_general(int n, double *a, double *re, double *im, double *x_r
         return LW_E_ARG;
     gsl_matrix_view m = gsl_matrix_view_array(a, size, size);
     lw_gsl_begin();
-    gsl_vector_complex *values = gsl_vector_complex_alloc(size);
-    gsl_matrix_complex *vectors = gsl_matrix_complex_alloc(size, size);
+    double *pairs = malloc((2*size + 2*size*size)*sizeof *pairs), *pair = pairs ? pairs + 2*size : NULL;     /* GSL's matrices leak where memory ends */
     gsl_eigen_nonsymmv_workspace *work = gsl_eigen_nonsymmv_alloc(size);
-    lw_status s = values && vectors && work ? LW_OK : LW_E_MEMORY;
+    lw_status s = pairs && work ? LW_OK : LW_E_MEMORY;
     if (s == LW_OK) {
+        gsl_vector_complex_view values = gsl_vector_complex_view_array(pairs, size);
+        gsl_matrix_complex_view vectors = gsl_matrix_complex_view_array(pair, size, size);
         gsl_eigen_nonsymmv_params(1, work);              /* balance: rates and places differ in size */
-        s = gsl_eigen_nonsymmv(&m.matrix, values, vectors, work) == GSL_SUCCESS ? LW_OK : LW_E_NUMERIC;
+        s = gsl_eigen_nonsymmv(&m.matrix, &values.vector, &vectors.matrix, work) == GSL_SUCCESS ? LW_OK : LW_E_NUMERIC;
     }
     for (size_t j = 0; s == LW_OK && j < size; j++) {
-        gsl_complex v = gsl_vector_complex_get(values, j);
-        re[j] = GSL_REAL(v);
-        im[j] = GSL_IMAG(v);
+        re[j] = pairs[2*j];
+        im[j] = pairs[2*j + 1];
         for (size_t i = 0; i < size; i++) {
-            gsl_complex c = gsl_matrix_complex_get(vectors, i, j);
-            x_re[j*size + i] = GSL_REAL(c);
-            x_im[j*size + i] = GSL_IMAG(c);
+            x_re[j*size + i] = pair[2*(i*size + j)];
+            x_im[j*size + i] = pair[2*(i*size + j) + 1];
         }
     }
     if (work)
         gsl_eigen_nonsymmv_free(work);
-    if (vectors)
-        gsl_matrix_complex_free(vectors);
-    if (values)
-        gsl_vector_complex_free(values);
+    free(pairs);
     lw_gsl_end();
     return s;
 }

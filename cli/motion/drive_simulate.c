@@ -453,7 +453,7 @@ static lw_status analyse(job *b, lw_error *e)
         return s;
     b->n_pole = -1;
     snprintf(b->why, sizeof b->why, "%.190s", inner.text);
-    return s == LW_E_KIND ? LW_OK : lw_error_set(e, s, "the poles of the loop are not found: %s", inner.text);
+    return s == LW_E_KIND ? LW_OK : lw_error_set(e, s, "the poles of the loop are not found: %s", inner.text[0] ? inner.text : lw_status_text(s));
 }
 
 static bool is_unstable(const job *b) { return b->n_pole > 0 && b->re[0] > 1e-9*fabs(b->re[b->n_pole - 1]); }
