@@ -601,6 +601,8 @@ static void warn(const cli_call *call, const cli_fit_set *set)
                  set->spec.tolerance/set->target.units.metre,
                  set->target.units.length[0] ? set->target.units.length : "units",
                  least/set->target.units.metre);
+    else if (found->n > 0 && set->spec.tolerance > 0 && cli_timed_out())
+        cli_note(call, "%s: --time ended the search: smaller or simpler linkages within --tolerance may exist", set->path);
     if (found->n > 0 && set->spec.by_default && lw_task_has_place(set->spec.task) && found->n_within == 0
         && lw_fit_report_misses(&set->target, r) > LW_NEAR*set->target.extent) {
         char advice[128];
