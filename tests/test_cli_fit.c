@@ -226,6 +226,8 @@ TEST(poses_of_simpler_machines_are_named)
            "$P fit $D/door.csv --links 4 --unlimited --rounds 1", 0, NULL, "a link that turns about (-20, 30) moves the body so alone");
     expect("printf 'x [mm],y [mm],theta [deg]\n0,0,0\n200,0,90\n' | $P fit - --links 4 --unlimited --rounds 1", 0, NULL,
            "a link that turns about (100, 100) moves the body so alone");
+    expect("printf 'x [mm],y [mm],theta [deg]\n0,0,0\n12,0,0\n24,0,0\n36,0,0\n' | $P fit - --links 4 --unlimited --rounds 1 --starts 4", 0, NULL,
+           "a slide moves it so alone");
 }
 
 /* A small budget counts the first round and the fits at other sizes, too: a few jobs of each search among six links. */

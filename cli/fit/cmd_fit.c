@@ -552,9 +552,11 @@ static void note_simpler(const cli_call *call, const cli_fit_set *set)
     const bool path = set->spec.task == LW_TASK_PATH && t->n_also == 0;
     bool alone = path && set->spec.timing != LW_TIMING_PRESCRIBED;
     bool pins = !cli_given(&call->parsed, "type") && !cli_given(&call->parsed, "joints") && !set->is_exact;
-    if (path && pins && t->n >= 3 && lw_target_straight(t) <= STRAIGHT*t->extent)
+    bool motion = set->spec.task == LW_TASK_MOTION && t->n_also == 0, straight = lw_target_straight(t) <= STRAIGHT*t->extent;
+    if (path && pins && t->n >= 3 && straight)
         cli_note(call, "%s: this path is straight: with '--type slidercrank' a slider moves exactly along it", set->path);
-    bool motion = set->spec.task == LW_TASK_MOTION && t->n_also == 0;
+    if (motion && straight && keeps_angle(t))
+        cli_note(call, "%s: the body keeps its angle and moves straight: a slide moves it so alone, as the slider of a slider-crank", set->path);
     bool circle = off <= LW_EXACT_ENOUGH*t->extent && r < LW_DEFAULT_MAX_SIZE*t->extent;
     if (motion && circle && keeps_angle(t))
         cli_note(call, "%s: the body keeps its angle and moves on a circle: a parallelogram, with two parallel cranks of %.6g %s, moves it so "
