@@ -402,32 +402,40 @@ TEST(errors_below_those_of_manufacture_cost_little)
     }
 }
 
+/* A crank-rocker and a linkage of six links that has its report but other errors, over the extent of the target. */
+typedef struct four_and_six { made k; lw_family six; lw_candidate c[2]; lw_fit_report r[2]; } four_and_six;
+
+static void make_four_and_six(lw_rng *rng, double off_of_six, double off_of_four, four_and_six *p)
+{
+    make("crank-rocker", 1, LW_TASK_PATH, 0, rng, &p->k);
+    lw_fit_spec_set_limits(&p->k.spec, &p->k.t, LW_LIMIT_ALL & ~LW_LIMIT_SIZE);
+    p->six = *p->k.m.family;
+    p->six.links = 6;
+    for (int i = 0; i < 2; i++) {
+        p->c[i] = p->k.c;
+        p->r[i] = report_of(&p->k);
+        p->c[i].input = p->k.input;
+        p->c[i].report = &p->r[i];
+        p->r[i].error_max = p->r[i].stray.to_curve = p->r[i].stray.to_target = (i == 0 ? off_of_six : off_of_four)*p->k.t.extent;
+        p->c[i].objective = p->r[i].error_max*p->r[i].error_max;
+    }
+    p->c[0].family = &p->six;
+}
+
 /* A four-bar that misses the target by 1/500 comes before six links that meet it, one that misses it by 1/200 after them. */
 TEST(two_links_more_cost_as_much_as_a_small_error)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 21);
     for (int trial = 0; trial < 2; trial++) {
-        made k;
+        four_and_six p;
         lw_fit_results found;
-        make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
-        lw_fit_spec_set_limits(&k.spec, &k.t, LW_LIMIT_ALL & ~LW_LIMIT_SIZE);
-        lw_family six = *k.m.family;
-        six.links = 6;
-        lw_candidate c[] = { k.c, k.c };
-        lw_fit_report r[] = { report_of(&k), report_of(&k) };
-        c[0].family = &six;
-        for (int i = 0; i < 2; i++) {
-            c[i].input = k.input;
-            c[i].report = &r[i];
-            r[i].error_max = r[i].stray.to_curve = r[i].stray.to_target = (i == 0 ? 0 : trial == 0 ? 0.002 : 0.005)*k.t.extent;
-            c[i].objective = r[i].error_max*r[i].error_max;
-        }
-        lw_fit fit = { .n = 2, .candidate = c };
-        CHECK_INT(lw_fit_results_make(&k.t, &k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
+        make_four_and_six(&rng, 0, trial == 0 ? 0.002 : 0.005, &p);
+        lw_fit fit = { .n = 2, .candidate = p.c };
+        CHECK_INT(lw_fit_results_make(&p.k.t, &p.k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
         CHECK(found.n > 0 && found.candidate[0] == (trial == 0 ? 1 : 0));
         lw_fit_results_free(&found);
-        lw_target_free(&k.t);
+        lw_target_free(&p.k.t);
     }
 }
 
@@ -458,28 +466,17 @@ TEST(rows_far_from_the_target_end_where_another_is_near)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 19);
     for (int trial = 0; trial < 3; trial++) {
-        made k;
+        four_and_six p;
         lw_fit_results found;
-        make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
-        lw_fit_spec_set_limits(&k.spec, &k.t, LW_LIMIT_ALL & ~LW_LIMIT_SIZE);
-        lw_family six = *k.m.family;
-        six.links = 6;
-        lw_candidate c[] = { k.c, k.c };
-        lw_fit_report r[] = { report_of(&k), report_of(&k) };
-        c[0].family = &six;
-        for (int i = 0; i < 2; i++) {
-            c[i].input = k.input;
-            c[i].report = &r[i];
-            r[i].error_max = r[i].stray.to_curve = r[i].stray.to_target = (i == 0 ? trial == 1 ? 0.03 : 0.01 : 0.08)*k.t.extent;
-            c[i].objective = r[i].error_max*r[i].error_max;
-            r[i].turns = i == 1 || trial < 2;
-        }
-        c[1].dim[0] *= 1.1;                                  /* not the same mechanism */
-        lw_fit fit = { .n = 2, .candidate = c };
-        CHECK_INT(lw_fit_results_make(&k.t, &k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
+        make_four_and_six(&rng, trial == 1 ? 0.03 : 0.01, 0.08, &p);
+        p.r[0].turns = trial < 2;
+        p.r[1].turns = true;
+        p.c[1].dim[0] *= 1.1;                                /* not the same mechanism */
+        lw_fit fit = { .n = 2, .candidate = p.c };
+        CHECK_INT(lw_fit_results_make(&p.k.t, &p.k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
         CHECK_INT(found.n, trial == 0 ? 1 : 2);
         lw_fit_results_free(&found);
-        lw_target_free(&k.t);
+        lw_target_free(&p.k.t);
     }
 }
 
