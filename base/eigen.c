@@ -121,7 +121,8 @@ lw_status lw_eigen_general(int n, double *a, double *re, double *im, double *x_r
         return LW_E_ARG;
     gsl_matrix_view m = gsl_matrix_view_array(a, size, size);
     lw_gsl_begin();
-    double *pairs = malloc((2*size + 2*size*size)*sizeof *pairs), *pair = pairs ? pairs + 2*size : NULL;     /* GSL's matrices leak where memory ends */
+    /* not GSL's own matrices: these leak if memory runs out while they are made */
+    double *pairs = malloc((2*size + 2*size*size)*sizeof *pairs), *pair = pairs ? pairs + 2*size : NULL;
     gsl_eigen_nonsymmv_workspace *work = gsl_eigen_nonsymmv_alloc(size);
     lw_status s = pairs && work ? LW_OK : LW_E_MEMORY;
     if (s == LW_OK) {

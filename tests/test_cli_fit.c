@@ -227,7 +227,7 @@ TEST(poses_of_simpler_machines_are_named)
     expect("printf 'x [mm],y [mm],theta [deg]\n0,0,0\n200,0,90\n' | $P fit - --links 4 --unlimited --rounds 1", 0, NULL,
            "a link that turns about (100, 100) moves the body so alone");
     expect("printf 'x [mm],y [mm],theta [deg]\n0,0,0\n12,0,0\n24,0,0\n36,0,0\n' | $P fit - --links 4 --unlimited --rounds 1 --starts 4", 0, NULL,
-           "a slide moves it so alone");
+           "a slide alone, such as the slider of a slider-crank, moves it so");
 }
 
 /* A small budget counts the first round and the fits at other sizes, too: a few jobs of each search among six links. */

@@ -556,7 +556,7 @@ static void note_simpler(const cli_call *call, const cli_fit_set *set)
     if (path && pins && t->n >= 3 && straight)
         cli_note(call, "%s: this path is straight: with '--type slidercrank' a slider moves exactly along it", set->path);
     if (motion && straight && keeps_angle(t))
-        cli_note(call, "%s: the body keeps its angle and moves straight: a slide moves it so alone, as the slider of a slider-crank", set->path);
+        cli_note(call, "%s: the body keeps its angle and moves straight: a slide alone, such as the slider of a slider-crank, moves it so", set->path);
     bool circle = off <= LW_EXACT_ENOUGH*t->extent && r < LW_DEFAULT_MAX_SIZE*t->extent;
     if (motion && circle && keeps_angle(t))
         cli_note(call, "%s: the body keeps its angle and moves on a circle: a parallelogram, with two parallel cranks of %.6g %s, moves it so "
