@@ -52,26 +52,40 @@ void lw_bytes_text(lw_bytes *b, const char *text)
     lw_bytes_add(b, text, strlen(text));
 }
 
-/* UTF-8 by Unicode 15, table 3-7; XML 1.0, "Char". */
-int lw_text_character(const char *text)
+/* Unicode 15, table 3-7. */
+int lw_utf8_read(const char *text, unsigned *code)
 {
     const unsigned char *s = (const unsigned char *)text;
-    if (s[0] < 0x80)
-        return s[0] >= 0x20 ? s[0] != 0x7f : s[0] == '\t' || s[0] == '\n';
-    int n = s[0] >= 0xc2 && s[0] <= 0xdf ? 2 : (s[0] & 0xf0) == 0xe0 ? 3
+    int n = s[0] < 0x80 ? 1 : s[0] >= 0xc2 && s[0] <= 0xdf ? 2 : (s[0] & 0xf0) == 0xe0 ? 3
           : s[0] >= 0xf0 && s[0] <= 0xf4 ? 4 : 0;
-    if (n == 0)
-        return 0;
-    unsigned long c = s[0] & (0xffu >> (n + 1));
+    unsigned c = s[0] & (n < 2 ? 0x7fu : 0xffu >> (n + 1));
     for (int i = 1; i < n; i++) {
         if ((s[i] & 0xc0) != 0x80)
             return 0;
         c = c << 6 | (s[i] & 0x3fu);
     }
     bool overlong = (n == 3 && c < 0x800) || (n == 4 && c < 0x10000);
-    bool barred = (c >= 0xd800 && c <= 0xdfff) || c > 0x10ffff || (c & 0xfffe) == 0xfffe
-               || (c >= 0x80 && c < 0xa0);
-    return overlong || barred ? 0 : n;
+    *code = c;
+    return overlong || (c >= 0xd800 && c <= 0xdfff) || c > 0x10ffff ? 0 : n;
+}
+
+int lw_utf8_write(unsigned code, char out[4])
+{
+    static const unsigned first[] = { 0, 0xc0, 0xe0, 0xf0 };       /* of a character with so many more bytes */
+    int more = code < 0x80 ? 0 : code < 0x800 ? 1 : code < 0x10000 ? 2 : 3, n = 0;
+    out[n++] = (char)(first[more] | code >> 6*more);
+    while (more-- > 0)
+        out[n++] = (char)(0x80 | (code >> 6*more & 0x3f));
+    return n;
+}
+
+/* XML 1.0, "Char". */
+int lw_text_character(const char *text)
+{
+    unsigned c;
+    int n = lw_utf8_read(text, &c);
+    bool barred = (c < 0x20 && c != '\t' && c != '\n') || (c >= 0x7f && c < 0xa0) || (c & 0xfffe) == 0xfffe;
+    return barred ? 0 : n;
 }
 
 bool lw_text_has_control(const char *text)
@@ -220,7 +234,6 @@ bool lw_text_is_utf16(const char *text, size_t size)
 
 char *lw_text_from_utf16(const char *text, size_t size, size_t *n)
 {
-    static const unsigned first[] = { 0, 0xc0, 0xe0, 0xf0 };       /* of a character with so many more bytes */
     bool big = (unsigned char)text[0] == 0xfe;
     char *out = malloc((size/2 + 1)*3 + 1);
     unsigned pending = 0;                        /* the first half of a pair of surrogates */
@@ -236,10 +249,7 @@ char *lw_text_from_utf16(const char *text, size_t size, size_t *n)
             c = 0xfffd;
         }
         pending = unit >= 0xd800 && unit < 0xdc00 ? unit : 0;
-        int more = c < 0x80 ? 0 : c < 0x800 ? 1 : c < 0x10000 ? 2 : 3;
-        out[to++] = (char)(first[more] | c >> 6*more);
-        while (more-- > 0)
-            out[to++] = (char)(0x80 | (c >> 6*more & 0x3f));
+        to += (size_t)lw_utf8_write(c, out + to);
     }
     if (out)
         out[to] = 0;

@@ -32,6 +32,12 @@ void lw_bytes_number(lw_bytes *b, double v, int digits);            /* as lw_num
 /* v with so many significant digits (1 .. 17), trailing zeros cut: "0.0125", "1.25e-9", "nan". */
 void lw_number_text(char text[32], double v, int digits);
 
+/* Number of bytes of the UTF-8 that begins text, and its character; 0 if it is no UTF-8.  Reads no byte past the first that does not belong
+ * to it. */
+int lw_utf8_read(const char *text, unsigned *code);
+/* Write a character, 0 to 0x10ffff, as UTF-8, without a 0 at the end; returns the number of bytes. */
+int lw_utf8_write(unsigned code, char out[4]);
+
 /* Number of bytes of the character that begins text; 0 if it is no UTF-8 or no character that a document may hold. */
 int lw_text_character(const char *text);
 

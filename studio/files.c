@@ -104,8 +104,9 @@ static lw_status put_linkages(lw_bytes *b, const char *text, size_t size, const 
                        : lw_format_parse(text, size, name, NULL, &k, e);
     if (s == LW_OK)
         studio_put_linkage(b, NULL, &k);
-    if (s == LW_OK && json)
-        all = json_loadb(text + blank, size - blank, 0, NULL);
+    json_error_t fault;
+    if (s == LW_OK && json && lw_json_load(text + blank, size - blank, 0, &all, &fault) == LW_E_MEMORY)
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     json_t *results = json_object_get(all, "results");
     for (size_t i = 1; s == LW_OK && i < json_array_size(results); i++) {
         char *one = json_dumps(json_object_get(json_array_get(results, i), "linkage"), JSON_COMPACT | JSON_REAL_PRECISION(17));

@@ -79,7 +79,7 @@ while read -r header files; do
 done <<'TABLE'
 gsl/ base/gsl_errors.c optimise/solvers/solver_gsl.c optimise/solvers/lowdiscrepancy.c base/eigen.c mbs/ode/panel.c mbs/analysis/modes_fft.c
 nlopt optimise/solvers/solver_nlopt.c
-jansson grammar/text/json.c cli/program/file_kind.c cli/draw/cmd_gallery.c catalogues/build/build_linkages.c studio/studio_internal.h
+jansson grammar/text/json.c grammar/text/json_read.c cli/program/file_kind.c cli/draw/cmd_gallery.c catalogues/build/build_linkages.c studio/studio_internal.h
 cairo catalogues/draw/picture.c
 gif_lib catalogues/draw/gif.c
 planarity grammar/topology/planar.c

@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "cli/program/command.h"
 #include "grammar/model/spatial.h"
+#include "grammar/text/json_internal.h"
 #include "grammar/topology/notation.h"
 #include "optimise/task/read_file.h"
 
@@ -41,7 +42,9 @@ bool cli_is_catalogue(const char *path)
 
 static cli_kind_of_file kind_of_json(const char *text, size_t size)
 {
-    json_t *root = json_loadb(text, size, JSON_DISABLE_EOF_CHECK, NULL);
+    json_error_t fault;
+    json_t *root;
+    lw_json_load(text, size, JSON_DISABLE_EOF_CHECK, &root, &fault);
     const json_t *joints = json_object_get(root, "joints");
     cli_kind_of_file kind = json_is_array(json_object_get(root, "results")) ? CLI_RESULTS
                           : json_object_get(root, "linkwright-task") ? CLI_TASK

@@ -1,4 +1,4 @@
-/* The bridge to jansson: parsing, access, and its errors turned into ours. */
+/* Access to the values of a JSON text, which jansson holds, and errors with their place. */
 #include "grammar/text/json_internal.h"
 
 #include <jansson.h>
@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/bytes.h"
-#include "base/c_locale.h"
 #include "base/suggest.h"
 #include "grammar/text/json_locate_internal.h"
 
@@ -19,47 +18,6 @@ static bool is_blank(const char *text, size_t size)
         if (text[i] != ' ' && text[i] != '\t' && text[i] != '\r' && text[i] != '\n')
             return false;
     return true;
-}
-
-/* jansson reports the last byte of the token at which it stopped, and the token itself in its message.  A user
- * needs the first byte of the token. */
-static size_t fault_offset(const char *text, size_t size, const json_error_t *error)
-{
-    size_t last = error->position > 0 ? (size_t)error->position - 1 : 0;
-    const char *near = strstr(error->text, " near '");
-    if (last >= size || strstr(error->text, "near end of file"))
-        return size;
-    if (near) {
-        near += strlen(" near '");
-        size_t n = strlen(near) - 1;                  /* without the closing quote */
-        if (n > 0 && n <= last + 1 && memcmp(text + last + 1 - n, near, n) == 0)
-            return last + 1 - n;
-    }
-    return last;
-}
-
-/* jansson reports most failures to allocate as errors of the text, and loses a byte of a long string or number without
- * any error. Two readings of one text then differ, unless memory is used up for good: a string that it has no memory for is
- * called an invalid token, which no string of a text is. */
-lw_status lw_json_load(const char *text, size_t size, size_t flags, json_t **root, json_error_t *fault)
-{
-    static const char lost_string[] = "invalid token near '\"";
-    json_error_t again;
-    lw_c_locale old = lw_c_locale_enter();          /* jansson reads numbers by strtod */
-    *fault = again = (json_error_t){ .line = 0 };
-    *root = json_loadb(text, size, flags, fault);
-    json_t *second = json_loadb(text, size, flags, &again);
-    lw_c_locale_leave(old);
-    bool same = *root ? json_equal(*root, second) : !second && fault->text[0] && strcmp(fault->text, again.text) == 0 &&
-                json_error_code(fault) != json_error_out_of_memory &&
-                strncmp(fault->text, lost_string, sizeof lost_string - 1) != 0;
-    lw_status s = !same ? LW_E_MEMORY : *root ? LW_OK : LW_E_NOTATION;
-    json_decref(second);
-    if (s != LW_OK) {
-        json_decref(*root);
-        *root = NULL;
-    }
-    return s;
 }
 
 lw_status lw_json_open(const char *text, size_t size, const char *file, lw_json *json, lw_error *e)
@@ -78,7 +36,7 @@ lw_status lw_json_open(const char *text, size_t size, const char *file, lw_json 
     if (s == LW_OK)
         return s;
     long line, column;
-    lw_text_place(text, size, skip + fault_offset(text + skip, size - skip, &error), &line, &column);
+    lw_text_place(text, size, skip + (size_t)error.position, &line, &column);
     return lw_error_at(e, LW_E_NOTATION, file, line, column, "this is not JSON: %s", error.text);
 }
 

@@ -2,7 +2,7 @@
  * of syntax, and errors of meaning found later.
  *
  * A node is a value together with the path to it from the root.  It lives on the caller's stack and
- * points to its parent, which must outlive it.  Only json.c includes jansson. */
+ * points to its parent, which must outlive it.  Here only json.c and json_read.c include jansson. */
 #ifndef LW_GRAMMAR_TEXT_JSON_INTERNAL_H
 #define LW_GRAMMAR_TEXT_JSON_INTERNAL_H
 
@@ -40,8 +40,9 @@ typedef enum lw_json_kind { LW_JSON_OBJECT, LW_JSON_ARRAY, LW_JSON_TEXT, LW_JSON
 lw_status lw_json_open(const char *text, size_t size, const char *file, lw_json *json, lw_error *e);
 void      lw_json_close(lw_json *json);
 
-/* json_loadb with these flags of jansson, which knows when memory runs out.  LW_E_NOTATION: *fault says why, *root is
- * NULL. */
+/* Read a text into jansson's values, as its json_loadb does with these flags: JSON_REJECT_DUPLICATES, JSON_DISABLE_EOF_CHECK and
+ * JSON_DECODE_INT_AS_REAL.  `position` of *fault is the byte behind the value.  LW_E_NOTATION: *fault says why, and where the first byte of the
+ * fault is, *root is NULL.  LW_E_MEMORY. */
 struct json_t;
 struct json_error_t;
 lw_status lw_json_load(const char *text, size_t size, size_t flags, struct json_t **root, struct json_error_t *fault);
