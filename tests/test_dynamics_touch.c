@@ -1393,6 +1393,61 @@ TEST(wedges_meet_on_a_floor)
     }
 }
 
+static int write_box(char *text, size_t size, int b, double x, double y, double width, double height)
+{
+    double l = x - 0.5*width, r = x + 0.5*width;
+    return snprintf(text, size, ", {'name': 'b%d', 'mass': 1, 'centre': [%.9g, %.9g], 'inertia': 0.0041667, 'shapes': [{'polygon':"
+                    "[[%.9g, %.9g], [%.9g, %.9g], [%.9g, %.9g], [%.9g, %.9g]]}]}", b, x, y + 0.5*height, l, y, r, y, r, y + height, l, y + height);
+}
+
+/* n boxes on each other, each `gap` above the one below it and every other one moved by `aside`. */
+static void read_stack(int n_box, double aside, double gap)
+{
+    char text[4000];
+    size_t n = (size_t)snprintf(text, sizeof text, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [" FLOOR "]}");
+    for (int b = 0; b < n_box; b++)
+        n += (size_t)write_box(text + n, sizeof text - n, b, b%2*aside, 0.1*b + gap*(b + 1), 0.2, 0.1);
+    for (int b = 0; b < n_box; b++)
+        n += (size_t)snprintf(text + n, sizeof text - n, "%s{'name': 'F%d', 'kind': 'n', 'links': ['ground', 'b%d']}", b ? ", " : "], 'joints': [", b, b);
+    for (int b = 0; b < n_box; b++)
+        n += (size_t)snprintf(text + n, sizeof text - n, "%s{'links': ['%s%.0d', 'b%d'], 'friction': 0.5}", b ? ", " : "], 'contacts': [",
+                              b == 0 ? "ground" : b == 1 ? "b0" : "b", b == 1 ? 0 : b ? b - 1 : 0, b);
+    snprintf(text + n, sizeof text - n, "]}");
+    drun_read_text(&d, text);
+}
+
+/* Captured: boxes that drop on each other from a small height rest on each other, whatever the height and the length of the run, which gives the steps; without
+ * a drop their energy does not change. */
+TEST(captured_stacks)
+{
+    static const struct { int n; double aside, gap, to; } stack[] = {
+        { 2, 0.03, 1e-3, 1 }, { 2, 0, 1e-4, 10 }, { 3, 0, 1e-4, 1 }, { 4, 0.03, 1e-4, 1 }, { 6, 0, 1e-3, 1 }, { 6, 0, 1e-4, 1 }, { 6, 0.03, 0, 10 } };
+    for (size_t k = 0; k < sizeof stack/sizeof *stack; k++) {
+        read_stack(stack[k].n, stack[k].aside, stack[k].gap);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_CAPTURE, 1e-10, stack[k].to, 10), LW_OK);
+        for (int b = 0; b < stack[k].n; b++)
+            CHECK_NEAR(state(d.q, 3*b + 1), 0.1*b + 0.05, 1e-8, 0);
+        if (stack[k].gap == 0)
+            CHECK_NEAR(d.report.energy_error, 0, 1e-9, 0);
+        lw_model_free(&d.model);
+    }
+}
+
+/* Captured: a torque of 1 N m turns a wheel of 1 kg and 0.2 m that rolls, or slips, on the floor.  Its work is that of a step of second order. */
+TEST(captured_work_of_a_torque)
+{
+    for (int slips = 0; slips < 2; slips++) {
+        drun_read_format(&d, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [" FLOOR "]}, {'name': 'wheel', 'mass': 1,"
+                         "'centre': [0, 0.2], 'inertia': 0.02, 'shapes': [{'circle': [0, 0.2], 'radius': 0.2}]}], 'joints': [{'name': 'F', 'kind': 'n', 'links':"
+                         "['ground', 'wheel']}], 'forces': [{'link': 'wheel', 'at': [0, 0.2], 'torque': -1}], 'contacts': [{'links': ['ground', 'wheel'],"
+                         "'friction': %.9g}]}", slips ? 0.1 : 0.8, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_CAPTURE, 1e-10, 1, 4), LW_OK);
+        CHECK_NEAR(d.report.energy_error, 0, 1e-5, 0);
+        CHECK_NEAR(state(d.q, 0), 0.5*(slips ? 0.1*g : 5/1.5), 1e-6, 0);
+        lw_model_free(&d.model);
+    }
+}
+
 /* A wall of seven rows of four boxes, each second row shifted by half a box.  The first box of the last row stands on less than half its width and
  * tips; those below that hang over are held by what stands on them.  Newton's method does not end in some steps. */
 TEST(wall_of_boxes)
@@ -1402,9 +1457,8 @@ TEST(wall_of_boxes)
     double width = 0.2, height = 0.1, apart = 0.21;
     size_t n = (size_t)snprintf(text, sizeof text, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [" FLOOR "]}");
     for (int b = 0; b < BOXES; b++) {
-        double y = height*(b/COLUMNS), x = apart*(b%COLUMNS + 0.5*(b/COLUMNS%2)), l = x - 0.5*width, r = x + 0.5*width;
-        n += (size_t)snprintf(text + n, sizeof text - n, ", {'name': 'b%d', 'mass': 1, 'centre': [%.9g, %.9g], 'inertia': 0.0041667, 'shapes': [{'polygon':"
-                              "[[%.9g, %.9g], [%.9g, %.9g], [%.9g, %.9g], [%.9g, %.9g]]}]}", b, x, y + 0.5*height, l, y, r, y, r, y + height, l, y + height);
+        double y = height*(b/COLUMNS), x = apart*(b%COLUMNS + 0.5*(b/COLUMNS%2));
+        n += (size_t)write_box(text + n, sizeof text - n, b, x, y, width, height);
     }
     for (int b = 0; b < BOXES; b++)
         n += (size_t)snprintf(text + n, sizeof text - n, "%s{'name': 'F%d', 'kind': 'n', 'links': ['ground', 'b%d']}", b ? ", " : "], 'joints': [", b, b);

@@ -32,6 +32,8 @@
 
 static const double finest = 1e-4, coarsest = 0.1;       /* way of a body in a step over its size */
 static const double closed = 1e-2;           /* a gap below this part of that way is closed */
+static const double shallow = 0.1;           /* an overlap below this part of that way is captured at any time of the step */
+static const double unseen = 0.5;            /* an overlap above this part of it is looked for in shorter steps */
 static const double ahead = 20;              /* places this many steps away are in the pattern */
 /* Rates below this times the speed count as 0: at first, and where the passes do not end with that. */
 static const double exact = 1e-8, allowed = 1e-5;
@@ -66,7 +68,7 @@ typedef struct capture {
     int    *to, *diagonal;
     bool    hits;                            /* a step ended at an impact, which is still to be applied */
     double  late;                            /* the step captures an impact: its length, else 0 */
-    double  t, work, power;                  /* power of forces without potential in the middle of the step [W] */
+    double  t, work, power;                  /* power of forces without potential after the impacts of the step [W] */
     double *z, *next_z, *mean_z, *try_z, *rate, *other;      /* first-order states, their mean over a step, their rates (n_z) */
 } capture;
 
@@ -161,26 +163,30 @@ static double compliant_step(capture *g, double h)
 
 /* ---- the pattern ------------------------------------------------------------------------------------------ */
 
-/* Time until the gap closes, by its rates and the accelerations of the step before; INFINITY: it does not. */
-static double closes_in(const capture *g, const lw_touch *p, const lw_touch_motion *m, double *rate)
+/* Time until the gap is less by `way`, by its rates and the accelerations of the step before; INFINITY: it never is.  rate: that of the gap then. */
+static double closes_in(const capture *g, const lw_touch *p, const lw_touch_motion *m, double way, double *rate)
 {
     double curve = m->bias;
     for (int i = 0; i < 6; i++)
         if (p->body[i/3] >= 0)
             curve += m->n[i]*g->d->a[3*p->body[i/3] + i%3];
-    double gap = m->straight, square = m->rate*m->rate - 2*curve*gap, root = square > 0 ? sqrt(square) : 0;
+    double square = m->rate*m->rate - 2*curve*way, root = square > 0 ? sqrt(square) : 0;
     *rate = -root;
-    return gap > 0 && square > 0 && root > m->rate ? 2*gap/(root - m->rate) : INFINITY;
+    return way > 0 && square > 0 && root > m->rate ? 2*way/(root - m->rate) : INFINITY;
 }
 
 /* The time until the first impact, if it is within h, and few places are struck within h; else INFINITY.  `pull` is the greatest acceleration. */
 typedef struct ahead_of { double h, pull, first; int n; } ahead_of;
 
+/* Places that touch slowly, as those at rest do, are captured, if they overlap by no more than a small part of the way in a step at its end. */
 static void look_ahead(const capture *g, const lw_touch *p, const lw_touch_motion *m, ahead_of *to)
 {
-    double rate, in = closes_in(g, p, m, &rate), along = m->place + m->place_rate*in;
+    double way = g->part*g->size, rate, later, in = closes_in(g, p, m, m->straight, &rate), along = m->place + m->place_rate*in;
     bool on = p->kind != LW_TOUCH_FACE || (along >= 0 && along <= p->length);
-    if (!(in <= to->h) || !on || !(rate < -3*to->h*to->pull))
+    if (!(m->straight > 0 && in <= to->h) || !on)
+        return;
+    bool overlaps = m->straight > closed*way && closes_in(g, p, m, m->straight + shallow*way, &later) < to->h;
+    if (!(rate < -3*to->h*to->pull || overlaps))
         return;
     to->first = fmin(to->first, in);
     to->n++;
@@ -551,14 +557,23 @@ static int find_shut(capture *g, double half)
     return shut;
 }
 
-/* Forces in the middle of the step, at the mean of the states and the velocities after its impacts; returns the greatest change of a velocity by them. */
-static lw_status find_pull(capture *g, double t, double h, double *pull)
+/* Forces in the middle of the step, at the mean of the states and the velocities v, and the power of those without potential [W]. */
+static double find_forces(capture *g, double t, const double *v)
 {
     lw_dynamics *d = g->d;
-    *pull = g->power = 0;
+    double power = 0;
     d->eq.place_states(d->eq.context, g->mean_z);
-    d->eq.forces(d->eq.context, t, g->next_q, g->after, g->force, &g->power);
-    lw_mbs_touch_forces(d, g->after, g->force, &g->power);
+    d->eq.forces(d->eq.context, t, g->next_q, v, g->force, &power);
+    lw_mbs_touch_forces(d, v, g->force, &power);
+    return power;
+}
+
+/* The forces at the velocities after the impacts of the step; returns the greatest change of a velocity by them. */
+static lw_status find_pull(capture *g, double t, double h, double *pull)
+{
+    const lw_dynamics *d = g->d;
+    *pull = 0;
+    g->power = find_forces(g, t, g->after);
     for (int i = 0; i < d->n_v; i++) {
         if (!isfinite(g->force[i]))
             return LW_E_NUMERIC;
@@ -570,8 +585,11 @@ static lw_status find_pull(capture *g, double t, double h, double *pull)
 /* The rate at which the gap of a place that presses changes in half a step because bodies turn. */
 static double bend(const place *p, const lw_touch_motion *m, double h) { return p->presses ? -0.5*h*m->bias : 0; }
 
-/* Does it approach faster than forces make what rests? */
-static bool is_struck(const place *p, const lw_touch_motion *m, double h, double pull) { return m->rate < -3*(pull + fabs(bend(p, m, h))); }
+/* Does it approach faster than forces make what rests?  At a located impact, for which h is 0, less is enough. */
+static bool is_struck(const place *p, const lw_touch_motion *m, double h, double pull)
+{
+    return m->rate < -(h > 0 ? 3 : shallow)*(pull + fabs(bend(p, m, h)));
+}
 
 /* Bodies that are faster than rest on each other needs bounce in the middle of the step, by the law of impact of located events (dynamics_touch.c): at the
  * places that approach, then at those that approach because of it.  Where nothing has a restitution, the step itself ends the approach; at a located
@@ -702,6 +720,23 @@ static lw_status put_back(capture *g, double t, double *q, double *overlap)
     return LW_OK;
 }
 
+/* What the impulses of a step do at the places: mean of the rates before and behind it.  Where a place held before, and sticks on, its rates are
+ * errors of the step, and no work. */
+static double work_of_places(const capture *g)
+{
+    const lw_dynamics *d = g->d;
+    double sum = 0;
+    for (int k = 0; k < g->n; k++) {
+        const place *p = &g->at[k];
+        const lw_touch *was = &d->touch->list.touch[p->touch];
+        if (was->state != LW_TOUCH_HELD)
+            sum += 0.5*p->normal*(lw_mbs_row_rate(d, p->row, g->after) + lw_mbs_row_rate(d, p->row, g->next_v));
+        if (p->rubs && !(was->sticks && p->slips == 0))
+            sum += 0.5*p->across*(lw_mbs_row_rate(d, p->row + 1, g->after) + lw_mbs_row_rate(d, p->row + 1, g->next_v));
+    }
+    return sum;
+}
+
 /* One step of length h: next_q, next_v; d->a and d->l are means over it. */
 static lw_status step(capture *g, double h, double *overlap)
 {
@@ -718,19 +753,15 @@ static lw_status step(capture *g, double h, double *overlap)
         s = mean_states(g, h);
     if (s == LW_OK)
         s = solve_step(g, g->t + 0.5*h, h);
-    if (s == LW_OK)
+    if (s == LW_OK) {
+        gained = 0.5*h*(g->power + find_forces(g, g->t + 0.5*h, g->next_v));
         s = move_states(g, g->t + 0.5*h, 0.5*h, g->next_q, g->next_v, g->next_z, NULL);
+    }
     if (s != LW_OK)
         return s;
     for (int i = 0; i < d->n_c; i++)
         d->l[i] /= h;
-    gained = d->eq.kinetic(d->eq.context, g->after) - d->eq.kinetic(d->eq.context, g->v);
-    for (int k = 0; k < g->n; k++) {
-        const place *p = &g->at[k];
-        gained += 0.5*p->normal*(lw_mbs_row_rate(d, p->row, g->after) + lw_mbs_row_rate(d, p->row, g->next_v));
-        if (p->rubs)
-            gained += 0.5*p->across*(lw_mbs_row_rate(d, p->row + 1, g->after) + lw_mbs_row_rate(d, p->row + 1, g->next_v));
-    }
+    gained += work_of_places(g) + d->eq.kinetic(d->eq.context, g->after) - d->eq.kinetic(d->eq.context, g->v);
     for (size_t i = 0; i < n_v; i++) {
         d->a[i] = (g->next_v[i] - g->after[i])/h;
         way[i] = 0.5*h*g->next_v[i];
@@ -739,8 +770,24 @@ static lw_status step(capture *g, double h, double *overlap)
         if (lw_mbs_motion(d, i, g->t + 0.5*h, motion) == LW_OK)
             gained -= h*d->l[d->n_row + i]*motion[1];
     d->eq.move(d->eq.context, g->next_q, way);
-    g->work += gained + h*g->power;
+    g->work += gained;
     return put_back(g, g->t + h, g->next_q, overlap);
+}
+
+/* Has a step ended with an overlap of more than half the way of a body in it, at a place that does not press?  As where the body in front of it is stopped. */
+static bool overlaps_unseen(const capture *g)
+{
+    const lw_dynamics *d = g->d;
+    const lw_touch_list *list = &d->touch->list;
+    d->eq.place(d->eq.context, g->next_q);
+    for (int i = 0, k = 0; i < list->n; i++) {
+        while (k < g->n && g->at[k].touch < i)
+            k++;
+        bool presses = k < g->n && g->at[k].touch == i && g->at[k].presses;
+        if (!(list->touch[i].surface->stiffness > 0) && !presses && lw_touch_gap(&list->touch[i], &d->eq, d->frames) < -unseen*g->part*g->size)
+            return true;
+    }
+    return false;
 }
 
 /* The impact at which a step has ended.  pull: the change of velocities by forces in a step. */
@@ -844,13 +891,14 @@ static lw_status run_steps(capture *g, double *y)
         if (missing)
             s = choose_places(g, ahead*h*speed + 0.1*g->size);
         bool locates = to.n <= STRUCK_MOST && to.first < whole && (to.first > soonest*whole || !g->hits);
-        if (locates)
-            whole = to.first;
+        whole = locates ? to.first : whole;
         s = s == LW_OK ? LW_OPEN : s;
         for (int k = 0; s == LW_OPEN && k < HALVINGS; k++, whole *= 0.5) {
             g->hits = locates && k == 0;
             bool last = g->t + whole > end - 1e-9*whole;
             s = step(g, last ? end - g->t : whole, &overlap);
+            if (s == LW_OK && k < HALVINGS - 1 && overlaps_unseen(g))
+                s = LW_OPEN;
             if (s == LW_OPEN) {
                 run->r->refused++;
                 continue;
