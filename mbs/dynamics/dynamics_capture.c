@@ -172,7 +172,9 @@ static double closes_in(const capture *g, const lw_touch *p, const lw_touch_moti
             curve += m->n[i]*g->d->a[3*p->body[i/3] + i%3];
     double square = m->rate*m->rate - 2*curve*way, root = square > 0 ? sqrt(square) : 0;
     *rate = -root;
-    return way > 0 && square > 0 && root > m->rate ? 2*way/(root - m->rate) : INFINITY;
+    if (m->rate > 0)
+        return curve < 0 && square > 0 ? (m->rate + root)/-curve : INFINITY;
+    return way > 0 && square > 0 ? 2*way/(root - m->rate) : INFINITY;
 }
 
 /* The time until the first impact, if it is within h, and few places are struck within h; else INFINITY.  `pull` is the greatest acceleration. */
@@ -182,8 +184,8 @@ typedef struct ahead_of { double h, pull, first; int n; } ahead_of;
 static void look_ahead(const capture *g, const lw_touch *p, const lw_touch_motion *m, ahead_of *to)
 {
     double way = g->part*g->size, rate, later, in = closes_in(g, p, m, m->straight, &rate), along = m->place + m->place_rate*in;
-    bool on = p->kind != LW_TOUCH_FACE || (along >= 0 && along <= p->length);
-    if (!(m->straight > 0 && in <= to->h) || !on)
+    bool on = p->kind != LW_TOUCH_FACE || !(p->length < INFINITY) || (along >= 0 && along <= p->length);
+    if (!((m->straight > 0 || m->rate > 0) && in <= to->h) || !on)
         return;
     bool overlaps = m->straight > closed*way && closes_in(g, p, m, m->straight + shallow*way, &later) < to->h;
     if (!(rate < -3*to->h*to->pull || overlaps))
