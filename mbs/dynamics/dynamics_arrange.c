@@ -224,17 +224,9 @@ static lw_status prepare_kept(lw_dynamics *d, bool divide)
     return ok ? LW_OK : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
 }
 
-static int compare(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
+static const int many_rows = 30;             /* from here on sparse rows cost less than dense ones, set-up included */
 
-/* Keep a basis of the rows, as the factorisation found it. */
-static lw_status keep_basis(lw_dynamics *d)
-{
-    d->n_kept = d->rank_of.rank;
-    assert(d->n_kept <= d->n_c);
-    memcpy(d->kept, d->rank_of.column, (size_t)d->n_kept*sizeof *d->kept);
-    qsort(d->kept, (size_t)d->n_kept, sizeof *d->kept, compare);
-    return prepare_kept(d, false);
-}
+static int compare(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
 
 /* Prepare factors from the kept rows themselves: list the entries of each column (velocity). */
 static lw_status take_fronts(lw_dynamics *d)
@@ -265,6 +257,22 @@ static lw_status take_fronts(lw_dynamics *d)
     free(at);
     free(column);
     return d->by_fronts ? LW_OK : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
+}
+
+/* Keep a basis of the rows, as the factorisation found it.  Where no row of many depends on others, the rows themselves can be
+ * factored beside a singular posture, for less than by rank. */
+static lw_status keep_basis(lw_dynamics *d)
+{
+    d->n_kept = d->rank_of.rank;
+    assert(d->n_kept <= d->n_c);
+    memcpy(d->kept, d->rank_of.column, (size_t)d->n_kept*sizeof *d->kept);
+    qsort(d->kept, (size_t)d->n_kept, sizeof *d->kept, compare);
+    lw_status s = prepare_kept(d, false);
+    if (s == LW_OK && d->n_kept == d->n_c && d->n_c >= many_rows) {
+        s = take_fronts(d);
+        d->by_fronts = false;                /* until a posture is nearly singular */
+    }
+    return s;
 }
 
 /* Does solving with the rows, which leave no freedom, lose digits?  Solve J x = J (1, 1, ...), whose solution is known. */

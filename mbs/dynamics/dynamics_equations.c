@@ -11,6 +11,7 @@
 
 static const double least_pivot = 1e-4;     /* relative pivots below this: solve by rank */
 static const double least_pivot_large = 1e-9;     /* the same of large models: singular */
+static const double least_pivot_fronts = 1e-11;   /* the same where factors come from the rows of a model that is not large: solve by rank */
 
 /* ---- rows -------------------------------------------------------------------------------------- */
 
@@ -187,14 +188,18 @@ static void add_rows(const lw_dynamics *d, double sign, const double *l, double 
     }
 }
 
-/* x = M^-1 (Q - J^T l), J x = rhs.  Welds magnify rounding, so with welds the remaining error of J x is corrected once. */
+/* Does a model that is not large take its factor from the rows, beside a singular posture? */
+static bool is_beside_by_fronts(const lw_dynamics *d) { return d->by_fronts && !d->large; }
+
+/* x = M^-1 (Q - J^T l), J x = rhs.  Welds magnify rounding, and so do the normal equations beside a singular posture: there the remaining
+ * error of J x is corrected once (Bjoerck 1987). */
 static void fast_solve(lw_dynamics *d, const double *force, const double *rhs, double *x, double *l)
 {
     double *b = d->small, *push = d->bias;
     for (int i = 0; i < d->n_v; i++)
         x[i] = force ? force[i]*d->by_mass[i] : 0;
     memset(l, 0, (size_t)d->n_c*sizeof *l);
-    for (int pass = 0; pass < (d->n_weld ? 2 : 1); pass++) {
+    for (int pass = 0; pass < (d->n_weld || is_beside_by_fronts(d) ? 2 : 1); pass++) {
         if (d->n_weld)
             memset(b, 0, (size_t)d->schur.n*sizeof *b);
         for (int i = 0; i < d->n_kept; i++)
@@ -311,11 +316,19 @@ static void factor_rank(lw_dynamics *d)
 lw_status lw_mbs_factor(lw_dynamics *d, bool by_rank)
 {
     d->by_rank = !d->large && (by_rank || d->has_zero_mass);
+    d->by_fronts = d->by_fronts && d->large;
     if (!d->by_rank) {
-        d->weak = lw_mbs_factor_kept(d, 0, NULL)/(d->weak_scale > 0 ? d->weak_scale : 1);
+        double scale = d->weak_scale > 0 ? d->weak_scale : 1;
+        d->weak = lw_mbs_factor_kept(d, 0, NULL)/scale;
         if (d->large)
             return d->weak > (d->by_fronts ? LW_MBS_LEAST_SHARE_ROWS : least_pivot_large) ? LW_OK : LW_OPEN;
         d->by_rank = !(d->weak > least_pivot);
+        if (d->by_rank && d->front_entry) {
+            d->by_fronts = true;
+            d->weak = lw_mbs_factor_kept(d, 0, NULL)/scale;
+            d->by_rank = !(d->weak > least_pivot_fronts);
+            d->by_fronts = !d->by_rank;
+        }
     }
     if (!d->by_rank)
         return LW_OK;
@@ -579,22 +592,6 @@ lw_status lw_mbs_state_rates(lw_dynamics *d, double t, const double *q, const do
     return LW_OK;
 }
 
-lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
-                            double *power)
-{
-    lw_status s = lw_mbs_rows(d, t, q);
-    if (s == LW_OK)
-        s = lw_mbs_factor(d, false);
-    bool beside = d->large ? d->weak < least_pivot : d->by_rank && !d->has_zero_mass;
-    if (s != LW_OK || !beside)
-        return s == LW_OK ? lw_mbs_solve(d, t, q, v, a, l, power) : s;
-    /* Near a singular posture residuals of the constraints are magnified: project first. */
-    memcpy(d->q_try, q, (size_t)d->n_q*sizeof *q);
-    memcpy(d->v_try, v, (size_t)d->n_v*sizeof *v);
-    s = lw_mbs_settle(d, t, d->q_try, d->v_try);
-    return s == LW_OK ? lw_mbs_solve(d, t, d->q_try, d->v_try, a, l, power) : s;
-}
-
 double lw_mbs_impulse(lw_dynamics *d, const double *g, double *change)
 {
     double whole = 0;
@@ -624,11 +621,12 @@ static void least_change(lw_dynamics *d, const double *rhs, double *x)
         fast_solve(d, NULL, rhs, x, d->l_each);
 }
 
-lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double longest)
+/* factored: rows and factors are those at q. */
+static lw_status project_q(lw_dynamics *d, double t, double *q, double longest, bool factored)
 {
     double *step = d->hold, before = INFINITY;
-    for (int pass = 0; pass < 12; pass++) {
-        lw_status s = lw_mbs_rows(d, t, q);
+    for (int pass = 0; pass < 12; pass++, factored = false) {
+        lw_status s = factored ? LW_OK : lw_mbs_rows(d, t, q);
         if (s != LW_OK)
             return s;
         double off = lw_greatest_or_infinite(d->n_c, d->phi);
@@ -636,13 +634,11 @@ lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double longest)
             return LW_E_NUMERIC;
         /* rounding of the rows grows with the distance travelled */
         if (off <= 4*DBL_EPSILON || (off < 1e-12*fmax(1, lw_greatest_or_infinite(d->n_q, q)) && off >= 0.5*before)) {
-            if (pass == 0)
-                s = lw_mbs_factor(d, false);
-            return s;
+            return pass == 0 && !factored ? lw_mbs_factor(d, false) : LW_OK;
         }
         before = off;
         /* the factors of the last pass serve when little has changed since */
-        if ((pass < 1 || off > 1e-7) && (s = lw_mbs_factor(d, d->has_zero_mass || d->by_rank)) != LW_OK)
+        if (!factored && (pass < 1 || off > 1e-7) && (s = lw_mbs_factor(d, d->has_zero_mass || d->by_rank)) != LW_OK)
             return s;
         for (int r = 0; r < d->n_c; r++)
             d->rhs[r] = -d->phi[r];
@@ -679,10 +675,29 @@ lw_status lw_mbs_project_v(lw_dynamics *d, double t, double *v)
     }
 }
 
+lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double longest) { return project_q(d, t, q, longest, false); }
+
 lw_status lw_mbs_settle(lw_dynamics *d, double t, double *q, double *v)
 {
     lw_status s = lw_mbs_project_q(d, t, q, 0.1);
     return s == LW_OK ? lw_mbs_project_v(d, t, v) : s;
+}
+
+lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
+                            double *power)
+{
+    lw_status s = lw_mbs_rows(d, t, q);
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, false);
+    bool beside = d->large || d->by_fronts ? d->weak < least_pivot : d->by_rank && !d->has_zero_mass;
+    if (s != LW_OK || !beside)
+        return s == LW_OK ? lw_mbs_solve(d, t, q, v, a, l, power) : s;
+    /* Near a singular posture residuals of the constraints are magnified: project first. */
+    memcpy(d->q_try, q, (size_t)d->n_q*sizeof *q);
+    memcpy(d->v_try, v, (size_t)d->n_v*sizeof *v);
+    s = project_q(d, t, d->q_try, 0.1, true);
+    s = s == LW_OK ? lw_mbs_project_v(d, t, d->v_try) : s;
+    return s == LW_OK ? lw_mbs_solve(d, t, d->q_try, d->v_try, a, l, power) : s;
 }
 
 /* ---- moments ----------------------------------------------------------------------------------- */

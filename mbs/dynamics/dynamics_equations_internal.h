@@ -76,8 +76,8 @@ struct lw_dynamics {
     int    *row_block;                        /* (n_c*eq.n_slot): lw_mbs_blocks */
     lw_bend *bend;                            /* (eq.bend_most) scratch */
     bool    by_fronts;                        /* the factor of schur comes from the rows: for large linkages that are all driven, */
-    lw_row_fronts fronts;                     /* whose rows are so weak that J M^-1 J^T loses their digits */
-    int    *front_entry;                      /* of each entry of fronts: (index in jac, velocity) */
+    lw_row_fronts fronts;                     /* whose rows are so weak that J M^-1 J^T loses their digits, and beside singular postures */
+    int    *front_entry;                      /* of each entry of fronts: (index in jac, velocity); NULL: fronts are not prepared */
     double *front_value;
     int     rank_alone;                       /* rank of the rows of the system alone; -1: not known */
     /* at the posture last factored */

@@ -252,6 +252,7 @@ bool lw_passage_meets(const lw_passage *z, double tolerance)
  * the product of multiplier and time from the pole is a polynomial too (mbs/dynamics/dynamics_driven.c). */
 static const double longest_window = 0.3, shortest_window = 0.03;    /* half of it, scaled: about radians */
 static const double agreed = 1e-9, disagreed = 1e-5;     /* orders 20 and 18: good, and too far apart, relative */
+static const double improved = 0.1;          /* half a window has less than this part of the error of a polynomial; more: it is rounding */
 static const double enough_for_forces = 1e-13;           /* error of the states at the nodes that `agreed` does not notice */
 static const double no_pole = 1e-8;          /* strength of a pole that counts as 0, relative */
 static const double at_pole = 1e-7;          /* distance from a pole, over half the window, without a value */
@@ -345,8 +346,8 @@ lw_status lw_run_singular_forces(lw_run *run, double t, const double *y)
         double *end = run->state + n, *kept = end + n, *l = kept + 2*(n_v + n_c), *way = l + (LW_PASSAGE_NODES + 4)*n_c;
         memcpy(kept + n_v + n_c, d->a, n_v*sizeof *kept);
         memcpy(kept + 2*n_v + n_c, d->l, n_c*sizeof *kept);
-        bool crosses = false;
-        for (double half = longest_window; speed > 0 && best > agreed && half >= shortest_window; half *= 0.5) {
+        bool crosses = false, by_rounding = false;
+        for (double half = longest_window; speed > 0 && best > agreed && !by_rounding && half >= shortest_window; half *= 0.5) {
             z.start = t - half/speed;
             z.length = 2*half/speed;
             bool centred = false, solved = true;
@@ -370,6 +371,7 @@ lw_status lw_run_singular_forces(lw_run *run, double t, const double *y)
             }
             crosses = crosses || centred;
             double off = solved && lw_passage_meets(&z, 10*d->o.absolute) ? forces_at_anchor(&z, l) : INFINITY;
+            by_rounding = best < disagreed && !(off < improved*best);
             if (!(off < best))
                 continue;
             best = off;
