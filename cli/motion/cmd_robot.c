@@ -1,5 +1,6 @@
 /* linkwright robot - a model in space as a robot: Jacobian, workspace, maps of the condition number and of the lowest
  * eigenfrequency. */
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,6 +16,7 @@
 #include "mbs/analysis/budget.h"
 #include "mbs/analysis/held.h"
 #include "mbs/space/space_adjust.h"
+#include "mbs/space/star_volume.h"
 
 typedef struct settings {
     const char *tool, *at, *turn, *drives, *plot, *force;
@@ -41,8 +43,8 @@ static const cli_option options[] = {
     { "rays", 0, CLI_INT, PLACE(rays), "N", "72", "workspace, reachability: number of directions, in the level plane or about the tool's axis", 3, 100000, NULL,
       NULL },
     { "volume", 0, CLI_FLAG, PLACE(volume), NULL, NULL,
-      "workspace: move the tool in all directions of space, not in the level plane, and give the volume; half as many levels as --rays, 36 if that "
-      "is not given", 0, 0, NULL, NULL },
+      "workspace: move the tool in all directions of space, not in the level plane, and give the volume; --rays is the number of first directions "
+      "around (32), and more are added where the edge bends", 0, 0, NULL, NULL },
     { "places", 0, CLI_INT, PLACE(grid), "N", "25", "map: number of places across the workspace", 2, 1000, NULL, NULL },
     { "eigenfrequency", 0, CLI_FLAG, PLACE(frequency), NULL, NULL,
       "map: the lowest eigenfrequency of a robot with elastic links, its drives held, too", 0, 0, NULL, NULL },
@@ -470,6 +472,9 @@ static int begin_ways(const cli_call *call, job *j, lw_robot_pose *p, size_t mor
     j->more = j->near + n_near;
     memcpy(j->q, j->r.follow.q, n_q*sizeof *j->q);
     memcpy(j->near, j->r.follow.z.near, n_near*sizeof *j->near);
+    if (j->r.condition_limit > 0 && j->r.n_drive > (j->r.turns ? j->r.freedoms : j->r.rank))
+        cli_note(call, "the robot has more drives than its tool needs, so its posture at a place depends on the way there: condition numbers differ by some "
+                 "percent between ways, and places near --max-condition may count or not");
     return CLI_DONE;
 }
 
@@ -497,103 +502,176 @@ static int draw_edge(const job *j, int n, const double *x, const double *y)
     return lw_draw_plot(&plot, j->s->plot, &e) < 0 ? cli_fail(j->call, &e) : CLI_DONE;
 }
 
-/* A ray of run_rays: into space for the volume, or a tilt of the tool's axis, for which a robot in a plane has two senses. */
-static lw_status cast(job *j, bool tilts, double azimuth, double height, lw_vec3 *way, double *far)
+/* Tilt the tool so that its axis leans towards this azimuth; in a plane, turn it in one of the two senses. */
+static lw_status tilt(job *j, double azimuth, double *far)
 {
-    const double half_turn = LW_PI*(1 - 1e-9);
-    if (!tilts) {
-        *way = lw_v3_add(lw_v3_scale(direction(j, azimuth), sqrt(1 - height*height)), lw_v3_scale(j->up, height));
-        return lw_robot_reach(&j->r, *way, 4*j->r.space.unit, far, &j->e);
-    }
     lw_mat3 tool = lw_quaternion_matrix(lw_robot_turn(&j->r));
-    *way = j->flat ? lw_v3_scale(j->r.normal, cos(azimuth)) : lw_v3_add(lw_v3_scale(lw_m3_column(&tool, 1), cos(azimuth)),
-                                                                      lw_v3_scale(lw_m3_column(&tool, 0), -sin(azimuth)));
-    return lw_robot_tilt(&j->r, *way, half_turn, far, &j->e);
+    lw_vec3 axis = j->flat ? lw_v3_scale(j->r.normal, cos(azimuth)) : lw_v3_add(lw_v3_scale(lw_m3_column(&tool, 1), cos(azimuth)),
+                                                                              lw_v3_scale(lw_m3_column(&tool, 0), -sin(azimuth)));
+    return lw_robot_tilt(&j->r, axis, LW_PI*(1 - 1e-9), far, &j->e);
 }
 
-/* Volume: directions at equal steps of azimuth and of the height on the unit sphere stand for equal solid angles.  Reachability index: the share of
- * all directions of the tool's axis, or of all angles in a plane (Makkonen 1999, paper B; Kumar & Waldron 1981). */
-static int run_rays(const cli_call *call, bool tilts)
+/* Reachability index: the share of all directions of the tool's axis, or of all angles in a plane (Makkonen 1999, paper B; Kumar & Waldron
+ * 1981). */
+static int run_reachability(const cli_call *call)
 {
     job j;
     lw_robot_pose p;
     lw_output o;
     int code = begin_ways(call, &j, &p, 0), done = 0, endless = 0;
-    if (code == CLI_DONE && (tilts ? !j.r.turns : lw_v3_norm(j.r.normal) > 0)) {
-        lw_error_set(&j.e, LW_E_ARG, tilts ? "the drives of this robot cannot turn the tool and keep its place" : "a robot in a plane has no volume");
+    if (code == CLI_DONE && !j.r.turns) {
+        lw_error_set(&j.e, LW_E_ARG, "the drives of this robot cannot turn the tool and keep its place");
         code = cli_fail(call, &j.e);
     }
-    int n = tilts && code == CLI_DONE && j.flat ? 2 : !tilts && !cli_given(&call->parsed, "rays") ? 36 : j.s->rays, levels = tilts ? 1 : (n + 1)/2;
-    double sum = 0, most = 0;
+    int n = j.flat ? 2 : j.s->rays;
+    double sum = 0;
     if (code == CLI_DONE && cli_open(call, &o, &j.e) != LW_OK)
         code = cli_fail(call, &j.e);
     if (code != CLI_DONE) {
         end(&j);
         return code;
     }
-    cli_progress progress = cli_progress_begin(call, tilts ? "reachability" : "workspace", "rays");
+    cli_progress progress = cli_progress_begin(call, "reachability", "rays");
     cli_json w = cli_json_begin(o.f, 2);
     if (call->common.json) {
         cli_json_head(&w, call->line);
-        cli_json_text(&w, tilts ? "angle_unit" : "length_unit", tilts ? "deg" : j.unit);
+        cli_json_text(&w, "angle_unit", "deg");
         cli_json_array(&w, "edge");
-    } else if (tilts)
+    } else
         fputs("# units: direction tilt deg\ndirection,tilt,limit\n", o.f);
-    else
-        fprintf(o.f, "# units: direction elevation deg; distance x y z %s\ndirection,elevation,distance,x,y,z,limit\n", j.unit);
-    for (; done < n*levels && !cli_interrupted(); done++) {
-        double a = 2*LW_PI*(done % n)/n, height = tilts ? 0 : (2.0*(done/n) + 1)/levels - 1, far = 0;
-        lw_vec3 way;
+    for (; done < n && !cli_interrupted(); done++) {
+        double a = 2*LW_PI*done/n, far = 0;
         go_back(&j);
-        if (cast(&j, tilts, a, height, &way, &far) != LW_OK) {
+        if (tilt(&j, a, &far) != LW_OK) {
             code = cli_fail(call, &j.e);
             break;
         }
         const char *limit = j.r.limit;
         endless += !limit[0];
-        most = fmax(most, far);
-        sum += !tilts ? 4*LW_PI/3*pow(far/j.metre, 3) : j.flat ? far/LW_PI : 0.5*(1 - cos(far));
-        lw_vec3 at = lw_v3_add(p.place, lw_v3_scale(way, far));
-        double volume[] = { a*180/LW_PI, asin(height)*180/LW_PI, far/j.metre, at.x/j.metre + 0.0, at.y/j.metre + 0.0, at.z/j.metre + 0.0 };
-        double tilt[] = { volume[0], far*180/LW_PI }, *row = tilts ? tilt : volume;
-        int size = tilts ? 2 : 6;
+        sum += (j.flat ? far/LW_PI : 0.5*(1 - cos(far)))/n;
+        double row[] = { a*180/LW_PI, far*180/LW_PI };
         if (call->common.json)
-            cli_json_reals(&w, NULL, row, (size_t)size);
+            cli_json_reals(&w, NULL, row, 2);
         else {
-            for (int i = 0; i < size; i++)
-                fprintf(o.f, "%.9g,", row[i]);
-            cli_csv_text(o.f, limit[0] ? limit : tilts ? "none" : "none found");
+            fprintf(o.f, "%.9g,%.9g,", row[0], row[1]);
+            cli_csv_text(o.f, limit[0] ? limit : "none");
             fputc('\n', o.f);
         }
-        cli_progress_show(&progress, done, (double)n*levels, NULL);
+        cli_progress_show(&progress, done, n, NULL);
     }
     cli_progress_end(&progress);
-    sum /= (double)n*levels;
-    bool whole = code == CLI_DONE && done == n*levels;
+    bool whole = code == CLI_DONE && done == n;
     if (call->common.json) {
         cli_json_end(&w);
         if (whole)
-            cli_json_real(&w, tilts ? "reachability" : "volume", sum);
+            cli_json_real(&w, "reachability", sum);
         cli_json_int(&w, "without_limit", endless);
         cli_json_bool(&w, "complete", whole);
         cli_json_end(&w);
     }
-    if (whole && !tilts && gets_nowhere(&j, &p, most))
-        code = cannot_move(&j, &p);
-    else if (whole && tilts)
+    if (whole)
         cli_note(call, "reachability index %.6g: the tool's axis reaches this share of all directions, by tilting from where it is", sum);
-    else if (whole) {
-        if (endless)
-            cli_note(call, "no limit was found within %.6g %s in %d of %d directions: the volume counts them as far as that; a \"stop\" of "
-                     "the joints limits them", 4*j.r.space.unit/j.metre, j.unit, endless, n*levels);
-        cli_note(call, "volume %.6g %s^3 around the tool, at most %.6g %s from it", sum, j.unit, most/j.metre, j.unit);
-    }
     code = cli_close(call, &o, code);
     end(&j);
     return code;
 }
 
-static int run_reachability(const cli_call *call) { return run_rays(call, true); }
+/* The volume while its rays are cast. */
+typedef struct rays {
+    job          *j;
+    cli_progress  progress;
+    cli_json      w;
+    FILE         *f;
+    lw_vec3       place;                         /* of the tool, where all rays begin                    */
+    int           n, endless;
+    double        most;                          /* length of the longest ray [m]                        */
+} rays;
+
+static lw_status cast_ray(void *context, lw_vec3 way, double *far)
+{
+    rays *x = context;
+    job *j = x->j;
+    if (cli_interrupted())
+        return LW_STOPPED;
+    go_back(j);
+    lw_status s = lw_robot_reach(&j->r, way, 4*j->r.space.unit, far, &j->e);
+    if (s != LW_OK)
+        return s;
+    const char *limit = j->r.limit;
+    lw_vec3 at = lw_v3_scale(lw_v3_add(x->place, lw_v3_scale(way, *far)), 1/j->metre);
+    double azimuth = atan2(lw_v3_dot(j->ahead, way), lw_v3_dot(j->right, way))*180/LW_PI;
+    double row[] = { azimuth < 0 ? azimuth + 360 : azimuth, asin(fmax(-1, fmin(1, lw_v3_dot(j->up, way))))*180/LW_PI, *far/j->metre, at.x + 0.0,
+                     at.y + 0.0, at.z + 0.0 };
+    if (j->call->common.json)
+        cli_json_reals(&x->w, NULL, row, 6);
+    else {
+        for (int i = 0; i < 6; i++)
+            fprintf(x->f, "%.9g,", row[i]);
+        cli_csv_text(x->f, limit[0] ? limit : "none found");
+        fputc('\n', x->f);
+    }
+    x->endless += !limit[0];
+    x->most = fmax(x->most, *far);
+    cli_progress_show(&x->progress, x->n++, 0, NULL);
+    return LW_OK;
+}
+
+#define VOLUME_SHARE 0.01                        /* error of the volume that is aimed at, over the volume */
+
+static int run_volume(const cli_call *call)
+{
+    job j;
+    lw_robot_pose p;
+    lw_output o;
+    lw_star_volume v = { 0 };
+    int code = begin_ways(call, &j, &p, 0);
+    if (code == CLI_DONE && lw_v3_norm(j.r.normal) > 0) {
+        lw_error_set(&j.e, LW_E_ARG, "a robot in a plane has no volume");
+        code = cli_fail(call, &j.e);
+    }
+    if (code == CLI_DONE && cli_open(call, &o, &j.e) != LW_OK)
+        code = cli_fail(call, &j.e);
+    if (code != CLI_DONE) {
+        end(&j);
+        return code;
+    }
+    rays x = { .j = &j, .progress = cli_progress_begin(call, "workspace", "rays"), .w = cli_json_begin(o.f, 2), .f = o.f, .place = p.place };
+    if (call->common.json) {
+        cli_json_head(&x.w, call->line);
+        cli_json_text(&x.w, "length_unit", j.unit);
+        cli_json_array(&x.w, "edge");
+    } else
+        fprintf(o.f, "# units: direction elevation deg; distance x y z %s\ndirection,elevation,distance,x,y,z,limit\n", j.unit);
+    double around = cli_given(&call->parsed, "rays") ? j.s->rays : 32, unit = pow(j.metre, 3);
+    lw_status s = lw_star_volume_find((int)around, VOLUME_SHARE, (int)fmin(4*around*around, INT_MAX), cast_ray, &x, &v);
+    cli_progress_end(&x.progress);
+    if (call->common.json) {
+        cli_json_end(&x.w);
+        if (s == LW_OK) {
+            cli_json_real(&x.w, "volume", v.volume/unit);
+            cli_json_real(&x.w, "volume_error", v.error/unit);
+        }
+        cli_json_int(&x.w, "without_limit", x.endless);
+        cli_json_bool(&x.w, "complete", s == LW_OK);
+        cli_json_end(&x.w);
+    }
+    if (s == LW_E_MEMORY)
+        lw_error_set(&j.e, s, "out of memory");
+    if (s != LW_OK && s != LW_STOPPED)
+        code = cli_fail(call, &j.e);
+    else if (s == LW_OK && gets_nowhere(&j, &p, x.most))
+        code = cannot_move(&j, &p);
+    else if (s == LW_OK) {
+        if (x.endless)
+            cli_note(call, "no limit was found within %.6g %s in %d of %d directions: the volume counts them as far as that; a \"stop\" of "
+                     "the joints limits them", 4*j.r.space.unit/j.metre, j.unit, x.endless, x.n);
+        cli_note(call, "volume %.6g %s^3 around the tool, estimated error %.2g %%%s, at most %.6g %s from it", v.volume/unit, j.unit, 100*v.error/v.volume,
+                 v.error > VOLUME_SHARE*v.volume ? " (more --rays lower it)" : "", x.most/j.metre, j.unit);
+    }
+    code = cli_close(call, &o, code);
+    end(&j);
+    return code;
+}
 
 static int run_workspace(const cli_call *call)
 {
@@ -601,7 +679,7 @@ static int run_workspace(const cli_call *call)
     if (of->volume && of->plot)
         return cli_usage(call, "--plot draws the edge in the level plane, which --volume leaves");
     if (of->volume)
-        return run_rays(call, false);
+        return run_volume(call);
     job j;
     lw_robot_pose p;
     lw_output o;
@@ -651,9 +729,16 @@ static int run_workspace(const cli_call *call)
         cli_progress_show(&progress, i, n, NULL);
     }
     cli_progress_end(&progress);
+    double half = 0;                             /* area of the polygon of every second end */
+    for (int i = 0, to; i < n && done == n + 1; i = to) {
+        to = i + 2 < n ? i + 2 : n;
+        half += 0.5*(x[i]*y[to] - y[i]*x[to]);
+    }
+    double error = fabs(area - half)/3;
     if (call->common.json) {
         cli_json_end(&w);
         cli_json_real(&w, "area", area);
+        cli_json_real(&w, "area_error", error);
         cli_json_int(&w, "without_limit", endless);
         cli_json_bool(&w, "complete", done == n + 1);
         cli_json_end(&w);
@@ -664,8 +749,8 @@ static int run_workspace(const cli_call *call)
         if (endless)
             cli_note(call, "no limit was found within %.6g %s in %d of %d directions: the area counts them as far as that; a \"stop\" of "
                      "the joints limits them", 4*j.r.space.unit/j.metre, j.unit, endless, n);
-        cli_note(call, "area %.6g %s^2 in the level plane, from %.6g to %.6g %s around the tool", area, j.unit, least/j.metre,
-                 most/j.metre, j.unit);
+        cli_note(call, "area %.6g %s^2 in the level plane, estimated error %.2g %%, from %.6g to %.6g %s around the tool", area, j.unit, 100*error/area,
+                 least/j.metre, most/j.metre, j.unit);
         if (j.s->plot)
             code = draw_edge(&j, n + 1, x, y);
     }
@@ -947,7 +1032,7 @@ static const cli_action actions[] = {
     { "workspace", "MODEL.json",
       "Moves the tool from where it is outwards in the level plane, in each of --rays directions, and prints how far it gets\n"
       "and what stops it: the links, a stop or a cone of a joint, a posture in which the drives lose the tool, or\n"
-      "--max-condition. The area is that of the polygon of these ends. --volume moves it in all directions of space.\n",
+      "--max-condition. The area is that of the polygon of these ends; its error is estimated by that of every second end. --volume moves it in all directions of space.\n",
       1, 1, run_workspace, CLI_LINKAGE, NULL },
     { "reachability", "MODEL.json",
       "Tilts the tool where it is, in each of --rays directions, until something stops it, and prints how far it gets (180 deg: all\n"
