@@ -301,6 +301,50 @@ TEST(turns_are_cosines_and_sines)
     }
 }
 
+/* The nearest point of a side by the distances to its ends and to the foot between them. */
+static lw_vec2 foot_on_side(lw_vec2 a, lw_vec2 b, lw_vec2 at)
+{
+    lw_vec2 side = lw_v2_sub(b, a), off = lw_v2_sub(at, a);
+    double along = lw_v2_dot(off, side), all = lw_v2_dot(side, side);
+    return !(along > 0) ? a : along >= all ? b : lw_v2_add(a, lw_v2_scale(side, along/all));
+}
+
+TEST(nearest_points_of_polylines)
+{
+    enum { POINTS = 16, CORNERS = 9 };
+    subject q;
+    lw_rng r;
+    double x[POINTS], y[POINTS], corner_x[CORNERS], corner_y[CORNERS], first[2*POINTS], near[2*POINTS];
+    lw_rng_seed(&r, check_seed(), 16);
+    named(&q, "fourbar", (double[]){ 3, 1, 2.5, 2.5, 1, 1, 0, 0, 0 }, 1);
+    for (int trial = 0; trial < 200; trial++) {
+        lw_polyline line = { 1 + (size_t)trial%CORNERS, corner_x, corner_y, trial & 1 };
+        for (int i = 0; i < CORNERS; i++) {
+            corner_x[i] = i == 3 && trial%5 == 0 ? corner_x[2] : lw_rng_normal(&r);      /* a side of length 0 */
+            corner_y[i] = i == 3 && trial%5 == 0 ? corner_y[2] : lw_rng_normal(&r);
+        }
+        for (int i = 0; i < POINTS; i++) {
+            x[i] = 2*lw_rng_normal(&r);
+            y[i] = 2*lw_rng_normal(&r);
+        }
+        for (int isa = 0; lw_kernels_supported(isa); isa++) {
+            q.p.kernels = lw_kernels_supported(isa);
+            lw_batch_nearest(&q.p, &line, POINTS, x, y, near, near + POINTS);
+            if (isa == 0)
+                memcpy(first, near, sizeof near);
+            CHECK(memcmp(first, near, sizeof near) == 0);
+        }
+        for (int i = 0; i < POINTS; i++) {
+            lw_vec2 at = lw_v2(x[i], y[i]), found = lw_v2(near[i], near[POINTS + i]), best = lw_v2(corner_x[0], corner_y[0]);
+            for (size_t k = line.closed ? 0 : 1, from = line.closed ? line.n - 1 : 0; k < line.n; from = k++) {
+                lw_vec2 foot = foot_on_side(lw_v2(corner_x[from], corner_y[from]), lw_v2(corner_x[k], corner_y[k]), at);
+                best = hypot(foot.x - at.x, foot.y - at.y) < hypot(best.x - at.x, best.y - at.y) ? foot : best;
+            }
+            CHECK_POINT(found, best.x, best.y, 1e-12, 0);
+        }
+    }
+}
+
 TEST(no_lanes_no_work)
 {
     static subject q;

@@ -52,6 +52,12 @@ void lw_batch_normal(const lw_plan *plan, const lw_normal *in, double *h, double
     lw_kernels_of(plan)->normal(in, h, g);
 }
 
+void lw_batch_nearest(const lw_plan *plan, const lw_polyline *line, size_t n, const double *x, const double *y, double *near_x,
+                      double *near_y)
+{
+    lw_kernels_of(plan)->nearest(line, n, x, y, near_x, near_y);
+}
+
 void lw_batch_turns(const lw_plan *plan, size_t n, const double *angle, double *c, double *s)
 {
     lw_kernels_of(plan)->turns(n, angle, c, s);

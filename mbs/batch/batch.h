@@ -87,6 +87,15 @@ typedef struct lw_normal {
 } lw_normal;
 void lw_batch_normal(const lw_plan *plan, const lw_normal *in, double *h, double *g);
 
+/* Find the points of a polyline that are nearest to n points x, y; of equally near ones those of the first side.  n is a multiple of 8. */
+typedef struct lw_polyline {
+    size_t        n;            /* corners, at least 1                                            */
+    const double *x, *y;        /* (n)                                                            */
+    bool          closed;       /* a side leads from the last corner to the first                 */
+} lw_polyline;
+void lw_batch_nearest(const lw_plan *plan, const lw_polyline *line, size_t n, const double *x, const double *y, double *near_x,
+                      double *near_y);
+
 /* Cosines and sines of n angles.  The arrays hold n rounded up to a multiple of 8, do not overlap, and all of their
  * elements may be read or written.  The errors are at most 2 units in the last place of 1. */
 void lw_batch_turns(const lw_plan *plan, size_t n, const double *angle, double *c, double *s);

@@ -25,6 +25,7 @@
 #define lw_higher_size       LW_OF_ISA(lw_higher_size, LW_ISA)
 #define lw_kernel_group_posture       LW_OF_ISA(lw_kernel_group_posture, LW_ISA)
 #define lw_kernel_normal     LW_OF_ISA(lw_kernel_normal, LW_ISA)
+#define lw_kernel_nearest    LW_OF_ISA(lw_kernel_nearest, LW_ISA)
 #define lw_fast_points       LW_OF_ISA(lw_fast_points, LW_ISA)
 #define lw_fast_jacobian     LW_OF_ISA(lw_fast_jacobian, LW_ISA)
 #define lw_fast_sum          LW_OF_ISA(lw_fast_sum, LW_ISA)
@@ -223,6 +224,9 @@ void lw_kernel_group_posture(const lw_plan *plan, const double *dim, const doubl
 
 /* The normal equations J'J and J'r.  kernel_normal.c */
 void lw_kernel_normal(const lw_normal *in, double *h, double *g);
+
+/* Nearest points of a polyline.  kernel_nearest.c */
+void lw_kernel_nearest(const lw_polyline *line, size_t n, const double *x, const double *y, double *near_x, double *near_y);
 
 /* Plans of the form lw_fast_dyad, all steps in one loop.  kernel_fast_dyad.c */
 void lw_fast_points(const run *k, int which, size_t n, const rows *out, int per_lane, int frame);

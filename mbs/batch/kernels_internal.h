@@ -31,6 +31,7 @@ typedef struct lw_kernels {
     double (*sum)(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                   const double *tx, const double *ty, const double *w, double *grad, double *margin);
     void (*normal)(const lw_normal *in, double *h, double *g);
+    void (*nearest)(const lw_polyline *line, size_t n, const double *x, const double *y, double *near_x, double *near_y);
     void (*turns)(size_t n, const double *angle, double *c, double *s);
     /* Follow the higher groups from the seed to one input.  work: lw_group_posture_size bytes. */
     void (*group_posture)(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,

@@ -328,36 +328,6 @@ bool lw_timing_refine(const lw_problem *p, const double *x, lw_work *w, int step
 
 /* ---- both directions: curve to target ------------------------------------------------------- */
 
-/* Nearest points of the target polygon to M points, one side after the other so that the loop over points vectorises.
- */
-static void feet_on_target(const lw_problem *p, const double *x, const double *y, double *fx,
-                           double *fy)
-{
-    double least[M];
-    size_t last = p->closed ? p->n : p->n - 1;
-    for (int j = 0; j < M; j++) {
-        fx[j] = p->x[0];
-        fy[j] = p->y[0];
-        least[j] = (x[j] - fx[j])*(x[j] - fx[j]) + (y[j] - fy[j])*(y[j] - fy[j]);
-    }
-    for (size_t i = 0; i < last; i++) {
-        size_t k = i + 1 < p->n ? i + 1 : 0;
-        double ax = p->x[i], ay = p->y[i], dx = p->x[k] - ax, dy = p->y[k] - ay;
-        double d2 = dx*dx + dy*dy, ux = d2 > 0 ? dx/d2 : 0, uy = d2 > 0 ? dy/d2 : 0;
-        for (int j = 0; j < M; j++) {
-            double t = (x[j] - ax)*ux + (y[j] - ay)*uy;
-            t = t > 0 ? t : 0;
-            t = t < 1 ? t : 1;
-            double qx = ax + t*dx, qy = ay + t*dy;
-            double d = (x[j] - qx)*(x[j] - qx) + (y[j] - qy)*(y[j] - qy);
-            bool nearer = d < least[j];
-            least[j] = nearer ? d : least[j];
-            fx[j] = nearer ? qx : fx[j];
-            fy[j] = nearer ? qy : fy[j];
-        }
-    }
-}
-
 /* An open target corresponds to a part of the curve, from the first station's input to the last's on the side with more
  * stations. Samples outside this part do not count. */
 static bool outside_piece(const lw_problem *p, const lw_work *w, int sample, double from, double span)
@@ -389,7 +359,8 @@ void lw_timing_samples(const lw_problem *p, lw_work *w, const double *x, const d
     for (size_t i = 0; i < p->n; i++)
         total += p->w[i];
     w->sample_weight = total/M;
-    feet_on_target(p, x, y, w->foot_x, w->foot_y);
+    const lw_polyline polygon = { p->n, p->x, p->y, p->closed };
+    lw_batch_nearest(&p->plan, &polygon, M, x, y, w->foot_x, w->foot_y);
     for (int j = 0; j < M; j++) {
         w->phase[p->n + (size_t)j] = w->turn[j];
         if (outside_piece(p, w, j, w->phase[0], span)) {
