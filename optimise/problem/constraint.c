@@ -155,7 +155,7 @@ static void phase_slopes(const lw_problem *p, const double *x, lw_work *w, const
 {
     static const double part[4] = { 1, -8, 8, -1 };
     const double h = 1e-4;
-    double *keep = w->keep_theta, slope[2] = { 0, 0 };
+    double *keep = w->best_theta, slope[2] = { 0, 0 };        /* keep_theta holds those before a trial step */
     memcpy(keep, w->phase, p->n*sizeof *keep);
     memset(by, 0, 2*sizeof *by);
     lw_circuit_slopes(p, x, w);

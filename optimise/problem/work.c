@@ -76,9 +76,10 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     for (int i = 0; i < 4; i++)
         w->slope[i] = piece(base, &at, postures*v*(size_t)(p->n_dim + 1));
     w->g_now = piece(base, &at, g*v);
-    w->g_up = piece(base, &at, g*v);
+    w->g_try = piece(base, &at, g*v);
     size_t variables = (size_t)p->n_var;                /* for all conditions that a search may add later */
     w->g_row = piece(base, &at, g*variables*v);
+    w->g_try_row = piece(base, &at, g*variables*v);
     w->step_a = piece(base, &at, (2*variables + (size_t)p->n_linear + g)*variables*v);
     w->step_b = piece(base, &at, (2*variables + (size_t)p->n_linear + g)*v);
     w->step_first = piece(base, &at, (2*variables + (size_t)p->n_linear + 1)*sizeof *w->step_first);

@@ -71,8 +71,8 @@ typedef struct lw_work {
     double *slope[4];                      /* derivatives in these postures: (n_dim + 1) rows, the last by the input */
     double *posture_c, *posture_s, *posture_x, *posture_y, *posture_u, *posture_v, *posture_m;
     lw_jacobian posture;
-    double *g_now, *g_up;          /* conditions; those of a trial                                    */
-    double *g_row;                 /* their derivatives, g_row[i*n_var + d]                           */
+    double *g_now, *g_row;         /* conditions; their derivatives, g_row[i*n_var + d]               */
+    double *g_try, *g_try_row;     /* those of a trial step                                           */
     double *step_h;                /* its quadratic model: four matrices of (n_var)^2                  */
     double *step_a, *step_b;       /* conditions on a step of a solver: rows a (n_var), a . step >= b  */
     short  *step_first, *step_column;      /* their nonzero coefficients, as lw_qp_rows has them         */

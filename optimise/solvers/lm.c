@@ -200,6 +200,7 @@ typedef struct run {
     double   f, damping, growth;
     bool     bend;                                   /* steps follow the bend of their way      */
     bool     conditioned;                            /* steps keep the conditions on the motion */
+    bool     known;                                  /* which were worked out with the last step */
     double   broken, weight;                         /* their violation; its weight beside f    */
     int      steps, idle;
     long     evals;
@@ -292,6 +293,16 @@ static double bend_of(run *r, const double *x, double *a)
     return known ? 2*sqrt(a2/step2) : 0;
 }
 
+/* The conditions of the trial become those of x.  Most trials are steps, so that their derivatives were worked out with them. */
+static void take_conditions(lw_work *w)
+{
+    double *g = w->g_now, *row = w->g_row;
+    w->g_now = w->g_try;
+    w->g_row = w->g_try_row;
+    w->g_try = g;
+    w->g_try_row = row;
+}
+
 /* Try one step. LW_STOP_EVALS: a step was accepted; else the reason why none was. */
 static lw_stop advance(run *r, double *x)
 {
@@ -302,7 +313,8 @@ static lw_stop advance(run *r, double *x)
     normal_equations(p, r->w, &r->q);
     linear_limits(p, x, &r->q);
     if (r->conditioned) {
-        lw_problem_conditions(p, x, true, FAR, r->w->g_now, r->w->g_row, r->w);
+        if (!r->known)
+            lw_problem_conditions(p, x, true, FAR, r->w->g_now, r->w->g_row, r->w);
         r->broken = violation(p, r->w->g_now);
         motion_conditions(p, r->w, part, &r->q);
     }
@@ -331,8 +343,8 @@ static lw_stop advance(run *r, double *x)
         double f = !(promise >= 0) ? INFINITY : evaluate(p, trial, r->w), broken = 0;
         r->evals++;
         if (r->conditioned && f < r->f + r->weight*r->broken) {      /* else the conditions cannot make it better */
-            lw_problem_conditions(p, trial, true, FAR, r->w->g_up, NULL, r->w);
-            broken = violation(p, r->w->g_up);
+            lw_problem_conditions(p, trial, true, FAR, r->w->g_try, r->w->g_try_row, r->w);
+            broken = violation(p, r->w->g_try);
         }
         double fall = r->conditioned ? r->f - f + r->weight*(r->broken - broken) : r->f - f;
         if (fall > 0) {
@@ -342,6 +354,9 @@ static lw_stop advance(run *r, double *x)
             r->idle = fall < r->f*r->o->f_tol && broken <= MEET ? r->idle + 1 : 0;
             r->f = f;
             r->broken = broken;
+            r->known = r->conditioned;
+            if (r->known)
+                take_conditions(r->w);
             r->steps++;
             memcpy(x, trial, sizeof trial[0]*(size_t)p->n_var);
             return r->idle >= 3 ? LW_STOP_F_TOL : LW_STOP_EVALS;
@@ -375,6 +390,7 @@ static lw_stop descend(run *r, double *x)
     r->damping = DAMPING_FIRST;
     r->growth = 2;
     r->idle = 0;
+    r->known = false;
     while (r->steps < r->o->max_steps) {
         lw_stop s = advance(r, x);
         if (r->o->improved)
