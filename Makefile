@@ -10,7 +10,7 @@ ifeq ($(origin CFLAGS),undefined)
 CFLAGS   = -O2 -g1
 # HOT: rooms of loops that run millions of times; PLAIN: rooms without any, which compile in half the time
 HOT      = base enumerate grammar/functions grammar/topology mbs/plan mbs/batch mbs/kinematics mbs/constraints mbs/ode \
-           mbs/dynamics mbs/space mbs/equations mbs/elastic optimise/problem optimise/solvers optimise/search catalogues/curves
+           mbs/dynamics mbs/space mbs/equations mbs/elastic optimise/problem optimise/solvers optimise/search catalogues/curves tests/bench
 PLAIN    = cli/program cli/topologies cli/motion cli/family cli/fit cli/draw cli/catalogue cli/studio studio surface grammar/text \
            grammar/linkage grammar/model grammar/family optimise/task optimise/report catalogues/draw catalogues/exchange \
            catalogues/pages catalogues/build catalogues/store
