@@ -261,6 +261,10 @@ bench: $(BENCHES) $(PEER_BIN) $B/linkwright
 
 $B/linkwright.1: docs/linkwright.1.in $B/linkwright
 	$B/linkwright help --roff | sed -e 's/@VERSION@/$(VERSION)/; s|@DOCDIR@|$(DOCDIR)|; s|@DATADIR@|$(DATADIR)|' -e '/@COMMANDS@/{r /dev/stdin' -e 'd}' docs/linkwright.1.in > $@
+$B/library.md: docs/library.awk linkwright.h
+	@mkdir -p $(@D)
+	awk -f docs/library.awk linkwright.h linkwright.h > $@
+docs: $B/library.md          # the reference of the library as a page
 $B/linkwright.bash: $B/linkwright
 	$B/linkwright help --completion bash > $@
 $B/linkwright.pc: linkwright.pc.in Makefile linkwright.h
@@ -279,6 +283,7 @@ define INSTALLED
 644 $B/install/liblinkwright.a $(LIBDIR)/liblinkwright.a
 644 $B/linkwright.pc $(LIBDIR)/pkgconfig/linkwright.pc
 644 $B/linkwright.1 $(PREFIX)/share/man/man1/linkwright.1
+644 $B/library.md $(DOCDIR)/docs/library.md
 644 $B/linkwright.bash $(PREFIX)/share/bash-completion/completions/linkwright
 $(foreach f,$(DATA),644 $f $(DATADIR)/$(patsubst docs/%,%,$(f:catalogues/data/%=%))\n)
 $(foreach f,$(DOCS),644 $f $(DOCDIR)/$f\n)
@@ -286,7 +291,7 @@ endef
 export INSTALLED
 LISTED = printf '%b\n' "$$INSTALLED" | while read -r mode from to; do [ -z "$$to" ] ||
 
-install: all $B/$(SONAME) $B/install/liblinkwright.a $B/linkwright.bash
+install: all $B/$(SONAME) $B/install/liblinkwright.a $B/linkwright.bash $B/library.md
 	@rm -f $B/linkwright.pc $B/linkwright.1; $(MAKE) --no-print-directory $B/linkwright.pc $B/linkwright.1   # they hold PREFIX
 	@$(LISTED) install -D -m "$$mode" "$$from" "$(DESTDIR)$$to" || exit 1; done
 	@ln -sf $(SONAME) $(DESTDIR)$(LIBDIR)/liblinkwright.so
@@ -297,6 +302,6 @@ uninstall:
 
 clean:
 	rm -rf $B
-.PHONY: all shared samples python notebooks deps deps-bench deps-python peers test demo pictures run-test run-demo check sanitize sanitize-threads run-threads coverage browser-test fuzz run-fuzz bench install uninstall clean
+.PHONY: all docs shared samples python notebooks deps deps-bench deps-python peers test demo pictures run-test run-demo check sanitize sanitize-threads run-threads coverage browser-test fuzz run-fuzz bench install uninstall clean
 .PRECIOUS: $B/%.o     # kept between makes; .SECONDARY would skip a new file that is older than the archive
 -include $(shell find $B -name '*.d' 2>/dev/null)

@@ -1,5 +1,5 @@
-/* linkwright.h - the whole public interface of linkwright, a library for planar mechanisms: which exist, how they
- * move, what they carry, and which one does a job.  C17 and C++.  Compile with `pkg-config --cflags --libs
+/* linkwright.h - the whole public interface of linkwright, a library for mechanisms in the plane and in space: which exist,
+ * how they move, what they carry, and which one does a job.  C17 and C++.  Compile with `pkg-config --cflags --libs
  * linkwright`.
  *
  * Units.  SI everywhere: lengths [m], angles [rad] counter-clockwise, time [s], mass [kg], force [N].  A file may

@@ -15,6 +15,7 @@ for f in bin/linkwright include/linkwright.h lib64/liblinkwright.so lib64/liblin
          share/doc/linkwright/docs/notation.md share/doc/linkwright/examples/jansen.json; do
     [ -e "$at/$f" ] || fail "$f is missing"
 done
+[ "$(grep -c '^LW_API' "$at/share/doc/linkwright/docs/library.md")" = "$(grep -c '^LW_API' linkwright.h)" ] || fail "the library's reference lacks functions"
 [ "$(find "$at/include" -type f | wc -l)" = 1 ] || fail "more than one header"
 "$at/bin/linkwright" help | grep -q "$at/share/doc/linkwright" || fail "help does not name the installed documents"
 "$at/bin/linkwright" -V | grep -q "^linkwright [0-9]" || fail "-V says no version"
