@@ -101,6 +101,9 @@ static inline int check_end(void)
     return check_n_failed ? 1 : 0;
 }
 
+/* OWN(lw_target) t = { 0 };  a variable that lw_target_free() frees at the end of its block. */
+#define OWN(type) __attribute__((cleanup(type##_free))) type
+
 int check_main(void);
 __attribute__((weak)) int check_main(void) { check_run(); return check_end(); }
 

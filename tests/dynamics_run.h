@@ -39,9 +39,10 @@ static inline lw_status drun_keep(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-/* Read JSON. */
+/* Read JSON; frees the model that d holds. */
 static inline void drun_read_json(drun *d, const char *text)
 {
+    lw_model_free(&d->model);
     d->e = (lw_error){ 0 };
     d->status = lw_model_read(text, strlen(text), "text", &d->model, &d->e);
     if (d->status != LW_OK)

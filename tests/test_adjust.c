@@ -37,13 +37,12 @@ TEST(rounded_drawings_move)
             CHECK_INT(lw_model_drive(&d.model, 0, motion, &d.e), LW_OK);
             CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1, 10), LW_OK);
             CHECK(d.n_moment == 11 && d.report.worst_off < 1e-10);
-            lw_model_free(&d.model);
         }
 }
 
 static void check_goes_round(uint64_t seed, uint64_t number, int digits)
 {
-    lw_system s;
+    OWN(lw_system) s = { 0 };
     lw_motion_curve *curve;
     lw_rng rng;
     double q[LW_SYSTEM_Q_MAX], by;
@@ -59,8 +58,6 @@ static void check_goes_round(uint64_t seed, uint64_t number, int digits)
     CHECK_INT(lw_motion_curve_ended(curve), LW_MOTION_CURVE_CLOSED);
     CHECK_INT(abs(lw_motion_curve_turns(curve, -1)), 1);
     lw_motion_curve_free(curve);
-    lw_system_free(&s);
-    lw_model_free(&d.model);
 }
 
 /* Three parallel bars drawn with rounded numbers go round on one curve, through both flat postures.  Added: drawings whose dimensions were off by
@@ -97,7 +94,6 @@ TEST(rounded_bars_are_driven_round)
             lw_vec2 off = lw_v2_sub(d.tracer[i], lw_v2_add(from, lw_v2_sub(turned, bar)));
             CHECK_NEAR(lw_v2_norm(off), 0, 20*by, 0);
         }
-        lw_model_free(&d.model);
     }
 }
 
@@ -109,7 +105,6 @@ TEST(exact_drawings_stay)
     read_rounded("examples/mobility/parallelogram.json", 0, &rng);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.2, 10), LW_OK);
     CHECK(d.report.adjusted == 0 && d.report.freedom == 1);
-    lw_model_free(&d.model);
 }
 
 /* A four-bar that is almost a parallelogram, almost flat: its rows nearly depend on each other there, but nowhere else. */
@@ -122,7 +117,6 @@ TEST(singular_postures_stay)
                      "'input': {'joint': 'A', 'speed': 1}}", 0.001, 5.0001);
     CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 0.2, 10), LW_OK);
     CHECK(d.report.adjusted == 0 && d.report.freedom == 1);
-    lw_model_free(&d.model);
 }
 
 /* A rigid linkage that no small change makes move stays rigid. */
@@ -134,13 +128,11 @@ TEST(rigid_stays_rigid)
         read_rounded("examples/mobility/parallelogram.json", 0.2, &rng);
         CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.2, 10), LW_OK);
         CHECK(d.report.adjusted == 0 && d.report.freedom == 0);
-        lw_model_free(&d.model);
     }
 }
 
 int main(void)
 {
     check_run();
-    lw_system_free(&d.system);
     return check_end();
 }

@@ -64,7 +64,7 @@ static void check_mesh(const lw_scene *s, int joint)
 
 TEST(teeth_mesh)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_linkage k;
     lw_error e;
     lw_wheel w[2];
@@ -84,13 +84,12 @@ TEST(teeth_mesh)
     CHECK(lw_body_shapes_gear(&s, 2, w));
     CHECK(w[0].ring && !w[1].ring && !w[1].gap);
     CHECK_NEAR(w[0].radius, 3.2, 1e-9, 0);
-    lw_scene_free(&s);
 }
 
 /* The rack reaches as far as the pinion rolls: 0.8 a radian of it, over 1.25 radians each way. */
 TEST(racks_are_long_enough)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_wheel w[2];
     planet_scene(&s);
     CHECK(lw_body_shapes_gear(&s, 6, w));
@@ -99,7 +98,6 @@ TEST(racks_are_long_enough)
     CHECK_NEAR(w[1].hi, 1, 1e-9, 0);
     CHECK_NEAR(w[1].lo, -1, 1e-9, 0);
     CHECK_NEAR(w[0].pitch, w[1].pitch, 0, 1e-12);
-    lw_scene_free(&s);
 }
 
 static bool has_node(const lw_scene *s, int link, lw_vec2 at)
@@ -114,21 +112,20 @@ static bool has_node(const lw_scene *s, int link, lw_vec2 at)
 
 TEST(welds_join_their_links)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     planet_scene(&s);
     CHECK(has_node(&s, 2, lw_v2(2.6, 0.4)) && has_node(&s, 3, lw_v2(2.6, 0.4)));
     CHECK(!has_node(&s, 1, lw_v2(2.6, 0.4)));
     for (size_t f = 0; f < s.n_frame; f++)
         CHECK_NEAR(remainder(turn_of(&s, f, 2) - turn_of(&s, f, 3), 2*LW_PI), 0, 1e-9, 0);
-    lw_scene_free(&s);
 }
 
 /* Of both cylinders of the loader, in every frame: the rod's pin stands outside of the tube, the piston inside. */
 TEST(pistons_stay_in_their_tubes)
 {
     lw_error e;
-    lw_scene s;
-    lw_model m;
+    OWN(lw_scene) s = { 0 };
+    OWN(lw_model) m = { 0 };
     lw_scene_options o = lw_scene_options_default();
     load_planar("examples/loader.json", &m);
     o.model = &m;
@@ -145,6 +142,4 @@ TEST(pistons_stay_in_their_tubes)
         }
     }
     CHECK(!lw_body_shapes_cylinder(&s, 0, &(lw_cylinder){ .tube = 0 }));
-    lw_scene_free(&s);
-    lw_model_free(&m);
 }

@@ -57,9 +57,9 @@ TEST(joints_that_are_moved)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
     for (int f = 0; f < 3; f++) {
-        lw_spatial m;
-        lw_robot r;
-        lw_budget b;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_robot) r = { 0 };
+        OWN(lw_budget) b = { 0 };
         lw_error e = { 0 };
         lw_budget_options o = { .clearance = gap };
         load_spatial(file[f], &m);
@@ -99,17 +99,14 @@ TEST(joints_that_are_moved)
                 squares += lw_v3_dot(linear, linear)/(n_trial - 1);
         }
         CHECK_NEAR(sqrt(squares), b.rms, 0, 0.15);
-        lw_budget_free(&b);
-        lw_robot_free(&r);
-        lw_spatial_free(&m);
     }
 }
 
 TEST(drives_that_are_turned)
 {
-    lw_spatial m;
-    lw_robot r;
-    lw_budget b;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
+    OWN(lw_budget) b = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     lw_budget_options o = { .play = { 1e-5, 1e-5 } };
@@ -130,9 +127,6 @@ TEST(drives_that_are_turned)
         worst = fmax(worst, lw_v3_norm(lw_v3_sub(at.place, p.place)));
     }
     CHECK_NEAR(b.worst, worst, 0, 1e-4);
-    lw_budget_free(&b);
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 typedef struct rest { lw_dynamics *d; lw_vec3 tool; } rest;
@@ -164,11 +158,11 @@ static lw_vec3 tool_at_rest(lw_spatial *m, bool rigid)
 
 TEST(links_that_bend)
 {
-    lw_spatial m;
-    lw_robot r;
-    lw_budget b;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
+    OWN(lw_budget) b = { 0 };
     lw_error e = { 0 };
-    lw_budget_stiffness s;
+    OWN(lw_budget_stiffness) s = { 0 };
     lw_budget_options o = { .load = { 3, -2, -5 }, .weight = true };
     load_spatial("delta-elastic", &m);
     CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
@@ -191,8 +185,4 @@ TEST(links_that_bend)
     CHECK(lw_v3_norm(bent) > 1e-5);
     CHECK_NEAR(lw_v3_norm(lw_v3_sub(bent, b.bent)), 0, 0.01*lw_v3_norm(bent), 0);
     CHECK_NEAR(b.worst, lw_v3_norm(b.bent), 0, 1e-9);
-    lw_budget_free(&b);
-    lw_budget_stiffness_free(&s);
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }

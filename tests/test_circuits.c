@@ -11,7 +11,7 @@
 static int circuits(const lw_linkage *k, uint64_t seed)
 {
     KEPT_SYSTEM s = { 0 };
-    lw_circuits c;
+    OWN(lw_circuits) c = { 0 };
     lw_error e = { 0 };
     CHECK_INT(lw_system_make(k, NULL, 0, &s, &e), LW_OK);
     CHECK_INT(lw_circuits_find(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, 40, seed, &c, &e), LW_OK);
@@ -19,7 +19,6 @@ static int circuits(const lw_linkage *k, uint64_t seed)
     for (int i = 0; i < c.n; i++)
         CHECK(lw_motion_curve_worst(c.curve[i]) <= 1e-12*s.unit);
     int n = c.n;
-    lw_circuits_free(&c);
     return n;
 }
 
@@ -74,7 +73,7 @@ TEST(both_branches_at_a_change_point)
     double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[LW_SYSTEM_Q_MAX];
     lw_linkage l;
     KEPT_SYSTEM s = { 0 };
-    lw_circuits c;
+    OWN(lw_circuits) c = { 0 };
     lw_error e = { 0 };
     fourbar_linkage(&l, k, 1, 0.5);
     CHECK_INT(lw_system_make(&l, NULL, 0, &s, &e), LW_OK);
@@ -102,7 +101,6 @@ TEST(both_branches_at_a_change_point)
                 CHECK_NEAR(q[5], 0, 1e-12, 0);
         }
     }
-    lw_circuits_free(&c);
 }
 
 /* A crank turns three rockers, each of which has two assembly modes: 2^3 circuits.  With 30 more links, whose inputs rest, the
@@ -110,9 +108,9 @@ TEST(both_branches_at_a_change_point)
 static int modes_found(int more)
 {
     text t = { 0 };
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     KEPT_SYSTEM s = { 0 };
-    lw_circuits c;
+    OWN(lw_circuits) c = { 0 };
     lw_error e = { 0 };
     lw_vec2 b = lw_v2_polar(1, 1);
     int seen = 0;
@@ -159,8 +157,6 @@ static int modes_found(int more)
     }
     CHECK_INT(c.n, 8);
     free(q);
-    lw_circuits_free(&c);
-    lw_model_free(&m);
     return seen;
 }
 

@@ -35,7 +35,7 @@ TEST(threshold_of_paper_c)
         false, 1e-9 },
         { "in", 0.0254, -0.7, true, 1e-9 } };
     for (size_t i = 0; i < sizeof row/sizeof *row; i++) {
-        lw_model m;
+        OWN(lw_model) m = { 0 };
         lw_error e = { 0 };
         CHECK_INT(paper_c(row[i].unit, row[i].metre, row[i].turn, row[i].mirrored, &m, &e), LW_OK);
         for (int lost = 0; lost < 2; lost++) {
@@ -48,7 +48,6 @@ TEST(threshold_of_paper_c)
             CHECK(r.joint[0].distance_most < 1.05e-4);
             CHECK(lost ? r.joint[0].first > 0.6 && r.joint[0].first < 1.25 : isnan(r.joint[0].first));
         }
-        lw_model_free(&m);
     }
 }
 
@@ -58,7 +57,7 @@ TEST(limits_of_the_models)
     static const struct { lw_clearance_model model; double stiffness, below, above; } row[] = {
         { LW_CLEARANCE_IMPACT, 1e7, 94, 97 }, { LW_CLEARANCE_IMPACT, 1e6, 99, 102 }, { LW_CLEARANCE_MLSD, 1e8, 93, 97 },
         { LW_CLEARANCE_MLSD, 1e7, 95, 98 }, { LW_CLEARANCE_LINK, 1e8, 90, 100 } };
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     lw_error e = { 0 };
     CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
     for (size_t i = 0; i < sizeof row/sizeof *row; i++)
@@ -69,7 +68,6 @@ TEST(limits_of_the_models)
             o.speed = (lost ? row[i].above : row[i].below)*rpm;
             CHECK_INT(run(&m, &o, LW_OK).joint[0].lost, lost);
         }
-    lw_model_free(&m);
 }
 
 /* ---- exact --------------------------------------------------------------------------------------- */
@@ -87,7 +85,7 @@ static void bounces(lw_model *m, double stiffness)
 TEST(exact_bounces)
 {
     for (double k = 1e4; k < 1e9; k *= 10.0) {
-        lw_model m;
+        OWN(lw_model) m = { 0 };
         bounces(&m, k);
         lw_clearance_options o = lw_clearance_options_default();
         double g = 9.81, gap = 0.01, fall = sqrt(2*gap/g), w = sqrt(k/2), v = g*fall;
@@ -101,7 +99,6 @@ TEST(exact_bounces)
         CHECK_INT(r.joint[0].losses, 3);
         CHECK_NEAR(r.joint[0].apart*(o.time - o.settle), 5*fall, 2e-9, 0);
         CHECK_NEAR(r.energy_last, r.energy_first, 1e-9, 0);
-        lw_model_free(&m);
     }
 }
 
@@ -115,7 +112,7 @@ TEST(energy_is_kept)
     int n_run = 0, n_touch = 0, n_two = 0;
     for (int trial = 0; trial < 40; trial++) {
         lw_linkage k;
-        lw_model m;
+        OWN(lw_model) m = { 0 };
         random_grown(&rng, 1 + trial%3, &k);
         int pin = random_pin(&rng, &k);
         give_masses(&rng, &k, pin, &m);
@@ -142,7 +139,6 @@ TEST(energy_is_kept)
                 CHECK_NEAR(r.joint[r.joint[0].joint != pin].distance_most, 0.01, 1e-12, 0);
         }
         lw_clearance_free(scene);
-        lw_model_free(&m);
     }
     CHECK(n_run >= 30);
     CHECK(n_touch >= 5);
@@ -152,7 +148,7 @@ TEST(energy_is_kept)
 /* Damping takes energy, whatever the start; also at speeds where the pin grazes its bush */
 TEST(damping_takes_energy)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     lw_error e = { 0 };
     CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
     for (int i = 0; i < 24; i++) {
@@ -166,7 +162,6 @@ TEST(damping_takes_energy)
         CHECK(r.energy_last < r.energy_first);
         CHECK(r.joint[0].distance_most < 2e-3);
     }
-    lw_model_free(&m);
 }
 
 /* Whatever the tolerance, a run ends and the pin stays near its bush: errors greater than the gap would throw it
@@ -174,7 +169,7 @@ TEST(damping_takes_energy)
 TEST(every_tolerance)
 {
     static const double speed[] = { 94, 250, -333 };
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     lw_error e = { 0 };
     CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
     for (int i = 0; i < 27; i++) {
@@ -187,7 +182,6 @@ TEST(every_tolerance)
         CHECK(r.joint[0].distance_most < 1.5e-4);
         CHECK(r.joint[0].force_most < 6000);
     }
-    lw_model_free(&m);
 }
 
 static void record(const lw_model *m, lw_clearance_options o, track *t)
@@ -200,7 +194,7 @@ static void record(const lw_model *m, lw_clearance_options o, track *t)
 /* The massless link is the limit of the spring-damper link for rising stiffness */
 TEST(link_is_a_stiff_spring)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     lw_error e = { 0 };
     CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
     lw_clearance_options o = lw_clearance_options_default();
@@ -228,13 +222,12 @@ TEST(link_is_a_stiff_spring)
         }
     }
     CHECK_INT(link.n, 21);
-    lw_model_free(&m);
 }
 
 /* The pin that is pressed against its bush all the time has the reaction of the joint without clearance */
 TEST(reaction_without_clearance)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     lw_error e = { 0 };
     CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
     lw_clearance_options o = lw_clearance_options_default();
@@ -252,13 +245,12 @@ TEST(reaction_without_clearance)
         CHECK_NEAR(zero.s[i].energy, zero.s[0].energy, 1e-7, 0);
         CHECK(zero.s[i].point[0].touching && lw_v2_norm(zero.s[i].point[0].pin) < 1e-14);
     }
-    lw_model_free(&m);
 }
 
 /* The input of a driven crank follows its motion, the other links as before */
 TEST(driven_crank)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     char text[6000];
     FILE *f = fopen("examples/clearance-four-bar.json", "rb");
     size_t n = f ? fread(text, 1, 3000, f) : 0;
@@ -284,7 +276,6 @@ TEST(driven_crank)
         CHECK_NEAR(t.s[i].input, LW_PI/2 + 9*at + 0.2*sin(10*at), 1e-10, 0);
         CHECK_NEAR(t.s[i].input_rate, 9 + 2*cos(10*at), 1e-6, 0);
     }
-    lw_model_free(&m);
 }
 
 /* Restitution: a disc dropped on its bush returns with about s v (the laws aim at it; that of Lankarani & Nikravesh
@@ -292,7 +283,7 @@ TEST(driven_crank)
 TEST(restitution)
 {
     for (int law = 0; law < 2; law++) {
-        lw_model m;
+        OWN(lw_model) m = { 0 };
         bounces(&m, 1e8);
         m.clearance[0].model = law ? LW_CLEARANCE_LANKARANI : LW_CLEARANCE_HUNT_CROSSLEY;
         m.clearance[0].exponent = 1.5;
@@ -304,7 +295,6 @@ TEST(restitution)
         double e0 = before.energy_first, e1 = before.energy_last, drop = 2*9.81*0.01;
         double back = sqrt((e1 - e0 + drop)/drop);       /* speed after, over speed before */
         CHECK_NEAR(back, 0.9, 0.02, 0);
-        lw_model_free(&m);
     }
 }
 
@@ -321,7 +311,7 @@ static void refused(lw_model *m, lw_status want, const char *text)
 
 TEST(bad_input)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     lw_error e = { 0 };
     CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
     lw_clearance good = m.clearance[2];
@@ -364,5 +354,4 @@ TEST(bad_input)
     CHECK_INT(lw_clearance_run(scene, &o, &r, &e), LW_E_NUMERIC);
     CHECK_HAS(e.text, "\"rocker\"");
     lw_clearance_free(scene);
-    lw_model_free(&m);
 }

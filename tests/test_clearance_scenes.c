@@ -81,14 +81,13 @@ static void give_friction(lw_model *m, double mu, double radius, double speed)
 /* Friction in every pin, the held journal among them */
 TEST(friction_without_gap)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     lw_error e = { 0 };
     CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
     m.clearance[2].model = LW_CLEARANCE_ZERO;
     m.clearance[2].friction = 0;
     give_friction(&m, 0.2, 0.02, 0.05);
     same_motion(&m, 1.0, 50, 1e-7);
-    lw_model_free(&m);
 }
 
 static const char slider_crank[] = "{'linkwright': 1, 'links': ['ground',{'name': 'crank', 'mass': 2, 'centre': [0, 0.05], 'inertia': 0.01},{'name': "
@@ -99,20 +98,19 @@ static const char slider_crank[] = "{'linkwright': 1, 'links': ['ground',{'name'
 
 TEST(friction_of_a_slider)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     read_planar(slider_crank, "text", &m);
     give_friction(&m, 0.15, 0.01, 0.02);
     same_motion(&m, 0.8, 40, 1e-7);
     m.clearance[2].model = LW_CLEARANCE_NONE;        /* the same with the journal elsewhere */
     m.clearance[1] = (lw_clearance){ .model = LW_CLEARANCE_ZERO, .gap = 1e-4, .exponent = 1, .friction_speed = 1e-3 };
     same_motion(&m, 0.8, 40, 1e-7);
-    lw_model_free(&m);
 }
 
 /* Stops that it bounces on, and one on which it comes to rest and which it leaves again */
 TEST(stops_without_gap)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     read_planar(slider_crank, "text", &m);
     for (int i = 0; i < 3; i++) {
         m.stop[3] = (lw_joint_stop){ .has_least = true, .least = -0.12,
@@ -120,7 +118,6 @@ TEST(stops_without_gap)
         m.stop[0] = (lw_joint_stop){ .has_greatest = true, .greatest = 2.6, .restitution = 0.5 };
         CHECK(same_motion(&m, 1.2, 60, 2e-6) >= (i == 2 ? 1 : 4));
     }
-    lw_model_free(&m);
 }
 
 /* ---- loops ---------------------------------------------------------------------------------------- */
@@ -159,7 +156,7 @@ static void set_law(lw_model *m, lw_clearance_model law, double gap, double stif
  * gaps */
 TEST(laws_agree)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     track zero, law;
     lw_clearance_options o = lw_clearance_options_default();
     six_bar(&m);
@@ -178,13 +175,12 @@ TEST(laws_agree)
         for (int j = 0; j < 2; j++)
             CHECK(r.joint[j].distance_most < 5e-6);
     }
-    lw_model_free(&m);
 }
 
 /* Energy: kept by springs and links, never gained by damped contacts, friction and stops */
 TEST(energy_of_loops)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     track k;
     lw_clearance_options o = lw_clearance_options_default();
     six_bar(&m);
@@ -206,7 +202,6 @@ TEST(energy_of_loops)
         }
         CHECK(r.energy_last < r.energy_first - 0.01);
     }
-    lw_model_free(&m);
 }
 
 /* A disc falls in its bush while it turns: Coulomb's impulse.  It strikes head on, so that what its
@@ -216,7 +211,7 @@ TEST(impulse_with_friction)
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'disc', 'mass': 2, 'centre': [0, 0], 'inertia': 0.02}], 'joints': "
         "[{'name': 'A', 'links': ['ground', 'disc'], 'at': [0, 0], 'friction': {'coefficient': 0.05, 'radius': 0.1, 'speed': 1e-4}, 'clearance': "
         "{'model': 'impact', 'gap': 0.01, 'stiffness': 1e8}}],'input': {'joint': 'A', 'speed': 20}, 'gravity': [0, -9.81]}";
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     track k;
     read_planar(text, "text", &m);
     lw_clearance_options o = lw_clearance_options_default();
@@ -227,7 +222,6 @@ TEST(impulse_with_friction)
     CHECK_INT(r.joint[0].losses, 1);
     double w = sqrt(1e8/2), impulse = 2*(2*v + 9.81*2*(LW_PI - atan(v*w/9.81))/w);
     CHECK_NEAR(k.s[1].input_rate, 20 - mu*radius*impulse/0.02, 1e-5, 0);    /* the wall is curved */
-    lw_model_free(&m);
 }
 
 /* A wheel of 0.5 kg m^2 at rest, on a pin that is judged only: torques of the time within milliseconds, and jumps, give it their impulse
@@ -241,7 +235,7 @@ TEST(torques_of_the_time)
         { "-1 + 3*max(0, sign(t - 0.5))", ", 'stop': {'least': 0}", 2 } };
     for (int i = 0; i < 10; i++) {
         char text[1000];
-        lw_model m;
+        OWN(lw_model) m = { 0 };
         track k;
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'disc', 'mass': 2, 'centre': [0, 0], 'inertia': 0.5}], 'joints': "
                  "[{'name': 'A', 'links': ['ground', 'disc'], 'at': [0, 0], 'clearance': {'model': 'zero', 'gap': 0.01}%s}], 'input': {'joint': 'A', "
@@ -251,14 +245,13 @@ TEST(torques_of_the_time)
         o.time = 1, o.settle = 0.3, o.every = i%2 ? 1 : 0.05, o.tolerance = 1e-9;
         run(&m, o, &k);
         CHECK_NEAR(k.s[k.n - 1].input_rate, row[i/2].rate, 1e-7, 0);
-        lw_model_free(&m);
     }
 }
 
 /* A driven crank passes its start at known times. */
 TEST(passes)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     track k = { 0 };
     lw_error e = { 0 };
     lw_clearance_scene *scene;
@@ -274,7 +267,6 @@ TEST(passes)
     for (int i = 0; i < k.n; i++)
         CHECK_NEAR(k.s[i].t, 2*LW_PI*(i + 1)/40, 1e-9, 0);
     lw_clearance_free(scene);
-    lw_model_free(&m);
 }
 
 /* Random linkages with journals, friction and stops, whatever closes their loops: energy does not grow */
@@ -285,7 +277,7 @@ TEST(random_scenes)
     int n_run = 0, n_strike = 0;
     for (int trial = 0; trial < 40; trial++) {
         lw_linkage k;
-        lw_model m;
+        OWN(lw_model) m = { 0 };
         track t = { 0 };
         random_grown(&rng, 1 + trial%3, &k);
         int pin = random_pin(&rng, &k);
@@ -317,7 +309,6 @@ TEST(random_scenes)
         for (int i = 1; i < t.n; i++)
             CHECK(t.s[i].energy < t.s[i - 1].energy + 1e-6*(10 + fabs(t.s[0].energy)));
         lw_clearance_free(scene);
-        lw_model_free(&m);
     }
     CHECK(n_run >= 36);
     CHECK(n_strike >= 20);

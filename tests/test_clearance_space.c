@@ -79,7 +79,7 @@ TEST(a_ball_bounces)
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 0);
     for (int trial = 0; trial < 4; trial++) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         double gap = 1e-3, K = 1e6, g = 9.81, w = sqrt(K/2), v = sqrt(2*g*gap), fall = sqrt(2*gap/g);
         double contact = 2*(LW_PI - atan(v*w/g))/w, period = 2*fall + contact;
         read_ball("'model': 'impact', 'gap': 0.001, 'stiffness': 1e6", "", &m);
@@ -96,7 +96,6 @@ TEST(a_ball_bounces)
         CHECK_INT(k.contact[0].losses, 5);
         CHECK_NEAR(k.contact[0].apart, 5*2*fall, 1e-8, 0);
         CHECK_NEAR(k.contact[0].distance_most, gap + g/(w*w) + sqrt(g*g/(w*w*w*w) + v*v/(w*w)), 0, 2e-2);
-        lw_spatial_free(&m);
     }
 }
 
@@ -127,7 +126,7 @@ TEST(rebound_of_damped_laws)
     static const char *const law[] = { "hunt-crossley", "lankarani-nikravesh" };
     for (int i = 0; i < 4; i++) {
         char text[160];
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         double e = i < 2 ? 0.9 : 0.5, g = 9.81, v = sqrt(2*g*1e-3), D = i%2 ? 0.75*(1 - e*e)/v : 1.5*(1 - e)/v, back = v;
         double t = v/g + rebound(2, g, 1e9, D, &back) + back/g;
         snprintf(text, sizeof text, "'model': '%s', 'gap': 0.001, 'stiffness': 1e9, 'exponent': 1.5, 'restitution': %g",
@@ -136,7 +135,6 @@ TEST(rebound_of_damped_laws)
         m.gravity = lw_v3(0.6*g, 0, -0.8*g);
         run(&m, LW_FORMULATION_AUTO, t, 1, 1e-12, false);
         CHECK_NEAR(k.at[1].distance, 1e-3 - back*back/(2*g), 1e-8, 0);
-        lw_spatial_free(&m);
     }
 }
 
@@ -167,7 +165,7 @@ TEST(a_ball_comes_to_rest)
 {
     for (int stiff = 0; stiff < 3; stiff++) {
         char text[160];
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         double K = pow(10, 5 + stiff), c = sqrt(2*2*K);
         snprintf(text, sizeof text, "'model': 'impact', 'gap': 1e-4, 'stiffness': %g, 'damping': %.17g, 'depth': 1e-6",
                  K, c);
@@ -176,7 +174,6 @@ TEST(a_ball_comes_to_rest)
         run(&m, LW_FORMULATION_AUTO, 0.5, 2, 1e-10, false);
         CHECK_NEAR(k.at[k.n - 1].distance, 1e-4 + 2*10/K, 1e-10, 0);
         CHECK_NEAR(k.at[k.n - 1].force, 20, 0, 1e-5);
-        lw_spatial_free(&m);
     }
 }
 
@@ -193,7 +190,7 @@ static lw_status keep_plane(void *context, const lw_clearance_sample *s)
 static void compare_with_the_plane(double friction)
 {
     static const double seconds = 0.06, radius = 0.02;
-    lw_model p;
+    OWN(lw_model) p = { 0 };
     char text[4096];
     size_t n = 0;
     lw_error e = { 0 };
@@ -225,7 +222,7 @@ static void compare_with_the_plane(double friction)
     }
     snprintf(text + n, sizeof text - n, "], 'inputs': [{'joint': '%s', 'value': %.17g, 'speed': %.17g}]}",
              a->joint[a->input[0].joint].name, a->input[0].value, 9.0);
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(text, "four-bar", &m);
     run(&m, LW_FORMULATION_AUTO, seconds, 10, 1e-11, false);
     lw_clearance_scene *scene;
@@ -244,8 +241,6 @@ static void compare_with_the_plane(double friction)
     CHECK_NEAR(k.contact[0].apart/seconds, r.joint[0].apart, 1e-5, 0);   /* contact begins to a thousandth of the gap */
     CHECK_NEAR(k.contact[0].distance_most, r.joint[0].distance_most, 1e-7, 0);
     lw_clearance_free(scene);
-    lw_model_free(&p);
-    lw_spatial_free(&m);
 }
 
 TEST(as_in_the_plane) { compare_with_the_plane(0); }
@@ -259,7 +254,7 @@ TEST(a_ball_spins_down)
     lw_rng_seed(&r, check_seed(), 0);
     for (int trial = 0; trial < 3; trial++) {
         char rest[400];
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         double mu = 0.1 + 0.2*trial, radius = 0.02, weight = 20, turn[2];
         lw_vec3 down = random_direction(&r), side = random_direction(&r);
         lw_vec3 axis = lw_v3_cross(down, side), spin = lw_v3_scale(axis, 100/lw_v3_norm(axis));
@@ -277,7 +272,6 @@ TEST(a_ball_spins_down)
         CHECK_NEAR(lw_v3_norm(k.at[4].moment), radius*weight*sin(atan(mu)), 0, 1e-6);
         CHECK(q.energy_error < 1e-6*q.energy_scale);
         CHECK_INT(q.smooth_friction, trial == 0);
-        lw_spatial_free(&m);
     }
 }
 
@@ -299,8 +293,8 @@ TEST(derivatives_of_friction)
     const double h = 1e-6;
     lw_rng r;
     lw_spatial m, open;
-    lw_space s;
-    lw_space_forces f;
+    OWN(lw_space) s = { 0 };
+    OWN(lw_space_forces) f = { 0 };
     lw_error e;
     lw_space_frame frame[3];
     lw_rng_seed(&r, check_seed(), 0);
@@ -348,8 +342,6 @@ TEST(derivatives_of_friction)
         }
         CHECK_NEAR(off, 0, 1e-7*most, 0);
     }
-    lw_space_forces_free(&f);
-    lw_space_free(&s);
     lw_spatial_open_free(&open);
     lw_spatial_free(&m);
 }
@@ -357,7 +349,7 @@ TEST(derivatives_of_friction)
 /* A spring presses the ball down with 100 N; a load lifts it more and more.  Contact holds until the load exceeds the spring. */
 TEST(pretension)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'ball', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [0.01, 0.01, 0.01]}], "
         "'joints': [{'name': 'S', 'kind': 'spherical', 'links': ['ground', 'ball'], 'at': [0, 0, 0], 'clearance': {'model': 'impact', 'gap': 5e-5, "
         "'stiffness': 1e7, 'damping': 2e4, 'depth': 1e-6}}], 'springs': [{'name': 'P', 'links': ['ground', 'ball'], 'at': [[0, 0, -1], [0, 0, 0]], "
@@ -369,13 +361,12 @@ TEST(pretension)
             CHECK_NEAR(k.at[i].force, 100 - 200*k.at[i].t, 0.05, 0);
         else if (k.at[i].t > 0.52)               /* lifted to the other side of its socket */
             CHECK_NEAR(k.at[i].force, 200*k.at[i].t - 100, 0.2, 0);
-    lw_spatial_free(&m);
 }
 
 /* The error of the tool grows like the gap, and contact is kept longer the smaller it is.  The first 20 ms. */
 TEST(a_delta_with_clearance)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     double off[2], apart[2], worst = 0;
     lw_vec3 ideal[8];
     load_spatial("delta-clearance", &m);
@@ -403,7 +394,6 @@ TEST(a_delta_with_clearance)
     CHECK_NEAR(log10(off[0]/off[1]), 1, 0.1, 0);
     CHECK(apart[1] < 0.6*apart[0]);
     CHECK(worst < 1.5);
-    lw_spatial_free(&m);
 }
 
 TEST(refused)

@@ -230,10 +230,10 @@ TEST(accelerations_of_all_bodies)
 /* The rate of a reaction along the motion is its difference in time */
 TEST(rate_of_reaction)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     lw_error e = { 0 };
     lw_clearance_scene *c;
-    lw_clearance_work w;
+    OWN(lw_clearance_work) w = { 0 };
     lw_clearance_options o = lw_clearance_options_default();
     CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
     m.clearance[2].model = LW_CLEARANCE_ZERO;
@@ -267,7 +267,5 @@ TEST(rate_of_reaction)
     CHECK_NEAR((side[1].x - side[0].x)/(2*h), rate.x, 1e-3, 1e-5);
     CHECK_NEAR((side[1].y - side[0].y)/(2*h), rate.y, 1e-3, 1e-5);
     CHECK(lw_v2_norm(rate) > 1);
-    lw_clearance_work_free(&w);
     lw_clearance_free(c);
-    lw_model_free(&m);
 }

@@ -70,7 +70,7 @@ TEST(the_bound_holds)
     for (int trial = 0; trial < 300; trial++) {
         lw_linkage k;
         KEPT_SYSTEM s = { 0 };
-        lw_continuation f;
+        OWN(lw_continuation) f = { 0 };
         double q[LW_SYSTEM_Q_MAX];
         int all[LW_INPUT_MAX] = { 0 };
         lw_error e = { 0 };
@@ -90,7 +90,6 @@ TEST(the_bound_holds)
             worst = fmax(worst, ratio);
             looked++;
         }
-        lw_continuation_free(&f);
     }
     CHECK(looked > 250);
     CHECK(worst > 0.05);                                    /* the bound is no giant */
@@ -105,7 +104,7 @@ TEST(the_bound_is_sharp_for_pins)
     for (int trial = 0; trial < 200; trial++) {
         lw_linkage k;
         KEPT_SYSTEM s = { 0 };
-        lw_continuation f;
+        OWN(lw_continuation) f = { 0 };
         double q[9];
         blank_linkage(&k, 4);
         for (int i = 0; i < 4; i++)
@@ -120,7 +119,6 @@ TEST(the_bound_is_sharp_for_pins)
             CHECK(ratio <= 1 + 1e-9);
             most = fmax(most, ratio);
         }
-        lw_continuation_free(&f);
     }
     CHECK(most > 0.6);
 }
@@ -133,7 +131,7 @@ TEST(series_follow_the_curve)
     for (int trial = 0; trial < 50; trial++) {
         lw_linkage k;
         KEPT_SYSTEM s = { 0 };
-        lw_continuation f;
+        OWN(lw_continuation) f = { 0 };
         double series[9*LW_SYSTEM_Q_MAX], at[LW_SYSTEM_Q_MAX], left[2];
         draw_linkage(&r, &k);
         CHECK_INT(lw_system_make(&k, NULL, 0, &s, NULL), LW_OK);
@@ -154,7 +152,6 @@ TEST(series_follow_the_curve)
         for (int i = 0; i < f.n; i++)
             along += (at[i] - series[i])*series[f.n + i];
         CHECK_NEAR(along, 0.5*h, 1e-14, 0);
-        lw_continuation_free(&f);
     }
 }
 

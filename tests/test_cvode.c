@@ -29,14 +29,13 @@ TEST(stiff_published)
             lw_ode ode = { .n = 2, .rate = van_der_pol, .jacobian = with ? van_der_pol_slope : NULL };
             lw_ode_options o = lw_ode_options_default();
             o.relative = o.absolute = tolerance;
-            lw_sundials w;
+            OWN(lw_sundials) w = { 0 };
             double y[2] = { 2.0, 0.0 };
             CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, NULL), LW_OK);
             CHECK_INT(sundials_to(&w, 2.0, NULL), LW_OK);
             CHECK_NEAR(w.y[0], 1.706167732170483, 2000.0*tolerance, 0);
             CHECK_NEAR(w.y[1], -0.8928097010247975, 2000.0*tolerance, 0);
             CHECK(w.t == 2.0 && w.n_step > 50 && w.n_step < 20000 && w.n_jacobian > 0);
-            lw_sundials_free(&w);
         }
 }
 
@@ -57,7 +56,7 @@ TEST(events_in_order)
                    .passing = { false, true }, .seen = note };
     lw_ode_options o = lw_ode_options_default();
     o.relative = o.absolute = 1e-11;
-    lw_sundials w;
+    OWN(lw_sundials) w = { 0 };
     double y[2] = { 1.0, 0.0 };
     CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_ADAMS, 0.0, y, NULL), LW_OK);
     lw_ode_stop stop;
@@ -84,7 +83,6 @@ TEST(events_in_order)
     CHECK_NEAR(w.t, 10.0 + pi/2, 1e-8, 0);
     CHECK_INT(sundials_to(&w, w.t + 1e-6, NULL), LW_OK);
     CHECK_NEAR(w.y[0], -1e-6, 1e-8, 0);
-    lw_sundials_free(&w);
 }
 
 TEST(projection)
@@ -94,12 +92,11 @@ TEST(projection)
         lw_ode ode = { .n = 4, .rate = pendulum, .project = with ? onto_circle : NULL };
         lw_ode_options o = lw_ode_options_default();
         o.relative = o.absolute = 1e-7;
-        lw_sundials w;
+        OWN(lw_sundials) w = { 0 };
         double y[4] = { 1.0, 0.0, 0.0, 0.0 };
         CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, NULL), LW_OK);
         CHECK_INT(sundials_to(&w, 10.0, NULL), LW_OK);
         drift[with] = fabs(hypot(w.y[0], w.y[1]) - 1.0);
-        lw_sundials_free(&w);
     }
     CHECK(drift[0] > 1e-8);
     CHECK(drift[1] < 1e-9);

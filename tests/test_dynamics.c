@@ -18,7 +18,6 @@ TEST(simple_pendulum)
         CHECK_INT(d.report.formulation, every[f]);
         CHECK_POINT(d.tracer[1], -0.2750874625761168600544, -0.9614192050991250642651, allowed[f], 0);
     }
-    lw_model_free(&d.model);
 }
 
 /* Andrews' squeezer at 0.03 s, in quad precision: angles of the crank, of link K3 (gamma), K5 (delta), K7 (epsilon),
@@ -49,7 +48,6 @@ TEST(andrews)
     CHECK_INT(d.report.formulation, LW_FORMULATION_QUADRATURE);
     CHECK_INT(d.report.freedom, 1);
     CHECK_INT(d.report.redundant, 0);
-    lw_model_free(&d.model);
 }
 
 /* N-four-bar, N = 2 (A02): through five singular postures, by place and motion curve, for every tolerance. */
@@ -67,7 +65,6 @@ TEST(two_four_bars)
         }
     CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, 1e-11, 10, 100), LW_OK);
     CHECK_NEAR(d.tracer[100].x, 0.32845811154081537865, 1e-8, 0);
-    lw_model_free(&d.model);
 }
 
 /* Newton's equations at every sample: M a + J^T l = Q, summed joint by joint from rows that are independent of the
@@ -116,7 +113,6 @@ TEST(forces_balance)
         CHECK_INT(b.n, 51);
         CHECK(b.off < 1e-12);
         lw_dynamics_free(made);
-        lw_model_free(&d.model);
     }
 }
 
@@ -161,8 +157,6 @@ TEST(callers_force)
     lw_vec2 bob = lw_system_point(lw_dynamics_system(made), 0, lw_v2(0, 0), q);
     CHECK_POINT(bob, 0, -1, 1e-9, 0);
     lw_dynamics_free(made);
-    lw_model_free(&same.model);
-    lw_model_free(&d.model);
 }
 
 /* ---- an energy account that does not hold --------------------------------------------------------- */
@@ -198,7 +192,6 @@ TEST(energy_from_nowhere_is_refused)
                 CHECK_NEAR(d.report.t, 0.5, 0.2, 0);
             }
             lw_dynamics_free(made);
-            lw_model_free(&d.model);
         }
 }
 
@@ -222,6 +215,4 @@ TEST(velocities_that_do_not_exist)
         CHECK_INT(lw_mbs_project_v(made, 0, v), LW_OPEN);
     }
     lw_dynamics_free(made);
-    lw_system_free(&d.system);
-    lw_model_free(&d.model);
 }

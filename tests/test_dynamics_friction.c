@@ -30,7 +30,6 @@ TEST(block_on_a_slope)
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-8, 1e6, 10), LW_OK);
     CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
     CHECK(fabs(d.tracer[10].x) < 1e-15 && d.v[0] == 0 && fabs(d.a[0]) < 1e-13);
-    lw_model_free(&d.model);
     for (int k = 0; k < 2; k++) {
         double mu = k ? 0.3 : 0.43, v = 3;
         double up = g*(sin(0.4) + mu*cos(0.4)), stop = v/up, down = g*(sin(0.4) - mu*cos(0.4));
@@ -42,7 +41,6 @@ TEST(block_on_a_slope)
             CHECK_NEAR(d.tracer[i].x, s*cos(0.4), 1e-11, 0);
         }
         CHECK(d.report.energy_error < 1e-9*d.report.energy_scale);
-        lw_model_free(&d.model);
     }
 }
 
@@ -54,7 +52,6 @@ TEST(block_under_changing_force)
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 4, 16), LW_OK);
     for (int i = 0; i <= 16; i++)
         CHECK_NEAR(d.tracer[i].x, d.t[i] > start ? pow(d.t[i] - start, 3)*6/(6*mass) : 0, 1e-9, 0);
-    lw_model_free(&d.model);
     read_block(0, 0.5, 0, "15*sin(2*t)");
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-11, 10, 1), LW_OK);
     /* by hand: slides from asin(hold/15)/2 in each half period until its speed is 0 again, and rests */
@@ -69,7 +66,6 @@ TEST(block_under_changing_force)
     double t = from + fmin(part, to - from);
     x = 7.5*(cos(2*from)*(t - from) - (sin(2*t) - sin(2*from))/2) - hold*(t - from)*(t - from)/2;
     CHECK_NEAR(d.tracer[1].x, x/mass, 1e-12, 0);
-    lw_model_free(&d.model);
 }
 
 /* ---- a pendulum whose pin rubs ------------------------------------------------------------------------------ */
@@ -141,7 +137,6 @@ TEST(pendulum)
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-11, 1000, 1), LW_OK);
     CHECK_NEAR(d.q[2], y[0] - 2, 1e-9, 0);
     CHECK(d.v[2] == 0 && fabs(d.a[2]) < 1e-11);
-    lw_model_free(&d.model);
 }
 
 /* ---- random linkages ------------------------------------------------------------------------------------------ */
@@ -238,8 +233,6 @@ TEST(loads_of_every_kind)
         }
         CHECK(d.report.energy_error < 1e-8*d.report.energy_scale);
         done += d.n_moment == 11;
-        lw_model_free(&d.model);
-        lw_model_free(&other.model);
     }
     CHECK_INT(done, runs);
 }
@@ -288,8 +281,6 @@ TEST(ideal_against_regularised)
             for (int i = 0; i < d.system.n_q; i++)
                 CHECK_NEAR(d.q[i], q[i], 100*pow(10, -p), 0);
         }
-        lw_model_free(&d.model);
-        lw_model_free(&other.model);
     }
 }
 
@@ -332,7 +323,6 @@ TEST(friction_in_all_pins_of_nine_dyads)
         CHECK_NEAR(v[2][i] - v[0][i], h/3*(a[0][i] + 4*a[1][i] + a[2][i]), 1e-9, 0);      /* Simpson's rule */
     }
     CHECK(most > 1 && d.report.energy_error < 1e-9*d.report.energy_scale);
-    lw_model_free(&d.model);
 }
 
 /* Reactions that fall to nearly 0 and rise again hardly add to the error, however the steps lie. */
@@ -354,7 +344,6 @@ TEST(reactions_that_fall_to_nearly_0)
             if (p == 11)
                 memcpy(exact, d.q, sizeof exact);
         }
-        lw_model_free(&d.model);
     }
 }
 
@@ -374,7 +363,6 @@ TEST(several_pins_at_a_place)
         CHECK_INT(d.report.formulation, smooth ? LW_FORMULATION_INDEX1 : LW_FORMULATION_REDUCED);
         memcpy(end[smooth], d.q, (size_t)d.system.n_q*sizeof *d.q);
         CHECK(d.report.energy_error < 1e-7*d.report.energy_scale);
-        lw_model_free(&d.model);
     }
     for (int i = 0; i < d.system.n_q; i++)
         CHECK_NEAR(end[0][i], end[1][i], 1e-6, 0);
@@ -392,7 +380,6 @@ TEST(choice_of_a_method)
         CHECK_INT(lw_dynamics_make(&d.model, &d.o, &m, &d.e), LW_OK);
         CHECK_INT(lw_dynamics_choice(m)->formulation, stiff ? LW_FORMULATION_CVODE : LW_FORMULATION_INDEX1);
         lw_dynamics_free(m);
-        lw_model_free(&d.model);
     }
     double end[2][6];                                    /* a damped chain: implicit, of high order, and the same by index1 */
     for (int f = 0; f < 2; f++) {
@@ -403,7 +390,6 @@ TEST(choice_of_a_method)
         CHECK_INT(drun_to(&d, f ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO, 1e-10, 1, 10), LW_OK);
         CHECK_INT(d.report.formulation, f ? LW_FORMULATION_INDEX1 : LW_FORMULATION_RADAU);
         memcpy(end[f], d.q, sizeof end[f]);
-        lw_model_free(&d.model);
     }
     for (int i = 0; i < 6; i++)
         CHECK_NEAR(end[0][i], end[1][i], 1e-8, 0);
@@ -435,7 +421,6 @@ TEST(choice_with_springs)
         CHECK(k > 1 || 2*d.report.rates < rates);
         for (int i = 0; i < 6; i++)
             CHECK_NEAR(d.q[i], end[i], 100*of[k].tolerance, 0);
-        lw_model_free(&d.model);
     }
     for (int four = 0; four < 3; four++) {               /* one, four and one of these alone */
         lw_dynamics *m = NULL;
@@ -449,7 +434,6 @@ TEST(choice_with_springs)
         CHECK_INT(lw_dynamics_make(&d.model, &d.o, &m, &d.e), LW_OK);
         CHECK_INT(lw_dynamics_choice(m)->formulation, four == 2 ? LW_FORMULATION_INDEX1 : LW_FORMULATION_RADAU);
         lw_dynamics_free(m);
-        lw_model_free(&d.model);
     }
 }
 
@@ -474,7 +458,6 @@ TEST(linkage_rests)
         for (int i = 0; i < d.system.n_q && most == 0; i++)
             CHECK_NEAR(d.a[i], 0, 1e-7, 0);      /* the tolerance of the reactions */
         rests += most == 0;
-        lw_model_free(&d.model);
     }
     CHECK(rests > 4);
 }

@@ -93,12 +93,11 @@ TEST(joints_in_space)
     lw_dynamics_report report = { 0 };
     lw_error e = { 0 };
     lw_dynamics *made = NULL;
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("slider-crank", &m);
     CHECK_INT(lw_dynamics_make_spatial(&m, &o, &made, &e), LW_OK);
     if (made)
         compare(made, &report, &e);
-    lw_spatial_free(&m);
 }
 
 TEST(pins)
@@ -106,7 +105,6 @@ TEST(pins)
     static drun d;
     drun_read(&d, "examples/andrews.json");
     compare_derivatives(&d);
-    lw_model_free(&d.model);
 }
 
 TEST(sliders)
@@ -116,7 +114,6 @@ TEST(sliders)
     snprintf(text, sizeof text, swinging_block, block, by_slider);
     drun_read_text(&d, text);
     compare_derivatives(&d);
-    lw_model_free(&d.model);
 }
 
 TEST(slots)
@@ -136,5 +133,4 @@ TEST(slots)
         CHECK_NEAR(q[i], d.q[i], 1e-5, 0);
         CHECK_NEAR(v[i], d.v[i], 1e-4, 0);
     }
-    lw_model_free(&d.model);
 }

@@ -137,7 +137,7 @@ TEST(stops_in_any_number)
 {
     enum { N = 40 };
     const double most = 0.1;
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     kept k;
     lw_dynamics_report r;
     lw_error e = { 0 };
@@ -151,7 +151,6 @@ TEST(stops_in_any_number)
         CHECK(fabs(k.q[3*j + 2] - k.q[3*j - 1]) < most + 1e-7);
     CHECK(k.energy[1] - k.energy[0] < 1e-8);
     free(k.q);
-    lw_model_free(&m);
 }
 
 static void read_example(const char *name, lw_model *m)
@@ -200,7 +199,7 @@ TEST(mixed_agree)
     };
     for (int i = 0; i < 2; i++) {
         text t = { .at = strdup(format[i]), .n = strlen(format[i]) };
-        lw_model m;
+        OWN(lw_model) m = { 0 };
         read_text(&t, &m);
         if (i == 0) {
             agree(&m, 0.5, 1e-8);
@@ -220,7 +219,6 @@ TEST(mixed_agree)
         CHECK_NEAR(k.q[2], turn, 1e-9, 0);
         CHECK(k.off < 1e-12);
         free(k.q);
-        lw_model_free(&m);
     }
 }
 
@@ -247,7 +245,7 @@ static void read_star(int n, lw_model *m)
 /* A link with many pins: rows divided among welded parts give what IDA gives with the whole matrix. */
 TEST(many_links_on_one_pin)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     kept explicit, implicit;
     lw_dynamics_report r;
     lw_error e = { 0 };
@@ -260,7 +258,6 @@ TEST(many_links_on_one_pin)
         CHECK_NEAR(implicit.q[i], explicit.q[i], 1e-6, 0);
     CHECK_POINT(implicit.joint.force, explicit.joint.force.x, explicit.joint.force.y, 1e-3, 1e-4);
     free(explicit.q), free(implicit.q);
-    lw_model_free(&m);
 }
 
 /* A plate on n upright cranks of 1 m, which together have mass 1. */
@@ -282,7 +279,7 @@ static void read_plate(int n, lw_model *m)
 TEST(many_redundant_pins_on_one_link)
 {
     enum { N = 40 };
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     kept many, two;
     lw_dynamics_report r;
     lw_error e = { 0 };
@@ -298,7 +295,6 @@ TEST(many_redundant_pins_on_one_link)
     for (int i = 0; i < N; i++)
         CHECK_NEAR(many.q[3*(i + 1) + 2], two.q[5], 1e-9, 0);
     free(many.q), free(two.q);
-    lw_model_free(&m);
 }
 
 /* Weight and some drag as forces of the caller's own. */
@@ -342,14 +338,13 @@ TEST(strong_dampers)
         double a = (rate - fast*turn)/(slow - fast), b = turn - a;
         CHECK_NEAR(d.q[2] + 0.5, a*exp(slow*t) + b*exp(fast*t), 10*tolerance[i], 0);
         CHECK(d.report.steps < (i < 4 ? 300 : 3000));
-        lw_model_free(&d.model);
     }
 }
 
 /* Stiff dampers are followed by the implicit method with a caller's force, too, and in pieces. */
 TEST(callers_force_keeps_the_implicit_method)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     double q[2][3*6];
     lw_dynamics_report r[2];
     lw_error e = { 0 };
@@ -369,7 +364,6 @@ TEST(callers_force_keeps_the_implicit_method)
     CHECK_INT(lw_stepping_advance(s, 0.1, NULL, NULL, &r[0], &e), LW_OK);
     CHECK_INT(r[0].formulation, LW_FORMULATION_RADAU);
     lw_stepping_free(s);
-    lw_model_free(&m);
 }
 
 /* A row turns through flat postures like a pendulum.  Steps over these do not grow shorter and shorter where rounding, not their
@@ -377,7 +371,7 @@ TEST(callers_force_keeps_the_implicit_method)
 TEST(a_row_passes_flat_postures_at_a_tight_tolerance)
 {
     enum { N = 40, STEPS = 20000 };
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     kept k;
     lw_dynamics_report r;
     lw_error e = { 0 };
@@ -394,7 +388,6 @@ TEST(a_row_passes_flat_postures_at_a_tight_tolerance)
     CHECK(k.off < 1e-12);
     CHECK(r.steps < 400);
     free(k.q);
-    lw_model_free(&m);
 }
 
 /* Beside a flat posture a row of 15 loops is solved by its sparse rows, and as accurately as by a full factorisation: its cranks turn
@@ -526,7 +519,7 @@ TEST(driven_agree_with_certified_steps)
 /* A row of n four-bars, driven for a turn: all cranks stay parallel, through two flat postures. */
 static void row_turns(int n)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     moments k;
     lw_dynamics_report r;
     lw_error e = { 0 };
@@ -540,7 +533,6 @@ static void row_turns(int n)
         for (int b = 0; b < 2*n + 1; b++)
             CHECK_NEAR(k.value[s*width + 3*b + 2], b <= n ? 2*LW_PI*s/(MOMENTS - 1) : 0, 1e-8, 0);
     free(k.value);
-    lw_model_free(&m);
 }
 
 TEST(rows_of_loops_turn_through_flat_postures)
@@ -582,7 +574,7 @@ static void read_tower(int n, lw_model *m)
 TEST(tall_towers_are_not_singular)
 {
     for (int n = 50; n <= 5000; n *= 10) {
-        lw_model m;
+        OWN(lw_model) m = { 0 };
         lw_follow *f;
         lw_error e = { 0 };
         read_tower(n, &m);
@@ -593,7 +585,6 @@ TEST(tall_towers_are_not_singular)
         lw_vec2 top = lw_system_point(s, s->tracer_body[0], s->tracer_arm[0], lw_follow_series(f));
         CHECK_POINT(top, -n*sin(80*LW_PI/180)*sin(0.3), n*sin(80*LW_PI/180)*cos(0.3), 1e-8*n, 0);
         lw_follow_free(f);
-        lw_model_free(&m);
     }
 }
 
@@ -657,7 +648,7 @@ TEST(mobility_agrees)
  * one. */
 TEST(damped_ropes)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     kept k[2];
     lw_dynamics_report r;
     lw_error e = { 0 };
@@ -675,13 +666,12 @@ TEST(damped_ropes)
     lw_dynamics_free(d);
     for (int i = 0; i < 2; i++)
         free(k[i].q);
-    lw_model_free(&m);
 }
 
 /* A rope that is let go: far from its pin it falls freely. */
 TEST(thousand_links)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     kept k;
     lw_dynamics_report r;
     lw_error e = { 0 };
@@ -694,7 +684,6 @@ TEST(thousand_links)
     CHECK(k.off < 1e-12);
     CHECK_NEAR(k.unit*k.q[3*900 + 1], -9.81*0.02*0.02/2, 1e-9, 0);      /* far from the pin it falls freely */
     free(k.q);
-    lw_model_free(&m);
 }
 
 /* The row of n loops in one coordinate, the turn of its cranks: y = turn and its rate. */
@@ -711,7 +700,7 @@ static lw_status row_rate(void *context, double t, const double *y, double *dy)
 TEST(rows_of_loops)
 {
     for (double n = 40; n <= 400; n *= 10) {
-        lw_model m;
+        OWN(lw_model) m = { 0 };
         kept k;
         lw_dynamics_report r;
         lw_error e = { 0 };
@@ -727,7 +716,6 @@ TEST(rows_of_loops)
         for (int i = 0; i <= n; i++)
             CHECK_NEAR(k.q[3*i + 2], y[0], 1e-7, 0);
         free(k.q);
-        lw_model_free(&m);
     }
 }
 
@@ -738,7 +726,7 @@ TEST(rows_of_loops_at_loose_tolerances)
     double n = 400, y[2] = { 0, 1 };
     drun_exact(&(lw_ode){ .n = 2, .context = &n, .rate = row_rate }, 0, y, 10);
     for (int t = 0; t < 3; t++) {
-        lw_model m;
+        OWN(lw_model) m = { 0 };
         kept k;
         lw_dynamics_report r;
         lw_error e = { 0 };
@@ -747,7 +735,6 @@ TEST(rows_of_loops_at_loose_tolerances)
         for (int i = 0; i <= n; i++)
             CHECK_NEAR(k.q[3*i + 2], y[0], 1e3*tolerance[t], 0);
         free(k.q);
-        lw_model_free(&m);
     }
 }
 
@@ -755,11 +742,11 @@ TEST(rows_of_loops_at_loose_tolerances)
  * j/2 sqrt(g/L) with the zeros j of J_0, and the links in line with the vertical. */
 TEST(rope_at_rest)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     lw_dynamics *d;
     lw_error e = { 0 };
     lw_rest rest;
-    lw_modes modes;
+    OWN(lw_modes) modes = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
     read_chain(60, 0, &m);
     o.analysis = LW_ANALYSIS_STATIC;
@@ -775,9 +762,7 @@ TEST(rope_at_rest)
     static const double zero[] = { 2.404825558, 5.520078110, 8.653727913 };
     for (int i = 0; i < 3; i++)
         CHECK_NEAR(modes.mode[i].im, zero[i]/2*sqrt(9.81), 0, 2e-3);
-    lw_modes_free(&modes);
     lw_dynamics_free(d);
-    lw_model_free(&m);
     free(q);
 }
 
@@ -810,7 +795,7 @@ TEST(arches_in_equilibrium)
 {
     for (int n = 100; n <= 1000; n *= 10)
         for (int side = -1; side <= 1; side += 2) {
-            lw_model m;
+            OWN(lw_model) m = { 0 };
             kept k;
             lw_dynamics_report r;
             lw_error e = { 0 };
@@ -822,7 +807,6 @@ TEST(arches_in_equilibrium)
             for (int i = 0; side < 0 && i < n; i++)
                 CHECK_NEAR(k.q[3*i + 2], 0, 1e-8, 0);
             free(k.q);
-            lw_model_free(&m);
         }
 }
 
@@ -902,7 +886,7 @@ TEST(friction_in_any_number_of_joints)
     for (int r = 0; r < 2; r++) {
         double alone[9] = { 0 };
         for (size_t i = 0; i < sizeof number/sizeof *number; i++) {
-            lw_model m;
+            OWN(lw_model) m = { 0 };
             kept k;
             lw_dynamics_report report;
             lw_error e = { 0 };
@@ -920,7 +904,6 @@ TEST(friction_in_any_number_of_joints)
                     CHECK_NEAR(value, alone[q], 1e-8, 0);
                 }
             free(k.q);
-            lw_model_free(&m);
         }
         CHECK(fabs(alone[2]) > 0.01);
     }
@@ -996,7 +979,7 @@ static double greatest_difference(int n, const double *a, const double *b)
 TEST(rows_within_steps)
 {
     enum { ROWS = 360 };
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     rates exact, all, end;
     read_chain(10, 0, &m);
     run_rates(&m, LW_FORMULATION_INDEX1, 1e-11, 0.35, ROWS, &exact);
@@ -1014,12 +997,11 @@ TEST(rows_within_steps)
         free(all.v);
     }
     free(exact.v);
-    lw_model_free(&m);
 }
 
 TEST(refusals_say_why)
 {
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     lw_dynamics *d;
     lw_error e = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
@@ -1032,7 +1014,6 @@ TEST(refusals_say_why)
     CHECK_INT(lw_dynamics_make(&m, &o, &d, &e), LW_E_ARG);
     CHECK_HAS(e.text, "\"b6\" needs");
     m.body[7].inertia = 1;
-    lw_model_free(&m);
 }
 
 int main(void)

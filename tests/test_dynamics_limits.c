@@ -39,7 +39,6 @@ TEST(heavy_last)
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-9, 0.5, 1), LW_OK);
     CHECK_POINT(d.tracer[1], 2*cos(angle), 2*sin(angle), 1e-7, 0);
     CHECK(d.report.energy_error < 1e-9*d.report.energy_scale);
-    lw_model_free(&d.model);
 }
 
 /* The mass of a planet on a rod of a thousand miles: only the units are unusual. */
@@ -54,7 +53,6 @@ TEST(large_units)
         CHECK_NEAR(d.tracer[1].x, 1.6e6*cos(angle), 1.6e6*(f < 2 ? 1e-9 : 1e-5), 0);
         CHECK(d.report.steps < 10000);
     }
-    lw_model_free(&d.model);
 }
 
 static const char between[] = "{'linkwright': 1, 'links': ['ground', {'name': 'mid', 'mass': %g, 'centre': [1.2, 0]},{'name': 'cart', 'mass': 2, "
@@ -72,12 +70,10 @@ TEST(massless_between_springs)
         CHECK_INT(drun_to(&d, all[f], 1e-9, 1, 1), LW_E_ARG);
         CHECK_HAS(d.e.text, "\"mid\" can move without moving any mass");
     }
-    lw_model_free(&d.model);
     drun_read_format(&d, between, 1e-6, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 1, 20), LW_OK);
     for (int i = 0; i <= 20; i++)
         CHECK_NEAR(d.tracer[i].x, 1.7 + 0.3*cos(10*d.t[i]), 1e-6, 0);
-    lw_model_free(&d.model);
 }
 
 /* A four-bar without any mass: refused.  With a wheel welded to its crank it moves as that pendulum: g/length is m g
@@ -93,13 +89,11 @@ TEST(massless_loop)
     drun_read_format(&d, text, 0, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-9, 1, 1), LW_E_ARG);
     CHECK_HAS(d.e.text, "can move without moving any mass");
-    lw_model_free(&d.model);
     drun_read_format(&d, text, 1, 0.3);
     for (int f = 1; f < 4; f++) {
         CHECK_INT(drun_to(&d, all[f], f == 1 ? 1e-12 : 1e-9, 0.4, 1), LW_OK);
         CHECK_POINT(d.tracer[1], cos(angle), sin(angle), f == 1 ? 1e-10 : 1e-5, 0);
     }
-    lw_model_free(&d.model);
 }
 
 /* Four-bars in their crank angle, with complex numbers: masses, inertias, and centres from the first pin of each link, along it. */
@@ -229,7 +223,6 @@ TEST(masses_far_apart)
                 CHECK_NEAR(d.q[2], y[0] - start, each[e].limit*1e-8*growth, 0);
             runs += s == LW_OK;
         }
-        lw_model_free(&d.model);
     }
     CHECK(runs > 50 && heavy > 0);
 }
@@ -267,7 +260,6 @@ TEST(light_crank)
                 CHECK_NEAR(d.report.t, span - from, 1e-5, 0);
             }
         }
-        lw_model_free(&d.model);
     }
 }
 
@@ -285,7 +277,6 @@ TEST(a_million_periods)
     CHECK_NEAR(d.tracer[1].x, -1, 1e-6, 0);
     CHECK_NEAR(d.report.period, 1, 1e-12, 0);
     CHECK(d.report.energy_error < 1e-11*d.report.energy_scale);
-    lw_model_free(&d.model);
     drun_read(&d, "examples/pendulum.json");
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-13, 4000001*quarter, 1), LW_OK);
     CHECK_NEAR(d.tracer[1].x, 0, 1e-5, 0);
@@ -293,7 +284,6 @@ TEST(a_million_periods)
     CHECK_NEAR(d.report.period, 4*quarter, 0, 1e-11);
     CHECK(d.report.energy_error < 1e-11*d.report.energy_scale);
     CHECK(d.report.steps < 2000);
-    lw_model_free(&d.model);
 }
 
 /* A four-bar that rocks under its weight, also between samples: the same as in the coordinates of all bodies, which
@@ -320,7 +310,6 @@ TEST(periods_of_a_four_bar)
     }
     for (int b = 0; b < 3; b++)
         CHECK_NEAR(d.q[3*b + 2], turn[b], 1e-8, 0);
-    lw_model_free(&d.model);
 }
 
 /* ---- dead points ----------------------------------------------------------------------------------- */
@@ -340,7 +329,6 @@ TEST(dead_point)
         before = off;
     }
     CHECK(before < 1e-8);
-    lw_model_free(&d.model);
 }
 
 /* Crank and rod of one length: the slider passes the crank's pin, where the rod could also turn with the crank.
@@ -378,7 +366,6 @@ TEST(equal_crank_and_rod)
         CHECK_POINT(d.tracer[3], r*cos(y), r*sin(y), f < 2 ? 1e-9 : 1e-5, 0);
         CHECK_NEAR(d.q[6], d.system.reference[2].x + (2*r*cos(y) - 2*x)/d.system.unit, f < 2 ? 1e-8 : 1e-4, 0);
     }
-    lw_model_free(&d.model);
 }
 
 /* Peaucellier's inversor comes with speed to where its arms lie on its rhombus and cannot go on: all formulations
@@ -393,7 +380,6 @@ TEST(end_of_the_way)
         CHECK(d.report.steps < 30000);
         CHECK_INT(d.n_moment, 9);                             /* samples up to there are kept */
     }
-    lw_model_free(&d.model);
 }
 
 /* Conservative examples for 20 s; for 1000 s: tests/bench/bench_energy.c. */
@@ -408,6 +394,5 @@ TEST(energy_of_examples)
             CHECK_INT(drun_to(&d, f ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO, 1e-10, 20, 100), LW_OK);
             CHECK(d.report.energy_error < 1e-11*d.report.energy_scale);
             CHECK(d.report.energy_held < 1e-7*d.report.energy_scale);
-            lw_model_free(&d.model);
         }
 }

@@ -47,7 +47,6 @@ TEST(swings)
             for (int n = 0; n <= 20; n++)
                 CHECK_NEAR(d.tracer[n].x, (n%2 ? -1 : 1)*sin(angle[i]), 1e-11 + 10*pow(10, -k), 0);
             CHECK(d.report.energy_error < 1e-13*2*9.81);
-            lw_model_free(&d.model);
         }
 }
 
@@ -64,7 +63,6 @@ TEST(starts_beside_the_middle)
         CHECK_INT(drun_to(&d, LW_FORMULATION_QUADRATURE, 1e-9, 3, 30), LW_OK);
         for (int n = 0; n <= 30; n++)
             CHECK_NEAR(x + d.tracer[n].x, x*cos(10*d.t[n]) + v/10*sin(10*d.t[n]), 1e-9, 0);
-        lw_model_free(&d.model);
     }
 }
 
@@ -81,7 +79,6 @@ TEST(turns_over)
             CHECK_NEAR(d.tracer[n].y, n%2 ? 1 : -1, 1e-12, 0);
         }
         CHECK_NEAR(fabs(d.q[2]), 14*LW_PI, 1e-10, 0);         /* turns are counted                              */
-        lw_model_free(&d.model);
     }
 }
 
@@ -92,7 +89,6 @@ TEST(ten_thousand_periods)
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-14, 10000.25*period(2), 1), LW_OK);
     CHECK_NEAR(d.tracer[1].x, 0, 1e-8, 0);
     CHECK_NEAR(d.tracer[1].y, -1, 1e-12, 0);
-    lw_model_free(&d.model);
 }
 
 /* On top without speed it stands; nearly on top it falls as the differential equations say. */
@@ -101,10 +97,8 @@ TEST(at_the_top)
     hang(LW_PI, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1, 5), LW_OK);
     CHECK_NEAR(d.tracer[5].y, 1, 1e-9, 0);
-    lw_model_free(&d.model);
     hang(LW_PI - 1e-6, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_QUADRATURE, 1e-12, 8, 40), LW_OK);
-    lw_model_free(&d.model);
     hang(LW_PI - 1e-6, 0);
     double y[40];
     for (int i = 0; i < 40; i++)
@@ -112,7 +106,6 @@ TEST(at_the_top)
     CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, 1e-13, 8, 40), LW_OK);
     for (int i = 0; i < 40; i++)
         CHECK_NEAR(y[i], d.tracer[i + 1].y, 1e-6, 0);
-    lw_model_free(&d.model);
 }
 
 /* The same motion by the differential equation of one coordinate, at every sample. */
@@ -132,8 +125,6 @@ static void against_the_equation(const char *file, double to, double allowed)
         }
         CHECK(d.report.energy_error < 1e-10*d.report.energy_scale);
     }
-    lw_model_free(&d.model);
-    lw_model_free(&twin.model);
 }
 
 TEST(linkages)
@@ -160,7 +151,6 @@ TEST(forces_that_jump)
             double x = after < 0 ? 2*t + 1.5*t*t : back < 0 ? at + v*after - 1.5*after*after : at - v*back + 1.5*back*back;
             most = fmax(most, fabs(d.tracer[n].x - x));
         }
-        lw_model_free(&d.model);
     }
     CHECK(most < 1e-9);
 }
@@ -181,7 +171,6 @@ TEST(refusals)
         CHECK(strstr(d.e.text, "time or speed") != NULL);
         CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-9, 1, 1), LW_OK);
         CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
-        lw_model_free(&d.model);
     }
 }
 
@@ -201,6 +190,5 @@ TEST(out_of_rest)
             CHECK_NEAR(d.q[2], speed*4 + 3*way*16, 1e-9, 0);
             CHECK(d.report.energy_error < 1e-13*d.report.energy_scale);
         }
-        lw_model_free(&d.model);
     }
 }

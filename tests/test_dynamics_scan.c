@@ -146,7 +146,6 @@ TEST(driven)
                 lw_dynamics_free(made);
             }
         without += z.without;
-        lw_model_free(&d.model);
     }
     CHECK(without > 0);
 }
@@ -276,7 +275,6 @@ TEST(closed_forms)
             CHECK(!(fabs(w.last - last) > 1e-4));
             last = driven ? NAN : run == 4 ? w.last : last;
             lw_dynamics_free(made);
-            lw_model_free(&d.model);
         }
     }
 }
@@ -359,7 +357,6 @@ TEST(one_freedom)
                 last = f == 0 ? z.last : last;
             }
         }
-        lw_model_free(&d.model);
     }
     CHECK(10*failed <= runs);
 }
@@ -398,7 +395,6 @@ TEST(friction_in_all_pins)
             CHECK(f == 0 || auto_jams == (s != LW_OK));
             CHECK(!auto_jams || fabs(d.report.t - jam) < 0.02);
         }
-        lw_model_free(&d.model);
     }
     CHECK(jammed > 0);
 }
@@ -453,7 +449,6 @@ TEST(forces_in_flat_postures)
             CHECK_NEAR(z.pin[1].force.x, -along*c, 0, 1e-6 + (h > 0 ? 1e-6/fabs(off) : 0));
             CHECK_NEAR(z.pin[1].force.y, -along*s, 1e-6, 1e-6);
         }
-        lw_model_free(&d.model);
     }
 }
 
@@ -620,7 +615,6 @@ TEST(two_freedoms)
             CHECK_NEAR(way.off, 0, fmax(3*allowed, 1e-8), 0);         /* 1e-8: of steps over a turn */
             lw_dynamics_free(made);
         }
-        lw_model_free(&d.model);
     }
 }
 
@@ -644,6 +638,5 @@ TEST(turning_back)
             CHECK_NEAR(d.q[2], y[0] - start, run[r].off*run[r].tolerance*growth, 0);
             CHECK_NEAR(d.q[5], y[0] - start, run[r].off*run[r].tolerance*growth, 0);
         }
-        lw_model_free(&d.model);
     }
 }

@@ -50,7 +50,6 @@ TEST(masses_far_apart)
             if (f == 1)
                 CHECK(d.report.energy_error < 1e-9*d.report.energy_scale);
         }
-        lw_model_free(&d.model);
     }
 }
 
@@ -65,19 +64,16 @@ TEST(without_mass)
         "'tracers': [{'name': 'P', 'link': 'coupler', 'at': [1, 2]}]}";
     drun_read_format(&first, text, 1e-9, 1e-9);
     CHECK_INT(drun_to(&first, LW_FORMULATION_REDUCED, 1e-12, 2, 1), LW_OK);
-    lw_model_free(&first.model);
     drun_read_format(&d, text, 0, 0);
     for (int f = 0; f < 4; f++) {
         CHECK_INT(drun_to(&d, all[f], f < 2 ? 1e-12 : 1e-9, 2, 1), LW_OK);
         CHECK_POINT(d.tracer[1], first.tracer[1].x, first.tracer[1].y, f < 2 ? 1e-7 : 1e-5, 0);
     }
-    lw_model_free(&d.model);
     drun_read_format(&d, double_pendulum, 1, 0);
     for (int f = 0; f < 4; f++) {
         CHECK_INT(drun_to(&d, f ? all[f] : LW_FORMULATION_AUTO, 1e-9, 1, 1), LW_E_ARG);
         CHECK_HAS(d.e.text, "\"two\"");
     }
-    lw_model_free(&d.model);
 }
 
 /* A slider on a spring of 1e10 N/m: cos(1e5 t); with a critical damper the soft one beside it sets the time. */
@@ -93,14 +89,12 @@ TEST(stiff_springs)
     CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-12, 1e-3, 10), LW_OK);
     CHECK_NEAR(d.q[0], d.system.reference[0].x + (-1e-3 + 1e-3*cos(100))/d.system.unit, 1e-9, 0);
     CHECK(d.report.energy_error < 1e-9*d.report.energy_scale);
-    lw_model_free(&d.model);
     drun_read_format(&d, text, 0, 2e5);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 3, 10), LW_OK);
     CHECK_INT(d.report.formulation, LW_FORMULATION_GGL);
     for (int i = 0; i <= 10; i++)
         CHECK_NEAR(d.tracer[i].x, 0.5 + 0.5*cos(d.t[i]), 1e-7, 0);
     CHECK(d.report.steps < 3000);
-    lw_model_free(&d.model);
 }
 
 /* ---- loads ------------------------------------------------------------------------------------- */
@@ -125,7 +119,6 @@ TEST(motor_and_law)
         CHECK_NEAR(d.v[2], 20./3, slack, 0);
         CHECK(d.report.energy_error < slack*100);
     }
-    lw_model_free(&d.model);
     drun_read_format(&d, pushed, 0, 0);
     for (int f = 1; f < 4; f++) {
         CHECK_INT(drun_to(&d, all[f], 1e-10, 5, 10), LW_OK);
@@ -133,7 +126,6 @@ TEST(motor_and_law)
             CHECK_NEAR(d.tracer[i].x, (1.5*sin(2*d.t[i]) - sin(3*d.t[i]))/5, f < 2 ? 1e-8 : 1e-6, 0);
         CHECK(d.report.energy_error < (f < 2 ? 1e-8 : 1e-5)*d.report.energy_scale);
     }
-    lw_model_free(&d.model);
 }
 
 /* ---- starts ------------------------------------------------------------------------------------ */
@@ -158,27 +150,21 @@ TEST(starts)
         drun_read_format(&d, up, 0, 9.81);
         CHECK_INT(drun_to(&d, all[f], 1e-10, 5, 10), LW_OK);
         CHECK_NEAR(d.tracer[10].x, 0, 1e-9, 0);
-        lw_model_free(&d.model);
         drun_read_format(&d, up, 1e-6, 9);
         CHECK_INT(drun_to(&d, all[f], 1e-12, 2, 10), LW_OK);
         CHECK_NEAR(d.tracer[10].x, 1e-6*(cosh(6) - 1), 1e-8, 0);
-        lw_model_free(&d.model);
     }
     drun_read_format(&d, two, 1, 2);
     CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 0.1, 1), LW_E_ARG);
     CHECK(strstr(d.e.text, "they are off by 0.5 (of 2)") != NULL);       /* both would be 1.5 */
-    lw_model_free(&d.model);
     drun_read_format(&d, dead, 3, 0);                                    /* no speed moves a slider beyond its dead point */
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.1, 1), LW_E_ARG);
     CHECK(strstr(d.e.text, "at \"S\": they are off by ") != NULL);
-    lw_model_free(&d.model);
     drun_read_format(&d, dead, 0, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.1, 1), LW_OK);
-    lw_model_free(&d.model);
     drun_read_format(&d, two, 1, 1);
     CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 0.1, 1), LW_OK);
     CHECK_NEAR(d.v[2], 1, 1e-9, 0);
-    lw_model_free(&d.model);
 }
 
 /* ---- every kind of joint ------------------------------------------------------------------------- */
@@ -222,7 +208,6 @@ static void agree(const char *text, double a, double b)
             drun_keep_path(&first, &d);
     }
     CHECK(n_run >= 3);
-    lw_model_free(&d.model);
 }
 
 /* A rack and the arm it slides on, each welded of two halves, move as those in one piece: the row of the gear has
@@ -250,8 +235,6 @@ TEST(welded_rack)
         CHECK(fabs(d.tracer[10].x - d.tracer[0].x) > 0.1);
         for (int i = 0; i <= 10; i++)
             CHECK_POINT(d.tracer[i], first.tracer[i].x, first.tracer[i].y, f < 2 ? 1e-9 : 1e-6, 0);
-        lw_model_free(&d.model);
-        lw_model_free(&first.model);
     }
 }
 
@@ -293,7 +276,6 @@ TEST(free_and_fixed)
         }
         CHECK_NEAR(d.q[8], 3, f == 1 ? 1e-9 : 1e-6, 0);
     }
-    lw_model_free(&d.model);
     for (int f = 0; f < 4; f++) {
         char text[2000];
         double slack = f < 2 ? 1e-9 : 1e-6;
@@ -301,7 +283,6 @@ TEST(free_and_fixed)
                  ", {'name': 'W', 'kind': 'f', 'links': ['a', 'b'], 'at': [1, 0]}");
         drun_read_format(&d, text, 0, 0);
         CHECK_INT(drun_to(&d, f ? all[f] : LW_FORMULATION_AUTO, 1e-10, 2, 10), LW_OK);
-        lw_model_free(&d.model);
         /* together: 2 kg at 1, inertia 0.1 + 0.15 + 2 (0.5)^2 = 0.75; it is added to that of the text above */
         snprintf(text, sizeof text, swings, 2.0, 1.0, "", "");
         char *inertia = strstr(text, "0.1}");
@@ -311,7 +292,6 @@ TEST(free_and_fixed)
         CHECK_INT(drun_to(&first, LW_FORMULATION_REDUCED, 1e-12, 2, 10), LW_OK);
         for (int i = 0; i <= 10; i++)
             CHECK_POINT(d.tracer[i], first.tracer[i].x, first.tracer[i].y, slack, 0);
-        lw_model_free(&first.model);
     }
     drun_read_format(&d, frame, 1, 3);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1, 2), LW_OK);
@@ -321,7 +301,6 @@ TEST(free_and_fixed)
     const double *l = d.l + 1, unit = d.system.unit;
     CHECK_NEAR(fabs(l[d.system.joint[0].row]), 1.5*9.81*unit, 1e-9, 0);
     CHECK_NEAR(fabs(l[d.system.joint[2].row]), 2.5*9.81*unit, 1e-9, 0);
-    lw_model_free(&d.model);
 }
 
 /* ---- long runs and order ------------------------------------------------------------------------- */
@@ -354,17 +333,13 @@ TEST(long_runs)
     drun_read(&d, "examples/pendulum.json");
     drift(LW_FORMULATION_REDUCED);
     drift(LW_FORMULATION_INDEX1);
-    lw_model_free(&d.model);
     drun_read_format(&d, double_pendulum, 1, 1);
     drift(LW_FORMULATION_AUTO);
-    lw_model_free(&d.model);
     drun_read_format(&d, on_springs, 1, 40);
     drift(LW_FORMULATION_AUTO);
-    lw_model_free(&d.model);
     drun_read(&d, "examples/two-four-bars.json");
     drift(LW_FORMULATION_REDUCED);
     drift(LW_FORMULATION_INDEX1);
-    lw_model_free(&d.model);
     drun_read(&d, "examples/andrews.json");
     int forces = d.model.n_force;
     d.model.n_force = 0;                          /* its torque; the spring stays */
@@ -373,7 +348,6 @@ TEST(long_runs)
     CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 1, 10), LW_OK);
     CHECK(d.report.energy_error < 1e-12*d.report.energy_scale && d.report.energy_held > 0);
     d.model.n_force = forces;
-    lw_model_free(&d.model);
 }
 
 /* Keeping the energy does not hide errors: those of place are a small multiple of the tolerance.  A01 at 10 s. */
@@ -385,7 +359,6 @@ TEST(kept_energy_is_no_mask)
             CHECK_INT(drun_to(&d, all[f], pow(10, -k), 10, 1), LW_OK);
             CHECK_POINT(d.tracer[1], -0.2750874625761168600544, -0.9614192050991250642651, 30*pow(10, -k), 0);
         }
-    lw_model_free(&d.model);
 }
 
 /* Slope of the line through n points, least squares. */
@@ -438,5 +411,4 @@ TEST(order)
             CHECK_NEAR(slope(RUNS, tolerance, error), 5/6.0, 0.1, 0);
         }
     }
-    lw_model_free(&d.model);
 }

@@ -55,7 +55,6 @@ TEST(two_four_bars)
             CHECK_POINT(at, 0.32845811154081537865, 0.94451853817860096216, with[f].times*pow(10, -k), 0);
             CHECK(w.turned < 1e-9);
         }
-    lw_model_free(&d.model);
 }
 
 /* A third crank makes one row redundant: the kept rows become dependent in postures that are not singular.  Up to
@@ -81,8 +80,6 @@ TEST(redundant_rows)
         CHECK_POINT(at, other.tracer[4].x, other.tracer[4].y, slack[f], 0);
         CHECK(w.turned < 1e-9);
     }
-    lw_model_free(&d.model);
-    lw_model_free(&other.model);
 }
 
 /* A parallelogram that swings near its singular posture on a spring, from rest at 0.2 rad: 0.2 cos(w t), w^2 = k/(2
@@ -107,7 +104,6 @@ TEST(swings_about_it)
         CHECK_POINT(at, cos(angle), sin(angle), f < 2 ? 1e-10 : 1e-6, 0);
         CHECK(w.turned < 1e-9);
     }
-    lw_model_free(&d.model);
 }
 
 /* A pendulum on the bar of a parallelogram, which passes singular postures at any place of the pendulum: there is no
@@ -131,7 +127,6 @@ TEST(two_freedoms)
             CHECK_POINT(at, want.x, want.y, (f == 1 ? 300 : 1e4)*pow(10, -k), 0);
             CHECK(w.turned < 1e-9);
         }
-    lw_model_free(&d.model);
 }
 
 /* Change-point four-bars: ground, crank, coupler, rocker; the crank's angle and speed at the start, the side of the
@@ -175,7 +170,6 @@ TEST(change_points)
             lw_vec2 at = crank_end(all[f], 1e-9, 5, &w);
             CHECK_POINT(at, want.x, want.y, 3e-4, 0);
         }
-        lw_model_free(&d.model);
     }
 }
 
@@ -214,7 +208,6 @@ TEST(slider_over_a_pivot)
             }
             CHECK(side*cos(y[0]) < -0.1);                                   /* beyond the pivot */
             CHECK(d.report.energy_error < 1e-8*d.report.energy_scale);
-            lw_model_free(&d.model);
         }
 }
 
@@ -242,7 +235,6 @@ TEST(block_over_a_pivot)
                 CHECK_POINT(d.tracer[i], 1 + cos(turned), sin(turned), 1e-8, 0);
             }
             CHECK_INT(d.n_moment, 31);
-            lw_model_free(&d.model);
         }
 }
 
@@ -269,7 +261,6 @@ TEST(rests_in_a_flat_posture)
             }
             for (int i = 0; i < 9; i++)
                 CHECK(isfinite(d.a[i]));
-            lw_model_free(&d.model);
         }
 }
 
@@ -342,7 +333,6 @@ TEST(one_of_two_inputs_turns_back_in_a_flat_posture)
             double end[] = { LW_PI - 9*0.04, LW_PI - 0.8, LW_PI, LW_PI - 16*0.0016 };
             CHECK_NEAR(remainder(z.q[17] - (end[k%4] - begin), 2*LW_PI), 0, 1e-9, 0);
             CHECK_NEAR(remainder(z.q[14], 2*LW_PI), 0, 1e-9, 0);
-            lw_model_free(&d.model);
         }
 }
 
@@ -368,7 +358,6 @@ TEST(straight_on_where_a_five_bar_is_longest)
             CHECK_NEAR(d.tracer[i].y, -d.tracer[n - i].y, 1e-9, 0);
         }
         CHECK_NEAR(d.tracer[0].y, c.y, 1e-9, 0);
-        lw_model_free(&d.model);
     }
 }
 
@@ -412,7 +401,6 @@ TEST(ten_in_a_row)
         CHECK_POINT(at, cos(w.y[0]), sin(w.y[0]), 1e-8, 0);
         CHECK(of.turned < 1e-9);
     }
-    lw_model_free(&d.model);
 }
 
 /* Two rhombi in a row without gravity turn at a constant speed through the flat posture, before a stop without loss: the angle is a
@@ -446,7 +434,6 @@ TEST(stop_beside_a_flat_posture)
                 CHECK_NEAR(d.energy[i], d.energy[0], 1000*tolerance*d.energy[0], 0);      /* velocities */
             }
         }
-        lw_model_free(&d.model);
     }
     CHECK(right >= 11);
 }
@@ -475,7 +462,6 @@ TEST(driven_from_a_flat_posture)
             CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_E_NUMERIC);
             CHECK_HAS(d.e.text, "start is singular");
             lw_dynamics_free(made);
-            lw_model_free(&d.model);
         }
 }
 
@@ -514,7 +500,6 @@ TEST(near_misses)
             other.tracer[0] = at;
             CHECK(d.report.energy_error < 1e-10*d.report.energy_scale);
         }
-        lw_model_free(&d.model);
     }
     read_rhombus(1e-9);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-12, 1.5, 10), LW_E_NUMERIC);
@@ -523,11 +508,9 @@ TEST(near_misses)
     CHECK_INT(d.report.formulation, LW_FORMULATION_INDEX1);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-8, 1.5, 10), LW_OK);
     other.tracer[0] = d.tracer[10];
-    lw_model_free(&d.model);
     read_rhombus(0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, 1e-12, 1.5, 10), LW_OK);
     CHECK_POINT(d.tracer[10], other.tracer[0].x, other.tracer[0].y, 1e-5, 0);
-    lw_model_free(&d.model);
 }
 
 /* ---- limits -------------------------------------------------------------------------------------- */
@@ -561,7 +544,6 @@ TEST(stopped_within_a_step)
             CHECK(c.calls >= at && c.after <= (all[f] == LW_FORMULATION_GGL ? 2*2*15 : 2));
             CHECK(d.n_moment >= 1 && d.report.t < 10);
         }
-    lw_model_free(&d.model);
 }
 
 /* A run makes as many steps as were allowed and no more, over all restarts behind singular postures. */
@@ -575,7 +557,6 @@ TEST(steps_allowed)
             CHECK(d.report.steps + d.report.refused >= most && d.report.steps <= most + 20);
             CHECK(d.report.t > 0 && d.report.t < 1000);
         }
-    lw_model_free(&d.model);
 }
 
 /* Peaucellier's inversor, where its crank is thrown back at the end of its range, cos(x/2) = 2/3, while links without mass turn
@@ -595,5 +576,4 @@ TEST(thrown_back_at_a_limit)
             CHECK_NEAR(d.tracer[10].y, 16/3.*tan(0.5*angle), 5e-5, 0);
     }
     CHECK(arrived >= 20);
-    lw_model_free(&d.model);
 }

@@ -38,7 +38,6 @@ static void compare(const book *b)
         n_run++;
     }
     CHECK(n_run >= 3);
-    lw_model_free(&d.model);
 }
 
 /* ---- trebuchet ------------------------------------------------------------------------------------- */
@@ -193,8 +192,8 @@ static double lowest(int n, int mode)
 {
     static char text[20000];
     static lw_modes modes;
-    lw_system s;
-    lw_forces f;
+    OWN(lw_system) s = { 0 };
+    OWN(lw_forces) f = { 0 };
     double q[LW_SYSTEM_Q_MAX];
     lw_error e = { 0 };
     int at = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground'");
@@ -217,9 +216,6 @@ static double lowest(int n, int mode)
     lw_system_posture(&s, q);
     CHECK_INT(lw_modes_find(&f, &(lw_modes_options){ 0 }, 0, q, &modes, &e), LW_OK);
     CHECK_INT(modes.n_mode, n);
-    lw_forces_free(&f);
-    lw_system_free(&s);
-    lw_model_free(&d.model);
     double rate = modes.mode[mode].im;
     lw_modes_free(&modes);
     return rate;
@@ -271,6 +267,4 @@ TEST(slides_tied_on_a_turning_link)
         CHECK_POINT(d.tracer[1], c*(0.3 + y[1]) - s*0.1, s*(0.3 + y[1]) + c*0.1, allowed, 0);
         CHECK(d.report.steps < 20000);
     }
-    lw_model_free(&d.model);
-    lw_system_free(&d.system);
 }

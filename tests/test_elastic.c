@@ -44,7 +44,7 @@ static lw_status open_scene(scene *s, lw_analysis a)
     return LW_OK;
 }
 
-static void close_scene(scene *s)
+static void scene_free(scene *s)
 {
     lw_dynamics_free(s->d);
     lw_model_free(&s->m);
@@ -60,12 +60,11 @@ static lw_vec2 tracer(const scene *s, int i, const double *q)
 
 static void frequencies(scene *s, int wanted, bool rest, double *out)
 {
-    lw_modes modes;
+    OWN(lw_modes) modes = { 0 };
     CHECK_INT(open_scene(s, LW_ANALYSIS_STATIC), LW_OK);
     CHECK_INT(lw_modes_find_large(s->d, &(lw_modes_options){ .rest = rest }, wanted, 0, s->q, &modes, &s->e), LW_OK);
     for (int i = 0; i < wanted; i++)
         out[i] = i < modes.n_mode ? modes.mode[i].frequency : NAN;
-    lw_modes_free(&modes);
 }
 
 #define SQUARE "{'shape': 'rectangle', 'width': 0.1, 'height': 0.1}"
@@ -81,11 +80,10 @@ static void frequencies(scene *s, int wanted, bool rest, double *out)
 
 static lw_section section_of(const char *shape)
 {
-    scene s;
+    OWN(scene) s = { 0 };
     CHECK_INT(read_scene(&s, "{'linkwright': 1, 'units': {'length': 'mm'}, 'links': ['ground', {'name': 'b', 'elastic': {'section': %s, "
                          "'material': 'aluminium'}}], 'joints': [{'name': 'A', 'links': ['ground', 'b'], 'at': [0, 0]}]}", shape), LW_OK);
     lw_section out = s.m.elastic ? s.m.elastic[1].section : (lw_section){ 0 };
-    close_scene(&s);
     return out;
 }
 
@@ -205,11 +203,10 @@ static const double hinged_2[] = { 58.3868574, 230.6804067, 508.8995480, 881.522
 static void cantilever_chain(int n, const char *mass, double length, int wanted, double *f)
 {
     char more[80];
-    scene s;
+    OWN(scene) s = { 0 };
     snprintf(more, sizeof more, "'segments': %d, 'mass': '%s'", n, mass);
     CHECK_INT(read_scene(&s, CANTILEVER, more, length), LW_OK);
     frequencies(&s, wanted, false, f);
-    close_scene(&s);
 }
 
 TEST(cantilevers)
@@ -252,7 +249,7 @@ TEST(hinged)
     for (int k = 0; k < 2; k++) {
         CHECK_INT(read_scene(&s, HINGED, k ? "'segments': 128" : "'segments': 64", 2., 2., 2.), LW_OK);
         frequencies(&s, 5, false, f[k]);
-        close_scene(&s);
+        scene_free(&s);
     }
     for (int i = 0; i < 5; i++)                                                  /* the fourth of five is one of stretching */
         if (i != 3)
@@ -273,13 +270,12 @@ TEST(rods)
     double first = 0;
     for (int k = 0; k < 5; k++) {
         double f[2], l = rod[k].length;
-        scene s;
+        OWN(scene) s = { 0 };
         CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'elastic': {'section': %s, 'material': %s, 'segments': 64}}, "
                              "{'name': 's', 'mass': 1e-6, 'centre': [%g, 0], 'inertia': 1e-6}], 'joints': [{'name': 'A', 'links': ['ground', "
                              "'rod'], 'at': [0, 0]}, {'name': 'B', 'links': ['rod', 's'], 'at': [%g, 0]}, {'name': 'C', 'kind': 't', 'links': "
                              "['ground', 's'], 'at': [%g, 0], 'along': [1, 0]}]}", rod[k].section, rod[k].material, l, l, l), LW_OK);
         frequencies(&s, 2, false, f);
-        close_scene(&s);
         lw_flexible_crank c;                                                     /* the two modes of the reference of slider_crank() */
         lw_flexible_crank_published(&c);
         for (int i = 0; i < 2 && k == 0; i++)
@@ -299,7 +295,7 @@ TEST(multiple)
                          "'A', 'kind': 'f', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'kind': 'f', 'links': ['ground', 'b'], 'at': [0, 1]}],"
                          "'tracers': [{'name': 'P', 'link': 'a', 'at': [2, 0]}, {'name': 'Q', 'link': 'b', 'at': [2, 1]}]}"), LW_OK);
     frequencies(&s, 4, false, f);
-    close_scene(&s);
+    scene_free(&s);
     for (int i = 0; i < 4; i++)
         CHECK_NEAR(f[i], f[i/2*2], 0, 1e-9);
     CHECK_NEAR(f[0]/cantilever_2[0] - 1, -0.0071, 1e-4, 0);
@@ -308,7 +304,7 @@ TEST(multiple)
                          "'segments': 40}}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}],"
                          "'tracers': [{'name': 'P', 'link': 'a', 'at': [2, 0]}]}"), LW_OK);
     frequencies(&s, 2, false, f);
-    close_scene(&s);
+    scene_free(&s);
     CHECK_NEAR(f[0], 0, 0, 0);
     CHECK_NEAR(f[1], 91.45, 0, 0.01);        /* 3.9266^2/(2 pi L^2) sqrt(EI/rho A) = 91.46 Hz for Euler's beam, less the shear */
 }
@@ -316,8 +312,8 @@ TEST(multiple)
 /* Damping of a ratio at a frequency grows with the frequency. */
 TEST(damping)
 {
-    scene s;
-    lw_modes modes;
+    OWN(scene) s = { 0 };
+    OWN(lw_modes) modes = { 0 };
     CHECK_INT(read_scene(&s, CANTILEVER, "'segments': 8, 'damping': {'ratio': 0.02, 'at': 20.6985726146}", 2.), LW_OK);
     CHECK_INT(open_scene(&s, LW_ANALYSIS_STATIC), LW_OK);
     CHECK_INT(lw_modes_find_large(s.d, &(lw_modes_options){ 0 }, 3, 0, s.q, &modes, &s.e), LW_OK);
@@ -325,8 +321,6 @@ TEST(damping)
     for (int i = 0; i < 3; i++)
         CHECK_NEAR(modes.mode[i].damping, 0.02*modes.mode[i].natural/20.6985726146, 0, 1e-6);
     CHECK_NEAR(modes.mode[0].natural, 20.6985726146, 0, 1e-8);
-    lw_modes_free(&modes);
-    close_scene(&s);
 }
 
 /* Dampers at two places, weak and strong: two modes of a bar are those that all of its motions give. */
@@ -335,8 +329,8 @@ TEST(dampers_at_places)
     for (double c = 1; c < 1e6; c *= 100) {
         lw_mode first[2][2];
         for (int all = 0; all < 2; all++) {
-            scene s;
-            lw_modes modes;
+            OWN(scene) s = { 0 };
+            OWN(lw_modes) modes = { 0 };
             CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'beam', 'elastic': {'section': {'shape': 'round', 'diameter': "
                                  "0.01}, 'material': 'steel', 'segments': 8}}], 'joints': [{'name': 'A', 'kind': 'f', 'links': ['ground', 'beam'], "
                                  "'at': [0, 0]}], 'tracers': [{'name': 'P', 'link': 'beam', 'at': [1, 0]}], 'dampers': [{'links': ['ground', 'beam'], "
@@ -345,8 +339,6 @@ TEST(dampers_at_places)
             CHECK_INT(lw_modes_find_large(s.d, &(lw_modes_options){ 0 }, all ? 24 : 2, 0, s.q, &modes, &s.e), LW_OK);
             CHECK_INT(modes.freedom, 24);
             memcpy(first[all], modes.mode, sizeof first[all]);
-            lw_modes_free(&modes);
-            close_scene(&s);
         }
         for (int i = 0; i < 2; i++) {
             CHECK_NEAR(first[0][i].re, first[1][i].re, 1e-8*first[1][i].natural, 0);
@@ -358,8 +350,8 @@ TEST(dampers_at_places)
 /* The two slowest modes of a damped cantilever under the force p EI/L^2 that turns with its tip. */
 static void column(int n, double damping, double p, lw_mode *out)
 {
-    scene s;
-    lw_modes modes;
+    OWN(scene) s = { 0 };
+    OWN(lw_modes) modes = { 0 };
     CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'beam', 'elastic': {'section': {'shape': 'round', 'diameter': 0.01}, "
                          "'material': 'steel', 'segments': %d, 'damping': %.17g}}], 'joints': [{'name': 'A', 'kind': 'f', 'links': ['ground', 'beam'], "
                          "'at': [0, 0]}], 'tracers': [{'name': 'P', 'link': 'beam', 'at': [1, 0]}], 'forces': [{'link': 'beam', 'at': [1, 0], "
@@ -368,8 +360,6 @@ static void column(int n, double damping, double p, lw_mode *out)
     CHECK_INT(lw_modes_find_large(s.d, &(lw_modes_options){ .rest = true }, 2, 0, s.q, &modes, &s.e), LW_OK);
     CHECK_INT(modes.n_mode, 2);
     memcpy(out, modes.mode, 2*sizeof *out);
-    lw_modes_free(&modes);
-    close_scene(&s);
 }
 
 /* Beck's column (1952) flutters from 20.05 EI/L^2 on, and not before.  Of 32 elements (96 freedoms) the equations are reduced, of 31 they are
@@ -398,7 +388,7 @@ TEST(chosen_elements)
     for (int k = 0; k < 6; k++) {
         char more[80];
         double f[4], exact = k < 3 ? cantilever_2[k] : hinged_2[k - 3];
-        scene s;
+        OWN(scene) s = { 0 };
         snprintf(more, sizeof more, "'segments': 'auto', 'frequency': %.9g", exact);
         if (k < 3)
             CHECK_INT(read_scene(&s, CANTILEVER, more, 2.), LW_OK);
@@ -407,7 +397,6 @@ TEST(chosen_elements)
         frequencies(&s, 4, false, f);
         CHECK_NEAR(f[k%3], exact, 0, 0.01);
         CHECK(fabs(f[k%3]/exact - 1) > 1e-5 && lw_dynamics_elastic(s.d)->chain[0].n_node < 40);
-        close_scene(&s);
     }
 }
 
@@ -430,7 +419,7 @@ static lw_status bend(scene *s, int n, double fx, double fy, double moment, lw_r
 TEST(circle)
 {
     for (int n = 8; n <= 40; n += 16) {
-        scene s;
+        OWN(scene) s = { 0 };
         lw_rest r;
         CHECK_INT(bend(&s, n, 0, 0, 2*LW_PI, &r), LW_OK);
         CHECK(r.stable);
@@ -438,7 +427,6 @@ TEST(circle)
         const lw_system *sys = lw_dynamics_system(s.d);
         CHECK_NEAR(s.q[3*sys->tracer_body[0] + 2], 2*LW_PI, 0, 1e-12);
         CHECK_NEAR(lw_forces_strain(lw_dynamics_forces(s.d), s.q), 2*LW_PI*LW_PI, 0, 1e-10);
-        close_scene(&s);
     }
 }
 
@@ -451,7 +439,7 @@ TEST(elastica)
     for (int k = 0; k < 4; k++) {
         lw_vec2 at[3];
         for (int i = 0; i < 3; i++) {
-            scene s;
+            OWN(scene) s = { 0 };
             lw_rest r;
             CHECK_INT(bend(&s, 8 << i, 0, known[k].p, 0, &r), LW_OK);
             at[i] = tracer(&s, 0, s.q);
@@ -468,7 +456,6 @@ TEST(elastica)
             CHECK_NEAR(inner[n].shear, known[k].p*cos(turn), rounding, 0);
             CHECK_NEAR(inner[n].moment, 0, 1e-9, 0);
             free(still);
-            close_scene(&s);
         }
         CHECK_NEAR(at[0].y, known[k].w, known[k].within, 0);
         CHECK_NEAR(at[2].y + (at[2].y - at[1].y)/3, known[k].w, k < 3 ? 5e-6 : 2e-5, 0);
@@ -483,7 +470,7 @@ TEST(thin_strips)
     lw_vec2 tip[2];
     double f[2][2];
     for (int thin = 0; thin < 2; thin++) {
-        scene s;
+        OWN(scene) s = { 0 };
         lw_rest r;
         double h = thin ? 1e-5 : 1e-3;
         CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'elastic': {'section': {'shape': 'rectangle', 'width': %.17g, "
@@ -496,7 +483,6 @@ TEST(thin_strips)
         tip[thin] = tracer(&s, 0, s.q);
         lw_dynamics_free(s.d), free(s.q);
         frequencies(&s, 2, true, f[thin]);
-        close_scene(&s);
     }
     CHECK_NEAR(tip[1].x, tip[0].x, 1e-4, 0);
     CHECK_NEAR(tip[1].y, tip[0].y, 1e-4, 0);
@@ -508,12 +494,12 @@ TEST(thin_strips)
  * angle at the tip). */
 TEST(buckling)
 {
-    scene s;
+    OWN(scene) s = { 0 };
     lw_rest r;
     CHECK_INT(bend(&s, 16, -0.97*LW_PI*LW_PI/4, 0, 0, &r), LW_OK);
     CHECK(r.stable);
     CHECK_NEAR(tracer(&s, 0, s.q).y, 0, 1e-9, 0);
-    close_scene(&s);
+    scene_free(&s);
     double k = sin(LW_PI/6), a = 1, b = sqrt(1 - k*k);            /* 60 degrees */
     for (int i = 0; i < 8; i++) {
         double mean = 0.5*(a + b);
@@ -524,7 +510,6 @@ TEST(buckling)
     CHECK_INT(bend(&s, 40, -p, 0, 0, &r), LW_OK);
     CHECK(r.stable);
     CHECK_NEAR(fabs(tracer(&s, 0, s.q).y), 2*k/sqrt(p), 0, 1e-3);
-    close_scene(&s);
 }
 
 /* Lee, Manuel & Rossow (1968): a hinged frame of two bars of 1.2 m, 30 by 20 mm, E 72 GPa, loaded at a fifth of the upper one, snaps through
@@ -535,7 +520,7 @@ TEST(lee)
     for (int fine = 0; fine < 2; fine++) {
         double low = 18400, high = 19400;
         while (high - low > 10) {
-            scene s;
+            OWN(scene) s = { 0 };
             lw_rest r;
             double p = 0.5*(low + high);
             CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'f', 'elastic': {'section': {'shape': 'rectangle', 'width': 0.03, "
@@ -549,7 +534,6 @@ TEST(lee)
             double sag = 1.2 - tracer(&s, 0, s.q).y;
             CHECK(sag < 0.6 || sag > 0.9);                   /* before or after, not between */
             *(sag < 0.6 ? &low : &high) = p;
-            close_scene(&s);
         }
         load[fine] = 0.5*(low + high);
     }
@@ -559,7 +543,7 @@ TEST(lee)
 /* Inner forces of a bar under its weight and a load, and its stress; the frame with a corner. */
 TEST(inner_forces_and_frame)
 {
-    scene s;
+    OWN(scene) s = { 0 };
     lw_rest r;
     lw_inner_force inner[21];
     double w = 7850*0.01*9.81, load = 500, l = 2, ei = 210e9*1e-4/12;
@@ -579,7 +563,7 @@ TEST(inner_forces_and_frame)
     }
     CHECK_NEAR(tracer(&s, 0, s.q).y, -load*l*l*l/(3*ei) - w*pow(l, 4)/(8*ei), 0, 5e-3);
     free(still);
-    close_scene(&s);
+    scene_free(&s);
     /* an L of two bars, load across the free end: the corner turns by F b a/EI */
     double f = 100, a = 1, b = 0.5;
     CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'L', 'elastic': {'section': " SQUARE ", 'material': 'steel', 'segments': 12, "
@@ -603,7 +587,6 @@ TEST(inner_forces_and_frame)
     double shear = 1.2*f*b/(210e9/2.6*0.01), stretch = f*a/(210e9*0.01);
     CHECK_NEAR(tracer(&s, 0, s.q).x - 1, f*b*b*a/ei + f*b*b*b/(3*ei) + shear + stretch, 0, 1e-4);
     CHECK_NEAR(tracer(&s, 1, s.q).x - 0.5, f*b*0.5/ei*0.2 + stretch/2, 0, 2e-3);         /* on a rigid arm */
-    close_scene(&s);
 }
 
 /* A cantilever of length l at an angle under a load that grows along it, and one on its outer part: the integrals of the bar with shear,
@@ -613,7 +596,7 @@ TEST(line_loads)
     static const struct { double l, from, q[2]; } rows[] = { { 2, 0, { 0, 0.01 } }, { 2, 1, { 0.02, 0.01 } }, { 5, 2.5, { 0.02, 0.01 } } };
     double c = cos(2.5), n = sin(2.5), ei = 210e9*1e-4/12, ga = 210e9/2.6*0.01/1.2;
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
-        scene s;
+        OWN(scene) s = { 0 };
         lw_rest r;
         lw_inner_force inner[21];
         double l = rows[i].l, from = rows[i].from, bend = 0, shear = 0, moment = 0;
@@ -641,7 +624,6 @@ TEST(line_loads)
         CHECK_NEAR(inner[8].shear, 0, 1e-6, 0);
         CHECK_NEAR(inner[8].moment, 0, 1e-6, 0);
         free(still);
-        close_scene(&s);
     }
 }
 
@@ -649,7 +631,7 @@ TEST(line_loads)
  * phi' = -P xi/EI, xi' = cos phi, eta' = sin phi.  Such a force has no potential, so whether the bar is stable is not known. */
 TEST(a_force_that_turns_with_its_end)
 {
-    scene s;
+    OWN(scene) s = { 0 };
     lw_rest r;
     double phi = 0, xi = 0, eta = 0, ei = 210e9*1e-4/12, load = 2*ei/4, h = 2/2000.;
     for (int i = 0; i < 2000; i++) {             /* the middle of each step */
@@ -667,7 +649,6 @@ TEST(a_force_that_turns_with_its_end)
     CHECK_NEAR(tracer(&s, 0, s.q).x, xi*cos(phi) + eta*sin(phi), 6e-3, 0);          /* shear and stretch: P L/GA = 2e-3 */
     CHECK_NEAR(tracer(&s, 0, s.q).y, eta*cos(phi) - xi*sin(phi), 6e-3, 0);
     CHECK(tracer(&s, 0, s.q).y > 0.9);
-    close_scene(&s);
 }
 
 /* ---- the turning cantilever -------------------------------------------------------------------------------------- */
@@ -687,13 +668,12 @@ TEST(turning)
                 f += snprintf(forces + f, sizeof forces - (size_t)f, "%s{'link': 'b', 'at': [%.17g, 0], 'fx': '%.17g*x(P%d)'}",
                               i > 1 ? "," : "", x, m*known[k].speed*known[k].speed, i);
             }
-            scene s;
+            OWN(scene) s = { 0 };
             double got[2];
             CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'elastic': {'section': {'shape': 'general', 'area': 1, 'Iz': "
                                  "1e-8, 'zeta': 0}, 'material': {'E': 1e8, 'G': 1e8, 'density': 1}, 'segments': %d}}], 'joints': [{'name': 'A', 'kind': "
                                  "'f', 'links': ['ground', 'b'], 'at': [0, 0]}], 'tracers': [%s], 'forces': [%s]}", n, tracers, forces), LW_OK);
             frequencies(&s, 2, true, got);
-            close_scene(&s);
             for (int i = 0; i < 2; i++)
                 CHECK_NEAR(2*LW_PI*got[i], known[k].rate[i], 0, n == 16 ? 0.0082 : 0.0021);
         }
@@ -731,7 +711,7 @@ TEST(spin_up)
 {
     static const struct { int sample; double tip; } known[] = { { 14, -0.571 }, { 15, -0.559 }, { 20, -0.3625 }, { 25, -0.1128 } };
     for (int k = 0; k < 2; k++) {
-        scene s;
+        OWN(scene) s = { 0 };
         lw_dynamics_report report;
         CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'elastic': {'section': {'shape': 'general', 'area': 1.2e-4, 'Iz': "
                              "6e-8, 'zeta': 1}, 'material': {'E': 2.3333333333333333e11, 'G': 8.3333333333333333e10, 'density': 1e4}, 'segments': %d, "
@@ -742,7 +722,6 @@ TEST(spin_up)
         CHECK_INT(report.formulation, LW_FORMULATION_RADAU);
         CHECK_INT(spun[k].n, 31);
         CHECK(report.energy_error < 1e-3*report.energy_scale);
-        close_scene(&s);
     }
     for (int i = 0; i < 4; i++) {
         double tip[2], t = 0.5*known[i].sample, turn = 0.4*(t*t/2 + pow(15/(2*LW_PI), 2)*(cos(2*LW_PI*t/15) - 1));
@@ -760,7 +739,7 @@ TEST(spinning)
     static const lw_formulation how[] = { LW_FORMULATION_RADAU, LW_FORMULATION_INDEX1, LW_FORMULATION_AUTO };
     for (int k = 0; k < 3; k++) {
         static record r;
-        scene s;
+        OWN(scene) s = { 0 };
         lw_dynamics_report report;
         CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': " SQUARE ", 'material': "
                              "{'E': 2e6, 'nu': 0.3, 'density': 1000}, 'segments': 4}}], 'joints': [{'name': 'A', 'links': ['ground', 'bar'], "
@@ -771,7 +750,6 @@ TEST(spinning)
         CHECK(report.momentum_scale > 0);
         CHECK_NEAR(report.momentum_error/report.momentum_scale, 0, k == 1 ? 1e-12 : 1e-8, 0);
         CHECK_NEAR(report.energy_error/report.energy_scale, 0, k ? 1e-8 : 1e-6, 0);
-        close_scene(&s);
     }
 }
 
@@ -782,7 +760,7 @@ TEST(first_steps_of_stiff_bars)
     static record r[2];
     lw_dynamics_report report;
     for (int k = 0; k < 2; k++) {
-        scene s;
+        OWN(scene) s = { 0 };
         CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'rectangle', 'width': 0.01, "
                              "'height': 0.01}, 'material': 'steel', 'segments': 4, 'damping': 1e-3}}], 'joints': [{'name': 'A', 'links': ['ground', "
                              "'bar'], 'at': [0, 0]}], 'input': {'joint': 'A', 'motion': '100*t'}, 'tracers': [{'name': 'P', 'link': 'bar', 'at': "
@@ -790,7 +768,6 @@ TEST(first_steps_of_stiff_bars)
         s.o.formulation = k ? LW_FORMULATION_RADAU : LW_FORMULATION_INDEX1;
         CHECK_INT(run(&s, 1e-7, 2e-4, 2, &r[k], &report), LW_OK);
         CHECK_INT(r[k].n, 3);
-        close_scene(&s);
     }
     CHECK_NEAR(lw_v2_norm(lw_v2_sub(r[0].p[2], r[1].p[2])), 0, 1e-7, 0);
     CHECK(r[0].p[2].y > 9e-3);
@@ -803,7 +780,7 @@ TEST(vibrations_that_stay)
     static record exact, r;
     lw_dynamics_report report;
     for (int k = 0; k < 3; k++) {
-        scene s;
+        OWN(scene) s = { 0 };
         CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'beam', 'elastic': {'section': " SQUARE ", 'material': 'steel', "
                              "'segments': 8}}], 'joints': [{'name': 'A', 'kind': 'f', 'links': ['ground', 'beam'], 'at': [0, 0]}], 'forces': "
                              "[{'link': 'beam', 'at': [2, 0], 'fy': -5000}], 'tracers': [{'name': 'P', 'link': 'beam', 'at': [2, 0]}]}"), LW_OK);
@@ -814,7 +791,6 @@ TEST(vibrations_that_stay)
         CHECK_INT(report.samples, 21);
         for (int i = 0; k && i < 21; i++)
             CHECK_NEAR(lw_v2_norm(lw_v2_sub(r.p[i], exact.p[i])), 0, 20*tolerance, 0);
-        close_scene(&s);
     }
 }
 
@@ -825,7 +801,7 @@ TEST(tolerances)
     lw_dynamics_report report;
     double last = INFINITY;
     for (int k = 0; k < 5; k++) {
-        scene s;
+        OWN(scene) s = { 0 };
         CHECK_INT(read_scene(&s, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'bar', 'elastic': {'section': " SQUARE
                              ", 'material': {'E': 1e8, 'nu': 0.3, 'density': 1000}, 'segments': 3}}, {'name': 'bob', 'mass': 3, 'centre': "
                              "[1, -0.2], 'inertia': 0.05}], 'joints': [{'name': 'A', 'links': ['ground', 'bar'], 'at': [0, 0]}, {'name': 'B', "
@@ -842,7 +818,6 @@ TEST(tolerances)
             CHECK(report.worst_off < 1e-12);
             last = off;
         }
-        close_scene(&s);
     }
 }
 
@@ -854,7 +829,7 @@ TEST(states)
     static record by[3];
     for (int k = 0; k < 3; k++) {
         lw_dynamics_report report;
-        scene s;
+        OWN(scene) s = { 0 };
         CHECK_INT(read_scene(&s, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'arm', 'elastic': {'section': {'shape': "
                              "'tube', 'diameter': 0.04, 'wall': 0.002}, 'material': {'E': 7e8, 'nu': 0.3, 'density': 2700}, 'segments': 2, 'damping': 1e-6}}, {'name': "
                              "'load', 'mass': 1, 'centre': [1, 0], 'inertia': 0.002}], 'joints': [{'name': 'S', 'links': ['ground', 'arm'], "
@@ -865,7 +840,6 @@ TEST(states)
         s.o.formulation = how[k];
         CHECK_INT(run(&s, k == 1 ? 1e-9 : 1e-8, 0.1, 20, &by[k], &report), LW_OK);
         CHECK(k || report.formulation == LW_FORMULATION_RADAU);
-        close_scene(&s);
     }
     for (int i = 0; i < 21; i++) {
         CHECK_NEAR(lw_v2_norm(lw_v2_sub(by[0].p[i], by[1].p[i])), 0, 1e-7, 0);
@@ -972,7 +946,7 @@ static void slider_crank_at(double speed, int n, bool axial, double within)
                          "'input': {'joint': 'A', 'motion': '%g*(min(t, 0.05)^2/0.1 + 0.05/(4*pi^2)*(cos(40*pi*min(t, 0.05)) - 1) + t - min(t, 0.05))'}, 'tracers': [{'name': 'P', 'link': 'rod', 'at': [0.3, 0]}, "
                          "{'name': 'B', 'link': 'rod', 'at': [0.15, 0]}, {'name': 'C', 'link': 'rod', 'at': [0.45, 0]}]}", axial ? 3.4133333333e-10 : 3.4133333333e-12, axial ? 2e11 : 2e13, n, speed), LW_OK);
     CHECK_INT(run(&s, 1e-7, 0.15, SAMPLES, &r, &report), LW_OK);
-    close_scene(&s);
+    scene_free(&s);
     y[2] = 0.45;                                             /* undeformed, as a rigid rod moves */
     for (int i = 0; i <= SAMPLES; i++) {
         lw_vec2 d = lw_v2_sub(r.end[1][i], r.end[0][i]), half = lw_v2_sub(r.p[i], r.end[0][i]);
@@ -1030,7 +1004,7 @@ TEST(quasi_static)
     CHECK_NEAR(r.p[1].y, 0.301720774, 1.4e-4, 0);
     CHECK_NEAR(r.p[2].y, 0.493457480, 2e-4, 0);
     CHECK_NEAR(r.p[5].y, 0.713791524, 4e-4, 0);
-    close_scene(&s);
+    scene_free(&s);
     for (int k = 0; k < 2; k++) {
         CHECK_INT(read_scene(&s, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'crank', 'mass': 1, 'centre': [0, 0], "
                              "'inertia': 0.01}, {'name': 'rod', 'elastic': {'section': {'shape': 'rectangle', 'width': 0.02, 'height': 0.002}, "
@@ -1048,7 +1022,7 @@ TEST(quasi_static)
         CHECK_INT(lw_dynamics_run(s.d, keep, to, &report, &s.e), LW_OK);
         CHECK_INT(to->n, 21);
         CHECK(report.worst_off < 1e-11 && report.worst_off_rate < 1e-9);
-        close_scene(&s);
+        scene_free(&s);
     }
     for (int i = 1; i < 21; i++)
         CHECK_NEAR(lw_v2_norm(lw_v2_sub(r.p[i], slow.p[i])), 0, 3e-5, 0);
@@ -1059,7 +1033,7 @@ TEST(quasi_static)
  * error of 16 lumped elements; the steps of Makkonen (1999), eq. 21 for 400 rad/s and eq. 22 for an element. */
 TEST(rules_of_analysis)
 {
-    scene s;
+    OWN(scene) s = { 0 };
     const double c = sqrt(2.1e11/7850), first = 1.8751040687*1.8751040687*c*0.02/(4*0.25);
     CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'elastic': {'section': {'shape': 'round', 'diameter': 0.02}, "
                          "'material': {'E': 2.1e11, 'nu': 0.3, 'density': 7850}, 'axis': [[0, 0], [0.5, 0]], 'segments': 16}}], "
@@ -1073,7 +1047,6 @@ TEST(rules_of_analysis)
     CHECK(!r.quasi_static);
     CHECK_NEAR(r.harmonic_step, 2*LW_PI/(20*4*10*400), 0, 1e-3);
     CHECK_NEAR(r.wave_step, 0.5/16/c, 0, 1e-12);
-    close_scene(&s);
 }
 
 /* ---- what is refused; rigid ------------------------------------------------------------------------------------------------ */
@@ -1109,28 +1082,26 @@ TEST(refused)
         { "'links': ['b', 'ground'], 'at': [0, 0]", "no length" },
     };
     for (int i = 0; i < 2; i++) {
-        scene s;
+        OWN(scene) s = { 0 };
         CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'elastic': {'section': {'shape': 'round', 'diameter': "
                              "0.1}, 'material': 'steel'}}], 'joints': [{'name': 'A', 'links': ['ground', 'b'], 'at': [0, 0]}, {'name': 'B', %s}"
                              "]}", shape[i].at), LW_OK);
         CHECK_INT(lw_dynamics_make(&s.m, &s.o, &s.d, &s.e), LW_E_ARG);
         CHECK_HAS(s.e.text, shape[i].why);
-        close_scene(&s);
     }
     /* a ring, and a T drawn in one line: their bars would not be joined where they meet */
     static const struct { const char *axis, *why; } back[] = {
         { "[[0, 0], [1, 0], [1, 1], [0, 0]]", "its point 1 lies on the bar from point 3 to point 4" },
         { "[[0, 0], [1, 0], [0.5, 0], [0.5, 1]]", "its point 3 lies on the bar from point 1 to point 2" } };
     for (int i = 0; i < 2; i++) {
-        scene s;
+        OWN(scene) s = { 0 };
         CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'elastic': {'section': {'shape': 'round', 'diameter': "
                              "0.1}, 'material': 'steel', 'axis': %s}}], 'joints': [{'name': 'A', 'links': ['ground', 'b'], 'at': [0, 0]}]}",
                              back[i].axis), LW_OK);
         CHECK_INT(lw_dynamics_make(&s.m, &s.o, &s.d, &s.e), LW_E_ARG);
         CHECK_HAS(s.e.text, back[i].why);
-        close_scene(&s);
     }
-    scene s;
+    OWN(scene) s = { 0 };
     CHECK_INT(read_scene(&s, CANTILEVER, "'segments': 2, 'mass': 'consistent'", 1.), LW_OK);
     CHECK_INT(open_scene(&s, LW_ANALYSIS_DYNAMIC), LW_OK);                   /* each element a superelement */
     CHECK_INT(lw_dynamics_elastic(s.d)->model.n_super, 2);
@@ -1141,7 +1112,6 @@ TEST(refused)
     lw_system system;
     CHECK_INT(lw_forces_system(&s.m, true, &system, &s.e), LW_E_KIND);
     CHECK_HAS(s.e.text, "elastic");
-    close_scene(&s);
 }
 
 /* An elastic link taken as rigid is the bar of its section. */
@@ -1151,7 +1121,7 @@ TEST(rigid)
     for (int k = 0; k < 2; k++) {
         static record r;
         lw_dynamics_report report;
-        scene s;
+        OWN(scene) s = { 0 };
         double mass = 7850*0.01*2;
         if (k)
             CHECK_INT(read_scene(&s, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'b', 'mass': %.17g, 'centre': [1, 0], "
@@ -1166,7 +1136,6 @@ TEST(rigid)
         CHECK(lw_dynamics_elastic(s.d) == NULL);
         CHECK_INT(lw_dynamics_system(s.d)->n_body, 1);
         period[k] = r.p[10].y;
-        close_scene(&s);
     }
     CHECK_NEAR(period[0], period[1], 0, 1e-12);
 }
@@ -1191,7 +1160,7 @@ TEST(library)
     lw_simulation_options o = lw_simulation_options_default();
     lw_simulation *run;
     lw_stepper *steps;
-    scene s;
+    OWN(scene) s = { 0 };
     double ei = 210e9*1e-4/12;
     CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'beam', 'elastic': {'section': " SQUARE ", 'material': 'steel', "
                          "'segments': 40, 'damping': 1e-3}}, {'name': 'end', 'mass': 1e-3, 'centre': [2, 0], 'inertia': 1e-4}], "
@@ -1222,5 +1191,4 @@ TEST(library)
     }
     CHECK(least < 1.7*rest && least > 2.1*rest);             /* a load put on at once swings twice as far */
     lw_stepper_destroy(steps);
-    close_scene(&s);
 }

@@ -69,7 +69,7 @@ static void run(lw_spatial *m, lw_dynamics_options o, record *r)
 static void frequencies(lw_spatial *m, bool hold, int n, double *out)
 {
     lw_error e = { 0 };
-    lw_modes modes = { 0 };
+    OWN(lw_modes) modes = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_dynamics *d;
     o.analysis = LW_ANALYSIS_STATIC;
@@ -88,7 +88,6 @@ static void frequencies(lw_spatial *m, bool hold, int n, double *out)
     if (st != LW_OK)
         fprintf(stderr, "%s\n", e.text);
     CHECK_INT(st, LW_OK);
-    lw_modes_free(&modes);
     lw_dynamics_free(d);
     lw_spatial_free(m);
 }
@@ -205,7 +204,7 @@ static void swing_as_in_the_plane(const char *flat_more, const char *more)
     lw_dynamics_report report;
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_error e = { 0 };
-    lw_model f;
+    OWN(lw_model) f = { 0 };
     lw_spatial m;
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -215,7 +214,6 @@ static void swing_as_in_the_plane(const char *flat_more, const char *more)
     CHECK_INT(lw_dynamics_make(&f, &o, &flat.d, &e), LW_OK);
     CHECK_INT(lw_dynamics_run(flat.d, keep_flat, &flat, &report, &e), LW_OK);
     lw_dynamics_free(flat.d);
-    lw_model_free(&f);
     lw_mat3 t = lw_quaternion_matrix(lw_quaternion_of_vector(lw_v3(lw_rng_range(&rng, -2, 2), lw_rng_range(&rng, -2, 2),
                                                                    lw_rng_range(&rng, -2, 2))));
     lw_vec3 b = lw_m3_column(&t, 0), c = lw_m3_apply(&t, lw_v3(1, -0.2, 0)), z = lw_m3_column(&t, 2);
@@ -696,7 +694,7 @@ TEST(condensed)
         CHECK(error > 0 && error < 0.15*before && error < 0.006);
         before = error;
     }
-    lw_spatial_expansion x;
+    OWN(lw_spatial_expansion) x = { 0 };
     read_bar(&m, BAR ", 'segments': 20, 'superelements': 1", 0, 0);
     CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
     lw_superelement *p = x.model.super;
@@ -720,7 +718,6 @@ TEST(condensed)
     CHECK(rigid < 1e-9*most);
     write_matrix(path[0], 12, p->stiffness);
     write_matrix(path[1], 12, p->rate);
-    lw_spatial_expansion_free(&x);
     frequencies(&m, false, 4, f[1]);
     snprintf(text, sizeof text, "'nodes': [[0, 0, 0], [2, 0, 0]], 'stiffness': '%s', 'mass': '%s'", path[0], path[1]);
     CHECK_NEAR(sag(text, -0.1, -1)/whole, 1, 1e-9, 0);
@@ -736,8 +733,8 @@ static void hinged_bar(const char *elastic, lw_elastic_expansion *x, double out[
 {
     char text[1500];
     lw_error e = { 0 };
-    lw_model m;
-    lw_modes modes = { 0 };
+    OWN(lw_model) m = { 0 };
+    OWN(lw_modes) modes = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_dynamics *d = NULL;
     lw_rest rest;
@@ -763,9 +760,7 @@ static void hinged_bar(const char *elastic, lw_elastic_expansion *x, double out[
     }
     if (x)
         CHECK_INT(lw_elastic_expand(&m, false, x, &e), LW_OK);
-    lw_modes_free(&modes);
     lw_dynamics_free(d);
-    lw_model_free(&m);
 }
 
 /* In the plane, a bar condensed to pieces rests as its elements do and has their frequencies, from above, and nearer with modes, which are those in the
@@ -777,7 +772,7 @@ TEST(condensed_in_the_plane)
     static const char bar[] = "'section': {'shape': 'rectangle', 'width': 0.02, 'height': 0.03}, 'material': 'steel', 'segments': 12";
     double whole[4], got[4], same[4];
     char text[2000], path[2][300], nodes[1000] = "";
-    lw_elastic_expansion x;
+    OWN(lw_elastic_expansion) x = { 0 };
     hinged_bar(bar, NULL, whole);
     snprintf(text, sizeof text, "%s, 'superelements': 4", bar);
     hinged_bar(text, NULL, got);
@@ -812,7 +807,6 @@ TEST(condensed_in_the_plane)
             matrix[0][to] += x.model.super[k].stiffness[i];
             matrix[1][to] += x.model.super[k].rate[i];
         }
-    lw_elastic_expansion_free(&x);
     for (int i = 0; i <= PIECES; i++)
         snprintf(nodes + strlen(nodes), sizeof nodes - strlen(nodes), "%s[%.17g, %.17g]", i ? ", " : "", 0.6*i/PIECES, 0.8*i/PIECES);
     for (int i = 0; i < 2; i++)
@@ -827,25 +821,21 @@ TEST(condensed_in_the_plane)
 TEST(lumps_have_too_much_inertia)
 {
     for (int n = 1; n <= 16; n *= 2) {
-        lw_spatial m;
-        lw_spatial_expansion x;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_spatial_expansion) x = { 0 };
         lw_error e;
         char text[300];
         snprintf(text, sizeof text, "'section': {'shape': 'round', 'diameter': 0.002}, 'material': " STEEL ", 'axis': [[0, 0, 0], [2, 0, 0]], 'segments': %d", n);
         read_bar(&m, text, 0, 0);
         CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
         CHECK_NEAR(x.chain[0].too_much, 2.0/n/n, 1e-5, 0);
-        lw_spatial_expansion_free(&x);
-        lw_spatial_free(&m);
     }
-    lw_spatial m;
-    lw_spatial_expansion x;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_spatial_expansion) x = { 0 };
     lw_error e;
     read_bar(&m, BAR ", 'segments': 20, 'superelements': 1", 0, 0);
     CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
     CHECK_NEAR(x.chain[0].too_much, 0, 0, 0);        /* superelements move with their whole mass */
-    lw_spatial_expansion_free(&x);
-    lw_spatial_free(&m);
 }
 
 /* Craig and Bampton's modes: the frequencies come from above to those of the whole bar, clamped and free, ever nearer with more
@@ -856,7 +846,7 @@ TEST(craig_bampton)
     static const char *const joint[] = { "fixed", "free" };
     static double matrix[2][ROWS*ROWS];
     double whole[COUNT_OF], f[COUNT_OF];
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     lw_error e;
     for (int free_free = 0; free_free < 2; free_free++) {
         double before = INFINITY, guyan = 0;
@@ -899,7 +889,7 @@ TEST(craig_bampton)
         whole[modes/12] = sag(text, -0.1, -1);
         CHECK_NEAR(whole[modes/12]/whole[0], 1, 1e-11, 0);
     }
-    lw_spatial_expansion x;
+    OWN(lw_spatial_expansion) x = { 0 };
     read_bar(&m, BAR ", 'segments': 20, 'superelements': 10", 0, 0);
     CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
     for (int k = 0; k < PIECES; k++)
@@ -949,8 +939,6 @@ TEST(craig_bampton)
     read_bar(&m, text, 0, 0);
     CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_E_ARG);
     CHECK(strstr(e.text, "9 inner nodes, which has 54") != NULL);
-    lw_spatial_expansion_free(&x);
-    lw_spatial_free(&m);
 }
 
 /* A soft bar (48 N m by its weight) falls about a hinge, whole and condensed: modes bring its tip a hundred times nearer to that of the whole
@@ -1174,7 +1162,7 @@ TEST(superelement_derivatives)
     lw_mat3 turn[N];
     lw_beam_node node[N];
     lw_rng rng;
-    lw_super s;
+    OWN(lw_super) s = { 0 };
     lw_rng_seed(&rng, check_seed(), 0);
     for (int i = 0; i < ROWS*ROWS; i++)
         stiffness[i] = lw_rng_range(&rng, -1, 1);
@@ -1223,7 +1211,6 @@ TEST(superelement_derivatives)
         twist = lw_v3_add(twist, lw_v3_add(lw_v3(f[3], f[4], f[5]), lw_v3_cross(node[i].at, lw_v3(f[0], f[1], f[2]))));
     }
     CHECK(lw_v3_norm(pull) < 1e-12 && lw_v3_norm(twist) < 1e-12);
-    lw_super_free(&s);
 }
 
 /* Nodes of a superelement, and their accelerations, after a time t (to its second order). */
@@ -1301,7 +1288,7 @@ TEST(superelement_inertia)
     lw_mat3 turn[N];
     lw_beam_node node[N];
     lw_rng rng;
-    lw_super s;
+    OWN(lw_super) s = { 0 };
     lw_rng_seed(&rng, check_seed(), 0);
     for (int i = 0; i < 9*ROWS*ROWS; i++) {
         int k = i/(ROWS*ROWS), row = i/ROWS%ROWS, column = i%ROWS;
@@ -1327,7 +1314,6 @@ TEST(superelement_inertia)
             node[s.a].omega = node[s.b].omega = lw_v3(0, 0, 0);
         check_inertia(&s, node, a);
     }
-    lw_super_free(&s);
 }
 
 /* Matrices that are no body's are refused, each with what is wrong: a skew stiffness; an indefinite one; a body that is fixed somewhere; a
@@ -1336,8 +1322,8 @@ TEST(bad_matrices)
 {
     static const char *const says[] = { "is not symmetric", "a displacement with negative energy", "resists a motion of the whole body",
                                         "differs from one direction to the other", "not positive definite", "has 18 rows" };
-    lw_spatial m;
-    lw_spatial_expansion x;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_spatial_expansion) x = { 0 };
     lw_error e;
     char path[2][300], text[1000];
     read_bar(&m, BAR ", 'segments': 4, 'superelements': 1", 0, 0);
@@ -1363,13 +1349,10 @@ TEST(bad_matrices)
         write_matrix(path[1], 12, M);
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'nodes': [[0, 0, 0], [2, 0, 0]], 'stiffness': "
                  "'%s', 'mass': '%s'}}], 'joints': [{'name': 'A', 'kind': 'fixed', 'links': ['ground', 'bar'], 'at': [0, 0, 0]}]}", path[0], path[1]);
-        lw_spatial bad;
+        OWN(lw_spatial) bad = { 0 };
         CHECK_INT(read_text(&bad, &e, "%s", text), LW_E_NOTATION);
         CHECK_HAS(e.text, says[k]);
-        lw_spatial_free(&bad);
     }
-    lw_spatial_expansion_free(&x);
-    lw_spatial_free(&m);
 }
 
 TEST(refused)
@@ -1388,7 +1371,7 @@ TEST(refused)
         { "'elastic': {'section': " SQUARE ", 'material': 'steel', 'superelements': 1, 'modes': 4}", "multiple of 6" },
         { "'elastic': {'section': " SQUARE ", 'material': 'steel', 'modes': 6}", "superelements" },
     };
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     lw_error e;
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
         CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', %s}], 'joints': [{'name': 'A', 'kind': 'fixed', "
@@ -1408,7 +1391,6 @@ TEST(refused)
     lw_dynamics *d;
     CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_E_ARG);
     CHECK(strstr(e.text, "along its axis") != NULL);
-    lw_spatial_free(&m);
 }
 
 /* A thin strip under the load EI/L^2 bends in space as in the plane: the elastica, with 16 elements. */
@@ -1504,7 +1486,7 @@ static double lowest_square(const lw_spatial *m)
 {
     lw_dynamics *p;
     lw_error e;
-    lw_modes modes = { 0 };
+    OWN(lw_modes) modes = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
     CHECK_INT(lw_dynamics_make_spatial(m, &o, &p, &e), LW_OK);
     double *q = calloc((size_t)lw_dynamics_space(p)->n_q + (size_t)lw_dynamics_space(p)->n_v, sizeof *q);
@@ -1512,7 +1494,6 @@ static double lowest_square(const lw_spatial *m)
     CHECK_INT(lw_modes_find_large(p, &(lw_modes_options){ .rest = true }, 2, 0, q, &modes, &e), LW_OK);
     double square = modes.n_mode ? modes.mode[0].frequency*modes.mode[0].frequency : NAN;
     free(q);
-    lw_modes_free(&modes);
     lw_dynamics_free(p);
     return square;
 }
@@ -1528,7 +1509,7 @@ TEST(deep_bars_buckle_sideways)
     for (int i = 0; i < 3; i++) {
         double square[2], part[2] = { known[i].near, 0.2*known[i].near + 0.8*known[i].load };
         for (int k = 0; k < 2; k++) {
-            lw_spatial m;
+            OWN(lw_spatial) m = { 0 };
             lw_error e;
             if (known[i].frame)
                 CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'elastic': {'section': {'shape': 'general', 'area': 18, 'Iz': "
@@ -1544,7 +1525,6 @@ TEST(deep_bars_buckle_sideways)
                     "[0, 0, 1]}}], 'joints': [{'name': 'F', 'kind': 'fixed', 'links': ['ground', 'b'], 'at': [0, 0, 0]}], 'forces': [{'link': 'b', 'at': "
                     "[1, 0, 0], 'fz': %.17g}]}", -part[k]*strip), LW_OK);
             square[k] = lowest_square(&m);
-            lw_spatial_free(&m);
         }
         CHECK_NEAR((part[0] + (part[1] - part[0])*square[0]/(square[0] - square[1]))/known[i].load, 1, 3e-3, 0);
     }

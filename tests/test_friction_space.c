@@ -31,7 +31,7 @@ static lw_status keep_moment(void *context, const lw_moment *moment)
 
 static void run(const char *text, lw_formulation wanted, double to, int intervals, double tolerance)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     lw_error e = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
     o.to = to, o.intervals = intervals, o.relative = o.absolute = tolerance, o.formulation = asked;
@@ -43,7 +43,6 @@ static void run(const char *text, lw_formulation wanted, double to, int interval
     }
     CHECK_INT(k.r.formulation, wanted);
     lw_dynamics_free(k.d);
-    lw_spatial_free(&m);
 }
 
 /* A slope of 3 in 4; pushed up with 2 m/s the block stops after 2^2/(2 g (0.6 + 0.8 mu)) and, with a coefficient above 3/4,
@@ -235,7 +234,7 @@ TEST(as_in_the_plane)
         snprintf(flat + n, sizeof flat - (size_t)n, "], 'input': {'joint': 'J0', 'speed': 3}, 'gravity': [0, -9.81]}");
         snprintf(deep + d, sizeof deep - (size_t)d, "], 'input': {'joint': 'J0', 'speed': 3}, 'gravity': [%.17g, %.17g, %.17g]}",
                  g.x, g.y, g.z);
-        lw_model m;
+        OWN(lw_model) m = { 0 };
         lw_error e = { 0 };
         lw_dynamics *p;
         lw_dynamics_report r;
@@ -247,7 +246,6 @@ TEST(as_in_the_plane)
         CHECK_INT(lw_dynamics_run(p, keep_plane, p, &r, &e), LW_OK);
         CHECK_INT(r.formulation, LW_FORMULATION_REDUCED);
         lw_dynamics_free(p);
-        lw_model_free(&m);
         run(deep, LW_FORMULATION_INDEX1, 2, 20, 1e-11);
         CHECK_INT(k.n, n_plane);
         for (int i = 0; i < k.n && i < n_plane; i++)
@@ -321,7 +319,7 @@ TEST(elastic_links_rub)
         CHECK(k.r.energy_error < 1e-5*k.r.energy_scale);
         for (int s = 0; s < 11; s++)
             CHECK_NEAR(lw_v3_norm(lw_v3_sub(k.tracer[s][0], explicit_one[s])), 0, 1e-7, 0);
-        lw_model m;
+        OWN(lw_model) m = { 0 };
         lw_error e = { 0 };
         lw_dynamics *p;
         lw_dynamics_report r;
@@ -339,7 +337,6 @@ TEST(elastic_links_rub)
         for (int s = 0; s < k.n && s < n_plane; s++)
             CHECK_NEAR(hypot(k.tracer[s][0].x - flat_end[s].x, k.tracer[s][0].z - flat_end[s].y), 0, 1e-8, 0);
         lw_dynamics_free(p);
-        lw_model_free(&m);
     }
 }
 

@@ -36,7 +36,7 @@ TEST(robertson_published)
                        .algebraic = algebraic };
         lw_ode_options o = lw_ode_options_default();
         o.relative = 1e-9, o.absolute_each = each;
-        lw_sundials w;
+        OWN(lw_sundials) w = { 0 };
         double y[3] = { 1.0, 0.0, 0.0 }, dy[3] = { -0.04, 0.04, 0.0 };
         CHECK_INT(lw_ida_make(&w, &dae, &o, 0.0, y, dy, NULL), LW_OK);
         CHECK_INT(sundials_to(&w, 1e11, NULL), LW_OK);
@@ -44,7 +44,6 @@ TEST(robertson_published)
         CHECK_NEAR(w.y[1], 0.8333360770334713e-13, 0, 1e-5);
         CHECK_NEAR(w.y[2], 0.9999999791665050, 1e-12, 0);
         CHECK(w.n_step < 5000);
-        lw_sundials_free(&w);
     }
 }
 
@@ -114,7 +113,7 @@ TEST(pendulum_of_index_two)
         lw_dae dae = { .n = 6, .residual = ggl, .jacobian = ggl_slope, .algebraic = multipliers };
         lw_ode_options o = lw_ode_options_default();
         o.relative = o.absolute = tolerance;
-        lw_sundials w;
+        OWN(lw_sundials) w = { 0 };
         double y[6], dy[6];
         ggl_start(y, dy);
         CHECK_INT(lw_ida_make(&w, &dae, &o, 0.0, y, dy, NULL), LW_OK);
@@ -123,7 +122,6 @@ TEST(pendulum_of_index_two)
         CHECK_NEAR(w.y[1], -cos(angle), 3000.0*tolerance, 0);
         CHECK_NEAR(w.y[2], cos(angle)*speed, 10000.0*tolerance, 0);
         CHECK_NEAR(hypot(w.y[0], w.y[1]), 1.0, 10.0*tolerance, 0);
-        lw_sundials_free(&w);
     }
 }
 
@@ -147,7 +145,7 @@ TEST(events_of_the_pendulum)
                    .event = lowest };
     lw_ode_options o = lw_ode_options_default();
     o.relative = o.absolute = 1e-10;
-    lw_sundials w;
+    OWN(lw_sundials) w = { 0 };
     double y[6], dy[6];
     ggl_start(y, dy);
     CHECK_INT(lw_ida_make(&w, &dae, &o, 0.0, y, dy, NULL), LW_OK);
@@ -168,7 +166,6 @@ TEST(events_of_the_pendulum)
     CHECK_NEAR(w.t, 3.0 + agm, 1e-7, 0);
     CHECK_INT(lw_sundials_dense(&w, w.t - 1e-4, in), LW_OK);
     CHECK(in[0] > 0.0);
-    lw_sundials_free(&w);
 }
 
 static lw_status breaks_residual(void *context, double t, const double *y, const double *dy, double *r)

@@ -499,7 +499,7 @@ TEST(refuses_with_reasons)
 TEST(a_row_of_parallelograms_turns_as_one)
 {
     enum { N = 20, LOOKS = 60 };
-    lw_model m;
+    OWN(lw_model) m = { 0 };
     KEPT_SYSTEM s = { 0 };
     lw_motion_curve *b;
     lw_error e = { 0 };
@@ -533,5 +533,4 @@ TEST(a_row_of_parallelograms_turns_as_one)
     }
     free(series);
     lw_motion_curve_free(b);
-    lw_model_free(&m);
 }

@@ -52,7 +52,7 @@ TEST(tables)
     static const char text[] = "# motors\r\n name , torque_constant [N m/A], resistance [ohm],inertia [kg m^2],torque "
                                "[N m],speed [rpm],x-shop\r\n"
                                "\"A 1\",1,2,3,4,60,here\r\n\r\nB,0.5,2,3e-4,4,120,\r\n";
-    lw_drive_parts p = { 0 };
+    OWN(lw_drive_parts) p = { 0 };
     CHECK_INT(lw_drive_parts_read(text, strlen(text), "f", &p, &error), LW_OK);
     CHECK_INT(p.n_motor, 2);
     CHECK_TEXT(p.motor[0].name, "A 1");
@@ -81,7 +81,6 @@ TEST(tables)
         CHECK_INT(error.column, wrong[i].column);
         CHECK(p.n_motor == 2 && p.n_gear == 2 && p.n_amplifier == 0);
     }
-    lw_drive_parts_free(&p);
 }
 
 enum { N = 1001 };

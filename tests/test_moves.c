@@ -54,7 +54,6 @@ TEST(series_are_exact)
         CHECK(kinks >= 15);
         CHECK_NEAR(lw_moves_at(m, 9).x, 0.3, 0, 0);
         CHECK_NEAR(lw_moves_at(m, -9).x, 0.25, 0, 0);
-        lw_model_free(&d.model);
     }
 }
 
@@ -99,8 +98,6 @@ TEST(runs_stop_at_kinks)
         CHECK_NEAR(s.value, x, off[k], 0);
         CHECK_NEAR(s.rate, v, off[k], 0);
         CHECK(k > 1 || d.report.steps < 60);                 /* no step is wasted on a kink */
-        lw_system_free(&d.system);
-        lw_model_free(&d.model);
     }
 }
 
@@ -123,8 +120,6 @@ TEST(short_pulses_are_seen)
                 CHECK_INT(drun_to(&d, way[f].f, 1e-8, 1, n), LW_OK);
                 CHECK_NEAR(d.v[0]*d.system.unit, 0.25, way[f].off, 0);
                 CHECK_NEAR(d.t[d.n_moment - 1], 1, 0, 0);
-                lw_system_free(&d.system);
-                lw_model_free(&d.model);
             }
 }
 
@@ -153,8 +148,6 @@ TEST(smooth_pulses_are_seen)
                 double tolerance = k < 2 ? 1e-4 : f < 5 ? 1e-8 : 1e-5;       /* alpha is for loose ones */
                 CHECK_INT(drun_to(&d, way[f].f, tolerance, 1, k % 2 ? 50 : 1), LW_OK);
                 CHECK_NEAR(d.v[0]*d.system.unit, pulse[p].speed, way[f].off*tolerance, 0);
-                lw_system_free(&d.system);
-                lw_model_free(&d.model);
             }
 }
 
@@ -202,7 +195,6 @@ TEST(power_and_frequency)
     }
     CHECK_NEAR(hypot(re, im), 0, 1e-6, 0);
     CHECK_NEAR(d.model.profile[1].end, 3*pow(2, -2/3.0)*pow(0.02, 1/3.0), 1e-11, 0);
-    lw_model_free(&d.model);
 }
 
 /* The same profile in a model in space. */
@@ -254,7 +246,6 @@ TEST(runs_in_space_stop_at_kinks)
     read_model("{'name': 'go', 'speed': 3, 'acceleration': 20, 'jerk': 400, 'start': 0.05, 'moves': [{'to': 0.4, 'dwell': 0.03}, "
                "{'to': 0}]}", "'input': {'joint': 'S', 'speed': 0}");
     exact_motion(2, &x, &v);
-    lw_model_free(&d.model);
     for (int k = 0; k < 6; k++) {
         json_format(own, sizeof own, text, load[k%2]);
         CHECK_INT(lw_spatial_read(own, strlen(own), "f", &m, &e), LW_OK);

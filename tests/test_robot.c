@@ -48,8 +48,8 @@ static const lw_vec3 home = { 0, 0, -0.65 };
 
 TEST(delta_poses)
 {
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     lw_rng rng;
@@ -90,15 +90,13 @@ TEST(delta_poses)
             CHECK_NEAR(lw_v3_norm(lw_v3_sub(p.place, at)), 0, 1e-14, 0);
         }
     }
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 /* Singular values of J and condition numbers, worked out independently from the closed form. */
 TEST(delta_jacobian)
 {
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     if (!make("examples/space/delta.json", &m, &r))
@@ -132,15 +130,13 @@ TEST(delta_jacobian)
     }
     CHECK_NEAR(p.singular[0], 0.63, 5e-3, 0);                            /* from 0.389: the source says that it hardly varies */
     CHECK_NEAR(p.singular[2], 0.198, 5e-4, 0);
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 /* The lowest place of the tool, and the area that it reaches at z = -0.65 where only the links limit it. */
 TEST(delta_workspace)
 {
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     double far, area = 0, first = 0, before = 0;
@@ -170,8 +166,6 @@ TEST(delta_workspace)
     }
     CHECK_NEAR(before, first, 1e-6, 0);
     CHECK_NEAR(area, 1.511, 0.0015, 0);                       /* a polygon of 90 corners is 0.001 smaller */
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 /* ---- postures in which the drives lose the tool ------------------------------------------------------------ */
@@ -244,8 +238,8 @@ TEST(tools_that_their_drives_lose)
     lw_rng_seed(&rng, check_seed(), 2);
     int lost = 0, made = 0;
     while (made < 8) {
-        lw_spatial m;
-        lw_robot r;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_robot) r = { 0 };
         lw_error e = { 0 };
         proportions d = { lw_rng_range(&rng, 0.1, 0.5), lw_rng_range(&rng, 0.05, 0.3), lw_rng_range(&rng, 0.2, 0.5), lw_rng_range(&rng, 0.4, 0.9),
                           lw_rng_range(&rng, -0.9, -0.2), 0, 0 };
@@ -266,8 +260,6 @@ TEST(tools_that_their_drives_lose)
             CHECK_NEAR(far, least + step/2, step, 0);
             lost += isfinite(bars_apart(&d, lw_v3((least + step)*cos(a), (least + step)*sin(a), d.z)));
         }
-        lw_robot_free(&r);
-        lw_spatial_free(&m);
     }
     CHECK(lost > 5);
 }
@@ -282,8 +274,8 @@ TEST(singular_postures_are_met_to_their_digits)
         { "examples/space/stewart.json", 0.8, false, 0, -30, 1.6 }, { "examples/space/stewart.json", 0.8, false, 200, -46.2382573, 1.10769229 },
         { "examples/space/stewart.json", 0.8, true, 0, 0, 125.0429911748 }, { "examples/space/stewart.json", 0.8, true, 20, 0, 84.26180409971 } };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
-        lw_spatial m;
-        lw_robot r;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_robot) r = { 0 };
         lw_error e = { 0 };
         double a = known[i].azimuth*LW_PI/180, b = known[i].elevation*LW_PI/180, far;
         if (!make(known[i].file, &m, &r))
@@ -294,8 +286,6 @@ TEST(singular_postures_are_met_to_their_digits)
         else
             CHECK_INT(lw_robot_reach(&r, lw_v3(cos(a)*cos(b), sin(a)*cos(b), sin(b)), 3, &far, &e), LW_OK);
         CHECK_NEAR(known[i].tilts ? far*180/LW_PI : far, known[i].far, known[i].tilts ? 2e-6 : 2e-8, 0);     /* the last step is shorter than 1e-8 of the size */
-        lw_robot_free(&r);
-        lw_spatial_free(&m);
     }
 }
 
@@ -323,8 +313,8 @@ static bool stopped_at(const proportions *d, lw_vec3 p)
 TEST(stops_and_cones_of_a_delta)
 {
     for (int by_cone = 0; by_cone < 2; by_cone++) {
-        lw_spatial m;
-        lw_robot r;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_robot) r = { 0 };
         lw_error e = { 0 };
         proportions d = { 0.4, 0.25, 0.35, 0.75, -0.65, by_cone ? 0 : 0.4, by_cone ? 0.5 : 0 };
         bool good = make_delta(&d, &m, &r);
@@ -340,8 +330,6 @@ TEST(stops_and_cones_of_a_delta)
             }
             CHECK_NEAR(far, least, 5e-8, 0);
         }
-        lw_robot_free(&r);
-        lw_spatial_free(&m);
     }
 }
 
@@ -351,8 +339,8 @@ TEST(a_stop_beyond_half_a_turn)
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a'}, {'name': 'b'}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], "
         "'at': [0, 0, 0], 'axis': [0, 0, 1], 'stop': {'least': -0.17453292519943295, 'greatest': 3.4906585039886591}}, {'name': 'E', 'links': ['a', 'b'], "
         "'at': [1, 0, 0], 'axis': [0, 0, 1]}], 'drives': [{'joint': 'A'}, {'joint': 'E'}], 'tracers': [{'name': 'T', 'link': 'b', 'at': [1, 0.8, 0]}]}";
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     const double at = 190*LW_PI/180;
@@ -365,8 +353,6 @@ TEST(a_stop_beyond_half_a_turn)
     CHECK_HAS(e.text, "the stop of joint \"A\"");
     CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
     CHECK_NEAR(p.drive[0], 200*LW_PI/180, 1e-6, 0);
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 /* A five-bar whose rods come into one line 0.22 along this way, where the next posture of the same cranks is near. */
@@ -378,9 +364,9 @@ TEST(a_five_bar_is_stretched)
         "['c', 'd'], 'at': [-0.3779, 0.58]}], 'inputs': [{'joint': 'A'}, {'joint': 'B'}], 'tracers': [{'name': 'P', 'link': 'c', 'at': [-0.3779, 0.58]}]}";
     const lw_vec3 axis[] = { { -0.3323, 0, 0 }, { 0.3662, -0.0158, 0 } }, at = { -0.3779, 0.58, 0 }, way = { cos(-LW_PI/6), sin(-LW_PI/6), 0 };
     const lw_vec3 knee[] = { { -0.371, 0.4874, 0 }, { 0.6394, 0.4602, 0 } };
-    lw_model p;
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_model) p = { 0 };
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_error e = { 0 };
     double far, least = 0, first = 0;
     read_planar(text, "five-bar", &p);
@@ -403,9 +389,6 @@ TEST(a_five_bar_is_stretched)
     }
     CHECK_NEAR(least, 0.221, 5e-4, 0);
     CHECK_NEAR(far, least, 2e-5, 0);
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
-    lw_model_free(&p);
 }
 
 /* Five-bars of random proportions and assembly: each ray ends where a circle of a knee is left, or where the rods come into one line. */
@@ -453,9 +436,9 @@ TEST(five_bars_in_closed_form)
             "'kind': 'r', 'links': ['b', 'd'], 'at': [%.17g, %.17g]}, {'name': 'P', 'kind': 'r', 'links': ['c', 'd'], 'at': "
             "[%.17g, %.17g]}], 'inputs': [{'joint': 'A'}, {'joint': 'B'}], 'tracers': [{'name': 'P', 'link': 'c', 'at': [%.17g, %.17g]}]}",
             g.axis[0], g.axis[1], knee[0].x, knee[0].y, knee[1].x, knee[1].y, at.x, at.y, at.x, at.y);
-        lw_model p;
-        lw_spatial m;
-        lw_robot r;
+        OWN(lw_model) p = { 0 };
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_robot) r = { 0 };
         lw_error e = { 0 };
         read_planar(text, "five-bar", &p);
         CHECK_INT(lw_spatial_of_planar(&p, &m, &e), LW_OK);
@@ -473,9 +456,6 @@ TEST(five_bars_in_closed_form)
             CHECK_INT(lw_robot_reach(&r, way, 3, &far, &e), LW_OK);
             CHECK_NEAR(far, least, 1e-6, 0);       /* the Jacobian is not known nearer to a posture in which the drives lose the tool */
         }
-        lw_robot_free(&r);
-        lw_spatial_free(&m);
-        lw_model_free(&p);
     }
 }
 
@@ -483,8 +463,8 @@ TEST(five_bars_in_closed_form)
  * of each drive's row. */
 static void unit_forces(const char *file)
 {
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     if (!make(file, &m, &r))
@@ -510,8 +490,6 @@ static void unit_forces(const char *file)
     }
     free(force);
     free(l);
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 TEST(forces_of_delta) { unit_forces("examples/space/delta.json"); }
@@ -520,8 +498,8 @@ TEST(forces_of_stewart) { unit_forces("examples/space/stewart.json"); }
 /* J of any robot against differences of its forward kinematics; its inverse kinematics come back. */
 static void against_differences(const char *file, double stroke)
 {
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p, plus, minus;
     lw_error e = { 0 };
     double value[LW_ROBOT_DRIVES], h = 1e-5;
@@ -559,8 +537,6 @@ static void against_differences(const char *file, double stroke)
     if (r.turns)
         CHECK_NEAR(lw_v3_norm(lw_quaternion_vector(lw_quaternion_times(plus.turn, lw_quaternion_inverse(p.turn)))), 0,
                    1e-10, 0);
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 TEST(stewart) { against_differences("examples/space/stewart.json", 0.03); }
@@ -568,7 +544,7 @@ TEST(delta) { against_differences("examples/space/delta.json", 0.2); }
 
 TEST(bad_robots)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     lw_robot r;
     lw_error e = { 0 };
     load_spatial("delta", &m);
@@ -577,7 +553,6 @@ TEST(bad_robots)
     lw_spatial_free(&m);
     load_spatial("top", &m);
     CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_E_ARG);
-    lw_spatial_free(&m);
 }
 
 /* ---- planar robots --------------------------------------------------------------------------------------- */
@@ -585,10 +560,9 @@ TEST(bad_robots)
 static bool make_planar(const char *file, lw_spatial *m, lw_robot *r)
 {
     lw_error e = { 0 };
-    lw_model p;
+    OWN(lw_model) p = { 0 };
     load_planar(file, &p);
     lw_status s = lw_spatial_of_planar(&p, m, &e);
-    lw_model_free(&p);
     return s == LW_OK && lw_robot_make(m, NULL, r, &e) == LW_OK;
 }
 
@@ -597,8 +571,8 @@ static bool make_planar(const char *file, lw_spatial *m, lw_robot *r)
 TEST(three_rrr)
 {
     lw_rng rng;
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     lw_rng_seed(&rng, check_seed(), 1);
@@ -628,15 +602,13 @@ TEST(three_rrr)
     CHECK_INT(lw_robot_move(&r, lw_v3(0, 0, 0), NULL, &e), LW_OK);
     CHECK_INT(lw_robot_reach(&r, lw_v3(0, -1, 0), 1, &far, &e), LW_OK);
     CHECK_NEAR(far, 0.25, 0, 1e-6);
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 /* A SCARA arm keeps the direction of its hand; its Jacobian is made of the arms from the joints to the tool. */
 TEST(scara)
 {
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     bool good = make_planar("examples/scara.json", &m, &r);
@@ -663,15 +635,13 @@ TEST(scara)
         CHECK_NEAR(p.jacobian[1][k], joint[3].x - joint[k].x, 1e-7, 0);
         CHECK_NEAR(p.jacobian[5][k], 1, 1e-12, 0);
     }
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 /* Pins in slots become a slide and a pin: a Scotch yoke of any crank moves as the cosine of its angle. */
 TEST(slots_in_space)
 {
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     bool good = make_planar("examples/gallery/scotch-yoke.json", &m, &r);
@@ -690,8 +660,6 @@ TEST(slots_in_space)
     double one = at[1] - 2*at[0], two = at[2] - 2*at[1] + at[0];
     CHECK_NEAR(one*cos(from + 0.8) - two*cos(from + 0.4), 0, 1e-9*m.units.metre + 1e-9*fabs(one), 0);
     CHECK(fabs(one) > 1e-6);
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 /* ---- the lowest eigenfrequency over the workspace ------------------------------------------------------- */
@@ -745,14 +713,13 @@ TEST(frequencies_over_the_workspace)
     m.gravity = lw_v3(0, 0, 0);
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_dynamics *d;
-    lw_modes modes = { 0 };
+    OWN(lw_modes) modes = { 0 };
     o.analysis = LW_ANALYSIS_STATIC;
     CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
     double *q = calloc((size_t)(lw_dynamics_space(d)->n_q + lw_dynamics_space(d)->n_v), sizeof *q);
     lw_dynamics_start(d, q, q + lw_dynamics_space(d)->n_q);
     CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ .hold_inputs = true }, 3, 0, q, &modes, &e), LW_OK);
     CHECK_NEAR(modes.mode[0].frequency, f, 0, 1e-9);
-    lw_modes_free(&modes);
     free(q);
     lw_dynamics_free(d);
     lw_robot_free(&r);
@@ -775,13 +742,11 @@ TEST(elastic_links_as_rigid_bars)
     lw_robot_pose pose[2];
     lw_error e = { 0 };
     for (int k = 0; k < 2; k++) {
-        lw_spatial m;
-        lw_robot r;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_robot) r = { 0 };
         if (!make(file[k], &m, &r))
             return;
         CHECK_INT(lw_robot_measure(&r, &pose[k], &e), LW_OK);
-        lw_robot_free(&r);
-        lw_spatial_free(&m);
     }
     for (int i = 0; i < 3; i++)
         CHECK_NEAR(pose[1].mass[i], pose[0].mass[i], 0, 3e-3);
@@ -793,8 +758,8 @@ TEST(a_straight_arm_is_singular)
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a'}, {'name': 'b'}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], "
         "'at': [0, 0, 0], 'axis': [0, 0, 1]}, {'name': 'E', 'links': ['a', 'b'], 'at': [1, 0, 0], 'axis': [0, 0, 1]}], 'drives': [{'joint': 'A'}, "
         "{'joint': 'E'}], 'tracers': [{'name': 'T', 'link': 'b', 'at': [2, 0, 0]}]}";
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     read_spatial(text, "arm", &m);
@@ -811,8 +776,6 @@ TEST(a_straight_arm_is_singular)
         CHECK_INT(lw_robot_drive(&r, (const double[]){ 0, 0 }, &e), LW_OK);
     }
     CHECK_INT(lw_robot_move(&r, lw_v3(2.1, 0, 0), NULL, &e), LW_OPEN);
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 /* A head on two belts: r a = x + y, r b = x - y; and a pointer behind a belt of a ratio that no teeth have, which is turned many
@@ -823,8 +786,8 @@ TEST(robots_with_couplings)
         "'at': [0, 0, 0], 'axis': [0, 0, 1]}, {'name': 'B', 'links': ['ground', 'b'], 'at': [1, 0, 0], 'axis': [0, 0, 1]}], 'couplings': [{'name': "
         "'belt', 'terms': [{'joint': 'A', 'factor': 0.617}, {'joint': 'B', 'factor': -1}]}], 'drives': [{'joint': 'A'}], 'tracers': [{'name': 'T', "
         "'link': 'b', 'at': [1.5, 0, 0]}]}";
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     if (!make("examples/space/corexy.json", &m, &r))
@@ -852,8 +815,6 @@ TEST(robots_with_couplings)
         CHECK_POINT(p.place, 1 + 0.5*cos(0.617*to), 0.5*sin(0.617*to), 1e-11, 0);
         CHECK_NEAR(p.jacobian[5][0], 0.617, 1e-13, 0);
     }
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 /* Three slides on screws of 5 mm, one left-handed: 24, 14 and 6.6 turns of their motors. */
@@ -876,8 +837,8 @@ TEST(drives_turn_many_times)
     }
     n += (size_t)snprintf(text + n, sizeof text - n, "], 'drives': [{'joint': 'Rx'}, {'joint': 'Ry'}, {'joint': 'Rz'}], "
                           "'tracers': [{'name': 'T', 'link': 'nz', 'at': [0, 0, 0]}]}");
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     read_spatial(text, "screws", &m);
@@ -886,8 +847,6 @@ TEST(drives_turn_many_times)
     CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
     for (int i = 0; i < 3; i++)
         CHECK_NEAR(p.drive[i], -2*LW_PI*to[i]/lead[i], 1e-9, 0);
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 /* Three legs prismatic, revolute, spherical at home: the point moves up and down only, and the plate tilts about x and y.  By hand: the ball of
@@ -896,8 +855,8 @@ TEST(a_plate_that_tilts_at_home)
 {
     static char text[4096];
     int n = 0;
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     n += snprintf(text + n, sizeof text - (size_t)n, "{'linkwright': 1, 'links': ['ground', {'name': 'plate'}");
@@ -924,8 +883,6 @@ TEST(a_plate_that_tilts_at_home)
         CHECK_NEAR(p.jacobian[3][i], sin(2*LW_PI*i/3)*2/3/0.2, 1e-12, 0);
         CHECK_NEAR(p.jacobian[4][i], -cos(2*LW_PI*i/3)*2/3/0.2, 1e-12, 0);
     }
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 /* ---- tools that turn ------------------------------------------------------------------------------------- */
@@ -989,8 +946,8 @@ TEST(a_wrist_turns_about_its_centre)
     lw_rng_seed(&rng, check_seed(), 0);
     for (int n = 0; n < 20; n++) {
         wrist g;
-        lw_spatial m;
-        lw_robot r;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_robot) r = { 0 };
         lw_robot_pose p;
         lw_error e = { 0 };
         if (!make_wrist(&rng, &g, &m, &r))
@@ -1018,8 +975,6 @@ TEST(a_wrist_turns_about_its_centre)
         }
         CHECK_NEAR(p.manipulability, fabs(det), 0, 1e-9);
         CHECK_NEAR(p.singular[0]*p.singular[0] + p.singular[1]*p.singular[1] + p.singular[2]*p.singular[2], trace, 0, 1e-12);
-        lw_robot_free(&r);
-        lw_spatial_free(&m);
     }
 }
 
@@ -1030,8 +985,8 @@ TEST(ways_do_not_depend_on_the_ways_before)
     static const lw_vec3 axis[3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
     const lw_vec3 right = lw_v3(sqrt(0.5), -sqrt(0.5), 0), ahead = lw_v3(1/sqrt(6), 1/sqrt(6), -2/sqrt(6));
     wrist g = { .bar = LW_PI/2 };
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_error e = { 0 };
     for (int i = 0; i < 3; i++) {
         g.u[i] = axis[i], g.v[i] = axis[(i + 1)%3];
@@ -1045,8 +1000,6 @@ TEST(ways_do_not_depend_on_the_ways_before)
         CHECK_INT(lw_robot_tilt(&r, lw_v3_add(lw_v3_scale(ahead, cos(a)), lw_v3_scale(right, -sin(a))), LW_PI*(1 - 1e-9), &far, &e), LW_OK);
         CHECK_NEAR(far*180/LW_PI, want, 0.02, 0);
     }
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 static lw_vec3 rounded(lw_vec3 v) { return lw_v3(round(1e4*v.x)/1e4, round(1e4*v.y)/1e4, round(1e4*v.z)/1e4); }
@@ -1058,14 +1011,13 @@ TEST(rounded_wrists_are_adjusted)
     lw_rng_seed(&rng, check_seed(), 1);
     for (int n = 0; n < 10; n++) {
         wrist g;
-        lw_spatial m;
-        lw_robot r;
-        lw_space_adjusted a;
-        lw_space_mobility got;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_robot) r = { 0 };
+        OWN(lw_space_adjusted) a = { 0 };
+        OWN(lw_space_mobility) got = { 0 };
         lw_error e = { 0 };
         if (!make_wrist(&rng, &g, &m, &r))
             return;
-        lw_robot_free(&r);
         CHECK_INT(lw_space_adjust(&m, &a, &e), LW_NOTHING);
         for (int i = 0; i < m.n_joint; i++) {
             lw_vec3 z = rounded(m.joint[i].axis);
@@ -1077,9 +1029,6 @@ TEST(rounded_wrists_are_adjusted)
         CHECK_INT(lw_space_mobility_find(&a.model, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
         CHECK_INT(got.freedom, 3);
         CHECK(got.residual < 1e-12);
-        lw_space_mobility_free(&got);
-        lw_space_adjusted_free(&a);
-        lw_spatial_free(&m);
     }
 }
 
@@ -1091,8 +1040,8 @@ TEST(four_drives_keep_the_hand)
         "[0.4, 0, 0.5], 'axis': [0, 0, 1]}, {'name': 'Z', 'kind': 't', 'links': ['b', 'q'], 'at': [0.4, 0.3, 0.5], 'axis': [0, 0, 1]}, "
         "{'name': 'R', 'links': ['q', 'h'], 'at': [0.4, 0.3, 0.3], 'axis': [0, 0, 1]}], 'drives': [{'joint': 'A'}, {'joint': 'B'}, "
         "{'joint': 'Z'}, {'joint': 'R'}], 'tracers': [{'name': 'T', 'link': 'h', 'at': [0.45, 0.3, 0.3]}]}";
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     read_spatial(text, "scara", &m);
@@ -1116,8 +1065,6 @@ TEST(four_drives_keep_the_hand)
     CHECK_NEAR(p.drive[2], -0.1, 1e-12, 0);
     turn = lw_quaternion_of_vector(lw_v3(0.1, 0, 0));
     CHECK_INT(lw_robot_move(&r, lw_v3(0.45, 0.3, 0.2), &turn, &e), LW_OPEN);
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 /* A rod of length 1 between two slides at right angles, x^2 + y^2 = 1: the drive of y loses the tool at x = 0, and reaches no farther than x = 1.  With
@@ -1127,8 +1074,8 @@ TEST(drives_that_are_not_as_many_as_freedoms_lose_the_tool)
     static const char *const on[] = { "ground", "gr" };
     for (int k = 0; k < 2; k++) {
         char text[4096];
-        lw_spatial m;
-        lw_robot r;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_robot) r = { 0 };
         lw_robot_pose p;
         lw_error e = { 0 };
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', %s{'name': 'a'}, {'name': 'rod'}, {'name': 'b'}],'joints': [%s{'name': 'Y', "
@@ -1153,8 +1100,6 @@ TEST(drives_that_are_not_as_many_as_freedoms_lose_the_tool)
             CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
             CHECK_NEAR(p.place.x, 1, 1e-7, 0);
         }
-        lw_robot_free(&r);
-        lw_spatial_free(&m);
     }
 }
 
@@ -1177,8 +1122,8 @@ TEST(more_drives_than_coordinates)
     }
     snprintf(text + n, sizeof text - n, "], 'drives': [{'joint': 'S'}, {'joint': 'A0'}, {'joint': 'A1'}, {'joint': 'A2'}], 'tracers': [{'name': 'T', 'link': 'plate', "
              "'at': [0, 0, 0]}]}");
-    lw_spatial m;
-    lw_robot r;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
     read_spatial(text, "3-RRR on a rail", &m);
@@ -1195,8 +1140,6 @@ TEST(more_drives_than_coordinates)
     double of_left = y + sqrt((inner + outer)*(inner + outer) - x*x);
     x = cos(right) - 0.25*cos(right + 0.4), y = sin(right) - 0.25*sin(right + 0.4);
     CHECK_NEAR(p.place.y, fmin(of_left, y + sqrt((inner + outer)*(inner + outer) - x*x)), 1e-6, 0);
-    lw_robot_free(&r);
-    lw_spatial_free(&m);
 }
 
 /* Masses that forces on the tool of a planar robot move: of a gantry its slides, of an arm with all mass at its tip that mass. */
@@ -1211,8 +1154,8 @@ TEST(masses_in_a_plane)
         "'axis': [0, 0, 1]}], 'drives': [{'joint': 'A'}, {'joint': 'B'}], 'tracers': [{'name': 'T', 'link': 'b', 'at': [1, 1, 0]}]}" };
     static const double mass[2][2] = { { 2, 5 }, { 4, 4 } };
     for (int k = 0; k < 2; k++) {
-        lw_spatial m;
-        lw_robot r;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_robot) r = { 0 };
         lw_robot_pose p;
         lw_error e = { 0 };
         read_spatial(text[k], "robot", &m);
@@ -1222,7 +1165,5 @@ TEST(masses_in_a_plane)
         CHECK_NEAR(p.mass[0], mass[k][0], 1e-12, 0);
         CHECK_NEAR(p.mass[1], mass[k][1], 1e-12, 0);
         CHECK(p.mass[2] == 0);
-        lw_robot_free(&r);
-        lw_spatial_free(&m);
     }
 }

@@ -113,9 +113,9 @@ static void make_traced(int n, const axis *a, lw_vec3 at, lw_spatial *m)
 static void check_rounded(int n, const axis *exact, double by)
 {
     enum { ROWS = 5 };
-    lw_spatial m;
-    lw_space_adjusted adjusted;
-    lw_space_mobility got;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_space_adjusted) adjusted = { 0 };
+    OWN(lw_space_mobility) got = { 0 };
     lw_error e = { 0 };
     lw_rng rng;
     lw_vec3 place[2][ROWS];
@@ -146,15 +146,12 @@ static void check_rounded(int n, const axis *exact, double by)
     CHECK_INT(lw_space_adjust(&m, &adjusted, &e), LW_OK);
     CHECK_INT(lw_space_mobility_find(&adjusted.model, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
     CHECK_INT(got.freedom, 1);
-    lw_space_mobility_free(&got);
-    lw_space_adjusted_free(&adjusted);
-    lw_spatial_free(&m);
 }
 
 static void check_mobility(int n, const axis *a, int count, int redundant)
 {
-    lw_spatial m;
-    lw_space_mobility got;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_space_mobility) got = { 0 };
     lw_error e;
     make_model(n, a, false, &m);
     CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
@@ -162,8 +159,6 @@ static void check_mobility(int n, const axis *a, int count, int redundant)
     CHECK_INT(got.freedom, 1);
     CHECK_INT(got.n_redundant, redundant);
     CHECK(!got.shaky && got.residual < 1e-12);
-    lw_space_mobility_free(&got);
-    lw_spatial_free(&m);
     for (double by = 1e-6; redundant > 0 && n <= 16 && by < 2e-3; by *= 10)
         check_rounded(n, a, by);
 }
@@ -186,7 +181,7 @@ static lw_status watch(void *context, const lw_moment *m)
 static void check_motion(int n, const axis *a, int redundant)
 {
     static const lw_formulation way[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_RADAU, LW_FORMULATION_CVODE };
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     lw_dynamics *d;
     lw_error e = { 0 };
     make_model(n, a, true, &m);
@@ -206,7 +201,6 @@ static void check_motion(int n, const axis *a, int redundant)
         CHECK(s.energy[1] - s.energy[0] < (i < 3 ? 1e-9 : 1e-6)*r.energy_scale);
         lw_dynamics_free(d);
     }
-    lw_spatial_free(&m);
 }
 
 /* The turns of all joints while the first one turns by `to`, in `steps`. */
@@ -221,9 +215,9 @@ static lw_status own_value(void *context, double u, double (*out)[3])
 
 static void turn_input(int n, const axis *a, double to, int steps, on_turns *see, void *context)
 {
-    lw_spatial m;
-    lw_space s;
-    lw_space_follow f;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_space) s = { 0 };
+    OWN(lw_space_follow) f = { 0 };
     lw_error e = { 0 };
     double *turn = calloc((size_t)n, sizeof *turn), *near = calloc((size_t)n, sizeof *near);
     make_model(n, a, false, &m);
@@ -236,9 +230,6 @@ static void turn_input(int n, const axis *a, double to, int steps, on_turns *see
         lw_space_count_turns(&s, f.z.frame, near);
         see(context, near);
     }
-    lw_space_follow_free(&f);
-    lw_space_free(&s);
-    lw_spatial_free(&m);
     free(turn), free(near);
 }
 
@@ -474,7 +465,7 @@ static lw_status see_octahedron(void *context, double u, const double *input, co
 static void check_octahedron(octahedron *o)
 {
     axis a[6];
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     lw_error e = { 0 };
     for (int i = 0; i < 6; i++) {            /* the two vertices that a face shares with the next */
         lw_vec3 end[2];
@@ -498,7 +489,6 @@ static void check_octahedron(octahedron *o)
     lw_status st = lw_space_trace_run(&m, &t, see_octahedron, o, &e);
     CHECK(st == LW_OK || (st == LW_OPEN && strstr(e.text, "singular posture")));     /* one that is flat ends there */
     CHECK(o->off < 1e-11);
-    lw_spatial_free(&m);
 }
 
 TEST(flexible_octahedra)
@@ -534,8 +524,8 @@ TEST(wren)
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
-    lw_spatial m;
-    lw_space_mobility got;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_space_mobility) got = { 0 };
     lw_error e;
     fputs("{'linkwright': 1, 'links': ['ground', 'platform'", f);
     for (int i = 0; i < 6; i++)
@@ -552,8 +542,6 @@ TEST(wren)
     CHECK_INT(got.idle, 6);
     CHECK_INT(got.freedom, 7);
     CHECK_INT(got.instant, 9);
-    lw_space_mobility_free(&got);
-    lw_spatial_free(&m);
 }
 
 /* ---- singular postures ------------------------------------------------------------------------------------------------ */
@@ -600,7 +588,7 @@ static lw_status see_push(void *context, const lw_moment *m)
 TEST(beside_flat_postures)
 {
     static const double beside[] = { 0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 0.1 };
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     lw_error e = { 0 };
     read_spatial(parallelogram, "parallelogram", &m);
     for (size_t i = 0; i < sizeof beside/sizeof *beside; i++)
@@ -624,7 +612,6 @@ TEST(beside_flat_postures)
             CHECK_INT(r.without_forces, p.empty);
             lw_dynamics_free(p.d);
         }
-    lw_spatial_free(&m);
 }
 
 /* ---- RCCC -------------------------------------------------------------------------------------------------------------- */
@@ -693,7 +680,7 @@ TEST(rccc_is_traced_between_limits_where_links_slide_away)
     for (int trial = 0; trial < 30; trial++) {
         frame f[4];
         axis a[4];
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         lw_error e = { 0 };
         int rows = 0;
         for (int i = 0; i < 4; i++) {
@@ -725,7 +712,6 @@ TEST(rccc_is_traced_between_limits_where_links_slide_away)
                 CHECK_NEAR(k ? o.to : o.from, to[!k], o.away[k] < 0 ? 1e-6 : o.distance[k] < 100 ? 1e-2 : 0.1, 0);
             limits += (o.away[0] >= 0) + (o.away[1] >= 0);
         }
-        lw_spatial_free(&m);
     }
     CHECK(limits > 0 && turning > 0);
 }

@@ -92,7 +92,7 @@ TEST(a_free_body_tumbles)
                                "'a'], 'at': [0, 0, 0]}]}";
     static const double want[3][4] = { { 1, .57780247, .81617664, .88201582 }, { 5, -.16435043, -.98640202, .82199170 },
                                        { 10, -.92107000, .38939704, .97440066 } };
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(text, "free", &m);
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 10, 10, 1e-13);
     for (int i = 0; i < 3; i++)
@@ -106,7 +106,6 @@ TEST(a_free_body_tumbles)
         CHECK_NEAR(lw_v3_norm(lw_v3_sub(k.at[i].linear, k.at[0].linear)), 0, 1e-12, 0);
     }
     CHECK_INT(q.freedom, 6);
-    lw_spatial_free(&m);
 }
 
 /* Spinning about its middle axis is unstable: it turns over again and again, and keeps energy and momentum. */
@@ -114,7 +113,7 @@ TEST(a_body_turns_over)
 {
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [1, 2, 2.9], "
                                "'angular_velocity': [1e-4, 6, 0]}], 'joints': [{'name': 'F', 'kind': 'free', 'links': ['ground', 'a'], 'at': [0, 0, 0]}]}";
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     double least = 6;
     read_spatial(text, "free", &m);
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 100, 1000, 1e-10);
@@ -124,7 +123,6 @@ TEST(a_body_turns_over)
     }
     CHECK(least < -5.99);
     CHECK(q.energy_error < 1e-9*q.energy_scale);
-    lw_spatial_free(&m);
 }
 
 /* At the default tolerance: Euler's equations of a body about its middle axis by the classical Runge-Kutta method, where an error of
@@ -187,7 +185,7 @@ TEST(free_bodies_keep_momenta)
 TEST(the_top_precesses)
 {
     static const double precession = 1.78114338;
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("top", &m);
     double turn = 2*LW_PI/precession;
     run(&m, LW_ANALYSIS_TRANSIENT, 100*turn, 400, 1e-12);
@@ -195,7 +193,6 @@ TEST(the_top_precesses)
         CHECK_NEAR(k.at[i].tracer.z, .2*cos(LW_PI/6), 1e-9, 0);
     double angle = atan2(k.at[1].tracer.y, k.at[1].tracer.x);       /* a quarter of a turn */
     CHECK_NEAR(angle/(turn/4), precession, 1e-8, 0);
-    lw_spatial_free(&m);
 }
 
 /* ---- published mechanisms ---- */
@@ -204,7 +201,7 @@ TEST(slider_crank)
 {
     static const double want[3][3] = { { 2, 1.230926918, .2605459327 }, { 5, -1.033286465, .1887481033 },
                                        { 10, -2.082296776, .2337647503 } };
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("slider-crank", &m);
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 1, 10, 1e-12);
     for (int i = 0; i < 3; i++) {
@@ -213,7 +210,6 @@ TEST(slider_crank)
     }
     CHECK(q.energy_error < 1e-11*q.energy_scale);
     CHECK(k.off < 1e-12 && k.off_rate < 1e-12*20);
-    lw_spatial_free(&m);
 }
 
 TEST(bricard)
@@ -221,7 +217,7 @@ TEST(bricard)
     static const double want[3][4] = { { 20, .999223645, -1.038649891, .960603202 }, { 50, .968283679, -1.224625159,
                                                                                        .750146609 },
                                        { 100, .510501461, -1.649167599, .140123115 } };
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("bricard", &m);
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 10, 1000, 1e-12);
     for (int i = 0; i < 3; i++) {
@@ -234,13 +230,12 @@ TEST(bricard)
     CHECK_INT(q.freedom, 1);
     CHECK(q.energy_error < 1e-9*q.energy_scale);
     CHECK(k.off < 1e-12);
-    lw_spatial_free(&m);
 }
 
 /* Its stiff dampers ask for 4000 steps a second of the explicit method.  The implicit one errs less the less its tolerance is. */
 TEST(governor)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("governor", &m);
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 1, 1, 1e-11);
     CHECK_NEAR(k.at[1].tracer.z, .501420922, 1e-9, 0);
@@ -267,7 +262,6 @@ TEST(governor)
         CHECK_NEAR(k.at[1].input_rate, 6.27112574187658, error[i], 0);
     }
     formulation = LW_FORMULATION_AUTO;
-    lw_spatial_free(&m);
 }
 
 /* Long runs of the conservative examples, at the tolerance that a user gets without asking. */
@@ -275,12 +269,11 @@ TEST(a_hundred_seconds_keep_energy)
 {
     static const char *const file[] = { "bricard", "sarrus", "slider-crank", "top" };
     for (int i = 0; i < 4; i++) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         load_spatial(file[i], &m);
         lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 100, 20, lw_dynamics_options_default().relative);
         CHECK(q.energy_error < 1e-9*q.energy_scale);
         CHECK(k.off < 1e-12);
-        lw_spatial_free(&m);
     }
 }
 
@@ -291,7 +284,7 @@ TEST(a_hundred_seconds_keep_energy)
 TEST(delta_torques)
 {
     double sum[2] = { 0, 0 }, peak[2] = { 0, 0 };
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("delta", &m);
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, .1, 1000, 1e-10);
     CHECK_INT(q.formulation, LW_FORMULATION_DRIVEN);
@@ -327,13 +320,12 @@ TEST(delta_torques)
     run(&m, LW_ANALYSIS_QUASISTATIC, 1, 1, 1e-10);
     for (int d = 0; d < 3; d++)
         CHECK_NEAR(k.at[0].drive[d], -1.20166, 5e-6, 0);
-    lw_spatial_free(&m);
 }
 
 /* Virtual power: the power of the drives is the rate of the energy, along a smooth motion of the Stewart platform. */
 TEST(drives_do_the_work)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("stewart", &m);
     double work = 0;
     static double power[1001];
@@ -346,7 +338,6 @@ TEST(drives_do_the_work)
     for (int i = 0; i + 2 < k.n; i += 2)     /* Simpson's rule */
         work += (power[i] + 4*power[i + 1] + power[i + 2])/3000;
     CHECK_NEAR(work, k.at[1000].work, 1e-8, 0);
-    lw_spatial_free(&m);
 }
 
 /* ---- a planar model in space ---- */
@@ -373,7 +364,7 @@ TEST(a_planar_four_bar_in_space)
                                 "0, 0], 'axis': [0, 0, 1]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0.2, 0.4, 0], 'axis': [0, 0, 1]}, {'name': 'C', "
                                 "'links': ['b', 'c'], 'at': [1.2, 0.7, 0], 'axis': [0, 0, 1]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [1, 0, 0], "
                                 "'axis': [0, 0, 1]}], 'input': {'joint': 'A', 'speed': 3}, 'gravity': [0, -9.81, 0]}";
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     lw_model p;
     lw_dynamics *d;
     lw_dynamics_report report;
@@ -423,7 +414,6 @@ TEST(a_planar_four_bar_in_space)
     load_spatial("bricard", &m);
     CHECK_INT(lw_spatial_in_plane(&m, &p, &e), LW_E_KIND);
     CHECK_HAS(e.text, "parallel");
-    lw_spatial_free(&m);
 }
 
 /* A slender rod has no inertia about itself.  On a pin across, where that does not act, it swings at sqrt(3 g/(2 L)); a ball lets it spin. */
@@ -431,9 +421,9 @@ TEST(modes_of_slender_rods)
 {
     for (int ball = 0; ball < 2; ball++) {
         char text[400];
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         lw_dynamics *d;
-        lw_modes modes = { 0 };
+        OWN(lw_modes) modes = { 0 };
         lw_error e = { 0 };
         lw_dynamics_options o = lw_dynamics_options_default();
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': 3, 'centre': [0, 0, -1], 'inertia': [1, 1, 0]}], 'joints': [{'name': 'A', "
@@ -449,9 +439,7 @@ TEST(modes_of_slender_rods)
             CHECK_INT(modes.n_mode, 1);
             CHECK_NEAR(modes.mode[0].frequency, sqrt(9.81*3/4)/(2*LW_PI), 0, 1e-12);
         }
-        lw_modes_free(&modes);
         lw_dynamics_free(d);
-        lw_spatial_free(&m);
     }
 }
 
@@ -460,8 +448,8 @@ TEST(a_pendulum_in_its_plane)
 {
     for (int n = 0; n < 4; n++) {
         char text[800];
-        lw_spatial m;
-        lw_model p;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_model) p = { 0 };
         lw_dynamics *d;
         lw_dynamics_report report;
         lw_error e = { 0 };
@@ -484,8 +472,6 @@ TEST(a_pendulum_in_its_plane)
         for (int i = 0; i < k.n && i < planar_n; i++)
             CHECK_NEAR(remainder(planar_angle[i] - planar_angle[0] - atan2(-k.at[i].tracer.z, k.at[i].tracer.x), 2*LW_PI), 0, 1e-9, 0);
         lw_dynamics_free(d);
-        lw_model_free(&p);
-        lw_spatial_free(&m);
     }
 }
 
@@ -494,7 +480,7 @@ TEST(a_pendulum_in_its_plane)
 /* The error falls with the tolerance, down to 1e-11. */
 TEST(errors_fall_with_the_tolerance)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("slider-crank", &m);
     run(&m, LW_ANALYSIS_TRANSIENT, 1, 1, 1e-14);
     double best = k.at[1].input, before = 1;
@@ -506,27 +492,25 @@ TEST(errors_fall_with_the_tolerance)
         before = error;
     }
     CHECK(before < 1e-11);
-    lw_spatial_free(&m);
 }
 
 /* A Sarrus linkage with a redundant row falls through four singular postures, where its legs lie flat; whatever the tolerance. */
 TEST(through_singular_postures)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("sarrus", &m);
     for (int i = 6; i <= 10; i += 2) {
         lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 3, 1, pow(10, -i));
         CHECK_NEAR(k.at[1].tracer.z, 0.5859714770667, 5*pow(10, -i) + 1e-11, 0);
         CHECK(q.energy_error < 10*pow(10, -i)*q.energy_scale + 1e-13);
     }
-    lw_spatial_free(&m);
 }
 
 /* Newton's law for each body: what its joints carry, and gravity, accelerate it; reactions at the two ends of a joint
  * are opposite.  In the slider-crank at t = 0.4, the ground carries the whole. */
 TEST(reactions_carry_the_masses)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("slider-crank", &m);
     run(&m, LW_ANALYSIS_TRANSIENT, .4, 400, 1e-12);
     double size = lw_spatial_size(&m);
@@ -549,7 +533,6 @@ TEST(reactions_carry_the_masses)
         moment = lw_v3_add(moment, lw_v3_cross(lw_v3_scale(lw_v3(s->q[7*b], s->q[7*b + 1], s->q[7*b + 2]), size),
                                                lw_v3(0, 0, -9.81*m.body[b + 1].mass)));
     CHECK_NEAR(lw_v3_norm(lw_v3_sub(moment, spin)), 0, 1e-6*lw_v3_norm(moment), 0);
-    lw_spatial_free(&m);
 }
 
 /* A thin rod has no inertia about its axis: solved by rank.  A conical pendulum of a rod on a universal joint: steady
@@ -564,7 +547,7 @@ TEST(a_thin_rod_swings)
                                 "0]}], 'inputs': [{'joint': 'A', 'speed': %.17g}, {'joint': 'B', 'speed': 0}], 'gravity': [0, 0, -9.81], 'tracers': "
                                 "[{'name': 'P', 'link': 'rod', 'at': [%.17g, 0, %.17g]}]}",
              s/2, -c/2, 1./12, 1./12, s, -c, w, s, -c);
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(text, "rod", &m);
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 5, 50, 1e-12);
     for (int i = 0; i < k.n; i++) {
@@ -572,7 +555,6 @@ TEST(a_thin_rod_swings)
         CHECK_NEAR(k.at[i].input, w*k.at[i].t, 1e-8, 0);
     }
     CHECK_HAS(q.why, "by rank");
-    lw_spatial_free(&m);
 }
 
 static const char every_kind[] =
@@ -595,13 +577,12 @@ static const char every_kind[] =
 /* A chain with every kind of joint keeps its energy: wrong rows, or wrong second rates, would change it. */
 TEST(every_joint_keeps_energy)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(every_kind, "kinds", &m);
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 1, 10, 1e-12);
     CHECK_INT(q.freedom, 12);
     CHECK(q.energy_error < 1e-11*q.energy_scale);
     CHECK(k.off < 1e-12);
-    lw_spatial_free(&m);
 }
 
 /* Swap the links of every joint. */
@@ -635,7 +616,7 @@ TEST(recursive_and_bodies_agree)
     static const lw_spatial_kind closing[] = { LW_SPATIAL_FREE, LW_SPATIAL_REVOLUTE, LW_SPATIAL_PRISMATIC, LW_SPATIAL_CYLINDRICAL,
                                                LW_SPATIAL_SPHERICAL, LW_SPATIAL_UNIVERSAL, LW_SPATIAL_SCREW, LW_SPATIAL_PLANAR };
     for (int i = 0; i < 16; i++) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         sample by[2];
         lw_error e;
         make_kinds(closing[i/2], i%2, &m);
@@ -658,7 +639,6 @@ TEST(recursive_and_bodies_agree)
             CHECK_NEAR(lw_v3_norm(lw_v3_sub(b.force, a.force)), 0, 1e-7*(1 + lw_v3_norm(a.force)), 0);
             CHECK_NEAR(lw_v3_norm(lw_v3_sub(b.moment, a.moment)), 0, 1e-7*(1 + lw_v3_norm(a.moment)), 0);
         }
-        lw_spatial_free(&m);
     }
     formulation = LW_FORMULATION_AUTO;
 }
@@ -670,10 +650,10 @@ TEST(eight_states_at_once)
     static const lw_spatial_kind closing[] = { LW_SPATIAL_FREE, LW_SPATIAL_REVOLUTE, LW_SPATIAL_PRISMATIC, LW_SPATIAL_CYLINDRICAL,
                                                LW_SPATIAL_SPHERICAL, LW_SPATIAL_UNIVERSAL, LW_SPATIAL_PLANAR, LW_SPATIAL_FIXED };
     for (int i = 0; i < 16; i++) {
-        lw_spatial m;
-        lw_spatial_scene c;
-        lw_recursive r;
-        lw_tree_stages s;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_spatial_scene) c = { 0 };
+        OWN(lw_recursive) r = { 0 };
+        OWN(lw_tree_stages) s = { 0 };
         lw_error e;
         lw_rng rng;
         lw_rng_seed(&rng, 7, (uint64_t)i);
@@ -713,10 +693,6 @@ TEST(eight_states_at_once)
             CHECK_INT(lw_tree_stages_rates(&s, y, again), LW_OK);
             CHECK(memcmp(again + 8*r.n_x, dy + 8*r.n_x, 8*sizeof *dy*(size_t)(r.n_u + 1)) == 0);
         }
-        lw_tree_stages_free(&s);
-        lw_recursive_free(&r);
-        lw_spatial_scene_free(&c);
-        lw_spatial_free(&m);
     }
 }
 
@@ -725,13 +701,12 @@ TEST(eight_states_at_once)
 TEST(swings_through_singular_postures)
 {
     for (int i = 1; i <= 8; i += i < 4 ? 1 : 4) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         load_spatial("sarrus", &m);
         formulation = LW_FORMULATION_RECURSIVE;
         lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 4, 1, pow(10, -i));
         CHECK(q.energy_error < pow(10, -i)*q.energy_scale);
         CHECK(q.steps < 200);
-        lw_spatial_free(&m);
     }
     formulation = LW_FORMULATION_AUTO;
 }
@@ -742,7 +717,7 @@ TEST(a_flywheel_counts_its_turns)
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [1e-3, 0, 0], "
         "'inertia': [1, 1, 1]}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0, 0], 'axis': [0, 0, 1]}], "
         "'inputs': [{'joint': 'A', 'speed': 200}], 'gravity': [0, -1e-3, 0]}";
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(text, "flywheel", &m);
     formulation = LW_FORMULATION_RECURSIVE;
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 10, 5, 1e-10);
@@ -750,14 +725,13 @@ TEST(a_flywheel_counts_its_turns)
     for (int i = 0; i < k.n; i++)
         CHECK_NEAR(k.at[i].input, 200*k.at[i].t, 1e-6, 0);
     CHECK(q.energy_error < 1e-12*q.energy_scale);
-    lw_spatial_free(&m);
 }
 
 /* A mass thrown against a force c/(1 + q)^1.5 turns back before -1.  Trial steps lie behind, where the force is not a number. */
 TEST(steps_behind_a_barrier)
 {
     static const lw_formulation each[] = { LW_FORMULATION_RECURSIVE, LW_FORMULATION_INDEX1 };
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial("{'linkwright': 1, 'links': ['ground', {'name': 'm', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [1, 1, 1]}], 'joints': [{'name': 'S', "
                  "'kind': 'prismatic', 'links': ['ground', 'm'], 'at': [0, 0, 0], 'axis': [1, 0, 0]}], 'input': {'joint': 'S', 'speed': -3}, "
                  "'forces': [{'link': 'm', 'at': [0, 0, 0], 'fx': '1e-4/(1 + q(S))^1.5'}]}", "barrier", &m);
@@ -767,7 +741,6 @@ TEST(steps_behind_a_barrier)
         CHECK_NEAR(k.at[1].input_rate, 3, 1e-3, 0);
     }
     formulation = LW_FORMULATION_AUTO;
-    lw_spatial_free(&m);
 }
 
 /* Constant rates leave no change to measure convergence by: bodies that spin and slide freely are where their speed says, at any speed
@@ -779,7 +752,7 @@ TEST(free_flywheels_spin)
     for (int i = 0; i < 3*5*3; i++) {
         const double w = speed[i/3%5], slide = i/15 == 1 ? 3 : 0;
         char text[512];
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [0.01, 0.01, 0.02], "
                  "'angular_velocity': [0, 0, %.17g], 'velocity': [0, 0, %g]}], 'joints': [{'name': 'A', %s, 'links': ['ground', 'a'], 'at': [0, 0, 0], "
                  "'axis': [0, 0, 1]}], 'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0, 0]}]}", w, slide, joint[i/15]);
@@ -793,7 +766,6 @@ TEST(free_flywheels_spin)
             CHECK_NEAR(k.at[n].tracer.z, slide*k.at[n].t, 1e-13, 0);
         }
         CHECK(q.energy_error <= 1e-14*q.energy_scale);
-        lw_spatial_free(&m);
     }
 }
 
@@ -809,13 +781,12 @@ TEST(spins_of_bars)
                                     "'C', 'kind': 'spherical', 'links': ['bar', 'c'], 'at': [1, 1, 0]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [1, "
                                     "0, 0], 'axis': [0.3, 0, 1]}], 'input': {'joint': 'A', 'speed': 1}, 'gravity': [0, -9.81, "
                                     "0]}", symmetric ? 0.09 : 0.08);
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         read_spatial(text, "bar", &m);
         lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 1, 10, 1e-12);
         CHECK_INT(k.idle, symmetric);
         CHECK(q.energy_error < 1e-11*q.energy_scale);
         CHECK(symmetric ? fabs(k.at[10].v[6 + 3]) < 1e-10 : fabs(k.at[10].v[6 + 3]) > 1e-6);
-        lw_spatial_free(&m);
     }
 }
 
@@ -841,7 +812,7 @@ TEST(a_long_chain_falls)
     }
     fputs("], 'tracers': [{'name': 'P', 'link': 'b80', 'at': [8, 0, 0]}]}", f);
     fclose(f);
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(text, "chain", &m);
     free(text);
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 0.5, 1, 1e-9);
@@ -849,7 +820,6 @@ TEST(a_long_chain_falls)
     CHECK_NEAR(k.at[1].tracer.x, 7.63247606906, 1e-11, 0);
     CHECK_NEAR(k.at[1].tracer.z, -1.22625, 1e-11, 0);
     CHECK(q.energy_error < 1e-9*q.energy_scale && k.off < 1e-12);
-    lw_spatial_free(&m);
 }
 
 /* 100 turns against a torsion spring are counted: a flywheel winds it up and comes back after half a period. */
@@ -858,7 +828,7 @@ TEST(turns_are_counted)
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [1, 1, 1]}], 'joints': "
                                "[{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0, 0], 'axis': [1, 2, 2]}], 'input': {'joint': 'A', 'speed': "
                                "628.3185307179587}, 'springs': [{'joint': 'A', 'stiffness': 1}]}";
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(text, "wheel", &m);
     run(&m, LW_ANALYSIS_TRANSIENT, LW_PI, 2, 1e-12);
     CHECK_NEAR(k.at[1].input, 200*LW_PI, 1e-7, 0);
@@ -876,7 +846,6 @@ TEST(turns_are_counted)
     run(&m, LW_ANALYSIS_TRANSIENT, 1, 2, 1e-10);
     for (int i = 0; i < 3; i++)
         CHECK_NEAR(k.at[i].input, 1 + 12000*LW_PI*i, 1e-9, 0);
-    lw_spatial_free(&m);
 }
 
 /* ---- couplings -------------------------------------------------------------------------------------------------- */
@@ -888,7 +857,7 @@ static const lw_formulation in_time[] = { LW_FORMULATION_RECURSIVE, LW_FORMULATI
 TEST(a_gantry_on_two_belts)
 {
     static const double r = 0.008, head = 0.4, both = 1.6, pulley = 8e-5;
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     lw_error e = { 0 };
     load_spatial("corexy", &m);
     CHECK_INT(lw_spatial_set_motion(&m, 0, "0.1*sin(5*t)", &e), LW_OK);
@@ -909,7 +878,6 @@ TEST(a_gantry_on_two_belts)
             CHECK_NEAR(k.at[i].q[7*d + 3]*k.at[i].q[7*d + 6], 0.5*sin(turn), 1e-11, 0);
         }
     }
-    lw_spatial_free(&m);
 }
 
 /* Bevel differential under constant torques: the rates of cage and wheels have constant accelerations, in all formulations. */
@@ -917,7 +885,7 @@ TEST(a_differential_under_torques)
 {
     static const double cage = 0.02 + 2*0.002 + 1e-4 + 0.3*0.05*0.05, wheels = 2*0.002 + 2e-4*23*23/(17.*17);
     for (size_t f = 0; f < sizeof in_time/sizeof *in_time; f++) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         load_spatial("differential", &m);
         formulation = in_time[f];
         lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 1, 4, 1e-9);
@@ -937,7 +905,6 @@ TEST(a_differential_under_torques)
             }
         }
         CHECK(q.energy_error < allowed*q.energy_scale);
-        lw_spatial_free(&m);
     }
     formulation = LW_FORMULATION_AUTO;
 }
@@ -967,7 +934,7 @@ TEST(a_tendon_over_five_joints)
     for (int i = 0; i < 5; i++)
         at += sprintf(at, "%s{'joint': 'J%d', 'factor': %g}", i ? ", " : "", i, lever[i]);
     sprintf(at, "]}], 'gravity': [0, 0, -9.81], 'tracers': [{'name': 'P', 'link': 'l4', 'at': [1.5, 0.5, 0.2]}]}");
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(text, "tendon", &m);
     for (size_t f = 0; f < sizeof in_time/sizeof *in_time; f++) {
         formulation = in_time[f];
@@ -982,7 +949,6 @@ TEST(a_tendon_over_five_joints)
             CHECK_NEAR(k.at[i].coupling[0], pull[i], 0, 1e4*allowed);
         }
     }
-    lw_spatial_free(&m);
     formulation = LW_FORMULATION_AUTO;
 }
 
@@ -994,7 +960,7 @@ TEST(couplings_count_turns)
         "{'name': 'B', 'links': ['ground', 'b'], 'at': [1, 0, 0], 'axis': [0, 1, 0]}], 'couplings': [{'name': 'belt', 'terms': [{'joint': 'A', 'factor': "
         "0.73714159}, {'joint': 'B', 'factor': 1}]}], 'input': {'joint': 'A', 'speed': 200}}";
     for (int way = 0; way < 3; way++) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         lw_error e = { 0 };
         read_spatial(text, "belt", &m);
         formulation = way == 1 ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO;
@@ -1009,7 +975,6 @@ TEST(couplings_count_turns)
             CHECK_NEAR(p[0]*p[2], 0.5*sin(turn), 1e-8, 0);
             CHECK_NEAR(p[0]*p[0], 0.5 + 0.5*cos(turn), 1e-8, 0);
         }
-        lw_spatial_free(&m);
     }
     formulation = LW_FORMULATION_AUTO;
 }
@@ -1036,7 +1001,7 @@ TEST(a_hook_on_a_winch)
     static const double angle = 0.3;
     char text[2000];
     double x = sin(angle), z = -cos(angle);
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     snprintf(text, sizeof text, "{'linkwright': 1, 'gravity': [0, 0, -9.81], 'links': ['ground', {'name': 'drum', 'mass': 50, 'centre': [0, 1, 0], 'inertia': "
         "[2, 3, 2]}, {'name': 'rope', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [0.5, 0.5, 0.5]}, {'name': 'hook', 'mass': 800, 'centre': [%.17g, 0, %.17g], "
         "'inertia': [30, 30, 30]}], 'joints': [{'name': 'winch', 'links': ['ground', 'drum'], 'at': [0, 1, 0], 'axis': [0, 1, 0]}, {'name': 'head', 'kind': "
@@ -1069,7 +1034,6 @@ TEST(a_hook_on_a_winch)
     CHECK_NEAR(k.at[0].tracer.z, -6, 1e-9, 0);
     CHECK_NEAR(k.at[0].drive[0], -0.3*800*9.81, 1e-5, 0);
     CHECK_NEAR(k.at[0].coupling[0], 800*9.81, 1e-4, 0);
-    lw_spatial_free(&m);
 }
 
 /* A load on a massless elastic rope whose free length is 5 - 0.25 t^2, from the end of a jib that turns by 0.1 t^2. */
@@ -1088,7 +1052,7 @@ static lw_status crane_rate(void *context, double t, const double *y, double *dy
 
 TEST(a_crane_turns_and_hoists)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     lw_error e = { 0 };
     load_spatial("crane", &m);
     for (int i = 3; i <= 5; i++) {           /* rope and block become massless beside the load, and the load a point */
@@ -1107,7 +1071,6 @@ TEST(a_crane_turns_and_hoists)
         CHECK_NEAR(k.at[i].coupling[0], pull, 0, 1e-5);
         CHECK_NEAR(k.at[i].drive[1], 7*2 + 0.25*pull, 0, 1e-5);
     }
-    lw_spatial_free(&m);
 }
 
 /* A rack pulls its slide along the joint's axis, as a drive would: the joint carries what the mass beside the axis adds, whether the
@@ -1117,7 +1080,7 @@ TEST(a_coupling_pulls_along_the_axis_of_the_slide)
     static const char *const driven[] = { "'D', 'motion': 't^2'", "'S', 'motion': '0.5*t^2'" };
     for (int i = 0; i < 2; i++) {
         char text[1200];
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'd', 'mass': 1, 'centre': [0, 0, 1], 'inertia': [1, 1, 1]}, {'name': 'c', "
             "'mass': 2, 'centre': [0, 0.5, 0.3], 'inertia': [1, 2, 2.5], 'frame': {'x': [3, 4, 0], 'y': [-4, 3, 0]}}], 'joints': [{'name': 'D', 'links': "
             "['ground', 'd'], 'at': [0, 0, 1], 'axis': [0, 0, 1]}, {'name': 'S', 'kind': 'prismatic', 'links': ['ground', 'c'], 'at': [0, 0, 0], 'axis': "
@@ -1131,7 +1094,6 @@ TEST(a_coupling_pulls_along_the_axis_of_the_slide)
             CHECK(lw_v3_norm(lw_v3_sub(k.at[n].joint[1].moment, lw_v3(0, 0.6, -1))) < 1e-12);
             CHECK(lw_v3_norm(k.at[n].joint[1].force) < 1e-12);
         }
-        lw_spatial_free(&m);
     }
 }
 
@@ -1143,13 +1105,13 @@ TEST(a_weight_comes_to_rest)
                                "['ground', 'a'], 'at': [[0.1, 0.5, 1], [0.1, 0, 0]], 'stiffness': 50, 'free': 0.3}, {'links': ['ground', 'a'], 'at': [[1, "
                                "-0.2, 0.4], [0, 0.1, 0]], 'stiffness': 80, 'free': 0.2}], 'gravity': [0, 0, -9.81], 'tracers': [{'name': 'P', 'link': "
                                "'a', 'at': [0.1, 0, 0]}]}";
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(text, "weight", &m);
     run(&m, LW_ANALYSIS_STATIC, 1, 1, 1e-10);
     double least = k.at[0].energy;
     sample rest = k.at[0];
-    lw_space s;
-    lw_space_forces f;
+    OWN(lw_space) s = { 0 };
+    OWN(lw_space_forces) f = { 0 };
     lw_error e;
     lw_rng rng;
     lw_space_frame frame[2];
@@ -1169,9 +1131,6 @@ TEST(a_weight_comes_to_rest)
         lw_space_place(&s, q, frame);
         CHECK(lw_space_potential(&f, frame) > least);
     }
-    lw_space_forces_free(&f);
-    lw_space_free(&s);
-    lw_spatial_free(&m);
 }
 
 /* A spring that is wound up turns an arm with a weight far beyond half a turn: c (turn - free) = m g l cos(turn). */
@@ -1180,7 +1139,7 @@ TEST(a_wound_spring_comes_to_rest)
     static const double wound[] = { 2, 4, 10, -7.5 };
     for (int i = 0; i < 4; i++) {
         char text[700];
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0.3, 0, 0], 'inertia': "
                  "[0.01, 0.02, 0.03]}], 'joints': [{'name': 'J', 'links': ['ground', 'a'], 'at': [0, 0, 0], 'axis': [0, 1, 0]}], "
                  "'springs': [{'joint': 'J', 'stiffness': 5, 'free': %g}], 'gravity': [0, 0, -9.81], 'tracers': [{'name': "
@@ -1190,7 +1149,6 @@ TEST(a_wound_spring_comes_to_rest)
         double turn = atan2(-k.at[0].tracer.z, k.at[0].tracer.x), want = wound[i] + 9.81*0.3*k.at[0].tracer.x/5;
         CHECK(k.rest.stable);
         CHECK_NEAR(remainder(turn - want, 2*LW_PI), 0, 1e-10, 0);
-        lw_spatial_free(&m);
     }
 }
 
@@ -1200,7 +1158,7 @@ TEST(arms_fall_from_saddles)
 {
     for (int aside = 0; aside < 2; aside++) {
         char text[1500], *at = text;
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         at += sprintf(at, "{'linkwright': 1, 'links': ['ground'");
         for (int i = 0; i < 3; i++)
             at += sprintf(at, ", {'name': 'l%d', 'mass': %g, 'centre': [%g, %g, %g], 'inertia': [0.01, 0.012, 0.013]}", i, 1 - 0.1*i,
@@ -1213,7 +1171,6 @@ TEST(arms_fall_from_saddles)
         run(&m, LW_ANALYSIS_STATIC, 1, 1, 1e-10);
         CHECK(aside ? k.rest.stable : k.rest.neutral);
         CHECK(k.at[0].tracer.z < -0.6);
-        lw_spatial_free(&m);
     }
 }
 
@@ -1226,7 +1183,7 @@ TEST(drives_share_a_load)
                                "'at': [0, 0, 0], 'axis': [0, 0, 1]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0, 1, 0], 'axis': [0, 0, 1]}, {'name': "
                                "'C', 'links': ['b', 'c'], 'at': [1.2, 1.2, 0], 'axis': [0, 0, 1]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [1, 0, "
                                "0], 'axis': [0, 0, 1]}], 'input': {'joint': 'A', 'motion': '0.1*t + t^2'}, 'drives': [{'joint': 'A'}, {'joint': 'D'}]}";
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     double work = 0;
     read_spatial(text, "drives", &m);
     run(&m, LW_ANALYSIS_TRANSIENT, 0.5, 1000, 1e-12);
@@ -1237,7 +1194,6 @@ TEST(drives_share_a_load)
         work += (i == 0 || i == 1000 ? 1 : i%2 ? 4 : 2)*(tau[0]*a + tau[1]*c)*0.5/3000;
     }
     CHECK_NEAR(work, k.at[1000].work, 1e-9, 0);
-    lw_spatial_free(&m);
 }
 
 /* A weight half-way between two equal slides: each carries half of its force and moment, whichever rows the solver keeps.  Fifty of
@@ -1257,7 +1213,7 @@ TEST(redundant_slides_share_alike)
             used += snprintf(text + used, sizeof text - (size_t)used, "%s{'joint': '%c%d', 'stiffness': 1e3}", i ? ", " : "], 'springs': [",
                              "AB"[i%2], i/2);
         snprintf(text + used, sizeof text - (size_t)used, "], 'gravity': [1, 2, 0]}");
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         read_spatial(text, "slides", &m);
         for (int way = 0; way < 3; way++) {
             formulation = way == 1 ? LW_FORMULATION_INDEX1 : way == 2 ? LW_FORMULATION_RADAU : LW_FORMULATION_AUTO;
@@ -1271,7 +1227,6 @@ TEST(redundant_slides_share_alike)
             }
         }
         formulation = LW_FORMULATION_AUTO;
-        lw_spatial_free(&m);
     }
 }
 
@@ -1293,8 +1248,8 @@ TEST(a_pendulum_bounces)
         "'at': [0, 0, 0], 'axis': [0, 0, 1], 'stop': {'least': -0.5, 'restitution': 0.4}}]}";
     static const char plane[] = "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.4, 0], 'inertia': 0.03}], "
         "'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0], 'stop': {'least': -0.5, 'restitution': 0.4}}]}";
-    lw_spatial m;
-    lw_model p;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_model) p = { 0 };
     lw_dynamics *d;
     lw_dynamics_report report;
     lw_error e = { 0 };
@@ -1315,8 +1270,6 @@ TEST(a_pendulum_bounces)
         CHECK_NEAR(remainder(turn - planar_bounce[i], 2*LW_PI), 0, 1e-8, 0);
     }
     lw_dynamics_free(d);
-    lw_model_free(&p);
-    lw_spatial_free(&m);
 }
 
 /* A slider meets a compliant stop: its damper pushes but does not pull, so the slider leaves while the spring is still pressed
@@ -1329,7 +1282,7 @@ TEST(a_damped_stop)
     static const lw_formulation each[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_RADAU };
     const double b = 20, w = sqrt(2000 - b*b), end = atan2(2*b*w, b*b - w*w)/w;
     const double z = exp(-b*end)*sin(w*end)/w, speed = exp(-b*end)*(cos(w*end) - b/w*sin(w*end));
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(text, "text", &m);
     for (int f = 0; f < 3; f++) {
         formulation = each[f];
@@ -1338,7 +1291,6 @@ TEST(a_damped_stop)
         CHECK(q.energy_error < 1e-6*q.energy_scale);
     }
     formulation = LW_FORMULATION_AUTO;
-    lw_spatial_free(&m);
 }
 
 /* A slider between two compliant stops: arcs of 10 rad/s, and 0.7 s at 1 m/s between them. */
@@ -1349,7 +1301,7 @@ TEST(steps_end_at_compliant_stops)
         "[1, 0, 0], 'stop': {'least': -0.4, 'greatest': 0.3, 'stiffness': 100}}], 'inputs': [{'joint': 'S', 'speed': 1}]}";
     static const lw_formulation each[] = { LW_FORMULATION_RECURSIVE, LW_FORMULATION_INDEX1 };
     double t = 5*(LW_PI/5 + 1.4);                        /* five periods */
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(text, "text", &m);
     for (int f = 0; f < 2; f++) {
         formulation = each[f];
@@ -1357,7 +1309,6 @@ TEST(steps_end_at_compliant_stops)
         CHECK_NEAR(k.at[1].input, 0, 1e-9, 0);
     }
     formulation = LW_FORMULATION_AUTO;
-    lw_spatial_free(&m);
 }
 
 TEST(refuses_what_it_cannot)
@@ -1375,7 +1326,7 @@ TEST(refuses_what_it_cannot)
     };
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
         char text[1024];
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         lw_dynamics *r;
         lw_error e = { 0 };
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', %s}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': "
@@ -1385,7 +1336,6 @@ TEST(refuses_what_it_cannot)
         lw_dynamics_options o = lw_dynamics_options_default();
         CHECK(lw_dynamics_make_spatial(&m, &o, &r, &e) != LW_OK);
         CHECK_HAS(e.text, bad[i].says);
-        lw_spatial_free(&m);
     }
 }
 
@@ -1421,9 +1371,9 @@ TEST(derivatives_of_forces_and_rows)
         "'3*length^2 + rate*length'}], 'forces': [{'link': 'c', 'at': [1, 1, 0], 'fx': 'x(P)*vy(P)', 'fz': '3 + state(w)*length(S) + rate(S)', 'ty': "
         "'q(H)'}, {'link': 'b', 'at': [0, 1, 0.5], 'frame': 'link', 'fy': '4 + y(P)', 'tx': 2}], 'gravity': [0.5, -1, -9.81], 'tracers': [{'name': 'P', "
         "'link': 'c', 'at': [2, 0.2, 0.1]}]}";
-    lw_spatial m;
-    lw_space s;
-    lw_space_forces f;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_space) s = { 0 };
+    OWN(lw_space_forces) f = { 0 };
     lw_error e = { 0 };
     lw_rng rng;
     enum { N = 18, ALL = 19, ROWS = 40 };
@@ -1535,9 +1485,6 @@ TEST(derivatives_of_forces_and_rows)
         CHECK_NEAR(lw_space_coupling_bias(&s, j, frame, v), -rest[j], 1e-9, 0);
         CHECK(fabs(rest[j]) > 1e-2);
     }
-    lw_space_forces_free(&f);
-    lw_space_free(&s);
-    lw_spatial_free(&m);
 }
 
 /* A hanging body on a universal joint with a spring: two modes in closed form. */
@@ -1546,9 +1493,9 @@ TEST(modes_of_a_hanging_body)
     static const char text[] = "{'linkwright': 1, 'gravity': [0, 0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0, 0, -0.5], "
         "'inertia': [0.3, 0.2, 0.1]}], 'joints': [{'name': 'U', 'kind': 'universal', 'links': ['ground', 'a'], 'at': [0, 0, 0], 'axis': [1, 0, 0], "
         "'second_axis': [0, 1, 0]}], 'springs': [{'links': ['ground', 'a'], 'at': [[1, 0, -0.5], [0, 0, -0.5]], 'stiffness': 30, 'free': 1}]}";
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     lw_dynamics *d;
-    lw_modes modes;
+    OWN(lw_modes) modes = { 0 };
     lw_error e = { 0 };
     double q[7];
     lw_dynamics_options o = lw_dynamics_options_default();
@@ -1559,9 +1506,7 @@ TEST(modes_of_a_hanging_body)
     CHECK_INT(modes.n_mode, 2);
     CHECK_NEAR(2*LW_PI*modes.mode[0].frequency, sqrt(9.81/.8), 1e-10, 0);
     CHECK_NEAR(2*LW_PI*modes.mode[1].frequency, sqrt((9.81 + 7.5)/.7), 1e-10, 0);
-    lw_modes_free(&modes);
     lw_dynamics_free(d);
-    lw_spatial_free(&m);
 }
 
 /* An input held along a slide that swings, or at the height of a tracer: the force that holds it brings back. */
@@ -1576,9 +1521,9 @@ TEST(modes_with_inputs_held)
         "'inertia': [0.3, 0.4, 0.3]}], 'joints': [{'name': 'E', 'kind': 'planar', 'links': ['ground', 'a'], 'at': [0, 0, 0], 'axis': [0, 1, 0]}], "
         "'inputs': [{'tracer': 'P', 'coordinate': 'z'}, {'tracer': 'P', 'coordinate': 'x'}], 'tracers': [{'name': 'P', 'link': 'a', 'at': [0, 0, 0]}]}";
     for (int i = 0; i < 2; i++) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         lw_dynamics *d;
-        lw_modes modes;
+        OWN(lw_modes) modes = { 0 };
         lw_error e = { 0 };
         double q[14];
         lw_dynamics_options o = lw_dynamics_options_default();
@@ -1590,9 +1535,7 @@ TEST(modes_with_inputs_held)
         CHECK_INT(modes.n_mode, 1);
         double want = i ? sqrt(2*9.81*0.5/(0.4 + 0.5)) : sqrt(9.81*2/(0.1 + 0.01 + 4));
         CHECK_NEAR(2*LW_PI*modes.mode[0].frequency, want, 1e-9, 0);
-        lw_modes_free(&modes);
         lw_dynamics_free(d);
-        lw_spatial_free(&m);
     }
 }
 
@@ -1607,9 +1550,9 @@ TEST(modes_of_points_of_mass)
         "[[0.8, -1.5, -2.8], [2.8, -1.8, -3]], 'stiffness': 770}]}";
     double slow[2][4] = { { 0 } }, q[14];
     for (int i = 0; i < 2; i++) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         lw_dynamics *d;
-        lw_modes modes;
+        OWN(lw_modes) modes = { 0 };
         lw_error e = { 0 };
         char all[2000];
         double a = i ? 1e-12 : 1e-9, b = i ? 1e-14 : 1e-10;
@@ -1622,9 +1565,7 @@ TEST(modes_of_points_of_mass)
         CHECK_INT(modes.n_mode, 4);
         for (int j = 0; j < 4 && j < modes.n_mode; j++)
             slow[i][j] = modes.mode[j].frequency;
-        lw_modes_free(&modes);
         lw_dynamics_free(d);
-        lw_spatial_free(&m);
     }
     for (int j = 0; j < 4; j++)
         CHECK_NEAR(slow[1][j], slow[0][j], 0, 1e-7);
@@ -1672,7 +1613,7 @@ TEST(implicit_steps_turn_in_space)
 /* A tool driven beyond what the loops reach: how far they stay open, and where. */
 TEST(loops_that_do_not_close)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     lw_error e = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_dynamics *d;
@@ -1687,5 +1628,4 @@ TEST(loops_that_do_not_close)
     CHECK_HAS(e.text, "z of tool = -1.08972474 m");       /* the lowest place, sqrt(1.1^2 - 0.15^2) = 1.089724736 */
     CHECK_HAS(e.text, "m open");
     lw_dynamics_free(d);
-    lw_spatial_free(&m);
 }

@@ -37,7 +37,6 @@ static lw_status rest_of(const char *format, double a, double b, bool *unique)
 static void drop(void)
 {
     lw_dynamics_free(made);
-    lw_model_free(&d.model);
 }
 
 /* ---- one freedom ---------------------------------------------------------------------------------- */

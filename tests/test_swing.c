@@ -101,8 +101,8 @@ TEST(the_true_dimensions_have_no_error)
     for (int trial = 0; trial < 90; trial++) {
         lw_linkage k = random_net(&net[trial % N_NET], &rng);
         lw_family f = { .name = net[trial % N_NET].name, .linkage = &k, .posture = true, .links = 6 };
-        lw_target t;
-        lw_problem p;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_problem) p = { 0 };
         journey way;
         double x[LW_VAR_MAX], dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
         if (!travel(&k, STATIONS, &way))
@@ -121,8 +121,6 @@ TEST(the_true_dimensions_have_no_error)
             many += way.limits > 2;
         }
         free(w);
-        lw_problem_free(&p);
-        lw_target_free(&t);
     }
     for (int i = 0; i < N_NET; i++)
         CHECK(seen[i] > 10);
@@ -145,8 +143,8 @@ TEST(derivatives_hold_over_limits)
     for (int trial = 0; trial < 24; trial++) {
         lw_linkage k = random_net(&net[trial % N_NET], &rng);
         lw_family f = { .name = net[trial % N_NET].name, .linkage = &k, .posture = true, .links = 6 };
-        lw_target t;
-        lw_problem p;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_problem) p = { 0 };
         journey way;
         double x[LW_VAR_MAX], grad[LW_VAR_MAX];
         if (!travel(&k, 15, &way))
@@ -178,8 +176,6 @@ TEST(derivatives_hold_over_limits)
             checked++;
         }
         free(work);
-        lw_problem_free(&p);
-        lw_target_free(&t);
     }
     CHECK(checked > 100 && rough < checked/5 && idle < 8);
 }
@@ -193,8 +189,8 @@ TEST(a_search_finds_the_curve)
     for (int which = 0; which < 2; which++) {
         lw_linkage k;
         journey way;
-        lw_target t;
-        lw_fit fit;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_fit) fit = { 0 };
         lw_error e = { .text = "" };
         lw_fit_options o = lw_fit_options_default();
         do
@@ -216,8 +212,6 @@ TEST(a_search_finds_the_curve)
             CHECK_TEXT(r->fault, "");
             CHECK(r->verified);
         }
-        lw_fit_free(&fit);
-        lw_target_free(&t);
     }
     free(r);
 }

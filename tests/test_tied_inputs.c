@@ -172,7 +172,7 @@ TEST(moves_as_a_gear_pair)
 TEST(goes_with_the_first_in_time)
 {
     for (int slides = 0; slides < 2; slides++) {
-        lw_model m;
+        OWN(lw_model) m = { 0 };
         lw_linkage k, there;
         KEPT_SYSTEM s = { 0 };
         lw_prescribed_motion *d;
@@ -196,7 +196,6 @@ TEST(goes_with_the_first_in_time)
             CHECK_NEAR(u[3], k.input[1].ratio*0.6*cos(2*t), 1e-12, 0);
         }
         lw_prescribed_motion_free(d);
-        lw_model_free(&m);
     }
 }
 
@@ -399,8 +398,8 @@ TEST(explained)
 TEST(shown_and_exported)
 {
     lw_linkage k;
-    lw_scene s;
-    lw_bytes out = { 0 };
+    OWN(lw_scene) s = { 0 };
+    OWN(lw_bytes) out = { 0 };
     lw_error e = { .text = "" };
     five_bar(&k, -1, false);
     k.joint[1].at = lw_v2(30, 0);
@@ -412,7 +411,6 @@ TEST(shown_and_exported)
         lw_vec2 both = lw_v2_turn(p[1].turn, p[2].turn);
         CHECK_POINT(both, 1, 0, 1e-9, 0);
     }
-    lw_scene_free(&s);
     CHECK_INT(lw_export_adams(LW_VIEW(&k), NULL, &out, &e), LW_OK);
     CHECK_HAS(out.data, "COUPLER/06, JOINTS = 01, 02, SCALES = -1, -1");
     CHECK(!strstr(out.data, "MOTION/02"));
@@ -420,7 +418,6 @@ TEST(shown_and_exported)
     CHECK_INT(lw_export_mjcf(LW_VIEW(&k), NULL, &out, &e), LW_OK);
     CHECK_HAS(out.data, "joint1=\"J2\" joint2=\"J1\" polycoef=\"0 -1 0 0 0\"");
     CHECK(!strstr(out.data, "J2 drive"));
-    lw_bytes_free(&out);
 }
 
 /* ---- every chain ------------------------------------------------------------------------------------ */

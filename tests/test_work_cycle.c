@@ -88,13 +88,12 @@ TEST(refused)
         { CYCLE("{'to': {'y': 1}, 'straight': @1}"), "true or false" } };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         char text[600];
-        lw_work_cycle c;
+        OWN(lw_work_cycle) c = { 0 };
         json_format(text, sizeof text, "%s", rows[i].text);
         char *mark = strchr(text, '@'), *line = memrchr(text, '\n', (size_t)(mark - text));
         memmove(mark, mark + 1, strlen(mark));
         error = (lw_error){ 0 };
         CHECK_INT(lw_work_cycle_read(text, strlen(text), "f", &c, &error), LW_E_NOTATION);
-        lw_work_cycle_free(&c);
         CHECK_HAS(error.text, rows[i].says);
         CHECK_INT(error.line, line ? 2 : 1);
         CHECK_INT(error.column, mark - (line ? line + 1 : text) + 1);
