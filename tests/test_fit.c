@@ -45,17 +45,15 @@ static void check_order(const lw_target *t, const lw_candidate *c)
 static double curve_gap(const lw_candidate *a, const lw_candidate *b)
 {
     enum { N = 360 };
+    lw_vec2 on_b[N + 1];
     double most = 0;
+    for (int k = 0; k <= N; k++)
+        on_b[k] = coupler_point(b, b->intended.mode[0], 2*LW_PI*k/N);
     for (int i = 0; i < N; i++) {
         lw_vec2 p = coupler_point(a, a->intended.mode[0], 2*LW_PI*i/N);
         double least = INFINITY;
-        for (int k = 0; k < N; k++) {
-            lw_vec2 q = coupler_point(b, b->intended.mode[0], 2*LW_PI*k/N);
-            lw_vec2 d = lw_v2_sub(coupler_point(b, b->intended.mode[0], 2*LW_PI*(k + 1)/N), q);
-            double d2 = lw_v2_dot(d, d), u = d2 > 0 ? lw_v2_dot(lw_v2_sub(p, q), d)/d2 : 0;
-            u = fmax(0, fmin(1, u));
-            least = fmin(least, lw_v2_norm(lw_v2_sub(p, lw_v2_add(q, lw_v2_scale(d, u)))));
-        }
+        for (int k = 0; k < N; k++)
+            least = lw_v2_nearer(p, on_b[k], on_b[k + 1], least);
         most = fmax(most, least);
     }
     return most;
@@ -151,8 +149,8 @@ TEST(reach_the_published_figures)
 {
     for (int i = 0; i < N_PROBLEM; i++) {
         const published *p = &problems[i];
-        lw_target t;
-        lw_fit fit;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_fit) fit = { 0 };
         lw_error e = { .text = "" };
         read_target(p->name, &t);
         lw_fit_options o = options_of(p, &t);
@@ -169,8 +167,6 @@ TEST(reach_the_published_figures)
                 CHECK_NEAR(remainder(c->input[q] - t.angle[q] - c->input0, 2*LW_PI), 0, 1e-14, 0);
             CHECK(!p->frame || c->input0 == 0);
         }
-        lw_fit_free(&fit);
-        lw_target_free(&t);
     }
 }
 
@@ -194,7 +190,7 @@ TEST(repeat_on_any_number_of_threads)
 {
     static const char *const names[] = { "closed18", "line6", "closed18free" };
     for (int i = 0; i < 3; i++) {
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_fit fit[4];
         read_target(names[i], &t);
         lw_fit_options o = lw_fit_options_default();
@@ -213,7 +209,6 @@ TEST(repeat_on_any_number_of_threads)
         }
         for (int k = 0; k < 4; k++)
             lw_fit_free(&fit[k]);
-        lw_target_free(&t);
     }
 }
 
@@ -238,9 +233,9 @@ static lw_status fit_points(const points *p, const char *types, int rounds, long
 /* Best objective over the square of the size, all claims checked. */
 static double best_from(const points *p, int rounds, long starts)
 {
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_fit_options o;
-    lw_fit fit;
+    OWN(lw_fit) fit = { 0 };
     lw_error e;
     lw_status st = fit_points(p, "fourbar", rounds, starts, &t, &o, &fit, &e);
     CHECK_INT(st, LW_OK);
@@ -248,8 +243,6 @@ static double best_from(const points *p, int rounds, long starts)
         fprintf(stderr, "%s\n", e.text);
     double f = fit.n > 0 ? fit.candidate[0].objective/(t.size*t.size) : INFINITY;
     check_list(&t, &o, &fit);
-    lw_fit_free(&fit);
-    lw_target_free(&t);
     return f;
 }
 
@@ -283,15 +276,13 @@ TEST(one_place_is_refused)
     points p = { 1, { 4 }, { 2 }, false }, again = { 3, { 4, 4, 4 }, { 2, 2, 2 }, false };
     const points *each[] = { &p, &again };
     for (int i = 0; i < 2; i++) {
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_fit_options o;
-        lw_fit fit;
+        OWN(lw_fit) fit = { 0 };
         lw_error e;
         CHECK_INT(fit_points(each[i], "fourbar", 1, 0, &t, &o, &fit, &e), LW_E_ARG);
         CHECK_HAS(e.text, "point");
         CHECK_INT(fit.n, 0);
-        lw_fit_free(&fit);
-        lw_target_free(&t);
     }
 }
 
@@ -326,8 +317,8 @@ static double excess(const lw_target *t, const lw_candidate *c)
  * smaller error at the stations. */
 TEST(a_drawn_curve_is_followed_between_its_stations)
 {
-    lw_target t;
-    lw_fit fit;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_fit) fit = { 0 };
     lw_error e = { .text = "" };
     lw_fit_options o = lw_fit_options_default();
     o.max_rounds = 5;
@@ -344,8 +335,6 @@ TEST(a_drawn_curve_is_followed_between_its_stations)
         least = fmin(least, c->objective);
     }
     CHECK(strays && least < fit.candidate[0].objective);
-    lw_fit_free(&fit);
-    lw_target_free(&t);
 }
 
 /* Order, size and place are not what a path is. */
@@ -418,8 +407,8 @@ TEST(functions_are_generated)
 {
     enum { N = 21 };
     double in[N], out[N];
-    lw_target t;
-    lw_fit fit;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_fit) fit = { 0 };
     for (int i = 0; i < N; i++) {                        /* log10 of 1 .. 2 over 60 and 90 degrees  */
         in[i] = LW_PI/3*i/(N - 1);
         out[i] = LW_PI/2*log(1 + (double)i/(N - 1))/log(2);
@@ -439,8 +428,6 @@ TEST(functions_are_generated)
                 most = fmax(most, fabs(fabs(a->dim[d]) - fabs(b->dim[d])));
             CHECK(most > 1e-4);
         }
-    lw_fit_free(&fit);
-    lw_target_free(&t);
 }
 
 /* A function whose output falls as the input rises is the same work for a linkage whose input turns the other way. */
@@ -449,8 +436,8 @@ TEST(a_function_may_turn_either_way)
     enum { N = 15 };
     double in[N], out[N], best[2];
     for (int way = 0; way < 2; way++) {
-        lw_target t;
-        lw_fit fit;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_fit) fit = { 0 };
         for (int i = 0; i < N; i++) {
             in[i] = LW_PI/2*i/(N - 1);
             out[i] = (way ? -1 : 1)*LW_PI/2*pow((double)i/(N - 1), 2);
@@ -464,8 +451,6 @@ TEST(a_function_may_turn_either_way)
         const lw_candidate *c = &fit.candidate[0];
         for (int i = 1; i < N; i++)
             CHECK_NEAR(c->input[i] - c->input[0], c->intended.sense*in[i], 1e-12, 0);
-        lw_fit_free(&fit);
-        lw_target_free(&t);
     }
     CHECK_NEAR(best[0], best[1], 0, 0.02);
 }
@@ -479,8 +464,8 @@ TEST(the_unit_of_a_motion_does_not_matter)
     int n_dim = 0;
     for (int k = 0; k < 2; k++) {
         double size = k ? 1e-3 : 1, x[N], y[N];
-        lw_target t;
-        lw_fit fit;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_fit) fit = { 0 };
         for (int i = 0; i < N; i++) {
             x[i] = size*0.4*i;
             y[i] = size*(0.3*i - 0.05*i*i);
@@ -494,8 +479,6 @@ TEST(the_unit_of_a_motion_does_not_matter)
         CHECK_INT(lw_fit_run(&t, &o, &fit, NULL), LW_OK);
         n_dim = fit.candidate[0].n_dim;
         memcpy(dim[k], fit.candidate[0].dim, sizeof dim[k]);
-        lw_fit_free(&fit);
-        lw_target_free(&t);
     }
     for (int d = 0; d + 1 < n_dim; d++)                       /* the last is theta0               */
         worst = fmax(worst, fabs(1e3*dim[1][d] - dim[0][d]));
@@ -515,8 +498,8 @@ TEST(stops_when_told_and_keeps_what_it_has)
 {
     points p = curve(20, eight);
     int rounds = 0;
-    lw_target t;
-    lw_fit fit;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_fit) fit = { 0 };
     CHECK_INT(lw_target_make(p.n, p.x, p.y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
     lw_fit_options o = lw_fit_options_default();
     interrupt = 0;
@@ -539,14 +522,12 @@ TEST(stops_when_told_and_keeps_what_it_has)
     CHECK_INT(lw_fit_run(&t, &o, &fit, NULL), LW_STOPPED);
     CHECK_INT(fit.stop, LW_STOP_TIME);
     check_list(&t, &o, &fit);
-    lw_fit_free(&fit);
-    lw_target_free(&t);
 }
 
 TEST(says_why_nothing_can_be_done)
 {
     points p = curve(8, egg);
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_fit_options o;
     lw_fit fit;
     lw_error e;
@@ -563,15 +544,14 @@ TEST(says_why_nothing_can_be_done)
     o.spec.task = LW_TASK_MOTION;
     CHECK_INT(lw_fit_run(&t, &o, &fit, &e), LW_E_ARG);
     CHECK_HAS(e.text, "theta");
-    lw_target_free(&t);
 }
 
 /* A crank-rocker with an input longer than every other link: bounds that Grashof's condition contradicts. */
 TEST(contradictory_bounds_give_nothing)
 {
     points p = curve(8, egg);
-    lw_target t;
-    lw_fit fit;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_fit) fit = { 0 };
     CHECK_INT(lw_target_make(p.n, p.x, p.y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
     lw_fit_options o = lw_fit_options_default();
     o.spec.crank_only = o.spec.exclude_drag_link = true;
@@ -582,6 +562,4 @@ TEST(contradictory_bounds_give_nothing)
     o.max_rounds = 1;
     CHECK_INT(lw_fit_run(&t, &o, &fit, NULL), LW_NOTHING);
     CHECK_INT(fit.n, 0);
-    lw_fit_free(&fit);
-    lw_target_free(&t);
 }
