@@ -130,11 +130,10 @@ static void move_alike(const lw_linkage *a, const lw_linkage *b)
 
 static lw_status read_back(const char *text, size_t size, lw_linkage *k, lw_error *e)
 {
-    lw_assembly a;
+    OWN(lw_assembly) a = { 0 };
     lw_status s = lw_adams_read(text, size, "t", &a, e);
     if (s == LW_OK)
         s = lw_assembly_linkage(&a, k, e);
-    lw_assembly_free(&a);
     return s;
 }
 
@@ -143,7 +142,7 @@ static void there_and_back(const lw_linkage *k)
     static lw_linkage back;
     static seen w;
     lw_error e = { 0 };
-    lw_bytes b = dataset(k);
+    OWN(lw_bytes) b = dataset(k);
     int gears = 0;
     w = (seen){ .k = k };
     CHECK_INT(lw_adams_scan(b.data, b.size, "t", look, &w, &e), LW_OK);
@@ -168,7 +167,6 @@ static void there_and_back(const lw_linkage *k)
         else
             CHECK_NEAR(lw_v2_norm(lw_v2_sub(back.joint[j].along, k->joint[j].along)), 0, 1e-14, 0);
     move_alike(k, &back);
-    lw_bytes_free(&b);
 }
 
 TEST(examples_there_and_back)
@@ -188,7 +186,7 @@ TEST(examples_there_and_back)
 TEST(as_plasma_writes)
 {
     lw_linkage k = example("hoeken");
-    lw_bytes b = dataset(&k);
+    OWN(lw_bytes) b = dataset(&k);
     CHECK_HAS(b.data, "ADAMS/View model name: Hoeken straight-line linkage\n");
     CHECK_HAS(b.data, "PART/01, GROUND\n");
     CHECK_HAS(b.data, "MARKER/0201, PART = 02, QP = 0, 0, 0\n");
@@ -202,7 +200,6 @@ TEST(as_plasma_writes)
     k = example("chebyshev");                          /* rocks: there and back within its way */
     b = dataset(&k);
     CHECK_HAS(b.data, "*SIN(2*PI*TIME + ");
-    lw_bytes_free(&b);
 }
 
 /* As other programs write: continued lines, part frames, degrees, millimetres, floating words. */
@@ -275,7 +272,7 @@ TEST(loads_are_written)
     };
     for (size_t i = 0; i < LOADED_COUNT; i++) {
         static drun d;
-        lw_bytes b = { 0 };
+        OWN(lw_bytes) b = { 0 };
         lw_error e = { 0 };
         lw_linkage back;
         memset(&d, 0, sizeof d);
@@ -294,7 +291,5 @@ TEST(loads_are_written)
         lw_bytes_free(&b);
         CHECK_INT(lw_export_adams_commands(LW_VIEW(d.model.small), &o, &b, &e), LW_OK);
         CHECK_HAS(b.data, "SIMULATE/DYNAMICS");
-        lw_bytes_free(&b);
-        lw_model_free(&d.model);
     }
 }

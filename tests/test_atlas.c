@@ -205,7 +205,7 @@ static void finds_itself(const lw_atlas_tree *t, size_t which, lw_store *s)
     for (int i = 1; i < n; i++)
         CHECK(hit[i].distance >= hit[i - 1].distance);
     /* its linkage runs through the target, apart from what the nearest of so few curves is away */
-    lw_scene scene;
+    OWN(lw_scene) scene = { 0 };
     lw_scene_options o = lw_scene_options_default();
     lw_descriptor d;
     double worst = 0;
@@ -229,7 +229,6 @@ static void finds_itself(const lw_atlas_tree *t, size_t which, lw_store *s)
     }
     CHECK(scene.n_curve > 0);
     CHECK_NEAR(worst, 0, 0.02*d.size, 0);
-    lw_scene_free(&scene);
 }
 
 TEST(curves_find_themselves)

@@ -107,7 +107,7 @@ static lw_graph heawood(void)
 
 static size_t order_of(const lw_graph *g)
 {
-    lw_symmetry_group group;
+    OWN(lw_symmetry_group) group = { 0 };
     uint8_t (*element)[LW_GRAPH_MAX];
     size_t n;
     CHECK_INT(lw_graph_group(g, &group), LW_OK);
@@ -121,7 +121,6 @@ static size_t order_of(const lw_graph *g)
         }
     }
     free(element);
-    lw_symmetry_group_free(&group);
     return n;
 }
 

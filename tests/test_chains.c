@@ -43,13 +43,12 @@ TEST(larger_counts)
     for (size_t k = 0; k < sizeof known/sizeof *known; k++) {
         lw_chains *chains = chains_of(known[k].n_link, known[k].dof);
         lw_chain_walk how = one_thread();
-        lw_chain_table table;
+        OWN(lw_chain_table) table = { 0 };
         uint64_t n = 0;
         CHECK_INT(lw_chains_count(chains, &how, &table), LW_OK);
         CHECK_INT(table.total.n_chain, known[k].n_chain);
         CHECK_INT(lw_fractionated_each(known[k].n_link, known[k].dof, count_fractionated, &n, NULL), LW_OK);
         CHECK_INT(n, known[k].n_fractionated);
-        lw_chain_table_free(&table);
         lw_chains_free(chains);
     }
 }
@@ -152,11 +151,10 @@ static void same_pools(const pool *a, const pool *b)
 static lw_whole generating_sum(int n_link, int dof)
 {
     lw_numbers numbers;
-    lw_chain_table table;
+    OWN(lw_chain_table) table = { 0 };
     CHECK_INT(lw_numbers_for_links(n_link, dof, 0, &numbers, NULL), LW_OK);
     CHECK_INT(lw_labelled_chains(&numbers, &table, NULL), LW_OK);
     lw_whole n = table.total.n_labelled;
-    lw_chain_table_free(&table);
     return n;
 }
 
@@ -187,15 +185,13 @@ TEST(generating_functions_agree)
     for (size_t k = 0; k < sizeof size/sizeof *size; k++) {
         lw_chains *chains = chains_of(size[k][0], size[k][1]);
         lw_chain_walk how = one_thread();
-        lw_chain_table all, table;
+        OWN(lw_chain_table) all = { 0 }, table = { 0 };
         CHECK_INT(lw_chains_count(chains, &how, &all), LW_OK);
         how.filter = lw_filter_find("generating");
         CHECK_INT(lw_chains_count(chains, &how, &table), LW_OK);
         CHECK(all.total.n_chain > 0 && all.total.n_chain == table.total.n_chain);
         for (size_t i = 0; i < all.n_row; i++)
             CHECK_INT(table.row[i].n.n_chain, all.row[i].n.n_chain);
-        lw_chain_table_free(&all);
-        lw_chain_table_free(&table);
         lw_chains_free(chains);
     }
 }
@@ -317,13 +313,12 @@ TEST(parts_make_the_whole)
         pool p = { 0 };
         for (int part = 0; part < n_part; part++) {
             lw_chain_walk how = one_thread();
-            lw_chain_table table;
+            OWN(lw_chain_table) table = { 0 };
             how.part = part;
             how.n_part = n_part;
             CHECK_INT(lw_chains_each(chains, &how, pool_item, &p), LW_OK);       /* disjoint */
             CHECK_INT(lw_chains_count(chains, &how, &table), LW_OK);
             n += table.total.n_chain;
-            lw_chain_table_free(&table);
         }
         CHECK_INT(p.n, 230);
         CHECK_INT(n, 230);
@@ -332,9 +327,8 @@ TEST(parts_make_the_whole)
     lw_chain_walk how = one_thread();
     how.part = 3;
     how.n_part = 3;
-    lw_chain_table table;
+    OWN(lw_chain_table) table = { 0 };
     CHECK_INT(lw_chains_count(chains, &how, &table), LW_E_ARG);
-    lw_chain_table_free(&table);
     CHECK_INT(lw_chains_print(chains, &how, LW_GRAPH6_SIZE + 1, print_graph6, append, &whole), LW_E_ARG);
     CHECK_INT(lw_chains_each(chains, &how, append_item, &whole), LW_E_ARG);
     free(whole.at);
@@ -385,7 +379,7 @@ TEST(filters_agree_with_themselves)
         lw_chains *chains = chains_of(sizes[k][0], sizes[k][1]);
         for (const lw_filter *f = lw_filters; f->name; f++) {
             lw_chain_walk how = one_thread();
-            lw_chain_table table;
+            OWN(lw_chain_table) table = { 0 };
             CHECK(lw_filter_find(f->name) == f);
             CHECK_INT(lw_chains_each(chains, &how, ask_both, (void *)f), LW_OK);
             how.filter = f;
@@ -397,7 +391,6 @@ TEST(filters_agree_with_themselves)
                 lines += t.at[i] == '\n';
             if (!generating || sizes[k][1] > 0)
                 CHECK_INT(table.total.n_chain, lines);
-            lw_chain_table_free(&table);
             free(t.at);
         }
         lw_chains_free(chains);
@@ -428,7 +421,7 @@ TEST(stops_when_asked)
     lw_chains *chains = chains_of(12, 1);
     for (int n_thread = 1; n_thread <= 3; n_thread++) {
         lw_chain_walk how = one_thread();
-        lw_chain_table table;
+        OWN(lw_chain_table) table = { 0 };
         int n = 0;
         double done = 0;
         text t = { 0 };
@@ -443,7 +436,6 @@ TEST(stops_when_asked)
         CHECK(done >= 0.5 && done < 1 && t.n > 0 && t.n % 13 == 0);
         CHECK_INT(lw_chains_each(chains, &how, append_item, &t), LW_STOPPED);
         CHECK_INT(lw_chains_count(chains, &how, &table), LW_STOPPED);
-        lw_chain_table_free(&table);
         free(t.at);
     }
     lw_chains_free(chains);

@@ -5,10 +5,9 @@
 static int list_commands(char name[32][32])
 {
     int n = 0;
-    ran r = run("$P help | grep -oE '^  [a-z]+ ' | grep -v help");
+    OWN(ran) r = run("$P help | grep -oE '^  [a-z]+ ' | grep -v help");
     for (char *word = strtok(r.out, " \n"); word && n < 32; word = strtok(NULL, " \n"))
         snprintf(name[n++], sizeof name[0], "%s", word);
-    ran_free(&r);
     return n;
 }
 
@@ -19,8 +18,8 @@ TEST(help_of_every_command)
     int n = list_commands(name);
     CHECK(n >= 4);
     for (int i = 0; i < n; i++) {
-        ran a = run_with("$P %s --help", name[i]);
-        ran b = run_with("$P help %s", name[i]);
+        OWN(ran) a = run_with("$P %s --help", name[i]);
+        OWN(ran) b = run_with("$P help %s", name[i]);
         CHECK_INT(a.code, 0);
         CHECK_TEXT(a.out, b.out);
         CHECK(strstr(a.out, "Examples:") && strstr(a.out, "Examples:") < strstr(a.out, "Options"));
@@ -28,8 +27,6 @@ TEST(help_of_every_command)
             CHECK_HAS(a.out, common[o]);
         snprintf(line, sizeof line, ".SS %s ", name[i]);
         expect("$P help --roff", 0, line, NULL);
-        ran_free(&a);
-        ran_free(&b);
     }
     expect("$P help", 0, "classify", NULL);
     expect("$P --help", 0, "classify", NULL);

@@ -12,7 +12,7 @@ static bool make_case(const char *family, lw_timing timing, double transmission,
                       lw_rng *rng, member *m, lw_problem *p, double *x)
 {
     stations st;
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_error e;
     lw_fit_spec spec = lw_fit_spec_default();
     spec.timing = timing;
@@ -25,7 +25,6 @@ static bool make_case(const char *family, lw_timing timing, double transmission,
     target_of(&st, &spec, &t);
     CHECK_INT(lw_problem_make(&t, &spec, m->family, 1, 1, p, &e), LW_OK);
     variables_of(p, m, x);
-    lw_target_free(&t);
     return true;
 }
 
@@ -44,7 +43,7 @@ TEST(counts_are_those_asked_for)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
     member m;
-    lw_problem p;
+    OWN(lw_problem) p = { 0 };
     double x[LW_VAR_MAX];
     CHECK(make_case("crank-rocker", LW_TIMING_FREE, 0, 0, &rng, &m, &p, x));
     CHECK_INT(lw_problem_constraint_count(&p), 3);
@@ -56,7 +55,6 @@ TEST(counts_are_those_asked_for)
     CHECK(make_case("any four-bar", LW_TIMING_PRESCRIBED, 0.5, 3, &rng, &m, &p, x));
     CHECK_INT(lw_problem_constraint_count(&p), 9 + 2*LW_CURVE_SAMPLES);
     CHECK(lw_problem_is_nonlinear(&p));
-    lw_problem_free(&p);
 }
 
 /* Linear conditions of a crank-rocker by their meaning. */
@@ -66,7 +64,7 @@ TEST(linear_ones_are_grashofs)
     lw_rng_seed(&rng, check_seed(), 2);
     for (int trial = 0; trial < 50; trial++) {
         member m;
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX];
         make_case("crank-rocker", LW_TIMING_FREE, 0, 0, &rng, &m, &p, x);
         double *g = conditions(&p, x, NULL), r1 = x[0], r2 = x[1], r3 = x[2], r4 = x[3], least = INFINITY;
@@ -75,7 +73,6 @@ TEST(linear_ones_are_grashofs)
             least = fmin(least, g[j]);
         CHECK_NEAR(least, want, 1e-14, 1e-13);
         free(g);
-        lw_problem_free(&p);
     }
 }
 
@@ -87,7 +84,7 @@ TEST(transmission_is_that_of_the_triangle)
     lw_rng_seed(&rng, check_seed(), 3);
     for (int trial = 0; trial < 50; trial++) {
         member m;
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX], limit = lw_rng_range(&rng, 0.2, 1.4), least = INFINITY, want = INFINITY;
         make_case("crank-rocker", trial % 2 ? LW_TIMING_FREE : LW_TIMING_NONE, limit, 0, &rng, &m, &p, x);
         double *g = conditions(&p, x, NULL);
@@ -104,7 +101,6 @@ TEST(transmission_is_that_of_the_triangle)
         }
         CHECK_NEAR(least, want, 1e-12, 0);
         free(g);
-        lw_problem_free(&p);
     }
 }
 
@@ -228,7 +224,7 @@ TEST(extremes_between_samples_are_found)
     for (int trial = 0; trial < 40; trial++) {
         enum { FINE = 5000 };
         member m;
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX] = { 0 }, most = 2, want = INFINITY, least = INFINITY;
         make_case(trial % 2 ? "crank-rocker" : "slider-crank", LW_TIMING_FREE, 0, most, &rng, &m, &p, x);
         double *g = conditions(&p, x, NULL);
@@ -240,7 +236,6 @@ TEST(extremes_between_samples_are_found)
         for (size_t k = 0; k < LW_CURVE_SAMPLES; k++)
             least = fmin(least, g[(size_t)p.n_linear + k]);
         free(g);
-        lw_problem_free(&p);
         if (want > 0.5) {                                        /* far from the limit: samples are enough      */
             n_far++;
             CHECK_NEAR(least, want, 0.1, 0);
@@ -352,9 +347,9 @@ TEST(derivatives_are_those_of_differences)
     lw_rng_seed(&rng, check_seed(), 5);
     for (int trial = 0; trial < 6*N_FAMILY; trial++) {
         member m;
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         stations st;
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         double x[LW_VAR_MAX] = { 0 };
         lw_fit_spec spec = lw_fit_spec_default();
         spec.timing = trial % 3 == 0 ? LW_TIMING_PRESCRIBED : trial % 3 == 1 ? LW_TIMING_FREE : LW_TIMING_NONE;
@@ -372,8 +367,6 @@ TEST(derivatives_are_those_of_differences)
         variables_of(&p, &m, x);
         compare_derivatives(&p, x, &smooth, &all);
         compare_near(&p, x, 0.1*(trial % 5), &near);
-        lw_problem_free(&p);
-        lw_target_free(&t);
     }
     CHECK(smooth > 0.6*(double)all && near > 500);
 }
@@ -387,8 +380,8 @@ TEST(derivatives_of_a_six_bar)
     lw_rng_seed(&rng, check_seed(), 8);
     for (int trial = 0; trial < 9; trial++) {
         stations st = { .n = 12, .closed = true };
-        lw_problem p;
-        lw_target t;
+        OWN(lw_problem) p = { 0 };
+        OWN(lw_target) t = { 0 };
         double x[LW_VAR_MAX];
         lw_fit_spec spec = lw_fit_spec_default();
         spec.timing = (lw_timing)(trial % LW_TIMINGS);
@@ -404,8 +397,6 @@ TEST(derivatives_of_a_six_bar)
         if (isfinite(lw_problem_value(&p, x, NULL, work)))                 /* it closes                        */
             compare_derivatives(&p, x, &smooth, &all);
         free(work);
-        lw_problem_free(&p);
-        lw_target_free(&t);
     }
     CHECK(all > 10000 && smooth > 0.6*(double)all);
 }
@@ -417,7 +408,7 @@ TEST(answers_do_not_depend_on_the_past)
     lw_rng_seed(&rng, check_seed(), 6);
     for (int trial = 0; trial < N_FAMILY; trial++) {
         member m;
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX] = { 0 }, other[LW_VAR_MAX];
         make_case(families[trial], LW_TIMING_FREE, 0.3, 2, &rng, &m, &p, x);
         size_t n = lw_problem_constraint_count(&p);
@@ -431,6 +422,5 @@ TEST(answers_do_not_depend_on_the_past)
         free(g);
         free(again);
         free(work);
-        lw_problem_free(&p);
     }
 }

@@ -17,7 +17,7 @@ static double distance_to(lw_vec2 p, const lw_vec2 *q, size_t n, bool closed)
 /* The curve as the program draws it (scene.h), by the linkage's own posture. */
 static void check_against_scene(const lw_linkage *k, const lw_vec2 *p, bool closed, double size)
 {
-    lw_scene scene;
+    OWN(lw_scene) scene = { 0 };
     lw_scene_options o = lw_scene_options_default();
     lw_error e = { 0 };
     o.n_curve_point = 8000;
@@ -27,7 +27,6 @@ static void check_against_scene(const lw_linkage *k, const lw_vec2 *p, bool clos
     for (int i = 0; i < LW_CURVE_POINTS && scene.n_curve > 0; i += 5)
         worst = fmax(worst, distance_to(p[i], scene.curve[0].p, scene.curve[0].n, closed));
     CHECK_NEAR(worst, 0, 2e-3*size, 0);
-    lw_scene_free(&scene);
 }
 
 static void draws(lw_curve_maker *m, size_t n)
@@ -204,7 +203,7 @@ TEST(laid_elsewhere)
     lw_rng_seed(&rng, check_seed(), 6);
     for (size_t t = 0; t < 2*sizeof types/sizeof *types; t++) {
         lw_linkage k, laid;
-        lw_scene a, b;
+        OWN(lw_scene) a = { 0 }, b = { 0 };
         lw_error e;
         bool mirrored = t%2;
         double turn = lw_rng_range(&rng, -3, 3), size = exp(lw_rng_range(&rng, -2, 2));
@@ -224,8 +223,6 @@ TEST(laid_elsewhere)
             p = lw_v2_add(shift, lw_v2_turn(lw_v2(p.x, mirrored ? -p.y : p.y), lw_v2_polar(size, turn)));
             CHECK_NEAR(distance_to(p, b.curve[0].p, b.curve[0].n, b.curve[0].closed), 0, 2e-3*size, 0);
         }
-        lw_scene_free(&a);
-        lw_scene_free(&b);
     }
 }
 

@@ -294,7 +294,7 @@ TEST(linkages_move_through_all_stations)
         size_t n = task == LW_TASK_FUNCTION ? 3 + (size_t)trial/3 % 3
                  : 2 + (size_t)trial/3 % (task == LW_TASK_PATH ? 7 : 4);
         sample s = draw_good(n);
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         bool function = task == LW_TASK_FUNCTION;
         CHECK_INT(lw_target_make(n, function ? NULL : s.x, function ? NULL : s.y,
                                  function ? s.output : task == LW_TASK_MOTION ? s.turn : NULL,
@@ -302,11 +302,9 @@ TEST(linkages_move_through_all_stations)
         if (function && n < 5)                       /* angles count from the frame there            */
             for (size_t j = 0; j < n; j++)
                 t.theta[j] -= s.dim[8];
-        lw_exact x = solve(&t, task, 40, 0);
+        OWN(lw_exact) x = solve(&t, task, 40, 0);
         CHECK(x.n_real > 0);
         check_results(&t, task, &x);
-        lw_exact_free(&x);
-        lw_target_free(&t);
     }
 }
 
@@ -333,7 +331,7 @@ TEST(conditions_leave_linkages_out)
     int left_out = 0, stayed = 0;
     for (int trial = 0; trial < 40; trial++) {
         sample s = draw_good(5);
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_fit_spec all = lw_fit_spec_default(), lengths, zone, quick;
         CHECK_INT(lw_target_make(5, s.x, s.y, s.turn, NULL, NULL, 0, &t, NULL), LW_OK);
         all.task = LW_TASK_MOTION;
@@ -343,8 +341,8 @@ TEST(conditions_leave_linkages_out)
         quick.max_acceleration = 1.5*t.size;
         zone.n_zone = 1;
         zone.zone[0] = (lw_zone){ .kind = LW_ZONE_PIVOTS_BOX, .at = { -3, -3 }, .to = { 3, 3 }, .reach = 0 };
-        lw_exact x = solve_with(&t, &all), by_length = solve_with(&t, &lengths), by_zone = solve_with(&t, &zone);
-        lw_exact by_speed = solve_with(&t, &quick);
+        OWN(lw_exact) x = solve_with(&t, &all), by_length = solve_with(&t, &lengths), by_zone = solve_with(&t, &zone);
+        OWN(lw_exact) by_speed = solve_with(&t, &quick);
         int n_length = 0, n_zone = 0, n_quick = 0;
         for (int i = 0; i < x.fit.n; i++) {
             const lw_candidate *c = &x.fit.candidate[i];
@@ -366,11 +364,8 @@ TEST(conditions_leave_linkages_out)
         CHECK(n_quick <= 0);                             /* less: some may be driven from the other side */
         left_out += 2*x.n_real - n_length - n_zone > 0;
         stayed += n_length + n_zone > 0;
-        lw_exact_free(&x);
         lw_exact_free(&by_length);
         lw_exact_free(&by_zone);
-        lw_exact_free(&by_speed);
-        lw_target_free(&t);
     }
     CHECK(left_out > 10 && stayed > 10);
 }
@@ -378,16 +373,14 @@ TEST(conditions_leave_linkages_out)
 TEST(threads_do_not_matter)
 {
     sample s = draw_good(4);
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     CHECK_INT(lw_target_make(4, s.x, s.y, s.turn, NULL, NULL, 0, &t, NULL), LW_OK);
-    lw_exact one = solve(&t, LW_TASK_MOTION, 20, 1), three = solve(&t, LW_TASK_MOTION, 20, 3);
+    OWN(lw_exact) one = solve(&t, LW_TASK_MOTION, 20, 1), three = solve(&t, LW_TASK_MOTION, 20, 3);
     CHECK_INT(one.n_real, three.n_real);
     CHECK_INT(one.fit.n, three.fit.n);
     for (int i = 0; i < one.fit.n && i < three.fit.n; i++)
         CHECK(memcmp(one.fit.candidate[i].dim, three.fit.candidate[i].dim, 9*sizeof(double)) == 0);
-    lw_exact_free(&one);
     lw_exact_free(&three);
-    lw_target_free(&t);
 }
 
 TEST(wrong_numbers_of_stations)
@@ -398,7 +391,7 @@ TEST(wrong_numbers_of_stations)
         { 2, LW_TASK_FUNCTION }, { 6, LW_TASK_FUNCTION }
     };
     for (size_t i = 0; i < sizeof wrong/sizeof *wrong; i++) {
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_exact out;
         lw_error e = { 0 };
         lw_fit_options o = lw_fit_options_default();
@@ -407,7 +400,6 @@ TEST(wrong_numbers_of_stations)
         CHECK_INT(lw_target_make(wrong[i].n, function ? NULL : x, function ? NULL : y, y, x, NULL, 0, &t, &e), LW_OK);
         CHECK_INT(lw_exact_run(&t, &o, &out, &e), LW_E_ARG);
         CHECK_HAS(e.text, "exactly");
-        lw_target_free(&t);
     }
 }
 

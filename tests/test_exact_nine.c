@@ -120,8 +120,8 @@ TEST(all_with_given_pins_are_found)
 {
     for (int trial = 0; trial < 4; trial++) {
         double dim[9], x[5], y[5], first = lw_rng_range(&rng, 0, 6);
-        lw_target t;
-        lw_exact all;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_exact) all = { 0 };
         lw_error e = { .text = "" };
         for (int d = 0; d < 9; d++)
             dim[d] = bar[d]*(d < 6 ? lw_rng_range(&rng, 0.9, 1.1) : 1);
@@ -159,8 +159,6 @@ TEST(all_with_given_pins_are_found)
             }
         }
         CHECK(drawn);
-        lw_exact_free(&all);
-        lw_target_free(&t);
     }
 }
 
@@ -168,8 +166,8 @@ TEST(all_with_given_pins_are_found)
  * without defect. */
 static int find_all(const double *x, const double *y, int *clean)
 {
-    lw_target t;
-    lw_exact found;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_exact) found = { 0 };
     lw_fit_options o = options(0, 0);
     int own = 0;
     *clean = 0;
@@ -192,8 +190,6 @@ static int find_all(const double *x, const double *y, int *clean)
             *clean += found.defect[i] == 0;
         }
     }
-    lw_exact_free(&found);
-    lw_target_free(&t);
     return own;
 }
 
@@ -224,8 +220,8 @@ TEST(all_triples_near_a_line_are_found)
 TEST(threads_do_not_matter)
 {
     double x[9], y[9];
-    lw_target t;
-    lw_exact one, three;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_exact) one = { 0 }, three = { 0 };
     lw_fit_options o = options(5, 1);
     points_of(x, y);
     CHECK_INT(lw_target_make(9, x, y, NULL, NULL, NULL, 0, &t, NULL), LW_OK);
@@ -239,9 +235,6 @@ TEST(threads_do_not_matter)
     CHECK_INT(one.fit.n, three.fit.n);
     for (int i = 0; i < one.fit.n && i < three.fit.n; i++)
         CHECK(memcmp(one.fit.candidate[i].dim, three.fit.candidate[i].dim, 9*sizeof(double)) == 0);
-    lw_exact_free(&one);
-    lw_exact_free(&three);
-    lw_target_free(&t);
 }
 
 /* Stopped before it began: nothing is found, and that is said. */

@@ -25,7 +25,7 @@ static lw_bytes mjcf(const lw_linkage *k)
 static void a_four_bar_closes_by_one_connect(void)
 {
     lw_linkage k = example("hoeken");
-    lw_bytes b = mjcf(&k);
+    OWN(lw_bytes) b = mjcf(&k);
     CHECK_HAS(b.data, "<mujoco model=\"Hoeken straight-line linkage\">");
     CHECK_HAS(b.data, "<body name=\"crank\" pos=\"0 0 0\">");
     CHECK_HAS(b.data, "<body name=\"coupler\" pos=\"0 0.02 0\">");
@@ -34,7 +34,6 @@ static void a_four_bar_closes_by_one_connect(void)
     CHECK_HAS(b.data, "<connect body1=\"rocker\" anchor=\"0 -0.05 0\"/>");
     CHECK_HAS(b.data, "<framepos objtype=\"site\" objname=\"P\"/>");
     CHECK(strstr(strstr(b.data, "<connect") + 1, "<connect") == NULL);
-    lw_bytes_free(&b);
 }
 
 static void names_are_escaped(void)
@@ -42,10 +41,9 @@ static void names_are_escaped(void)
     lw_linkage k = example("hoeken");
     snprintf(k.link_name[1], LW_NAME_SIZE, "<&\">");
     snprintf(k.link_name[2], LW_NAME_SIZE, "world");
-    lw_bytes b = mjcf(&k);
+    OWN(lw_bytes) b = mjcf(&k);
     CHECK_HAS(b.data, "<body name=\"&lt;&amp;&quot;&gt;\"");
     CHECK_HAS(b.data, "<body name=\"world link\"");
-    lw_bytes_free(&b);
 }
 
 /* An SDF has a joint for each joint, with the loops; a slot is two. */
@@ -56,7 +54,7 @@ static void sdf_has_all_joints(void)
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         lw_linkage k = example(rows[i].name);
-        lw_bytes b = { 0 };
+        OWN(lw_bytes) b = { 0 };
         lw_error e = { 0 };
         int links = 0, joints = 0;
         CHECK_INT(lw_export_sdf(LW_VIEW(&k), NULL, &b, &e), LW_OK);
@@ -67,7 +65,6 @@ static void sdf_has_all_joints(void)
         CHECK_INT(links, rows[i].links);
         CHECK_INT(joints, rows[i].joints);
         CHECK((strstr(b.data, "close a loop") != NULL) == (k.n_joint >= k.n_link));
-        lw_bytes_free(&b);
     }
 }
 
@@ -325,8 +322,6 @@ static void runs_alike(const char *text, double to)
         mj.free_data(s);
         mj.free_model(m);
     }
-    lw_system_free(&d.system);
-    lw_model_free(&d.model);
 }
 
 static void loads_act_alike(void)

@@ -11,9 +11,9 @@ TEST(a_curve_comes_back_as_target)
 {
     for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
         lw_linkage k = example(names[i]);
-        lw_bytes b = { 0 };
-        lw_scene s;
-        lw_target t;
+        OWN(lw_bytes) b = { 0 };
+        OWN(lw_scene) s = { 0 };
+        OWN(lw_target) t = { 0 };
         lw_error e = { 0 };
         CHECK_INT(lw_export_svg(LW_VIEW(&k), NULL, &b, &e), LW_OK);
         lw_target_options drawn = { .closed = -1, .curve = "1", .stations = -1 };
@@ -26,9 +26,6 @@ TEST(a_curve_comes_back_as_target)
             CHECK_NEAR(t.x[n], s.curve[0].p[n].x, 1e-11*lw_export_size(LW_VIEW(&k)), 0);
             CHECK_NEAR(t.y[n], s.curve[0].p[n].y, 1e-11*lw_export_size(LW_VIEW(&k)), 0);
         }
-        lw_target_free(&t);
-        lw_scene_free(&s);
-        lw_bytes_free(&b);
     }
 }
 
@@ -37,8 +34,8 @@ TEST(poses_keep_pins_together)
 {
     static double x[LW_EXPORT_FRAMES][8], y[LW_EXPORT_FRAMES][8], turn[LW_EXPORT_FRAMES][8];
     lw_linkage k = example("klann");
-    lw_bytes b = { 0 };
-    lw_scene s;
+    OWN(lw_bytes) b = { 0 };
+    OWN(lw_scene) s = { 0 };
     CHECK_INT(lw_export_poses(LW_VIEW(&k), NULL, &b, NULL), LW_OK);
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, NULL), LW_OK);
     CHECK_HAS(b.data, "# units: m deg\nframe,input,link,x,y,turn\n0,");
@@ -67,8 +64,6 @@ TEST(poses_keep_pins_together)
             }
             CHECK_NEAR(lw_v2_norm(lw_v2_sub(at[0], at[1])), 0, 1e-10, 0);
         }
-    lw_scene_free(&s);
-    lw_bytes_free(&b);
 }
 
 TEST(joints_as_json)

@@ -64,7 +64,7 @@ static double off_by(const sketch *s, const char *block, const char *end, int *r
 static void constraints_hold(const lw_linkage *k)
 {
     static sketch s;
-    lw_bytes b = { 0 };
+    OWN(lw_bytes) b = { 0 };
     lw_error e = { 0 };
     int rows = 0, n = 0;
     CHECK_INT(lw_export_solvespace(LW_VIEW(k), NULL, &b, &e), LW_OK);
@@ -78,7 +78,6 @@ static void constraints_hold(const lw_linkage *k)
     }
     CHECK(n > k->n_joint);
     CHECK_INT(s.n_value - rows, lw_linkage_mobility(k));
-    lw_bytes_free(&b);
 }
 
 TEST(examples_hold)
@@ -109,8 +108,8 @@ TEST(as_many_points_as_it_can_number)
 {
     static const int n[] = { 10800, 16400 };
     for (int i = 0; i < 2; i++) {
-        lw_assembly a = { .n_link = n[i] + 1, .n_joint = n[i], .n_tracer = n[i], .units = lw_units_si() };
-        lw_bytes b = { 0 };
+        OWN(lw_assembly) a = { .n_link = n[i] + 1, .n_joint = n[i], .n_tracer = n[i], .units = lw_units_si() };
+        OWN(lw_bytes) b = { 0 };
         lw_error e = { 0 };
         a.link_name = calloc(a.n_link, sizeof *a.link_name);
         a.joint = calloc(a.n_joint, sizeof *a.joint);
@@ -128,7 +127,5 @@ TEST(as_many_points_as_it_can_number)
         CHECK(i ? b.data == NULL : strstr((char *)b.data, "AddConstraint") != NULL);
         if (i)
             CHECK_HAS(e.text, "up to 32767 points and lines");
-        lw_bytes_free(&b);
-        lw_assembly_free(&a);
     }
 }

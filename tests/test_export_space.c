@@ -104,9 +104,8 @@ static double apart(lw_spatial *m, double to)
     ours.s = lw_dynamics_space(ours.d);
     CHECK_INT(lw_dynamics_analyse(ours.d, keep, NULL, &report, NULL, &e), LW_OK);
     CHECK_TEXT(e.text, "");
-    lw_bytes b = export(m, "mjcf");
+    OWN(lw_bytes) b = export(m, "mjcf");
     mjModel *model = mujoco_load("xml", b.data, b.size);
-    lw_bytes_free(&b);
     CHECK(model != NULL && ours.n == SAMPLES + 1);
     if (!model)
         return INFINITY;
@@ -150,7 +149,7 @@ TEST(mujoco_runs_the_examples_alike)
         { "delta", 1, { "0.1*(1 - cos(pi*t))", "0.1*(1 - cos(pi*t))*sin(pi*t)", "-0.65 + 0.05*(1 - cos(pi*t))" } }
     };
     for (size_t i = 0; have_mujoco() && i < sizeof rows/sizeof *rows; i++) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         lw_error e = { 0 };
         load_spatial(rows[i].name, &m);
         for (int j = 0; j < m.n_joint; j++)
@@ -158,17 +157,15 @@ TEST(mujoco_runs_the_examples_alike)
         for (int k = 0; k < 3 && rows[i].motion[k]; k++)
             CHECK_INT(lw_spatial_set_motion(&m, k, rows[i].motion[k], &e), LW_OK);
         CHECK_NEAR(apart(&m, rows[i].to), 0, 1e-3, 0);
-        lw_spatial_free(&m);
     }
 }
 
 TEST(every_joint_closes_a_loop_in_mujoco)
 {
     for (size_t i = 0; have_mujoco() && i < sizeof closing/sizeof *closing; i++) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         read_closing(i, &m);
         CHECK_NEAR(apart(&m, 1), 0, 1e-3, 0);
-        lw_spatial_free(&m);
     }
 }
 #endif
@@ -221,11 +218,11 @@ TEST(datasets_of_adams_say_the_same)
 {
     static const char *const names[] = { "top", "bricard", "governor", "slider-crank", "stewart", "delta", "bennett" };
     for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         load_spatial(names[i], &m);
         if (strcmp(names[i], "delta") == 0)
             CHECK_INT(lw_spatial_set_motion(&m, 0, "-0.2 + 80*t^2", NULL), LW_OK);
-        lw_bytes b = export(&m, "adams");
+        OWN(lw_bytes) b = export(&m, "adams");
         read_markers(b.data);
         for (int j = 0; j < m.n_joint; j++) {
             const lw_spatial_joint *p = &m.joint[j];
@@ -259,8 +256,6 @@ TEST(datasets_of_adams_say_the_same)
             CHECK_HAS(b.data, ", X\n, FUNCTION = -0.2 + 80*TIME**2 + 0\n");
         if (strcmp(names[i], "top") == 0)
             CHECK_HAS(b.data, "WX = 29.2287422925743, WY = 0, WZ = 52.4068100720631\n");
-        lw_bytes_free(&b);
-        lw_spatial_free(&m);
     }
 }
 
@@ -274,11 +269,11 @@ TEST(beams_of_adams_bend_alike)
         "['ground', 'bar'], 'at': [0, 0, 0]}, {'name': 'W', 'kind': 'fixed', 'links': ['bar', 'load'], 'at': [0.3, 0.6, 0.6]}]}";
     const double length = 0.9;
     const lw_vec3 tip = lw_v3(0.3, 0.6, 0.6);
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(text, "bar", &m);
     const lw_section *q = &m.elastic[1].section;
     const lw_material *p = &m.elastic[1].material;
-    lw_bytes b = export(&m, "adams");
+    OWN(lw_bytes) b = export(&m, "adams");
     read_markers(b.data);
     int part = found[number_after(statement(b.data, "JOINT", 1), ", I = ")].part, n = 0;
     double moved[4] = { 0 }, mass = 0;
@@ -316,8 +311,6 @@ TEST(beams_of_adams_bend_alike)
     CHECK_NEAR(mass, 2 + p->density*q->area*length, 1e-12, 0);
     lw_vec3 height = lw_m3_column(&found[number_after(strstr(b.data, "\nBEAM/"), ", J = ")].turn, 1);
     CHECK(lw_v3_dot(height, lw_v3(0.2, -0.7, 0.6)) > 0.9);
-    lw_bytes_free(&b);
-    lw_spatial_free(&m);
 }
 
 /* ---- refusals ------------------------------------------------------------------------------------------- */
@@ -332,9 +325,9 @@ TEST(what_has_no_form_is_named)
         { "delta", "adams", "MAX" }, { "differential", "adams", "JOINTS = 02, 04\n, TYPE = R:R\n, SCALES = 23, 17" }     /* known to ADAMS */
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         lw_error e = { 0 };
-        lw_bytes b = { 0 };
+        OWN(lw_bytes) b = { 0 };
         load_spatial(rows[i].model, &m);
         lw_status s = lw_format_write_space(lw_format_find(rows[i].format), &m, &b, &e);
         if (i + 2 >= sizeof rows/sizeof *rows)
@@ -344,8 +337,6 @@ TEST(what_has_no_form_is_named)
             CHECK_HAS(e.text, rows[i].says);
             CHECK(b.data == NULL);
         }
-        lw_bytes_free(&b);
-        lw_spatial_free(&m);
     }
 }
 
@@ -358,15 +349,13 @@ static size_t bytes_of_chain(int n)
     for (int i = n; i > 0; i--)
         used += (size_t)snprintf(text + used, room - used, "{'name': 'J%04d', 'links': ['b%04d', 'b%04d'], 'at': [%d, 0, 0], "
                                  "'axis': [0, 0, 1]}%s", i, i - 1, i, 1000 + i, i > 1 ? ", " : "], 'ground': 'b0000'}");
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(text, "chain", &m);
-    lw_bytes b = export(&m, "mjcf");
+    OWN(lw_bytes) b = export(&m, "mjcf");
     size_t size = b.size, bodies = 0;
     for (const char *at = b.data; (at = strstr(at, "<body ")); at++)
         bodies++;
     CHECK_INT((int)bodies, n);
-    lw_bytes_free(&b);
-    lw_spatial_free(&m);
     free(text);
     return size;
 }

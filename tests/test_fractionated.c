@@ -55,11 +55,10 @@ static uint64_t inversions(int n_link)
 {
     lw_chains *chains;
     lw_chain_walk how = lw_chain_walk_default();
-    lw_chain_table table;
+    OWN(lw_chain_table) table = { 0 };
     CHECK_INT(lw_chains_create(n_link, 1, 1, &chains, NULL), LW_OK);
     CHECK_INT(lw_chains_count(chains, &how, &table), LW_OK);
     uint64_t n = table.total.n_ground;
-    lw_chain_table_free(&table);
     lw_chains_free(chains);
     return n;
 }

@@ -39,8 +39,8 @@ static int delay_of(GifFileType *gif, int i)
 
 TEST(frames_loop_and_size)
 {
-    lw_scene s;
-    lw_bytes b;
+    OWN(lw_scene) s = { 0 };
+    OWN(lw_bytes) b = { 0 };
     lw_error e;
     CHECK_INT(model_scene("Crank-rocker", 10, &s), LW_OK);
     lw_gif_options o = { .width = 320, .height = 240, .n_frame = 40, .delay = 7 };
@@ -68,8 +68,6 @@ TEST(frames_loop_and_size)
     }
     CHECK(loops);
     DGifCloseFile(gif, NULL);
-    lw_bytes_free(&b);
-    lw_scene_free(&s);
 }
 
 /* Put a frame over what was there, as a viewer does. */
@@ -103,8 +101,8 @@ static int channel_distance(uint32_t a, uint32_t b)
  * pixels within 40 of 255, in the mean within 1. */
 TEST(viewer_sees_what_was_drawn)
 {
-    lw_scene s;
-    lw_bytes b;
+    OWN(lw_scene) s = { 0 };
+    OWN(lw_bytes) b = { 0 };
     lw_error e;
     CHECK_INT(model_scene("Crank-rocker", 10, &s), LW_OK);
     lw_gif_options o = { .width = 320, .height = 240, .n_frame = 12, .delay = 5 };
@@ -115,7 +113,7 @@ TEST(viewer_sees_what_was_drawn)
     drawn.height = 240;
     drawn.whole_motion = true;
     drawn.length_labels = false;
-    lw_drawing d;
+    OWN(lw_drawing) d = { 0 };
     CHECK_INT(lw_diagram_draw(&s, &drawn, &d, &e), LW_OK);
     uint32_t *screen = calloc(320*240, sizeof *screen), *want = calloc(320*240, sizeof *want);
     for (int i = 0; i < gif->ImageCount; i++) {
@@ -132,10 +130,7 @@ TEST(viewer_sees_what_was_drawn)
     }
     free(screen);
     free(want);
-    lw_drawing_free(&d);
     DGifCloseFile(gif, NULL);
-    lw_bytes_free(&b);
-    lw_scene_free(&s);
 }
 
 TEST(there_and_back_when_it_cannot_go_round)
@@ -143,8 +138,8 @@ TEST(there_and_back_when_it_cannot_go_round)
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
     k.input[0].first = k.input[0].value;
     k.input[0].last = k.input[0].value + 1;
-    lw_scene s;
-    lw_bytes b;
+    OWN(lw_scene) s = { 0 };
+    OWN(lw_bytes) b = { 0 };
     lw_error e;
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
     lw_gif_options o = { .width = 200, .height = 150, .n_frame = 20, .delay = 5 };
@@ -164,24 +159,20 @@ TEST(there_and_back_when_it_cannot_go_round)
         free(seen[i]);
     free(screen);
     DGifCloseFile(gif, NULL);
-    lw_bytes_free(&b);
-    lw_scene_free(&s);
 }
 
 TEST(a_still_scene_is_one_frame)
 {
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
     k.n_input = 0;
-    lw_scene s;
-    lw_bytes b;
+    OWN(lw_scene) s = { 0 };
+    OWN(lw_bytes) b = { 0 };
     lw_error e;
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
     CHECK_INT(lw_gif_write(&s, NULL, &b, &e), LW_OK);
     GifFileType *gif = read_back(&b);
     CHECK_INT(gif->ImageCount, 1);
     DGifCloseFile(gif, NULL);
-    lw_bytes_free(&b);
-    lw_scene_free(&s);
 }
 
 /* Delays add up to the time of the motion, of a short one to half a second. */
@@ -201,8 +192,8 @@ TEST(true_time)
 /* A bar that bends is drawn through its points. */
 TEST(bars_bend)
 {
-    lw_scene s;
-    lw_bytes straight, bent;
+    OWN(lw_scene) s = { 0 };
+    OWN(lw_bytes) straight = { 0 }, bent = { 0 };
     lw_error e;
     lw_gif_options o = { .width = 160, .height = 120, .n_frame = 2, .delay = 5 };
     lw_vec2 *p;
@@ -219,16 +210,13 @@ TEST(bars_bend)
     s.n_bend = 1;
     CHECK_INT(lw_gif_write(&s, &o, &bent, &e), LW_OK);
     CHECK(straight.size != bent.size || memcmp(straight.data, bent.data, bent.size) != 0);
-    lw_bytes_free(&straight);
-    lw_bytes_free(&bent);
-    lw_scene_free(&s);
     free(p);
 }
 
 TEST(a_stopped_animation_is_readable)
 {
-    lw_scene s;
-    lw_bytes b;
+    OWN(lw_scene) s = { 0 };
+    OWN(lw_bytes) b = { 0 };
     lw_error e;
     lw_gif_options o = { .width = 160, .height = 120, .n_frame = 8, .delay = 5 };
     const volatile sig_atomic_t now = 1;
@@ -239,13 +227,11 @@ TEST(a_stopped_animation_is_readable)
     CHECK_INT(gif->ImageCount, 1);
     int code;
     DGifCloseFile(gif, &code);
-    lw_bytes_free(&b);
-    lw_scene_free(&s);
 }
 
 TEST(same_input_same_bytes)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_bytes a, b;
     lw_error e;
     lw_gif_options o = { .width = 160, .height = 120, .n_frame = 8, .delay = 5 };
@@ -258,5 +244,4 @@ TEST(same_input_same_bytes)
     o.width = 20;
     CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_E_ARG);
     CHECK(b.data == NULL);
-    lw_scene_free(&s);
 }

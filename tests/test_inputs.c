@@ -129,7 +129,7 @@ TEST(grounds_of_all_chains)
             steps s = { .n_input = 1 };
             lw_mechanism m;
             lw_mechanism_from_chain(&all.chain[k], &m);
-            lw_symmetry sym;
+            OWN(lw_symmetry) sym = { 0 };
             lw_symmetry_of(&m, true, &sym);
             for (int l = 0; l < m.n_link; l++) {
                 bool lowest = true;
@@ -137,7 +137,6 @@ TEST(grounds_of_all_chains)
                     lowest &= sym.link[q][l] >= l;
                 s.n_ground += lowest;
             }
-            lw_symmetry_free(&sym);
             n += s.n_ground;
         }
         CHECK_INT(n, known[i].n_ground);

@@ -116,7 +116,7 @@ TEST(raw_number_by_burnside)
         double want = 0;
         for (int i = 0; i < all.n; i++) {
             lw_mechanism m;
-            lw_symmetry s;
+            OWN(lw_symmetry) s = { 0 };
             double sum = 0;
             lw_mechanism_from_chain(&all.chain[i], &m);
             lw_symmetry_of(&m, false, &s);
@@ -134,7 +134,6 @@ TEST(raw_number_by_burnside)
                 sum += ways;
             }
             want += sum/(double)s.n;
-            lw_symmetry_free(&s);
         }
         CHECK_NEAR(c.n_valid + c.n_void, want, 0.5, 0);
         free(all.chain);

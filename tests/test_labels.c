@@ -19,7 +19,7 @@ TEST(crowds_do_not_overlap)
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 4);
     for (int trial = 0; trial < 40; trial++) {
-        lw_label_map m;
+        OWN(lw_label_map) m = { 0 };
         lw_error e;
         CHECK_INT(lw_label_map_make(&m, 500, 400, &e), LW_OK);
         for (int i = 0; i < 20; i++)
@@ -40,7 +40,6 @@ TEST(crowds_do_not_overlap)
             taken[n++] = box;
         }
         CHECK(n > 25);
-        lw_label_map_free(&m);
     }
 }
 
@@ -48,7 +47,7 @@ TEST(crowds_do_not_overlap)
 TEST(the_free_side_is_taken)
 {
     for (int side = 0; side < 4; side++) {
-        lw_label_map m;
+        OWN(lw_label_map) m = { 0 };
         lw_error e;
         CHECK_INT(lw_label_map_make(&m, 200, 200, &e), LW_OK);
         lw_vec2 c = { 100, 100 }, at;
@@ -62,13 +61,12 @@ TEST(the_free_side_is_taken)
         lw_box b = box_of(at, "A", 12);
         lw_vec2 to = lw_v2((b.x0 + b.x1)/2 - c.x, (b.y0 + b.y1)/2 - c.y), u = lw_v2_polar(1, side*LW_PI/2);
         CHECK(lw_v2_dot(to, u) > 0.6*lw_v2_norm(to));
-        lw_label_map_free(&m);
     }
 }
 
 TEST(no_room_is_said)
 {
-    lw_label_map m;
+    OWN(lw_label_map) m = { 0 };
     lw_error e;
     lw_vec2 at, c = { 50, 50 };
     CHECK_INT(lw_label_map_make(&m, 100, 100, &e), LW_OK);
@@ -76,5 +74,4 @@ TEST(no_room_is_said)
     CHECK(!lw_label_map_place(&m, "A", 12, c, c, 8, (lw_box){ 0, 0, 100, 100 }, &at));
     CHECK(!lw_label_map_place(&m, "a text wider than the page", 12, c, c, 8, (lw_box){ 0, 0, 100, 100 }, &at));
     lw_label_map_line(&m, lw_v2(NAN, 0), lw_v2(1e300, 5), 1);                /* nothing to draw there */
-    lw_label_map_free(&m);
 }

@@ -119,7 +119,7 @@ static bool pins_clear(const lw_scene *s, const lw_layers *l)
 
 static void check_layers(const lw_linkage *k, int most)
 {
-    lw_scene s = scene_of(k, 240), fine = scene_of(k, 4801);
+    OWN(lw_scene) s = scene_of(k, 240), fine = scene_of(k, 4801);
     static lw_layers l;
     lw_error e = { 0 };
     CHECK_INT(lw_layers_find(&s, NULL, &l, &e), LW_OK);
@@ -137,7 +137,6 @@ static void check_layers(const lw_linkage *k, int most)
     double seen = room_seen(&fine, &l);
     CHECK(l.room > 0 && l.room <= seen && (isinf(seen) || l.room > 0.3*seen));
     lw_layers_free(&l);
-    lw_scene_free(&s);
     lw_scene_free(&fine);
 }
 
@@ -169,14 +168,13 @@ TEST(room_of_random_linkages)
                                                                      2*LW_PI*lw_rng_uniform(&rng)));
             else if (k.joint[j].kind == LW_JOINT_REVOLUTE)
                 k.joint[j].at.x += 0.1*lw_export_size(LW_VIEW(&k))*lw_rng_uniform(&rng);
-        lw_scene s = scene_of(&k, 60), fine = scene_of(&k, 1201);
+        OWN(lw_scene) s = scene_of(&k, 60), fine = scene_of(&k, 1201);
         lw_layers_free(&l);
         if (s.n_frame > 2 && lw_layers_find(&s, NULL, &l, NULL) == LW_OK) {
             double seen = room_seen(&fine, &l);
             CHECK(l.room > 0 && l.room <= seen);
             n_found += isfinite(l.room);
         }
-        lw_scene_free(&s);
         lw_scene_free(&fine);
     }
     lw_layers_free(&l);
@@ -257,7 +255,7 @@ TEST(fewest_of_all_ways)
         lw_error e = { 0 };
         for (int j = 0; j < k.n_joint; j++)
             k.joint[j].at = lw_v2_add(k.joint[j].at, lw_v2_polar(0.15*lw_rng_uniform(&rng), 2*LW_PI*lw_rng_uniform(&rng)));
-        lw_scene s = scene_of(&k, 240);
+        OWN(lw_scene) s = scene_of(&k, 240);
         lw_layers l;
         lw_plate_size size = { .radius = (0.01 + 0.3*lw_rng_uniform(&rng)), .bore = 0.004, .clearance = -1 };
         lw_status st = s.n_frame > 1 ? lw_layers_find(&s, &size, &l, &e) : LW_E_KIND;
@@ -270,7 +268,6 @@ TEST(fewest_of_all_ways)
         }
         if (st != LW_E_KIND)
             lw_layers_free(&l);
-        lw_scene_free(&s);
     }
     CHECK(n_none > 3 && n_some > 10);
 }
@@ -320,9 +317,9 @@ TEST(many_legs)
         { "jansen", 3, 10 }, { "jansen", 6, 19 }, { "klann", 2, 7 }, { "klann", 3, 0 }, { "klann", 12, 0 }
     };
     for (size_t i = 0; i < sizeof row/sizeof *row; i++) {
-        lw_assembly a = legs(row[i].name, row[i].n);
-        lw_scene s;
-        lw_layers l;
+        OWN(lw_assembly) a = legs(row[i].name, row[i].n);
+        OWN(lw_scene) s = { 0 };
+        OWN(lw_layers) l = { 0 };
         lw_error e = { 0 };
         const volatile sig_atomic_t stop = 1;
         CHECK_INT(lw_scene_make_any(&a, NULL, NULL, &(lw_scene_options){ .n_frame = 240 }, &s, &e), LW_OK);
@@ -335,9 +332,6 @@ TEST(many_legs)
         lw_layers_free(&l);
         s.stop = &stop;
         CHECK_INT(lw_layers_find(&s, NULL, &l, &e), LW_STOPPED);
-        lw_layers_free(&l);
-        lw_scene_free(&s);
-        lw_assembly_free(&a);
     }
 }
 
@@ -359,12 +353,11 @@ TEST(a_resting_leg_is_a_point)
     }
     both.tracer[both.n_tracer++] = (lw_tracer){ .name = "second", .link = both.tracer[0].link + n - 1, .at = { 5, 0 } };
     both.input[both.n_input++] = (lw_input){ .joint = both.input[0].joint + joints, .value = both.input[0].value };
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e = { 0 };
     CHECK_INT(lw_scene_make(&both, NULL, NULL, &s, &e), LW_OK);
     CHECK_INT(s.n_curve, 2);
     CHECK(s.n_curve == 2 && s.curve[0].n < 5000 && s.curve[1].n < 5000);
-    lw_scene_free(&s);
 }
 
 TEST(refusals)
@@ -372,7 +365,7 @@ TEST(refusals)
     static lw_layers l;
     lw_error e = { 0 };
     lw_linkage k = example("geared-five-bar");
-    lw_scene s = scene_of(&k, 12);
+    OWN(lw_scene) s = scene_of(&k, 12);
     CHECK_INT(lw_layers_find(&s, NULL, &l, &e), LW_E_KIND);
     CHECK_HAS(e.text, "gears");
     lw_scene_free(&s);
@@ -381,7 +374,6 @@ TEST(refusals)
     s = scene_of(&k, 12);
     CHECK_INT(lw_layers_find(&s, NULL, &l, &e), LW_E_KIND);
     CHECK_HAS(e.text, "need the motion");
-    lw_scene_free(&s);
 }
 
 /* ---- plates in files ------------------------------------------------------------------------------------------ */
@@ -430,7 +422,7 @@ TEST(outlines_are_closed)
     static const char *const names[] = { "hoeken", "klann", "slider-crank", "trammel" };
     for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
         lw_linkage k = example(names[i]);
-        lw_bytes b = { 0 };
+        OWN(lw_bytes) b = { 0 };
         CHECK_INT(lw_export_dxf(LW_VIEW(&k), NULL, &b, NULL), LW_OK);
         ends w = read_ends(b.data);
         CHECK(w.n >= 4*k.n_link - 4 && w.circles >= k.n_joint);
@@ -441,14 +433,13 @@ TEST(outlines_are_closed)
             CHECK_INT(met, 1);
         }
         CHECK_HAS(b.data, "AC1009");
-        lw_bytes_free(&b);
     }
 }
 
 TEST(openscad_is_balanced)
 {
     lw_linkage k = example("klann");
-    lw_bytes b = { 0 };
+    OWN(lw_bytes) b = { 0 };
     static const char brackets[] = "()[]{}";
     int depth[3] = { 0 };
     snprintf(k.link_name[1], LW_NAME_SIZE, "*/ cube(9); /*");
@@ -464,5 +455,4 @@ TEST(openscad_is_balanced)
     CHECK_HAS(b.data, "module link5()");
     CHECK_HAS(b.data, "// */ cube(9); /*");
     CHECK_HAS(b.data, "cylinder(r = pin, h = ");
-    lw_bytes_free(&b);
 }

@@ -24,7 +24,7 @@ static void make(const lw_vec2 p[N], int closed, lw_target *t)
 TEST(concentric_circles)
 {
     lw_vec2 a[N], b[N];
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_likeness l;
     circle(2, lw_v2(3, 4), 0, 1, a);
     make(a, 1, &t);
@@ -38,7 +38,6 @@ TEST(concentric_circles)
     lw_likeness_measure(&t, a, N, &l);
     CHECK_NEAR(l.chamfer, 0, 4e-6, 0);                    /* the sagitta of 900 chords               */
     CHECK_NEAR(l.ordered, 0, 4e-6, 0);
-    lw_target_free(&t);
 }
 
 static void make_of(const lw_vec2 *p, size_t n, int closed, lw_target *t)
@@ -57,7 +56,7 @@ TEST(few_stations_of_a_smooth_curve)
     for (int closed = 0; closed < 2; closed++) {
         enum { FEW = 40 };
         lw_vec2 few[FEW], all[N];
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_likeness l;
         double turn = closed ? 2*LW_PI : 4;
         for (int i = 0; i < FEW; i++) {
@@ -72,7 +71,6 @@ TEST(few_stations_of_a_smooth_curve)
         lw_likeness_measure(&t, all, N, &l);
         CHECK(l.chamfer < 1e-4);
         CHECK(l.chamfer > 0);
-        lw_target_free(&t);
     }
 }
 
@@ -82,7 +80,7 @@ TEST(corners_stay_corners)
     static const lw_vec2 corner[4] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
     for (int many = 1; many <= 15; many += 7) {
         lw_vec2 p[64];
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_likeness l;
         for (int i = 0; i < 4*many; i++) {
             double part = (double)(i % many)/many;
@@ -92,7 +90,6 @@ TEST(corners_stay_corners)
         make_of(p, 4*(size_t)many, 1, &t);
         lw_likeness_measure(&t, corner, 4, &l);
         CHECK_NEAR(l.chamfer, 0, 1e-12, 0);
-        lw_target_free(&t);
     }
 }
 
@@ -102,19 +99,18 @@ TEST(straight_sides_between_rounded_corners)
     enum { EACH = 6 };
     static const double centre[4][2] = { { 80, 30 }, { -80, 30 }, { -80, -30 }, { 80, -30 } };
     lw_vec2 p[4*EACH], side[2] = { { -80, 40 }, { 80, 40 } };
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     for (int c = 0; c < 4; c++)
         for (int i = 0; i < EACH; i++)
             p[c*EACH + i] = lw_v2_add(lw_v2(centre[c][0], centre[c][1]), lw_v2_polar(10, LW_PI/2*(c + (double)i/(EACH - 1))));
     make_of(p, 4*EACH, 1, &t);
     CHECK_NEAR(lw_likeness_stray(&t, side, 2).to_target, 0, 1e-12, 0);
-    lw_target_free(&t);
 }
 
 TEST(an_open_line_and_its_double)
 {
     lw_vec2 a[N], b[2] = { { 2, 0 }, { 0, 0 } };
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_likeness l;
     for (int i = 0; i < N; i++)
         a[i] = lw_v2((double)i/(N - 1), 0);
@@ -124,7 +120,6 @@ TEST(an_open_line_and_its_double)
     CHECK_NEAR(l.to_target*radius, 0.25, 5e-3, 0);        /* half of it lies 0 .. 1 away            */
     CHECK(l.to_curve*radius < 5e-3);
     CHECK_NEAR(l.ordered*radius, 0.5, 5e-3, 0);
-    lw_target_free(&t);
 }
 
 TEST(scale_and_place_do_not_matter)
@@ -133,7 +128,7 @@ TEST(scale_and_place_do_not_matter)
     lw_rng_seed(&rng, check_seed(), 1);
     for (int trial = 0; trial < 20; trial++) {
         lw_vec2 a[N], b[N], u = lw_v2_polar(exp(lw_rng_normal(&rng)), 6*lw_rng_uniform(&rng));
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_likeness l, moved;
         for (int i = 0; i < N; i++) {
             double s = 2*LW_PI*i/N;
@@ -152,7 +147,6 @@ TEST(scale_and_place_do_not_matter)
         CHECK_NEAR(moved.chamfer, l.chamfer, 1e-9, 1e-9);
         CHECK_NEAR(moved.ordered, l.ordered, 1e-9, 1e-9);
         CHECK(l.ordered >= l.to_curve - 1e-12);
-        lw_target_free(&t);
     }
 }
 
@@ -199,7 +193,7 @@ TEST(stray_looks_at_every_segment)
     lw_rng_seed(&rng, check_seed(), 0);
     for (int trial = 0; trial < 20; trial++) {
         lw_vec2 a[N], b[N];
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         int n = trial < 4 ? 2 + trial : (int)(2 + lw_rng_uniform(&rng)*(N - 2)), closed = trial % 2;
         circle(2, lw_v2(0, 0), 0, 1, a);
         for (int i = 0; i < n; i++)
@@ -213,6 +207,5 @@ TEST(stray_looks_at_every_segment)
             most = fmax(most, least);
         }
         CHECK(lw_likeness_stray(&t, b, (size_t)n).to_curve == most);
-        lw_target_free(&t);
     }
 }

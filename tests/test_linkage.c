@@ -191,7 +191,7 @@ TEST(a_link_with_one_joint_points_to_its_tracer)
 TEST(many_inputs_at_once)
 {
     enum { N = 300 };
-    lw_assembly a = { .n_link = N + 1, .n_joint = 2*N, .n_input = N, .n_tracer = N, .units = lw_units_si() };
+    OWN(lw_assembly) a = { .n_link = N + 1, .n_joint = 2*N, .n_input = N, .n_tracer = N, .units = lw_units_si() };
     bool given[N];
     lw_rng r;
     lw_error e;
@@ -226,5 +226,4 @@ TEST(many_inputs_at_once)
     a.input[N - 1].joint = 17;
     CHECK_INT(lw_assembly_check(&a, &e), LW_E_ARG);
     CHECK_HAS(e.text, "joint \"J17\" is driven twice");
-    lw_assembly_free(&a);
 }

@@ -13,7 +13,7 @@ static bool make_case(const char *family, lw_task task, lw_timing timing, lw_fit
 {
     member m;
     stations st;
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     spec.task = task;
     spec.timing = timing;
     draw_member(family, 1, task == LW_TASK_FUNCTION, rng, &m);
@@ -21,7 +21,6 @@ static bool make_case(const char *family, lw_task task, lw_timing timing, lw_fit
     shake_stations(&st, shake, rng);
     target_of(&st, &spec, &t);
     lw_status status = lw_problem_make(&t, &spec, m.family, 1, 1, p, NULL);
-    lw_target_free(&t);
     if (status != LW_OK)
         return false;
     variables_of(p, &m, x);
@@ -130,7 +129,7 @@ TEST(bent_steps_are_shorter_ways)
     long evals[2] = { 0, 0 };
     int exact[2] = { 0, 0 }, slow = 0;
     for (int trial = 0; trial < 300; trial++) {
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double x[2][LW_VAR_MAX] = { { 0 } }, f[2];
         long used[2];
         lw_stop stop;
@@ -148,7 +147,6 @@ TEST(bent_steps_are_shorter_ways)
             evals[bend] += used[bend];
         slow += counts;
         check_inside(&p, x[1]);
-        lw_problem_free(&p);
     }
     CHECK(exact[1] >= exact[0] - 2);
     CHECK(slow >= 8 && 3*evals[1] < 2*evals[0]);
@@ -160,7 +158,7 @@ TEST(never_ends_above_its_start)
     lw_rng_seed(&rng, check_seed(), 2);
     for (int trial = 0; trial < 60; trial++) {
         static const lw_timing timing[] = { LW_TIMING_PRESCRIBED, LW_TIMING_FREE, LW_TIMING_NONE };
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         lw_stop stop;
         double x[LW_VAR_MAX] = { 0 }, start[LW_VAR_MAX];
         if (!make_case(families[trial/3 % N_FAMILY], LW_TASK_PATH, timing[trial % 3], lw_fit_spec_default(), 0.3, &rng, &p, x))
@@ -175,7 +173,6 @@ TEST(never_ends_above_its_start)
             if (timing[trial % 3] != LW_TIMING_NONE && p.intended.turns && linear_least(&p, x) > 0.05)
                 CHECK(value(&p, x, NULL) <= 1.2*f);      /* a fresh assignment is as good, or nearly */
         }
-        lw_problem_free(&p);
     }
 }
 
@@ -238,7 +235,7 @@ TEST(rests_on_a_bound_as_it_should)
     int held = 0;
     for (int trial = 0; trial < 60; trial++) {
         lw_fit_spec spec = lw_fit_spec_default();
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         lw_stop stop;
         double x[LW_VAR_MAX] = { 0 };
         if (!make_case(families[trial % N_FAMILY], LW_TASK_PATH, LW_TIMING_PRESCRIBED, spec, 0.02, &rng, &p, x))
@@ -253,7 +250,6 @@ TEST(rests_on_a_bound_as_it_should)
             if (stop != LW_STOP_EVALS && p.intended.turns)        /* others may end where they open          */
                 held += check_optimum(&p, x, f);
         }
-        lw_problem_free(&p);
     }
     CHECK(held > 12);
 }
@@ -265,7 +261,7 @@ TEST(rests_on_the_limit_of_turning)
     lw_rng_seed(&rng, check_seed(), 4);
     int held = 0;
     for (int trial = 0; trial < 40; trial++) {
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         lw_stop stop;
         double x[LW_VAR_MAX] = { 0 };
         make_case(trial % 2 ? "crank-rocker" : "slider-crank", LW_TASK_PATH, LW_TIMING_PRESCRIBED,
@@ -283,7 +279,6 @@ TEST(rests_on_the_limit_of_turning)
             if (isfinite(f) && stop != LW_STOP_EVALS)
                 held += check_optimum(&p, x, f) && linear_least(&p, x) < 1e-9;
         }
-        lw_problem_free(&p);
     }
     CHECK(held > 10);
 }
@@ -295,7 +290,7 @@ TEST(feasible_points_stay_and_others_move_little)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 5);
     for (int trial = 0; trial < 200; trial++) {
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX] = { 0 }, start[LW_VAR_MAX];
         make_case(families[trial % 4], LW_TASK_PATH, LW_TIMING_FREE, lw_fit_spec_default(), 0.02, &rng, &p, x);
         for (int i = 0; i < p.n_dim; i++)                /* no draw is outside                      */
@@ -311,7 +306,6 @@ TEST(feasible_points_stay_and_others_move_little)
         CHECK(feasible(&p, x));
         check_inside(&p, x);
         CHECK(memcmp(start + 4, x + 4, sizeof *x*5) == 0);       /* place and tracer: no reason   */
-        lw_problem_free(&p);
     }
 }
 
@@ -319,7 +313,7 @@ TEST(contradictions_are_found_out)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 6);
-    lw_problem p;
+    OWN(lw_problem) p = { 0 };
     double x[LW_VAR_MAX] = { 0 };
     make_case("crank-rocker", LW_TASK_PATH, LW_TIMING_FREE, lw_fit_spec_default(), 0.02, &rng, &p, x);
     for (int i = 0; i < 4; i++) {
@@ -327,5 +321,4 @@ TEST(contradictions_are_found_out)
         p.hi[i] = i == 1 ? 4 : 2;
     }
     CHECK(!feasible(&p, x));
-    lw_problem_free(&p);
 }

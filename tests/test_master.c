@@ -162,8 +162,8 @@ TEST(turned_parts)
         snprintf(text, sizeof text, form, r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9], r[10], r[11]);
         lw_master *m;
         lw_variant *v = variant_of(text, &m);
-        lw_expansion x;
-        lw_model model;
+        OWN(lw_expansion) x = { 0 };
+        OWN(lw_model) model = { 0 };
         if (!v || lw_variant_expand(v, &x, &error) != LW_OK
             || lw_model_read(x.text, x.size, "m", &model, &error) != LW_OK) {
             CHECK_TEXT(error.text, "");
@@ -178,8 +178,6 @@ TEST(turned_parts)
         }
         double turn = remainder(model.linkage.tracer[0].angle - (r[5]*LW_PI/180 + a + b), 2*LW_PI);
         CHECK_NEAR(turn, 0, 1e-12, 0);
-        lw_model_free(&model);
-        lw_expansion_free(&x);
         done(v, m);
     }
 }
@@ -211,7 +209,7 @@ TEST(loaders)
     size_t size, n;
     lw_master *m = NULL;
     lw_variant *v = NULL;
-    lw_expansion x = { 0 };
+    OWN(lw_expansion) x = { 0 };
     CHECK_INT(lw_file_read("examples/families/loader.json", &text, &size, &error), LW_OK);
     CHECK_INT(lw_file_read("tests/data/family/loader.json", &want, &n, &error), LW_OK);
     CHECK_INT(lw_master_read(text, size, "loader", &m, &error), LW_OK);
@@ -245,7 +243,6 @@ TEST(loaders)
     CHECK_INT(lw_variant_model(v, &model, &error), LW_OK);
     CHECK(!model->body[1].given && model->linkage.joint[2].at.x > 0);
     lw_model_destroy(model);
-    lw_expansion_free(&x);
     free(text);
     free(want);
     done(v, m);
@@ -316,7 +313,7 @@ TEST(refused)
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         lw_master *m = NULL;
         lw_variant *v = NULL;
-        lw_expansion x = { 0 };
+        OWN(lw_expansion) x = { 0 };
         lw_model model;
         char text[400];
         json_format(text, sizeof text, "%s", rows[i].text);
@@ -338,7 +335,6 @@ TEST(refused)
         CHECK_INT(error.line, want_line);
         CHECK_INT(error.column, want_column);
         CHECK_TEXT(error.file, "f");
-        lw_expansion_free(&x);
         done(v, m);
     }
 }

@@ -55,8 +55,8 @@ TEST(a_function_is_judged_by_its_output)
         enum { LOOKS = 64 };
         member m;
         stations st;
-        lw_target t;
-        lw_problem p;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_problem) p = { 0 };
         lw_fit_spec s = lw_fit_spec_default();
         double x[LW_VAR_MAX] = { 0 }, g[4*LW_CURVE_SAMPLES + LW_LINEAR_MAX], fast = 0, least = INFINITY;
         const double h = 1e-4;
@@ -87,8 +87,6 @@ TEST(a_function_is_judged_by_its_output)
             least = fmin(least, g[i]);
         CHECK(least < 1 - 1/(0.9*0.9) + 1e-4 && least > 1 - 1/(0.85*0.85));
         free(work);
-        lw_problem_free(&p);
-        lw_target_free(&t);
     }
 }
 

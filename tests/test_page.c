@@ -41,9 +41,9 @@ static int occurrences(const char *text, const char *part)
 
 TEST(nothing_comes_from_outside)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     CHECK_INT(model_scene("Crank-rocker", 8, &s), LW_OK);
-    lw_bytes b = write_page(&s, 1, "A page");
+    OWN(lw_bytes) b = write_page(&s, 1, "A page");
     CHECK_INT(occurrences(b.data, "://"), occurrences(b.data, "xmlns=\"http://www.w3.org/2000/svg\""));
     static const char *const barred[] = { " src=", "<link", "<iframe", "<object", "<img", "@import",
                                           " style=\"", " onclick", " onload", "javascript:", "eval(",
@@ -54,8 +54,6 @@ TEST(nothing_comes_from_outside)
     CHECK_HAS(b.data, "<meta charset=\"utf-8\">");
     CHECK_HAS(b.data, "width=device-width");
     CHECK_HAS(b.data, "prefers-color-scheme: dark");
-    lw_bytes_free(&b);
-    lw_scene_free(&s);
 }
 
 /* The policy names the hash of what stands between the tags, to the byte. */
@@ -63,9 +61,9 @@ TEST(policy_allows_just_this_script_and_style)
 {
     static const char *const tag[][3] = { { "<style>", "</style>", "style-src 'sha256-" },
                                           { "]</script>\n<script>", "</script>", "script-src 'sha256-" } };
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     CHECK_INT(model_scene("Crank-rocker", 0, &s), LW_OK);
-    lw_bytes b = write_page(&s, 1, "A page");
+    OWN(lw_bytes) b = write_page(&s, 1, "A page");
     for (int i = 0; i < 2; i++) {
         const char *from = strstr(b.data, tag[i][0]) + strlen(tag[i][0]), *to = strstr(from, tag[i][1]);
         char hash[LW_SHA256_TEXT], want[128];
@@ -75,8 +73,6 @@ TEST(policy_allows_just_this_script_and_style)
     }
     CHECK_INT(occurrences(b.data, "<style"), 1);
     CHECK_INT(occurrences(b.data, "<script"), 2);
-    lw_bytes_free(&b);
-    lw_scene_free(&s);
 }
 
 TEST(hostile_texts_stay_texts)
@@ -87,17 +83,15 @@ TEST(hostile_texts_stay_texts)
     strcpy(k.name, "--><!-- <");
     lw_scene_options o = lw_scene_options_default();
     o.title = hostile;
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     CHECK_INT(lw_scene_make(&k, NULL, &o, &s, &e), LW_OK);
-    lw_bytes b = write_page(&s, 1, hostile);
+    OWN(lw_bytes) b = write_page(&s, 1, hostile);
     CHECK_INT(occurrences(b.data, "<script"), 2);
     CHECK_INT(occurrences(b.data, "</script>"), 2);
     CHECK_INT(occurrences(b.data, "<img"), 0);
     CHECK_INT(occurrences(b.data, "</svg>"), occurrences(b.data, "<svg "));
     CHECK_HAS(b.data, "&lt;/script&gt;");
-    lw_bytes_free(&b);
-    lw_scene_free(&s);
 }
 
 static json_t *motions_of(const lw_bytes *b)
@@ -143,9 +137,9 @@ static lw_vec2 moved(const json_t *link, size_t frame, lw_vec2 q)
  * distances to A and B0 stay the lengths of the links. */
 TEST(postures_keep_the_links_together)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     CHECK_INT(model_scene("Crank-rocker", 8, &s), LW_OK);
-    lw_bytes b = write_page(&s, 1, "A page");
+    OWN(lw_bytes) b = write_page(&s, 1, "A page");
     char *svg = strndup(strstr(b.data, "<svg "), (size_t)(strstr(b.data, "</svg>") + 6 - strstr(b.data, "<svg ")));
     pin a = { .wanted = 1 }, joint = { .wanted = 2 }, b0 = { .wanted = 3 };
     CHECK(xml_scan(svg, find_pin, &a) > 20);
@@ -171,8 +165,6 @@ TEST(postures_keep_the_links_together)
     }
     json_decref(motions);
     free(svg);
-    lw_bytes_free(&b);
-    lw_scene_free(&s);
 }
 
 static void look_for_id(const xml_element *e, void *context)
@@ -187,7 +179,7 @@ TEST(many_results_on_one_page)
     lw_scene s[4];
     for (int i = 0; i < 4; i++)
         CHECK_INT(model_scene("Crank-rocker", 4, &s[i]), LW_OK);
-    lw_bytes b = write_page(s, 4, "A page");
+    OWN(lw_bytes) b = write_page(s, 4, "A page");
     CHECK_INT(occurrences(b.data, "<figure"), 5);
     CHECK_INT(occurrences(b.data, "<section"), 2);
     CHECK_INT(occurrences(b.data, "<input type=\"radio\""), 4);             /* one result alone has no rank */
@@ -210,14 +202,13 @@ TEST(many_results_on_one_page)
             CHECK_INT(occurrences(b.data, id), 1);
         }
     CHECK(b.size < 200000);
-    lw_bytes_free(&b);
     for (int i = 0; i < 4; i++)
         lw_scene_free(&s[i]);
 }
 
 TEST(empty_columns_are_left_out)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     CHECK_INT(model_scene("Crank-rocker", 0, &s), LW_OK);
     lw_page_result r = { .scene = &s, .transmission_min = NAN, .objective = NAN, .error_mean = NAN, .error_max = NAN,
                          .angle_mean = NAN, .angle_max = NAN, .error_percent = 0.5 };
@@ -238,16 +229,13 @@ TEST(empty_columns_are_left_out)
     t.n_result = 0;
     CHECK_INT(lw_page_write(&p, &b, &e), LW_E_ARG);
     CHECK(b.data == NULL);
-    lw_scene_free(&s);
 }
 
 TEST(same_input_same_bytes)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     CHECK_INT(model_scene("Crank-rocker", 8, &s), LW_OK);
-    lw_bytes a = write_page(&s, 1, "A page"), b = write_page(&s, 1, "A page");
+    OWN(lw_bytes) a = write_page(&s, 1, "A page"), b = write_page(&s, 1, "A page");
     CHECK(a.size == b.size && memcmp(a.data, b.data, a.size) == 0);
-    lw_bytes_free(&a);
     lw_bytes_free(&b);
-    lw_scene_free(&s);
 }

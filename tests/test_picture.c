@@ -52,11 +52,10 @@ static void count(const xml_element *e, void *context)
 static found read_back(const lw_drawing *d)
 {
     found f = { 0 };
-    lw_bytes b;
+    OWN(lw_bytes) b = { 0 };
     lw_error e;
     CHECK_INT(lw_svg_write(d, &b, &e), LW_OK);
     CHECK(xml_scan(b.data, count, &f) > 10);
-    lw_bytes_free(&b);
     return f;
 }
 
@@ -76,9 +75,9 @@ static lw_drawing draw(const lw_scene *s, double width, double height)
 
 TEST(every_part_is_there_and_in_its_place)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     CHECK_INT(model_scene("Crank-rocker", 12, &s), LW_OK);
-    lw_drawing d = draw(&s, 1000, 750);
+    OWN(lw_drawing) d = draw(&s, 1000, 750);
     found f = read_back(&d);
     CHECK_INT(f.joints, 4);
     CHECK_INT(f.links, 3);
@@ -97,16 +96,14 @@ TEST(every_part_is_there_and_in_its_place)
         CHECK_NEAR(f.station[i][1], p.y, 0.006, 0);
         CHECK(p.x > 0 && p.x < 1000 && p.y > 0 && p.y < 750);
     }
-    lw_drawing_free(&d);
-    lw_scene_free(&s);
 }
 
 /* All lengths are to one scale, y up. */
 TEST(the_plane_is_not_distorted)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     CHECK_INT(model_scene(NULL, 0, &s), LW_OK);
-    lw_drawing d = draw(&s, 700, 900);
+    OWN(lw_drawing) d = draw(&s, 700, 900);
     found f = read_back(&d);
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < i; k++) {
@@ -114,8 +111,6 @@ TEST(the_plane_is_not_distorted)
             CHECK_NEAR(f.joint[i][0] - f.joint[k][0], d.view[0].scale*w.x, 0.011, 0);
             CHECK_NEAR(f.joint[i][1] - f.joint[k][1], -d.view[0].scale*w.y, 0.011, 0);
         }
-    lw_drawing_free(&d);
-    lw_scene_free(&s);
 }
 
 typedef struct text_box { double x0, y0, x1, y1; const char *text; } text_box;
@@ -177,24 +172,20 @@ TEST(labels_do_not_overlap)
     static const double size[][2] = { { 1000, 750 }, { 500, 700 }, { 2000, 600 } };
     for (size_t i = 0; i < MODEL_FILES; i++) {
         lw_linkage k;
-        lw_scene s;
+        OWN(lw_scene) s = { 0 };
         lw_error e;
         k = example(model_files[i]);
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
         for (int q = 0; q < 3; q++) {
-            lw_drawing d = draw(&s, size[q][0], size[q][1]);
+            OWN(lw_drawing) d = draw(&s, size[q][0], size[q][1]);
             check_texts(&d, model_files[i]);
-            lw_drawing_free(&d);
         }
-        lw_scene_free(&s);
     }
     for (size_t n = 1; n < 200; n += 22) {
-        lw_scene s;
+        OWN(lw_scene) s = { 0 };
         CHECK_INT(model_scene("Many target points", n, &s), LW_OK);
-        lw_drawing d = draw(&s, 1000, 750);
+        OWN(lw_drawing) d = draw(&s, 1000, 750);
         check_texts(&d, "target points");
-        lw_drawing_free(&d);
-        lw_scene_free(&s);
     }
 }
 
@@ -203,11 +194,11 @@ TEST(nothing_goes_without_its_label)
 {
     for (size_t i = 0; i < MODEL_FILES; i++) {
         lw_linkage k;
-        lw_scene s;
+        OWN(lw_scene) s = { 0 };
         lw_error e;
         k = example(model_files[i]);
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
-        lw_drawing d = draw(&s, 1000, 750);
+        OWN(lw_drawing) d = draw(&s, 1000, 750);
         int n_joint = 0, n_length = 0, n_want = 0;
         for (size_t q = 0; q < d.n_shape; q++) {
             n_joint += d.shape[q].role == LW_ROLE_JOINT_LABEL;
@@ -217,8 +208,6 @@ TEST(nothing_goes_without_its_label)
             n_want += s.dim_kind[q] == LW_DIM_LENGTH;
         CHECK_INT(n_joint, k.n_joint + k.n_tracer);
         CHECK_INT(n_length, n_want);
-        lw_drawing_free(&d);
-        lw_scene_free(&s);
     }
 }
 
@@ -245,11 +234,11 @@ static cairo_status_t take(void *closure, unsigned char *data, unsigned n)
 
 TEST(png_shows_it)
 {
-    lw_scene s;
-    lw_bytes b;
+    OWN(lw_scene) s = { 0 };
+    OWN(lw_bytes) b = { 0 };
     lw_error e;
     CHECK_INT(model_scene("Crank-rocker", 9, &s), LW_OK);
-    lw_drawing d = draw(&s, 900, 600);
+    OWN(lw_drawing) d = draw(&s, 900, 600);
     CHECK_INT(lw_picture_png(&d, &b, &e), LW_OK);
     reader r = { b.data, b.size };
     cairo_surface_t *p = cairo_image_surface_create_from_png_stream(take, &r);
@@ -265,19 +254,16 @@ TEST(png_shows_it)
     lw_vec2 crank = lw_v2_scale(lw_v2_add(s.linkage.joint[0].at, s.linkage.joint[1].at), 0.5);
     CHECK_INT(pixel_at(p, lw_view_pixel(&d.view[0], crank)), lw_ink_light(LW_INK_PURPLE));
     cairo_surface_destroy(p);
-    lw_bytes_free(&b);
-    lw_drawing_free(&d);
-    lw_scene_free(&s);
 }
 
 /* Moved by the frames of the motion: each pin is where the scene says, in every frame. */
 TEST(frames_move_the_links)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     CHECK_INT(model_scene("Crank-rocker", 0, &s), LW_OK);
     lw_diagram_options o = { .width = 400, .height = 300, .zoom = 1, .whole_motion = true };
-    lw_drawing d;
+    OWN(lw_drawing) d = { 0 };
     CHECK_INT(lw_diagram_draw(&s, &o, &d, &e), LW_OK);
     uint32_t *pixel = malloc(400*300*sizeof *pixel);
     for (size_t f = 0; f < s.n_frame; f += 17) {
@@ -295,22 +281,19 @@ TEST(frames_move_the_links)
         }
     }
     free(pixel);
-    lw_drawing_free(&d);
-    lw_scene_free(&s);
 }
 
 TEST(same_input_same_bytes)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     CHECK_INT(model_scene("Crank-rocker", 9, &s), LW_OK);
     lw_bytes b[2][3];
     for (int i = 0; i < 2; i++) {
-        lw_drawing d = draw(&s, 800, 600);
+        OWN(lw_drawing) d = draw(&s, 800, 600);
         CHECK_INT(lw_svg_write(&d, &b[i][0], &e), LW_OK);
         CHECK_INT(lw_picture_png(&d, &b[i][1], &e), LW_OK);
         CHECK_INT(lw_picture_pdf(&d, &b[i][2], &e), LW_OK);
-        lw_drawing_free(&d);
     }
     for (int k = 0; k < 3; k++)
         CHECK(b[0][k].size == b[1][k].size && memcmp(b[0][k].data, b[1][k].data, b[0][k].size) == 0);
@@ -318,13 +301,12 @@ TEST(same_input_same_bytes)
     CHECK(memmem(b[0][2].data, b[0][2].size, "CreationDate", 12) == NULL);
     for (int i = 0; i < 6; i++)
         lw_bytes_free(&b[i/3][i%3]);
-    lw_scene_free(&s);
 }
 
 /* A linkage of another size, in units of that size, is the same picture to the last byte. */
 TEST(size_does_not_matter)
 {
-    lw_bytes want = { 0 };
+    OWN(lw_bytes) want = { 0 };
     lw_error e;
     for (int i = 0; i < 3; i++) {
         double by = ldexp(1, i == 0 ? 0 : i == 1 ? 30 : -30), r[9];
@@ -332,9 +314,9 @@ TEST(size_does_not_matter)
             r[k] = model_crank_rocker[k]*(k < 8 ? by : 1);
         lw_linkage k = model_four_bar(r, 1, 1);
         k.units.metre = by;
-        lw_scene s;
+        OWN(lw_scene) s = { 0 };
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
-        lw_drawing d = draw(&s, 1000, 750);
+        OWN(lw_drawing) d = draw(&s, 1000, 750);
         lw_bytes b;
         CHECK_INT(lw_svg_write(&d, &b, &e), LW_OK);
         if (i == 0)
@@ -343,10 +325,7 @@ TEST(size_does_not_matter)
             CHECK_TEXT(b.data, want.data);
             lw_bytes_free(&b);
         }
-        lw_drawing_free(&d);
-        lw_scene_free(&s);
     }
-    lw_bytes_free(&want);
 }
 
 /* Path and linkage of very different size: a second panel, with every target point on it. */
@@ -355,14 +334,14 @@ TEST(specks_get_their_own_panel)
     for (double ratio = 2; ratio < 3e9; ratio *= 10) {
         const double r[9] = { ratio, 1, ratio + 0.3, 2.4, 1.5, 1.2, 0, 0, 0.2 };
         lw_linkage k = model_four_bar(r, 1, 1);
-        lw_scene s;
+        OWN(lw_scene) s = { 0 };
         lw_error e;
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
         s.n_station = 5;
         s.station = calloc(5, sizeof *s.station);
         for (size_t i = 0; i < 5; i++)
             s.station[i] = s.curve[0].p[i*s.curve[0].n/5];
-        lw_drawing d = draw(&s, 1000, 750);
+        OWN(lw_drawing) d = draw(&s, 1000, 750);
         CHECK_INT(d.n_view, ratio > 10 ? 2 : 1);
         found f = read_back(&d);
         CHECK_INT(f.stations, 5);
@@ -375,8 +354,6 @@ TEST(specks_get_their_own_panel)
             spread = fmax(spread, hypot(f.station[i][0] - f.station[0][0], f.station[i][1] - f.station[0][1]));
         }
         CHECK(spread > 100);
-        lw_drawing_free(&d);
-        lw_scene_free(&s);
     }
 }
 
@@ -384,11 +361,11 @@ TEST(specks_get_their_own_panel)
 TEST(strange_coordinates_are_drawn)
 {
     static const lw_vec2 wild[] = { { NAN, 0 }, { INFINITY, 1 }, { 1, -INFINITY } };
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     CHECK_INT(model_scene("Wild", 3, &s), LW_OK);
     memcpy(s.station, wild, sizeof wild);
-    lw_drawing d = draw(&s, 300, 200);
+    OWN(lw_drawing) d = draw(&s, 300, 200);
     found f = read_back(&d);
     CHECK_INT(f.joints, 4);
     lw_drawing_free(&d);
@@ -405,8 +382,6 @@ TEST(strange_coordinates_are_drawn)
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
     d = draw(&s, 300, 200);
     CHECK_INT(read_back(&d).joints, 1);
-    lw_drawing_free(&d);
-    lw_scene_free(&s);
 }
 
 TEST(hostile_names_stay_text)
@@ -416,22 +391,19 @@ TEST(hostile_names_stay_text)
     strcpy(k.joint[1].name, "A\"&'<!--\xff");
     lw_scene_options o = lw_scene_options_default();
     o.title = "<svg onload=alert(1)> ]]> \xc3\xa9 \xe2\x80";
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     CHECK_INT(lw_scene_make(&k, NULL, &o, &s, &e), LW_OK);
-    lw_drawing d = draw(&s, 1000, 750);
+    OWN(lw_drawing) d = draw(&s, 1000, 750);
     found f = read_back(&d);
     CHECK_INT(f.joints, 4);
-    lw_bytes b;
+    OWN(lw_bytes) b = { 0 };
     CHECK_INT(lw_svg_write(&d, &b, &e), LW_OK);
     CHECK(!strstr(b.data, "<script") && !strstr(b.data, "<svg onload"));
     lw_bytes_free(&b);
     CHECK_INT(lw_picture_png(&d, &b, &e), LW_OK);
     lw_bytes_free(&b);
     CHECK_INT(lw_picture_pdf(&d, &b, &e), LW_OK);
-    lw_bytes_free(&b);
-    lw_drawing_free(&d);
-    lw_scene_free(&s);
 }
 
 /* Slots and gears, which have no plan yet, are drawn in the posture given. */
@@ -442,24 +414,22 @@ TEST(every_kind_of_joint_is_drawn)
     k.joint[2].along = lw_v2_polar(1, 0.7);
     k.joint[k.n_joint++] = (lw_joint){ .name = "G", .kind = LW_JOINT_GEAR, .link = { 1, 3 },
                                        .at = { 1.2, 0 }, .ratio = -1 };
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
-    lw_drawing d = draw(&s, 1000, 750);
+    OWN(lw_drawing) d = draw(&s, 1000, 750);
     CHECK_INT(read_back(&d).joints, 4);
     int guides = 0;
     for (size_t i = 0; i < d.n_shape; i++)
         guides += d.shape[i].role == LW_ROLE_GUIDE;
     CHECK_INT(guides, 3);                                       /* the slot and two pitch circles */
-    lw_drawing_free(&d);
-    lw_scene_free(&s);
 }
 
 /* The trammel: two blocks on hatched guides of the ground that cover their travel. */
 TEST(guides_cover_the_travel)
 {
     lw_linkage k;
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     k = example("trammel");
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
@@ -470,10 +440,8 @@ TEST(guides_cover_the_travel)
         CHECK_INT(w.guide, k.ground);
         CHECK_NEAR(w.hi - w.lo, 0.2, 1e-4, 0);          /* a bar of 0.1 m runs 0.1 m each way */
     }
-    lw_drawing d = draw(&s, 1000, 750);
+    OWN(lw_drawing) d = draw(&s, 1000, 750);
     CHECK_INT(read_back(&d).sliders, 2);
-    lw_drawing_free(&d);
-    lw_scene_free(&s);
 }
 
 /* Guides, links and hatching of the picture of a model of examples/, and the greatest y of a guide [px]. */
@@ -481,15 +449,15 @@ typedef struct parts { int guides, links, hatching; double lowest; } parts;
 
 static parts parts_of(const char *path)
 {
-    lw_model m;
-    lw_scene s;
+    OWN(lw_model) m = { 0 };
+    OWN(lw_scene) s = { 0 };
     lw_scene_options o = lw_scene_options_default();
     lw_error e;
     parts n = { .lowest = -1 };
     o.model = &m;
     load_planar(path, &m);
     CHECK_INT(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &e), LW_OK);
-    lw_drawing d = draw(&s, 1000, 750);
+    OWN(lw_drawing) d = draw(&s, 1000, 750);
     for (size_t i = 0; i < d.n_shape; i++) {
         n.guides += d.shape[i].role == LW_ROLE_GUIDE;
         n.links += d.shape[i].role == LW_ROLE_LINK;
@@ -497,9 +465,6 @@ static parts parts_of(const char *path)
         if (d.shape[i].role == LW_ROLE_GUIDE)
             n.lowest = fmax(n.lowest, d.point[d.shape[i].first].y);
     }
-    lw_drawing_free(&d);
-    lw_scene_free(&s);
-    lw_model_free(&m);
     return n;
 }
 
@@ -517,12 +482,12 @@ TEST(the_ground_is_seen)
 TEST(legends_are_free_of_curves)
 {
     lw_linkage k;
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     double lowest = 0, legend = INFINITY;
     k = example("gallery/evans");
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
-    lw_drawing d = draw(&s, 1000, 750);
+    OWN(lw_drawing) d = draw(&s, 1000, 750);
     CHECK_INT(d.n_view, 2);
     for (size_t i = 0; i < d.n_shape; i++) {
         const lw_shape *a = &d.shape[i];
@@ -532,13 +497,11 @@ TEST(legends_are_free_of_curves)
             legend = fmin(legend, a->at.y - a->width);
     }
     CHECK(lowest > 600 && lowest < legend);
-    lw_drawing_free(&d);
-    lw_scene_free(&s);
 }
 
 TEST(unfit_sizes_are_refused)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     CHECK_INT(model_scene(NULL, 0, &s), LW_OK);
     static const double size[][3] = { { 0, 100, 1 }, { 100, 1e9, 1 }, { NAN, 100, 1 }, { 100, 100, 0 } };
     for (int i = 0; i < 4; i++) {
@@ -548,5 +511,4 @@ TEST(unfit_sizes_are_refused)
         CHECK_INT(lw_diagram_draw(&s, &o, &d, &e), LW_E_ARG);
         CHECK(d.shape == NULL);
     }
-    lw_scene_free(&s);
 }

@@ -43,7 +43,7 @@ TEST(points_lie_where_their_numbers_say)
 {
     for (int kind = 0; kind < 4; kind++) {
         lines l;
-        lw_drawing d;
+        OWN(lw_drawing) d = { 0 };
         lw_error e;
         make(&l, kind & 1, kind & 2);
         CHECK_INT(lw_plot_draw(&l.p, &d, &e), LW_OK);
@@ -56,11 +56,9 @@ TEST(points_lie_where_their_numbers_say)
             lw_vec2 s = lw_v2_sub(marker_at(&d, i), marker_at(&d, i - 1));
             CHECK_POINT(s, step.x, step.y, 1e-9, 0);
         }
-        lw_bytes b;
+        OWN(lw_bytes) b = { 0 };
         CHECK_INT(lw_svg_write(&d, &b, &e), LW_OK);
         CHECK(xml_scan(b.data, NULL, NULL) > 40);
-        lw_bytes_free(&b);
-        lw_drawing_free(&d);
     }
 }
 
@@ -76,7 +74,7 @@ static bool has_text(const lw_drawing *d, lw_role role, const char *text)
 TEST(ticks_are_round_numbers)
 {
     lines l;
-    lw_drawing d;
+    OWN(lw_drawing) d = { 0 };
     lw_error e;
     make(&l, true, true);
     CHECK_INT(lw_plot_draw(&l.p, &d, &e), LW_OK);
@@ -91,7 +89,6 @@ TEST(ticks_are_round_numbers)
     CHECK_INT(lw_plot_draw(&l.p, &d, &e), LW_OK);
     CHECK(has_text(&d, LW_ROLE_TICK, "60"));
     CHECK(has_text(&d, LW_ROLE_TICK, "0"));
-    lw_drawing_free(&d);
 }
 
 /* A turn in degrees is cut into parts of a turn, on both axes; some degrees are as other numbers. */
@@ -100,7 +97,7 @@ TEST(degrees_are_parts_of_a_turn)
     double x[] = { 0, 360 }, y[] = { -0.3, 0.4 };
     lw_series s = { .name = "a", .n = 2, .x = x, .y = y };
     lw_plot p = { .x_label = "input [deg]", .y_label = "angle [deg]", .n_series = 1, .series = &s };
-    lw_drawing d;
+    OWN(lw_drawing) d = { 0 };
     lw_error e;
     CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
     CHECK(has_text(&d, LW_ROLE_TICK, "90") && has_text(&d, LW_ROLE_TICK, "270") && has_text(&d, LW_ROLE_TICK, "360") && has_text(&d, LW_ROLE_TICK, "0.2"));
@@ -109,7 +106,6 @@ TEST(degrees_are_parts_of_a_turn)
     lw_plot two[] = { { .y_label = "place [m]", .n_series = 1, .series = &s }, p };
     CHECK_INT(lw_plot_draw_stack(2, two, &d, &e), LW_OK);
     CHECK(!has_text(&d, LW_ROLE_TICK, "100"));                /* the panel above has the same axis */
-    lw_drawing_free(&d);
 }
 
 /* The numbers along an axis differ from each other. */
@@ -132,7 +128,7 @@ TEST(any_range_has_ticks)
             for (int log = 0; log < 2; log++) {
                 lw_series s = { "s", 2, x, y, true };
                 lw_plot p = { .log_x = log, .log_y = log, .n_series = 1, .series = &s };
-                lw_drawing d;
+                OWN(lw_drawing) d = { 0 };
                 lw_error e;
                 CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
                 int n = n_of(&d, LW_ROLE_TICK);
@@ -140,7 +136,6 @@ TEST(any_range_has_ticks)
                 check_ticks_differ(&d);
                 for (size_t i = 0; i < d.n_point; i++)
                     CHECK(d.point[i].x >= 0 && d.point[i].x <= 800 && d.point[i].y >= 0 && d.point[i].y <= 560);
-                lw_drawing_free(&d);
             }
         }
 }
@@ -178,7 +173,7 @@ TEST(long_series_are_unbroken)
     for (int steps = 0; steps < 2; steps++) {
         lw_series s = { "s", LONG, x, y, steps };
         lw_plot p = { .n_series = 1, .series = &s };
-        lw_drawing d;
+        OWN(lw_drawing) d = { 0 };
         lw_error e;
         CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
         CHECK_INT(n_of(&d, LW_ROLE_MARKER), 0);
@@ -193,7 +188,6 @@ TEST(long_series_are_unbroken)
             n += q->n - 1;
         }
         CHECK_INT(n, (steps ? 2 : 1)*(LONG - 1));
-        lw_drawing_free(&d);
     }
 }
 
@@ -211,17 +205,15 @@ TEST(files_by_their_kind)
     }
     CHECK_INT(lw_draw_kind_of("x.jpeg", &kind, &e), LW_E_ARG);
     CHECK_HAS(e.text, ".svg");
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     CHECK_INT(model_scene("Crank-rocker", 4, &s), LW_OK);
     static const char *const begins[] = { "<?xml", "%PDF-", "\x89PNG", "GIF89a", "<!DOCTYPE html>" };
     for (int i = LW_DRAW_SVG; i <= LW_DRAW_HTML; i++) {
-        lw_bytes b;
+        OWN(lw_bytes) b = { 0 };
         CHECK_INT(lw_draw_bytes(&s, (lw_draw_kind)i, 200, 150, &b, &e), LW_OK);
         CHECK(strncmp(b.data, begins[i], strlen(begins[i])) == 0);
-        lw_bytes_free(&b);
     }
     CHECK_INT(lw_draw_save(&s, LW_DRAW_SVG, "/dev/null/x.svg", 0, 0, &e), LW_E_IO);
-    lw_scene_free(&s);
     lines l;
     make(&l, true, true);
     CHECK_INT(lw_draw_plot(&l.p, "/dev/null/x.png", &e), LW_E_IO);
@@ -239,7 +231,7 @@ TEST(circles_stay_round)
         }
         lw_series s = { "circle", N, x, y, wide ? LW_SERIES_POINTS : LW_SERIES_LINE };
         lw_plot p = { .width = wide ? 1200 : 500, .height = 500, .n_series = 1, .series = &s, .equal = true };
-        lw_drawing d;
+        OWN(lw_drawing) d = { 0 };
         lw_error e;
         CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
         double width = fabs(marker_at(&d, 0).x - marker_at(&d, N/2).x);
@@ -248,7 +240,6 @@ TEST(circles_stay_round)
         CHECK(width > 100);
         CHECK_INT(n_of(&d, LW_ROLE_SERIES), !wide);
         CHECK_INT(n_of(&d, LW_ROLE_MARKER), N);
-        lw_drawing_free(&d);
     }
 }
 
@@ -257,7 +248,7 @@ TEST(rounding_is_zero)
 {
     for (int k = 0; k < 2; k++) {
         lines l;
-        lw_drawing d;
+        OWN(lw_drawing) d = { 0 };
         lw_error e;
         make(&l, false, false);
         l.p.n_level = 0;
@@ -266,6 +257,5 @@ TEST(rounding_is_zero)
         CHECK_INT(lw_plot_draw(&l.p, &d, &e), LW_OK);
         CHECK_INT(n_of(&d, LW_ROLE_NOTE), !k);
         CHECK((fabs(marker_at(&d, 0).y - marker_at(&d, 1).y) > 100) == k);
-        lw_drawing_free(&d);
     }
 }

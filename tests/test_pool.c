@@ -6,10 +6,9 @@ static void make_problem(lw_problem *p)
 {
     static const double x[] = { 0, 1, 1, 0 }, y[] = { 0, 0, 1, 1 };
     lw_fit_spec s = lw_fit_spec_default();
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     CHECK_INT(lw_target_make(4, x, y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
     CHECK_INT(lw_problem_make(&t, &s, family_named("crank-rocker"), 1, 1, p, NULL), LW_OK);
-    lw_target_free(&t);
 }
 
 static lw_found find(double f, double first)
@@ -30,7 +29,7 @@ static void check_order(const lw_pool *pool)
 TEST(keeps_the_best_in_order)
 {
     static lw_pool pool;
-    lw_problem p;
+    OWN(lw_problem) p = { 0 };
     lw_rng rng;
     double all[300];
     lw_rng_seed(&rng, check_seed(), 1);
@@ -48,13 +47,12 @@ TEST(keeps_the_best_in_order)
             better += all[i] < pool.item[k].f;
         CHECK_INT(better, k);
     }
-    lw_problem_free(&p);
 }
 
 TEST(counts_what_comes_again)
 {
     static lw_pool pool;
-    lw_problem p;
+    OWN(lw_problem) p = { 0 };
     make_problem(&p);
     lw_variables v = lw_pool_variables(&p);
     lw_found a = find(1, 3), again = a, turned = a, other = a, candidate = a, none = a;
@@ -76,5 +74,4 @@ TEST(counts_what_comes_again)
     lw_pool_put(&pool, &none, &v);
     CHECK_INT(pool.n, 3);
     check_order(&pool);
-    lw_problem_free(&p);
 }

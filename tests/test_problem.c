@@ -89,8 +89,8 @@ TEST(gradient_is_that_of_differences)
             lw_rng_seed(&rng, s ? 186 : check_seed(), 1);
         int smooth = 0, all = 0;
         for (int k = 0; k < 4*N_FAMILY; k++) {
-            lw_problem p;
-            lw_target t;
+            OWN(lw_problem) p = { 0 };
+            OWN(lw_target) t = { 0 };
             double x[LW_VAR_MAX] = { 0 }, grad[LW_VAR_MAX];
             if (!make_case(families[k % N_FAMILY], settings[s % N_SETTING], 0.05, &rng, &p, &t, x))
                 continue;
@@ -102,8 +102,6 @@ TEST(gradient_is_that_of_differences)
             for (int i = 0; isfinite(f) && i < p.n_var; i++, all++)
                 smooth += check_derivative(&p, x, grad, i, f, work);
             free(work);
-            lw_problem_free(&p);
-            lw_target_free(&t);
         }
         CHECK(all > 100);
         CHECK(smooth > 0.8*all);
@@ -116,8 +114,8 @@ TEST(residuals_add_up)
     lw_rng_seed(&rng, check_seed(), 2);
     for (int s = 0; s < N_SETTING; s++)
         for (int k = 0; k < N_FAMILY; k++) {
-            lw_problem p;
-            lw_target t;
+            OWN(lw_problem) p = { 0 };
+            OWN(lw_target) t = { 0 };
             double x[LW_VAR_MAX] = { 0 }, grad[LW_VAR_MAX];
             if (!make_case(families[k], settings[s], 0.05, &rng, &p, &t, x))
                 continue;
@@ -138,8 +136,6 @@ TEST(residuals_add_up)
             free(r);
             free(j);
             free(work);
-            lw_problem_free(&p);
-            lw_target_free(&t);
         }
 }
 
@@ -151,8 +147,8 @@ TEST(value_is_equation_17)
     for (int trial = 0; trial < 60; trial++) {
         member m;
         stations st, moved;
-        lw_target t;
-        lw_problem p;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_problem) p = { 0 };
         lw_error e;
         lw_fit_spec spec = spec_of(settings[trial % 4 == 3 ? 3 : trial % 2 ? 2 : 0]);
         double x[LW_VAR_MAX] = { 0 }, weight[STATION_MAX], want = 0;
@@ -176,15 +172,13 @@ TEST(value_is_equation_17)
         void *work = new_work(&p);
         CHECK_NEAR(lw_problem_value(&p, x, NULL, work)*p.scale, want, 0, 1e-11);
         free(work);
-        lw_problem_free(&p);
-        lw_target_free(&t);
     }
 }
 
 static double value_of(const stations *st, const member *m, lw_fit_spec spec, double *scale)
 {
-    lw_target t;
-    lw_problem p;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_problem) p = { 0 };
     double x[LW_VAR_MAX] = { 0 };
     target_of(st, &spec, &t);
     CHECK_INT(lw_problem_make(&t, &spec, m->family, m->mode, 1, &p, NULL), LW_OK);
@@ -193,8 +187,6 @@ static double value_of(const stations *st, const member *m, lw_fit_spec spec, do
     double f = lw_problem_value(&p, x, NULL, work);
     *scale = p.scale;
     free(work);
-    lw_problem_free(&p);
-    lw_target_free(&t);
     return f;
 }
 
@@ -236,8 +228,8 @@ TEST(dimensions_go_there_and_back)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 5);
     for (int k = 0; k < N_FAMILY; k++) {
-        lw_problem p;
-        lw_target t;
+        OWN(lw_problem) p = { 0 };
+        OWN(lw_target) t = { 0 };
         double x[LW_VAR_MAX] = { 0 }, dim[LW_DIM_MAX], back[LW_VAR_MAX];
         if (!make_case(families[k], settings[4], 0, &rng, &p, &t, x))
             continue;
@@ -248,8 +240,6 @@ TEST(dimensions_go_there_and_back)
             CHECK_INT(lw_problem_index(&p, lw_problem_variable(&p, i)), i);
         }
         CHECK_INT(lw_problem_index(&p, "r99"), -1);
-        lw_problem_free(&p);
-        lw_target_free(&t);
     }
 }
 
@@ -275,7 +265,7 @@ static lw_status make(const lw_target *t, const lw_fit_spec *s, const char *fami
 TEST(bounds_are_those_of_the_user)
 {
     lw_fit_spec s = lw_fit_spec_default();
-    lw_target t = square(false, false);
+    OWN(lw_target) t = square(false, false);
     lw_problem p;
     lw_error e;
     double lo[LW_DIM_MAX], hi[LW_DIM_MAX];
@@ -297,12 +287,11 @@ TEST(bounds_are_those_of_the_user)
         CHECK_NEAR(lo[i], want_lo[i], 1e-14, 1e-14);
         CHECK_NEAR(hi[i], want_hi[i], 1e-14, 1e-14);
     }
-    lw_target_free(&t);
 }
 
 TEST(says_which_bounds_exclude_everything)
 {
-    lw_target t = square(false, false);
+    OWN(lw_target) t = square(false, false);
     lw_fit_spec s = lw_fit_spec_default();
     lw_problem p;
     lw_error e;
@@ -322,7 +311,6 @@ TEST(says_which_bounds_exclude_everything)
     CHECK_HAS(e.text, "r3");
     s.bound[0] = (lw_bound){ "theta0", NAN, 1 };
     CHECK_INT(make(&t, &s, "crank-rocker", &p, &e), LW_E_ARG);
-    lw_target_free(&t);
 }
 
 TEST(says_what_a_target_lacks)
@@ -365,7 +353,7 @@ TEST(lengths_of_a_function_keep_their_range)
 {
     static const double angle[] = { 0, 1, 2 };
     lw_fit_spec s = lw_fit_spec_default();
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_problem p;
     lw_error e;
     CHECK_INT(lw_target_make(3, NULL, NULL, angle, angle, NULL, 0, &t, &e), LW_OK);
@@ -375,5 +363,4 @@ TEST(lengths_of_a_function_keep_their_range)
     CHECK_INT(make(&t, &s, "crank-rocker", &p, &e), LW_OK);
     for (int i = 0; i < 4; i++)
         CHECK(p.lo[i] >= 5 && p.hi[i] <= 50 && p.lo[i] <= p.hi[i]);
-    lw_target_free(&t);
 }

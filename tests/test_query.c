@@ -9,7 +9,7 @@ static const lw_query_options any = { .list = LW_LIST_ANY };
 /* What comes behind WHERE, without the order at the end. */
 static void becomes(const char *text, lw_query_list list, const char *where)
 {
-    lw_query q;
+    OWN(lw_query) q = { 0 };
     lw_error e = { 0 };
     lw_status s = lw_query_compile(text, &any, &q, &e);
     if (s != LW_OK)
@@ -24,12 +24,11 @@ static void becomes(const char *text, lw_query_list list, const char *where)
         *end = 0;
         CHECK_TEXT(at + 7, where);
     }
-    lw_query_free(&q);
 }
 
 static void refused(const char *text, long column, const char *why)
 {
-    lw_query q;
+    OWN(lw_query) q = { 0 };
     lw_error e = { 0 };
     lw_status s = lw_query_compile(text, &any, &q, &e);
     CHECK(s == LW_E_NOTATION || s == LW_E_ARG);
@@ -37,7 +36,6 @@ static void refused(const char *text, long column, const char *why)
         fprintf(stderr, "%s: %s\n", text, e.text);
     CHECK_INT(e.column, column);
     CHECK_HAS(e.text, why);
-    lw_query_free(&q);
 }
 
 TEST(questions)
@@ -59,7 +57,7 @@ TEST(questions)
 
 TEST(values)
 {
-    lw_query q;
+    OWN(lw_query) q = { 0 };
     lw_error e;
     CHECK_INT(lw_query_compile("error_max<2mm and transmission_min>=30deg and error < 1e-3 and objective>-2.5", &any,
                                &q, &e), LW_OK);
@@ -75,12 +73,11 @@ TEST(values)
     CHECK(memcmp(q.value[0].text, "; DROP TABLE chain --", 21) == 0);
     CHECK(q.value[1].size == 6 && memcmp(q.value[1].text, "*part*", 6) == 0);
     CHECK(q.value[2].size == 4 && memcmp(q.value[2].text, "it's", 4) == 0);
-    lw_query_free(&q);
 }
 
 TEST(lists_columns_order)
 {
-    lw_query q;
+    OWN(lw_query) q = { 0 };
     lw_error e;
     lw_query_options o = { .list = LW_LIST_CHAINS, .columns = "graph6,links", .sort = "-links,symmetry", .limit = 7 };
     CHECK_INT(lw_query_compile("", &o, &q, &e), LW_OK);
@@ -100,7 +97,6 @@ TEST(lists_columns_order)
     lw_query_free(&q);
     o = (lw_query_options){ .list = LW_LIST_ANY, .sort = "links,,id" };
     CHECK_INT(lw_query_compile("", &o, &q, &e), LW_E_NOTATION);
-    lw_query_free(&q);
 }
 
 TEST(faults)
@@ -150,7 +146,7 @@ TEST(wild_text)
     int n_good = 0;
     for (int trial = 0; trial < 60000; trial++) {
         char text[400] = "";
-        lw_query q;
+        OWN(lw_query) q = { 0 };
         lw_error e;
         for (int i = (int)lw_rng_range(&rng, 1, 9); i > 0; i--) {
             strcat(text, word[(size_t)lw_rng_range(&rng, 0, sizeof word/sizeof *word)]);
@@ -160,7 +156,6 @@ TEST(wild_text)
             n_good++;
             CHECK(strpbrk(q.sql.data, ";'-%\001") == NULL || strstr(q.sql.data, "k.joints - k.links"));
         }
-        lw_query_free(&q);
     }
     CHECK(n_good > 50);
 }

@@ -10,14 +10,13 @@
 
 static void *make_problem(const lw_family *f, const lw_linkage *k, lw_timing timing, bool turn, lw_problem *p)
 {
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_error e = { .text = "" };
     lw_fit_spec spec = lw_fit_spec_default();
     spec.timing = timing;
     spec.crank_only = turn;
     six_bar_target(k, 14, timing == LW_TIMING_PRESCRIBED, &t);
     CHECK_INT(lw_problem_make(&t, &spec, f, 1, 1, p, &e), LW_OK);
-    lw_target_free(&t);
     void *work = aligned_alloc(64, (lw_problem_work_size(p) + 127) & ~(size_t)63);
     lw_problem_work_init(p, work);
     return work;
@@ -42,7 +41,7 @@ TEST(members_close_where_they_say)
 {
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
-    lw_problem p;
+    OWN(lw_problem) p = { 0 };
     void *work = make_problem(&f, &k, LW_TIMING_FREE, false, &p);
     lw_rng rng;
     int turns = 0, rocks = 0, arrived = 0, drawn = 0;
@@ -62,14 +61,13 @@ TEST(members_close_where_they_say)
     CHECK(drawn > 240 && turns > 90 && rocks > 60);
     CHECK(arrived >= drawn - drawn/50);      /* what opens between two of the 64 inputs looked at      */
     free(work);
-    lw_problem_free(&p);
 }
 
 TEST(the_crank_turns_when_it_must)
 {
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
-    lw_problem p;
+    OWN(lw_problem) p = { 0 };
     void *work = make_problem(&f, &k, LW_TIMING_FREE, true, &p);
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -80,7 +78,6 @@ TEST(the_crank_turns_when_it_must)
         CHECK(lw_random_linkage_draw(&p, u, true, shape, work) && p.intended.turns);
     }
     free(work);
-    lw_problem_free(&p);
 }
 
 TEST(the_posture_is_a_start)
@@ -88,14 +85,13 @@ TEST(the_posture_is_a_start)
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .posture = true, .links = 6 };
     for (int timing = LW_TIMING_PRESCRIBED; timing <= LW_TIMING_NONE; timing++) {
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX];
         void *work = make_problem(&f, &k, (lw_timing)timing, false, &p);
         CHECK(lw_random_linkage_posture(&p, x, work) && p.intended.turns);
         double f0 = lw_problem_value(&p, x, NULL, work);
         CHECK_NEAR(f0, 0, timing == LW_TIMING_NONE ? 0.2 : 1e-20, 0);    /* a polygon is no curve         */
         free(work);
-        lw_problem_free(&p);
     }
 }
 
@@ -106,7 +102,7 @@ TEST(derivatives_are_those_of_f)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
     for (int timing = LW_TIMING_PRESCRIBED; timing <= LW_TIMING_FREE; timing++) {
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX], grad[LW_VAR_MAX];
         void *work = make_problem(&f, &k, (lw_timing)timing, false, &p);
         CHECK(lw_random_linkage_posture(&p, x, work));
@@ -123,6 +119,5 @@ TEST(derivatives_are_those_of_f)
             CHECK_NEAR(grad[v], (up - down)/(2*h), 1e-6, 1e-5);
         }
         free(work);
-        lw_problem_free(&p);
     }
 }

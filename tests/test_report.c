@@ -15,6 +15,8 @@ typedef struct made {
     double       input[STATION_MAX], mode[STATION_MAX];
 } made;
 
+static void made_free(made *k) { lw_target_free(&k->t); }
+
 static double eq17(const made *k)
 {
     double f = 0;
@@ -78,7 +80,7 @@ TEST(every_honest_candidate_is_verified)
     for (const lw_family *f = lw_family_table; f->name; f++)
         for (int trial = 0; trial < 12; trial++) {
             lw_task task = (lw_task)(trial % 3);
-            made k;
+            OWN(made) k = { 0 };
             if (!can_do(f->name, task))
                 continue;
             make(f->name, trial % 2 ? 1 : -1, task, 0.05, &rng, &k);
@@ -89,7 +91,6 @@ TEST(every_honest_candidate_is_verified)
             CHECK_NEAR(r.objective, k.c.objective, 0, 1e-12);
             CHECK_NEAR(r.verified_objective, k.c.objective, 1e-18, 1e-8);
             CHECK(r.difference <= 1e-9*(k.t.length + 1));
-            lw_target_free(&k.t);
         }
 }
 
@@ -100,8 +101,8 @@ TEST(dimensions_of_fit_and_report_agree)
     lw_rng_seed(&rng, check_seed(), 13);
     for (const lw_family *f = lw_family_table; f->name; f++)
         for (int task = 0; task < 3; task++) {
-            made k;
-            lw_problem p;
+            OWN(made) k = { 0 };
+            OWN(lw_problem) p = { 0 };
             if (!can_do(f->name, (lw_task)task))
                 continue;
             make(f->name, 1, (lw_task)task, 0.05, &rng, &k);
@@ -112,8 +113,6 @@ TEST(dimensions_of_fit_and_report_agree)
                 CHECK_INT(r.dim_kind[i], p.plan.dim[i].kind);
             }
             CHECK(r.dim_name[p.n_dim][0] == 0);
-            lw_problem_free(&p);
-            lw_target_free(&k.t);
         }
 }
 
@@ -122,7 +121,7 @@ TEST(errors_are_those_by_hand)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
     for (int trial = 0; trial < 40; trial++) {
-        made k;
+        OWN(made) k = { 0 };
         double sum = 0, square = 0, most = 0, length = 0;
         size_t worst = 0;
         make(trial % 2 ? "crank-rocker" : "drag-link", 1, LW_TASK_PATH, 0.2, &rng, &k);
@@ -143,7 +142,6 @@ TEST(errors_are_those_by_hand)
         CHECK_INT(r.worst, worst);
         CHECK_NEAR(r.error_percent, 100*sum/9/length, 0, 1e-11);
         CHECK(isnan(r.angle_mean) && isnan(r.angle_max));
-        lw_target_free(&k.t);
     }
 }
 
@@ -154,7 +152,7 @@ TEST(rounding_is_no_error)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 17);
     for (int trial = 0; trial < 40; trial++) {
-        made k;
+        OWN(made) k = { 0 };
         double off = trial % 2 ? 1e-9 : 0, far = trial % 4 < 2 ? 1e4 : 0;
         make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
         *dim_named(&k.m, "x0") += far;
@@ -162,7 +160,7 @@ TEST(rounding_is_no_error)
             k.st.x[i] = fourbar_at(k.m.dim, 1, k.st.input[i]).p.x + (i == 4 ? off*far : 0) + (i == 4 ? off : 0);
             k.st.y[i] = fourbar_at(k.m.dim, 1, k.st.input[i]).p.y;
         }
-        lw_target_free(&k.t);
+        made_free(&k);
         target_of(&k.st, &k.spec, &k.t);
         claim(&k);
         lw_fit_report r = report_of(&k);
@@ -179,7 +177,6 @@ TEST(rounding_is_no_error)
             most = fmax(most, *dim_named(&k.m, side[i]));
         }
         CHECK_NEAR(lw_fit_report_ratio(&k.t, &r), most/least, 0, 1e-9);
-        lw_target_free(&k.t);
     }
 }
 
@@ -188,7 +185,7 @@ TEST(angles_are_those_by_hand)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
     for (int trial = 0; trial < 20; trial++) {
-        made k;
+        OWN(made) k = { 0 };
         double sum = 0, most = 0;
         make("crank-rocker", 1, LW_TASK_MOTION, 0.2, &rng, &k);
         lw_fit_report r = report_of(&k);
@@ -201,12 +198,11 @@ TEST(angles_are_those_by_hand)
         }
         CHECK_NEAR(r.angle_mean, sum/9, 0, 1e-10);
         CHECK_NEAR(r.angle_max, most, 0, 1e-10);
-        lw_target_free(&k.t);
+        made_free(&k);
         make("oscillating", 1, LW_TASK_FUNCTION, 0.2, &rng, &k);
         r = report_of(&k);
         CHECK(isnan(r.error_mean) && isnan(r.curve_max) && r.n_cognate == 0);
         CHECK(r.angle_max >= r.angle_mean && r.angle_mean > 0);
-        lw_target_free(&k.t);
     }
 }
 
@@ -216,7 +212,7 @@ TEST(motion_is_that_of_brute_force)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 4);
     for (int trial = 0; trial < 20; trial++) {
-        made k;
+        OWN(made) k = { 0 };
         double least = 9, most = 0, farthest = 0, stride = 0;
         make("crank-rocker", trial % 2 ? 1 : -1, LW_TASK_PATH, 0.2, &rng, &k);
         lw_fit_report r = report_of(&k);
@@ -241,7 +237,6 @@ TEST(motion_is_that_of_brute_force)
         CHECK_NEAR(r.transmission_min, fmin(ends[0], ends[1]), 1e-5, 0);
         CHECK_NEAR(r.transmission_max, least < LW_PI/2 && most > LW_PI/2 ? LW_PI/2 : fmax(ends[0], ends[1]), 1e-5, 0);
         CHECK_NEAR(r.curve_max, farthest, 0.5*stride, 0);           /* 720 looks against 3600      */
-        lw_target_free(&k.t);
     }
 }
 
@@ -253,9 +248,9 @@ TEST(stray_is_that_of_a_dense_curve)
     lw_vec2 *curve = malloc(sizeof *curve*(LOOKS + 1));
     lw_rng_seed(&rng, check_seed(), 14);
     for (int trial = 0; trial < 20; trial++) {
-        made k;
+        OWN(made) k = { 0 };
         make("crank-rocker", trial % 2 ? 1 : -1, LW_TASK_PATH, 0, &rng, &k);
-        lw_target_free(&k.t);
+        made_free(&k);
         k.st.closed = false;
         k.st.n = 5;
         target_of(&k.st, &k.spec, &k.t);
@@ -266,7 +261,6 @@ TEST(stray_is_that_of_a_dense_curve)
         lw_stray dense = lw_likeness_stray(&k.t, curve, LOOKS + 1);
         /* 1600 looks miss a crest of the distance by up to 6e-3 of it, where the curve has a corner; 48 looks, by up to 0.05 */
         CHECK_NEAR(r.stray.to_target, dense.to_target, 1e-9, 7e-3);
-        lw_target_free(&k.t);
     }
     free(curve);
 }
@@ -276,7 +270,7 @@ TEST(cognates_trace_the_curve)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 5);
     for (int trial = 0; trial < 20; trial++) {
-        made k;
+        OWN(made) k = { 0 };
         make("crank-rocker", trial % 2 ? 1 : -1, LW_TASK_PATH, 0, &rng, &k);
         lw_fit_report r = report_of(&k);
         CHECK_INT(r.n_cognate, 2);
@@ -291,7 +285,6 @@ TEST(cognates_trace_the_curve)
                 CHECK(lw_v2_norm(lw_v2_sub(on, p)) < 1e-7*k.t.size);       /* near limits half the digits */
             }
         }
-        lw_target_free(&k.t);
     }
 }
 
@@ -330,7 +323,7 @@ TEST(the_same_mechanism_is_one_row)
         const bool smaller = trial % 2;
         made k, copy[COPIES];
         lw_candidate c[COPIES];
-        lw_fit_results found;
+        OWN(lw_fit_results) found = { 0 };
         make("crank-rocker", 1, LW_TASK_PATH, smaller ? 0.3 : 0.02, &rng, &k);
         lw_fit_spec_set_limits(&k.spec, &k.t, LW_LIMIT_ALL & ~LW_LIMIT_SIZE);      /* copies on both sides of a limit would be two kinds */
         claim_copies(&k, smaller ? 0.9 : 1, &rng, copy, c);
@@ -341,8 +334,7 @@ TEST(the_same_mechanism_is_one_row)
         CHECK_INT(found.n, smaller && !alone ? 2 : 1);
         if (found.n > 0)
             differ += c[0].objective < 0.95*c[found.candidate[0]].objective;
-        lw_fit_results_free(&found);
-        lw_target_free(&k.t);
+        made_free(&k);
     }
     CHECK(differ > 0);
 }
@@ -354,7 +346,7 @@ TEST(errors_below_the_noise_do_not_count)
     lw_rng_seed(&rng, check_seed(), 17);
     for (int trial = 0; trial < 12; trial++) {
         made k, smaller;
-        lw_fit_results found;
+        OWN(lw_fit_results) found = { 0 };
         make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
         lw_fit_spec_set_limits(&k.spec, &k.t, 0);
         smaller = k;
@@ -369,8 +361,7 @@ TEST(errors_below_the_noise_do_not_count)
         CHECK_INT(lw_fit_results_make(&k.t, &k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
         CHECK_INT(found.n, 1);
         CHECK(found.n < 1 || found.candidate[0] == trial % 2);
-        lw_fit_results_free(&found);
-        lw_target_free(&k.t);
+        made_free(&k);
     }
 }
 
@@ -380,8 +371,8 @@ TEST(errors_below_those_of_manufacture_cost_little)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 18);
     for (int trial = 0; trial < 2; trial++) {
-        made k;
-        lw_fit_results found;
+        OWN(made) k = { 0 };
+        OWN(lw_fit_results) found = { 0 };
         make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
         lw_fit_spec_set_limits(&k.spec, &k.t, LW_LIMIT_ALL & ~LW_LIMIT_SIZE);
         lw_candidate c[] = { k.c, k.c };
@@ -397,8 +388,6 @@ TEST(errors_below_those_of_manufacture_cost_little)
         lw_fit fit = { .n = 2, .candidate = c };
         CHECK_INT(lw_fit_results_make(&k.t, &k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
         CHECK(found.n > 0 && found.candidate[0] == (trial == 0 ? 1 : 0));
-        lw_fit_results_free(&found);
-        lw_target_free(&k.t);
     }
 }
 
@@ -429,12 +418,11 @@ TEST(two_links_more_cost_as_much_as_a_small_error)
     lw_rng_seed(&rng, check_seed(), 21);
     for (int trial = 0; trial < 2; trial++) {
         four_and_six p;
-        lw_fit_results found;
+        OWN(lw_fit_results) found = { 0 };
         make_four_and_six(&rng, 0, trial == 0 ? 0.002 : 0.005, &p);
         lw_fit fit = { .n = 2, .candidate = p.c };
         CHECK_INT(lw_fit_results_make(&p.k.t, &p.k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
         CHECK(found.n > 0 && found.candidate[0] == (trial == 0 ? 1 : 0));
-        lw_fit_results_free(&found);
         lw_target_free(&p.k.t);
     }
 }
@@ -445,7 +433,7 @@ TEST(few_stations_are_missed_by_their_errors)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 20);
-    made k;
+    OWN(made) k = { 0 };
     make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
     lw_fit_report r = report_of(&k);
     const double extent = k.t.extent;
@@ -457,7 +445,6 @@ TEST(few_stations_are_missed_by_their_errors)
         CHECK_NEAR(lw_fit_report_known_miss(&k.t, &r), (trial == 0 ? 0.002 : trial == 1 ? 0.003 : 0.03)*extent, 0, 1e-9*extent);
         CHECK_NEAR(lw_fit_report_distance(&k.t, &r), (trial == 0 ? 0.002 : 0.03)*extent, 0, 1e-9*extent);
     }
-    lw_target_free(&k.t);
 }
 
 /* A four-bar that leaves the target by 8 % of its diagonal is no row beside six links that follow it, unless it alone turns fully. */
@@ -467,7 +454,7 @@ TEST(rows_far_from_the_target_end_where_another_is_near)
     lw_rng_seed(&rng, check_seed(), 19);
     for (int trial = 0; trial < 3; trial++) {
         four_and_six p;
-        lw_fit_results found;
+        OWN(lw_fit_results) found = { 0 };
         make_four_and_six(&rng, trial == 1 ? 0.03 : 0.01, 0.08, &p);
         p.r[0].turns = trial < 2;
         p.r[1].turns = true;
@@ -475,7 +462,6 @@ TEST(rows_far_from_the_target_end_where_another_is_near)
         lw_fit fit = { .n = 2, .candidate = p.c };
         CHECK_INT(lw_fit_results_make(&p.k.t, &p.k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
         CHECK_INT(found.n, trial == 0 ? 1 : 2);
-        lw_fit_results_free(&found);
         lw_target_free(&p.k.t);
     }
 }
@@ -483,8 +469,8 @@ TEST(rows_far_from_the_target_end_where_another_is_near)
 /* Of a function met to 0.003 degrees the linkage with the smallest error is a row beside, but none between whose lengths differ more, too. */
 TEST(rows_of_a_function_end_where_one_is_fine)
 {
-    made k;
-    lw_fit_results found;
+    OWN(made) k = { 0 };
+    OWN(lw_fit_results) found = { 0 };
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 20);
     make("crank-rocker", 1, LW_TASK_FUNCTION, 0, &rng, &k);
@@ -506,8 +492,6 @@ TEST(rows_of_a_function_end_where_one_is_fine)
     lw_fit fit = { .n = 3, .candidate = c };
     CHECK_INT(lw_fit_results_make(&k.t, &k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
     CHECK(found.n == 2 && found.candidate[0] == 2 && found.candidate[1] == 0);
-    lw_fit_results_free(&found);
-    lw_target_free(&k.t);
 }
 
 /* The measures of a row: error, stray, Chamfer distance, size, and transmission angle up to 45 degrees.  Less is better. */
@@ -528,7 +512,7 @@ TEST(rows_earn_their_place)
     for (int trial = 0; trial < 40; trial++) {
         made k, copy[COPIES];
         lw_candidate c[COPIES];
-        lw_fit_results found;
+        OWN(lw_fit_results) found = { 0 };
         make("crank-rocker", 1, LW_TASK_PATH, 0.1, &rng, &k);
         lw_fit_spec_set_limits(&k.spec, &k.t, 0);
         for (int i = 0; i < COPIES; i++) {                   /* most have the same size, that of r1; the one with the least error is longer */
@@ -560,8 +544,7 @@ TEST(rows_earn_their_place)
             CHECK(any || !covered);
             rows++;
         }
-        lw_fit_results_free(&found);
-        lw_target_free(&k.t);
+        made_free(&k);
     }
     CHECK(rows > 20);
 }
@@ -571,7 +554,7 @@ TEST(what_was_tampered_with_is_not_verified)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 6);
     for (int trial = 0; trial < 40; trial++) {
-        made k;
+        OWN(made) k = { 0 };
         make(trial % 2 ? "crank-rocker" : "slider-crank", 1, (lw_task)(trial % 4 == 3 ? 2 : 0), 0.1, &rng, &k);
         CHECK(report_of(&k).verified);
         double keep = k.c.objective;
@@ -587,7 +570,6 @@ TEST(what_was_tampered_with_is_not_verified)
         CHECK_HAS(r.fault, "objective");
         k.input[trial % 9] = NAN;
         CHECK(!report_of(&k).verified);
-        lw_target_free(&k.t);
     }
 }
 
@@ -598,7 +580,7 @@ TEST(positions_that_disagree_are_not_verified)
     lw_rng_seed(&rng, check_seed(), 7);
     static const double by[] = { 0, 1e-8, 1e-3, NAN };
     for (int trial = 0; trial < 4; trial++) {
-        made k;
+        OWN(made) k = { 0 };
         make("crank-rocker", 1, LW_TASK_PATH, 0.1, &rng, &k);
         lw_fit_report r = report_of(&k);
         lw_vec2 at[STATION_MAX];
@@ -610,7 +592,6 @@ TEST(positions_that_disagree_are_not_verified)
         lw_verify(&k.t, &k.spec, &k.c, &k.m.plan, at, &r);
         CHECK_INT(r.verified, trial == 0);
         CHECK(trial == 0 || strstr(r.fault, "independent"));
-        lw_target_free(&k.t);
     }
 }
 
@@ -651,7 +632,7 @@ TEST(a_circuit_through_both_assemblies_is_verified)
     lw_rng_seed(&rng, check_seed(), 8);
     int seen = 0;
     for (int trial = 0; trial < 40; trial++) {
-        made k;
+        OWN(made) k = { 0 };
         if (make_swing(&rng, trial % 2 ? 1 : -1, &k)) {
             lw_fit_report r = report_of(&k);
             if (!r.verified)
@@ -659,7 +640,6 @@ TEST(a_circuit_through_both_assemblies_is_verified)
             CHECK(r.verified);
             seen++;
         }
-        lw_target_free(&k.t);
     }
     CHECK(seen >= 10);
 }
@@ -681,7 +661,7 @@ TEST(stations_out_of_order_are_refused)
                 of[i][2] = of[i][6];
                 of[i][6] = now;
             }
-            lw_target_free(&k.t);
+            made_free(&k);
             target_of(&k.st, &k.spec, &k.t);
             claim(&k);
             k.c.mode_of = k.mode;
@@ -691,7 +671,7 @@ TEST(stations_out_of_order_are_refused)
             CHECK_HAS(r.fault, "out of order");
             seen++;
         }
-        lw_target_free(&k.t);
+        made_free(&k);
     }
     CHECK(seen >= 5);
 }
@@ -702,7 +682,7 @@ TEST(stations_in_two_circuits_are_refused)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 9);
     for (int trial = 0; trial < 10; trial++) {
-        made k;
+        OWN(made) k = { 0 };
         make(trial % 2 ? "crank-rocker" : "slider-crank", 1, LW_TASK_PATH, 0.1, &rng, &k);
         for (size_t i = 0; i < 9; i++)
             k.mode[i] = i < 5 ? 1 : -1;
@@ -712,7 +692,6 @@ TEST(stations_in_two_circuits_are_refused)
         lw_fit_report r = report_of(&k);
         CHECK(!r.verified);
         CHECK_HAS(r.fault, "station 6 lies on another branch");
-        lw_target_free(&k.t);
     }
 }
 
@@ -722,7 +701,7 @@ TEST(stations_beyond_a_gap_are_refused)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 10);
     static const double r[4] = { 3, 2.5, 1, 2.6 };        /* the coupler is the shortest          */
-    made k;
+    OWN(made) k = { 0 };
     make("any four-bar", 1, LW_TASK_PATH, 0, &rng, &k);
     memcpy(k.m.dim, r, sizeof r);
     lw_motion m;
@@ -740,20 +719,18 @@ TEST(stations_beyond_a_gap_are_refused)
     lw_fit_report report = report_of(&k);
     CHECK(!report.verified);
     CHECK_HAS(report.fault, "station 5 cannot be reached");
-    lw_target_free(&k.t);
 }
 
 TEST(what_does_not_close_says_so)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 11);
-    made k;
+    OWN(made) k = { 0 };
     make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
     k.c.dim[0] *= 100;
     lw_fit_report r = report_of(&k);
     CHECK(!r.verified);
     CHECK_HAS(r.fault, "close");
-    lw_target_free(&k.t);
 }
 
 /* Size and place of the whole do not matter to the check. */
@@ -765,7 +742,7 @@ TEST(far_small_and_large_results_are_verified)
     for (int trial = 0; trial < 48; trial++) {
         static const char *const family[] = { "crank-rocker", "slider-crank", "any four-bar", "trammel" };
         double z = size[trial % 4], far = away[trial/4 % 4]*z;
-        made k;
+        OWN(made) k = { 0 };
         make(family[trial/4 % 4], 1, LW_TASK_PATH, 0.05, &rng, &k);
         for (int i = 0; i < k.m.plan.n_dim; i++)
             k.m.dim[i] *= k.m.plan.dim[i].kind == LW_DIM_ANGLE ? 1 : z;
@@ -776,14 +753,13 @@ TEST(far_small_and_large_results_are_verified)
             k.st.y[i] = z*k.st.y[i] - far;
             k.st.input[i] *= k.m.plan.input_is_slider ? z : 1;
         }
-        lw_target_free(&k.t);
+        made_free(&k);
         target_of(&k.st, &k.spec, &k.t);
         claim(&k);
         lw_fit_report r = report_of(&k);
         if (!r.verified)
             fprintf(stderr, "%s, size %g: %s\n", k.m.family->name, z, r.fault);
         CHECK(r.verified);
-        lw_target_free(&k.t);
     }
 }
 
@@ -799,11 +775,11 @@ TEST(sliding_inputs_pass_their_limits)
         x[i] = 0.1 + p.x;
         y[i] = 0.05 + p.y;
     }
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     CHECK_INT(lw_target_make(20, x, y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
     for (int k = 0; k < 3; k++) {
         lw_fit_options o = lw_fit_options_default();
-        lw_fit f;
+        OWN(lw_fit) f = { 0 };
         lw_fit_report r;
         o.types = types[k];
         o.max_rounds = 2;
@@ -817,9 +793,7 @@ TEST(sliding_inputs_pass_their_limits)
             if (k == 0)
                 CHECK_NEAR(r.error_max, 0, 1e-12, 0);
         }
-        lw_fit_free(&f);
     }
-    lw_target_free(&t);
 }
 
 /* ---- limits and dead points ---------------------------------------------------------------------- */
@@ -876,11 +850,10 @@ TEST(limits_and_dead_points_are_where_samples_change_sign)
     int found = 0;
     lw_rng_seed(&rng, check_seed(), 17);
     for (int trial = 0; trial < 45; trial++) {
-        made k;
+        OWN(made) k = { 0 };
         make(family[trial % 3], trial % 2 ? 1 : -1, LW_TASK_PATH, 0.05, &rng, &k);
         lw_fit_report r = report_of(&k);
         found += check_reversals(&k.m.plan, &k.c, k.c.intended.mode, &r);
-        lw_target_free(&k.t);
     }
     CHECK(found > 30);
 }

@@ -63,7 +63,7 @@ TEST(examples_move_as_one)
 {
     for (size_t i = 0; i < MODEL_FILES; i++) {
         lw_linkage k;
-        lw_scene s;
+        OWN(lw_scene) s = { 0 };
         lw_error e;
         k = example(model_files[i]);
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
@@ -72,7 +72,6 @@ TEST(examples_move_as_one)
         check_joined(&s, 0.2, 1e-9);
         check_on_curve(&s, 0.2);
         check_first_frame(&s, 0.2);
-        lw_scene_free(&s);
     }
 }
 
@@ -86,7 +85,7 @@ TEST(what_is_not_made_of_dyads_moves)
     };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         lw_linkage k;
-        lw_scene s;
+        OWN(lw_scene) s = { 0 };
         lw_error e;
         k = example(known[i].name);
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
@@ -100,7 +99,6 @@ TEST(what_is_not_made_of_dyads_moves)
         check_first_frame(&s, known[i].size);
         if (known[i].turns)
             CHECK_NEAR(s.input[119] - s.input[0], 2*LW_PI*known[i].turns*119/120, 1e-6, 0);
-        lw_scene_free(&s);
     }
 }
 
@@ -116,7 +114,7 @@ TEST(drafts_lie_on_the_whole_curves)
     };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         lw_linkage k;
-        lw_scene whole, s;
+        OWN(lw_scene) whole = { 0 }, s = { 0 };
         lw_error e;
         lw_scene_options o = { .n_frame = 60, .n_curve_point = 600 };
         k = example(known[i].name);
@@ -138,8 +136,6 @@ TEST(drafts_lie_on_the_whole_curves)
                 far = fmax(far, best);
             }
         CHECK_NEAR(far, 0, 2e-3*known[i].size, 0);
-        lw_scene_free(&whole);
-        lw_scene_free(&s);
     }
 }
 
@@ -147,7 +143,7 @@ TEST(drafts_lie_on_the_whole_curves)
 TEST(gears_turn_against_each_other)
 {
     lw_linkage k;
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     k = example("geared-five-bar");
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
@@ -162,7 +158,6 @@ TEST(gears_turn_against_each_other)
         CHECK_NEAR(sum[1], k.joint[5].ratio*sum[0], 1e-9, 0);
     }
     CHECK_NEAR(fabs(sum[0]), 4*LW_PI*119/120, 1e-6, 0);
-    lw_scene_free(&s);
 }
 
 /* Part of the input's range, on a curve that turns and on one that swings: there and back. */
@@ -172,7 +167,7 @@ TEST(wanted_range_of_a_curve)
         { "geared-five-bar", -0.5, 4.5 }, { "loader", -0.1, 0.5 }, { "mobility/parallelogram", -1, 0.5 } };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         lw_linkage k;
-        lw_scene s;
+        OWN(lw_scene) s = { 0 };
         lw_error e;
         k = example(known[i].name);
         k.n_input = 1;
@@ -192,7 +187,6 @@ TEST(wanted_range_of_a_curve)
         CHECK(!s.curve[0].shown_branch && s.curve[1].shown_branch && !s.curve[1].closed);
         check_joined(&s, 3, 1e-9);
         check_first_frame(&s, 3);
-        lw_scene_free(&s);
     }
 }
 
@@ -209,8 +203,8 @@ static lw_status timed_scene(const char *path, double until, lw_model *m, lw_sce
 /* Both cylinders of the loader run out together and rest after 2 s; both motors of the five-bar begin again after 1 s. */
 TEST(several_inputs_move_together)
 {
-    lw_model m;
-    lw_scene s;
+    OWN(lw_model) m = { 0 };
+    OWN(lw_scene) s = { 0 };
     CHECK_INT(timed_scene("examples/loader.json", 0, &m, &s), LW_OK);
     CHECK_TEXT(s.note, "");
     CHECK(!s.loops);
@@ -230,15 +224,13 @@ TEST(several_inputs_move_together)
     CHECK_INT(timed_scene("examples/five-bar.json", 0.25, &m, &s), LW_OK);
     CHECK(!s.loops);
     CHECK_NEAR(s.input[s.n_frame - 1], s.input[0] + 0.3, 1e-6, 0);
-    lw_scene_free(&s);
-    lw_model_free(&m);
 }
 
 /* Ranges of two inputs: both go from end to end at once; beyond reach the motion ends before, and says so. */
 TEST(ranges_of_several_inputs)
 {
     lw_linkage k;
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     k = example("five-bar");
     for (int i = 0; i < 2; i++) {
@@ -257,12 +249,11 @@ TEST(ranges_of_several_inputs)
     CHECK_HAS(s.note, "Shown in part");
     CHECK(s.n_frame == 120 && s.input[119] - s.input[0] < 0.92);
     check_joined(&s, 0.2, 1e-9);
-    lw_scene_free(&s);
 }
 
 TEST(crank_turns_once)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     CHECK_INT(model_scene(NULL, 0, &s), LW_OK);
     CHECK(s.loops);
     CHECK_INT(s.first_frame, 0);
@@ -273,7 +264,6 @@ TEST(crank_turns_once)
     for (size_t f = 1; f < s.n_frame; f++)
         CHECK_NEAR(s.input[f] - s.input[f - 1], 2*LW_PI/120, 1e-12, 0);
     CHECK(s.curve[0].closed && s.curve[0].shown_branch && s.curve[0].n >= 360);
-    lw_scene_free(&s);
 }
 
 /* Random four-bars: the walk's limits are those of the closed form, and its circuit is one of Barker's:
@@ -322,7 +312,7 @@ TEST(motion_through_limits_is_smooth)
 {
     const double d[9] = { 3, 2.5, 1.2, 2, 0.6, 0.5, 0, 0, 0 }; /* the crank cannot turn fully */
     lw_linkage k = model_four_bar(d, 0.9, 1);
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
     CHECK(s.loops && s.curve[0].closed);
@@ -335,7 +325,6 @@ TEST(motion_through_limits_is_smooth)
     check_joined(&s, 5, 1e-9);
     check_on_curve(&s, 5);
     check_first_frame(&s, 5);
-    lw_scene_free(&s);
 }
 
 TEST(wanted_range_only)
@@ -343,7 +332,7 @@ TEST(wanted_range_only)
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
     k.input[0].first = k.input[0].value - 0.25;
     k.input[0].last = k.input[0].value + 0.75;
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
     CHECK(!s.loops);
@@ -353,7 +342,6 @@ TEST(wanted_range_only)
     for (size_t f = 1; f < s.n_frame; f++)
         CHECK(s.input[f] > s.input[f - 1]);
     check_first_frame(&s, 3);
-    lw_scene_free(&s);
 }
 
 /* Scaling by a power of two scales every number exactly. */
@@ -364,15 +352,13 @@ TEST(size_does_not_matter)
         for (int i = 0; i < 9; i++)
             d[i] = model_crank_rocker[i]*(i < 8 ? by : 1);
         lw_linkage k = model_four_bar(model_crank_rocker, 1, 1), big = model_four_bar(d, 1, 1);
-        lw_scene s, t;
+        OWN(lw_scene) s = { 0 }, t = { 0 };
         lw_error e;
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
         CHECK_INT(lw_scene_make(&big, NULL, NULL, &t, &e), LW_OK);
         CHECK_INT(t.curve[0].n, s.curve[0].n);
         for (size_t i = 0; i < s.curve[0].n; i++)
             CHECK_POINT(t.curve[0].p[i], by*s.curve[0].p[i].x, by*s.curve[0].p[i].y, 1e-14*by, 1e-13);
-        lw_scene_free(&s);
-        lw_scene_free(&t);
     }
 }
 
@@ -380,8 +366,8 @@ TEST(target_points_are_kept)
 {
     const double x[] = { 1, 2, 3 }, y[] = { 4, 5, 7 }, angle[] = { 0, 1, 2 };
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
-    lw_target t;
-    lw_scene s;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     CHECK_INT(lw_target_make(3, x, y, NULL, angle, NULL, 1, &t, &e), LW_OK);
     CHECK_INT(lw_scene_make(&k, &t, NULL, &s, &e), LW_OK);
@@ -393,8 +379,6 @@ TEST(target_points_are_kept)
     CHECK_INT(lw_target_make(3, NULL, NULL, y, angle, NULL, 0, &t, &e), LW_OK);      /* a function */
     CHECK_INT(lw_scene_make(&k, &t, NULL, &s, &e), LW_OK);
     CHECK_INT(s.n_station, 0);
-    lw_scene_free(&s);
-    lw_target_free(&t);
 }
 
 /* What no plan can solve is shown as it stands, and says why. */
@@ -402,7 +386,7 @@ TEST(unsolvable_linkages_stand_still)
 {
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
     k.n_input = 0;
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e = { .status = LW_OK };
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
     CHECK_INT(s.n_frame, 1);
@@ -412,7 +396,6 @@ TEST(unsolvable_linkages_stand_still)
     lw_scene_free(&s);
     k.joint[0].link[0] = 9;
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_E_ARG);
-    lw_scene_free(&s);
 }
 
 /* A crank-rocker has two circuits, a four-bar in which nothing turns fully one; the two are mirrored
@@ -428,7 +411,7 @@ TEST(other_circuits_are_found)
         lw_linkage k = model_four_bar(known[i].r, 0.75, 1);
         lw_scene_options o = lw_scene_options_default();
         o.other_branches = true;
-        lw_scene s;
+        OWN(lw_scene) s = { 0 };
         lw_error e;
         CHECK_INT(lw_scene_make(&k, NULL, &o, &s, &e), LW_OK);
         CHECK_INT(s.n_curve, known[i].n_curve);
@@ -442,7 +425,6 @@ TEST(other_circuits_are_found)
             }
         }
         CHECK_INT(n_shown, 1);
-        lw_scene_free(&s);
     }
 }
 
@@ -452,7 +434,7 @@ TEST(asymptotes_leave_no_line)
 {
     lw_linkage k;
     lw_scene_options o = lw_scene_options_default();
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     lw_error e;
     lw_type_linkage(lw_type_find("RPRP"), &k);
     o.other_branches = true;
@@ -465,19 +447,17 @@ TEST(asymptotes_leave_no_line)
             CHECK(!whole || c->p[i].x*c->p[i + 1].x > 0 || distance(c->p[i], c->p[i + 1]) < 1);
         }
     }
-    lw_scene_free(&s);
 }
 
 TEST(rounding_noise_reads_as_nothing)
 {
-    lw_scene s;
+    OWN(lw_scene) s = { 0 };
     CHECK_INT(model_scene(NULL, 0, &s), LW_OK);
     s.dim[5] = 1e-11;
     s.linkage.units = (lw_units){ "mm", "deg", 1e-3, LW_PI/180 };
     CHECK(lw_scene_dimension(&s, 5) == 0);
     CHECK_NEAR(lw_scene_dimension(&s, 0), 2000, 1e-9, 0);
     CHECK_NEAR(lw_scene_dimension(&s, 8), 0.2*180/LW_PI, 1e-12, 0);
-    lw_scene_free(&s);
 }
 
 /* More inputs than a linkage holds: every pendulum is where its motion takes it, and one period is shown. */
@@ -485,8 +465,8 @@ TEST(each_of_forty_inputs_moves)
 {
     enum { N = 40 };
     text t = { 0 };
-    lw_model m;
-    lw_scene s;
+    OWN(lw_model) m = { 0 };
+    OWN(lw_scene) s = { 0 };
     lw_error e = { 0 };
     lw_scene_options o = lw_scene_options_default();
     put(&t, "{'linkwright': 1, 'joints': [");
@@ -511,6 +491,4 @@ TEST(each_of_forty_inputs_moves)
     CHECK_INT(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &e), LW_OK);
     CHECK_INT((int)s.n_frame, 1);
     CHECK_HAS(s.note, "stopped");
-    lw_scene_free(&s);
-    lw_model_free(&m);
 }

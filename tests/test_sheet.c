@@ -54,7 +54,7 @@ TEST(inside_its_page)
         for (int wide = 0; wide < 2; wide++) {
             lw_mechanism m = read_edges(topology[i]);
             lw_chain_layout l;
-            lw_drawing d;
+            OWN(lw_drawing) d = { 0 };
             lw_chain_style s = { wide ? 400 : 120, wide ? 100 : 300, true, "a caption" };
             CHECK_INT(lw_chain_layout_make(&m, &l, NULL), LW_OK);
             CHECK_INT(lw_chain_draw(&m, &l, &s, &d, NULL), LW_OK);
@@ -64,7 +64,6 @@ TEST(inside_its_page)
                 CHECK_INT(count_role(&d, LW_ROLE_LINK, k), k != m.ground && l.end[k].x == l.end[k].x);
             CHECK_INT(count_role(&d, LW_ROLE_NOTE, -1), m.n_link);
             CHECK_INT(count_role(&d, LW_ROLE_INPUT, -1) > 0, m.n_input > 0);
-            lw_drawing_free(&d);
         }
 }
 
@@ -76,7 +75,7 @@ TEST(frame_below_links)
         for (int g = 0; g < 6; g++) {
             lw_mechanism m;
             lw_chain_layout l;
-            lw_drawing d;
+            OWN(lw_drawing) d = { 0 };
             lw_chain_style s = { .width = 320, .height = 240 };
             lw_mechanism_from_chain(&list.chain[i], &m);
             m.ground = g;
@@ -93,7 +92,6 @@ TEST(frame_below_links)
                 }
             CHECK(highest_hatch > lowest_link);
             CHECK_INT(count_role(&d, LW_ROLE_GROUND, -1), l.first[g + 1] - l.first[g]);
-            lw_drawing_free(&d);
         }
     free(list.chain);
 }
@@ -101,12 +99,11 @@ TEST(frame_below_links)
 static lw_status chain_svg(const lw_mechanism *m, const lw_chain_style *s, lw_bytes *out)
 {
     lw_chain_layout l;
-    lw_drawing d;
+    OWN(lw_drawing) d = { 0 };
     CHECK_INT(lw_chain_layout_make(m, &l, NULL), LW_OK);
     lw_status st = lw_chain_draw(m, &l, s, &d, NULL);
     if (st == LW_OK)
         st = lw_svg_write(&d, out, NULL);
-    lw_drawing_free(&d);
     return st;
 }
 
@@ -134,7 +131,7 @@ TEST(sheets)
     lw_sheet_item item[16];
     lw_sheet_style s = lw_sheet_style_default();
     lw_drawing d;
-    lw_bytes b;
+    OWN(lw_bytes) b = { 0 };
     lw_error e;
     for (int i = 0; i < 16; i++) {
         lw_mechanism_from_chain(&list.chain[i], &m[i]);
@@ -153,7 +150,6 @@ TEST(sheets)
     lw_drawing two[2] = { d, d };
     CHECK_INT(lw_picture_pdf_pages(two, 2, &b, &e), LW_OK);
     CHECK(b.size > 1000 && memmem(b.data, b.size, "/Count 2", 8) != NULL);
-    lw_bytes_free(&b);
     lw_drawing_free(&d);
     CHECK_INT(lw_sheet_draw(item, 49, &s, 0, &d, &e), LW_E_ARG);
     s.columns = 60;

@@ -18,14 +18,13 @@ TEST(rows_and_report)
 TEST(errors_that_add_up_are_said)
 {
     expect("$P simulate " PENDULUM " --to 2100 -n 1 --formulation cvode --tolerance 1e-6", 0, NULL, "times the error allowed a step");
-    ran r = run("$P simulate " PENDULUM " --to 300 -n 1 --tolerance 1e-6");
+    OWN(ran) r = run("$P simulate " PENDULUM " --to 300 -n 1 --tolerance 1e-6");
     CHECK(r.code == 0 && !strstr(r.err, "allowed a step"));
     ran_free(&r);
     expect("sed 's/\"mass\": 1/\"mass\": 1, \"inertia\": 1/' " PENDULUM " > $D/m.json; $P simulate $D/m.json --to 20 -n 1 --formulation alpha --tolerance 1e-7", 0,
            NULL, "errors of all steps of alpha add up to");
     r = run("$P simulate $D/m.json --to 20 -n 1 --formulation radau --tolerance 1e-7");
     CHECK(r.code == 0 && !strstr(r.err, "add up"));
-    ran_free(&r);
 }
 
 TEST(rest)

@@ -53,7 +53,7 @@ static void meshes(void)
     static edge all[2][60000];
     for (size_t i = 0; i < COUNT; i++) {
         lw_linkage k = example(names[i]);
-        lw_bytes b = { 0 };
+        OWN(lw_bytes) b = { 0 };
         lw_plates *w;
         lw_error e = { 0 };
         CHECK_INT(lw_export_stl(LW_VIEW(&k), NULL, &b, &e), LW_OK);
@@ -93,7 +93,6 @@ static void meshes(void)
         }
         CHECK_INT(solid, lw_plates_count(w));
         lw_plates_free(w);
-        lw_bytes_free(&b);
     }
 }
 
@@ -104,7 +103,7 @@ static void instances(void)
 {
     for (size_t i = 0; i < COUNT; i++) {
         lw_linkage k = example(names[i]);
-        lw_bytes b = { 0 };
+        OWN(lw_bytes) b = { 0 };
         lw_error e = { 0 };
         static int way[60000], kind[60000];
         memset(way, 0, sizeof way);
@@ -129,7 +128,6 @@ static void instances(void)
         }
         for (int id = 0; id < 60000; id++)
             CHECK(kind[id] == 2 ? way[id] == 101 : way[id] == 0);
-        lw_bytes_free(&b);
     }
 }
 
@@ -138,7 +136,7 @@ static void independent_reader(void)
 {
     for (size_t i = 0; i < COUNT; i++) {
         lw_linkage k = example(names[i]);
-        lw_bytes b = { 0 };
+        OWN(lw_bytes) b = { 0 };
         lw_plates *w;
         lw_error e = { 0 };
         lw_export_options o = { .width = 0.01*lw_export_size(LW_VIEW(&k)), .clearance = 0.0005*lw_export_size(LW_VIEW(&k)) };
@@ -167,7 +165,6 @@ static void independent_reader(void)
             pclose(f);
         CHECK_INT(solid, lw_plates_count(w));
         lw_plates_free(w);
-        lw_bytes_free(&b);
     }
 }
 

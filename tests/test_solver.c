@@ -28,7 +28,7 @@ static void make_problem(held how, lw_problem *p, double *x)
 {
     double px[N_STATION], py[N_STATION], angle[N_STATION];
     lw_fit_spec spec = lw_fit_spec_default();
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_error e;
     spec.timing = LW_TIMING_PRESCRIBED;
     if (how == BOUND) {
@@ -47,7 +47,6 @@ static void make_problem(held how, lw_problem *p, double *x)
         f++;
     CHECK_INT(lw_target_make(N_STATION, px, py, NULL, angle, NULL, 1, &t, &e), LW_OK);
     CHECK_INT(lw_problem_make(&t, &spec, f, 1, 1, p, &e), LW_OK);
-    lw_target_free(&t);
     lw_problem_from_dims(p, dims, x);
     x[p->i_input0] = 0;
 }
@@ -113,7 +112,7 @@ TEST(traces_what_a_four_bar_traced)
     for (int how = 0; how < 2; how++)
         for (size_t i = 0; i < N_LEVEL; i++) {
             const lw_solver *s = lw_solver_find(level[i].name);
-            lw_problem p;
+            OWN(lw_problem) p = { 0 };
             double x[LW_VAR_MAX], want = how ? level[i].no_turn : level[i].turn;
             make_problem(how ? NO_TURN : FREE, &p, x);
             perturb(&p, 0.02, i, x);
@@ -128,7 +127,6 @@ TEST(traces_what_a_four_bar_traced)
             CHECK(r.f < want && r.f <= before);
             check_result(&p, s, x, &r, o.max_evals);
             free(work);
-            lw_problem_free(&p);
         }
 }
 
@@ -164,7 +162,7 @@ static double run_exact(size_t i, const lw_problem *p, double by, const double *
 
 TEST(agree_on_an_optimum_on_a_bound)
 {
-    lw_problem p;
+    OWN(lw_problem) p = { 0 };
     double x0[LW_VAR_MAX] = { 0 }, x[LW_VAR_MAX], first = 0;
     make_problem(BOUND, &p, x0);
     for (size_t i = 0; i < N_EXACT; i++) {
@@ -174,7 +172,6 @@ TEST(agree_on_an_optimum_on_a_bound)
         check_optimum_on_bound(&p, x);
     }
     CHECK(first > 1e-4);                              /* the bound really holds it */
-    lw_problem_free(&p);
 }
 
 /* Those that take conditions get there to their digits, L-BFGS in the barrier to three or more.  The truncated
@@ -182,7 +179,7 @@ TEST(agree_on_an_optimum_on_a_bound)
 TEST(agree_on_an_optimum_on_a_condition)
 {
     static const double within[N_EXACT] = { 0, 1e-8, 1e-8, 1e-3, 5 };
-    lw_problem p;
+    OWN(lw_problem) p = { 0 };
     double x0[LW_VAR_MAX] = { 0 }, x[LW_VAR_MAX], first = 0;
     make_problem(TRANSMISSION, &p, x0);
     for (size_t i = 1; i < N_EXACT; i++) {            /* lm leaves such conditions to the others */
@@ -192,7 +189,6 @@ TEST(agree_on_an_optimum_on_a_condition)
         CHECK_NEAR(f, first, 0, within[i]);
     }
     CHECK(first > 1e-3);
-    lw_problem_free(&p);
 }
 
 typedef struct batch { const lw_problem *p; const double *x; double (*out)[LW_VAR_MAX]; double *f; } batch;
@@ -216,7 +212,7 @@ TEST(repeat_on_any_number_of_threads)
     enum { N_JOB = 2*N_LEVEL };
     static double one[N_JOB][LW_VAR_MAX], three[N_JOB][LW_VAR_MAX];
     double f1[N_JOB], f3[N_JOB], x[LW_VAR_MAX] = { 0 };
-    lw_problem p;
+    OWN(lw_problem) p = { 0 };
     make_problem(FREE, &p, x);
     CHECK_INT(lw_parallel(1, N_JOB, run_job, &(batch){ &p, x, one, f1 }), LW_OK);
     CHECK_INT(lw_parallel(3, N_JOB, run_job, &(batch){ &p, x, three, f3 }), LW_OK);
@@ -224,13 +220,12 @@ TEST(repeat_on_any_number_of_threads)
         CHECK(memcmp(one[j], three[j], sizeof one[j]) == 0 && f1[j] == f3[j]);
         CHECK(memcmp(one[j], one[j%N_LEVEL], sizeof one[j]) == 0);
     }
-    lw_problem_free(&p);
 }
 
 TEST(obey_their_limits)
 {
     static const long limit[] = { 1, 2, 3, 17, 200 };
-    lw_problem p;
+    OWN(lw_problem) p = { 0 };
     double x0[LW_VAR_MAX];
     make_problem(FREE, &p, x0);
     perturb(&p, 0.02, 5, x0);
@@ -251,5 +246,4 @@ TEST(obey_their_limits)
             } else
                 check_result(&p, s, x, &r, o.max_evals);
         }
-    lw_problem_free(&p);
 }

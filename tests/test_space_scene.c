@@ -47,9 +47,9 @@ static double gap(const lw_space_scene *s, const lw_spatial_joint *j, size_t fra
 TEST(joints_stay_together)
 {
     for (int i = 0; i < N_EXAMPLE; i++) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         load_spatial_file(examples[i], &m);
-        lw_space_scene s = make_scene(&m, 0.1);
+        OWN(lw_space_scene) s = make_scene(&m, 0.1);
         CHECK(s.n_frame > 10);
         double moved = 0;
         for (size_t f = 0; f < s.n_frame; f++) {
@@ -62,15 +62,13 @@ TEST(joints_stay_together)
             }
         }
         CHECK(moved > 0.01*s.radius);
-        lw_space_scene_free(&s);
-        lw_spatial_free(&m);
     }
 }
 
 /* Between its frames a path is that with four times as many frames, to 1e-3 where it is fastest; chords are 0.03 off. */
 TEST(paths_between_frames)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial_file("examples/space/bennett.json", &m);
     lw_space_scene_options fine = { .n_frame = PATH_STEPS*24 };
     lw_space_scene s = make_scene(&m, 0), many;
@@ -82,30 +80,27 @@ TEST(paths_between_frames)
         CHECK(lw_v3_norm(lw_v3_sub(s.path[i], many.path[PATH_STEPS*i])) < 1e-3*s.radius);
     lw_space_scene_free(&many);
     lw_space_scene_free(&s);
-    lw_spatial_free(&m);
 }
 
 TEST(closed_motion)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("bennett", &m);
-    lw_space_scene s = make_scene(&m, 0);
+    OWN(lw_space_scene) s = make_scene(&m, 0);
     CHECK(s.loops);                                       /* the input of Bennett's linkage turns fully */
     CHECK_INT(s.n_frame, 24);
-    lw_space_scene_free(&s);
-    lw_spatial_free(&m);
 }
 
 /* Axes are a right-handed set of unit vectors, and every shape is on the page. */
 TEST(projection)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("stewart", &m);
-    lw_space_scene s = make_scene(&m, 0);
+    OWN(lw_space_scene) s = make_scene(&m, 0);
     for (int i = 0; i < 40; i++) {
         lw_space_view view = { .azimuth = 0.37*i, .elevation = -1.5707 + 0.08*i };
         lw_vec3 a[3];
-        lw_drawing d;
+        OWN(lw_drawing) d = { 0 };
         lw_error e = { 0 };
         lw_space_view_axes(&s, view, a);
         for (int p = 0; p < 3; p++) {
@@ -120,22 +115,19 @@ TEST(projection)
                 lw_vec2 at = d.point[d.shape[k].first + p];
                 CHECK(at.x >= 0 && at.x <= 400 && at.y >= 0 && at.y <= 300);
             }
-        lw_drawing_free(&d);
     }
-    lw_space_scene_free(&s);
-    lw_spatial_free(&m);
 }
 
 /* From every side all postures together fill the page between its margins, in one direction, and stand in its middle. */
 TEST(pictures_are_filled)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("boom", &m);
-    lw_space_scene s = make_scene(&m, 10);
+    OWN(lw_space_scene) s = make_scene(&m, 10);
     for (int i = 0; i < 5; i++) {
         lw_box all = { INFINITY, INFINITY, -INFINITY, -INFINITY };
         for (size_t f = 0; f < s.n_frame; f++) {
-            lw_drawing d;
+            OWN(lw_drawing) d = { 0 };
             lw_error e = { 0 };
             CHECK_INT(lw_space_draw(&s, f, (lw_space_view){ .azimuth = 0.9*i, .elevation = 0.3*i }, 400, 300, &d, &e), LW_OK);
             for (size_t k = 0; k < d.n_shape; k++) {
@@ -148,14 +140,11 @@ TEST(pictures_are_filled)
                     all = (lw_box){ fmin(all.x0, at.x), fmin(all.y0, at.y), fmax(all.x1, at.x), fmax(all.y1, at.y) };
                 }
             }
-            lw_drawing_free(&d);
         }
         CHECK_NEAR(fmax((all.x1 - all.x0)/(400 - 72), (all.y1 - all.y0)/(300 - 96)), 1, 1e-9, 0);
         CHECK_NEAR(all.x0 + all.x1, 400, 1e-9, 0);
         CHECK_NEAR(all.y0 + all.y1, 300 + 24, 1e-9, 0);
     }
-    lw_space_scene_free(&s);
-    lw_spatial_free(&m);
 }
 
 /* Until the inputs rest or repeat; a motion that ends at a limit lasts as long as its frames. */
@@ -169,29 +158,27 @@ TEST(motions_in_time_are_shown_to_their_end)
         load_spatial("arm", &m);
         for (int k = 0; k < m.n_input; k++)
             CHECK_INT(lw_spatial_set_motion(&m, k, of[i].motion, &e), LW_OK);
-        lw_space_scene s = make_scene(&m, 0);
+        OWN(lw_space_scene) s = make_scene(&m, 0);
         CHECK_NEAR(s.seconds, of[i].seconds, 1e-12, 0);
         CHECK_INT(s.loops, of[i].loops);
-        lw_space_scene_free(&s);
         lw_spatial_free(&m);
     }
     load_spatial("delta", &m);
-    lw_space_scene s = make_scene(&m, 1);
+    OWN(lw_space_scene) s = make_scene(&m, 1);
     CHECK(s.note[0] && s.n_frame > 1 && s.n_frame < 25);
     CHECK_NEAR(s.seconds, (double)(s.n_frame - 1)/24, 1e-12, 0);
-    lw_space_scene_free(&s);
     lw_spatial_free(&m);
 }
 
 /* The scale bar has its round length in the plane of the picture; names stand in still pictures, none on another. */
 TEST(scale_and_names)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("stewart", &m);
-    lw_space_scene s = make_scene(&m, 0);
+    OWN(lw_space_scene) s = make_scene(&m, 0);
     for (int named = 0; named < 2; named++) {
         lw_space_view view = { .azimuth = 1, .elevation = 0.4, .names = named };
-        lw_drawing d;
+        OWN(lw_drawing) d = { 0 };
         lw_error e = { 0 };
         lw_vec3 axis[3];
         lw_box name[64];
@@ -226,17 +213,14 @@ TEST(scale_and_names)
         for (int i = 0; i < n_name; i++)
             for (int k = 0; k < i; k++)
                 CHECK(name[i].x1 < name[k].x0 || name[k].x1 < name[i].x0 || name[i].y1 < name[k].y0 || name[k].y1 < name[i].y0);
-        lw_drawing_free(&d);
     }
-    lw_space_scene_free(&s);
-    lw_spatial_free(&m);
 }
 
 /* An element of an elastic link ends at its nodes, which move on their own. */
 TEST(elastic_links_bend)
 {
-    lw_spatial m;
-    lw_spatial_expansion x;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_spatial_expansion) x = { 0 };
     lw_error e = { 0 };
     load_spatial("delta-elastic", &m);
     CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
@@ -250,7 +234,7 @@ TEST(elastic_links_bend)
         pose[i] = (lw_space_pose){ (int)i == moved ? lw_v3_add(origin[i], off) : origin[i], { 1, 0, 0, 0 } };
     }
     lw_space_scene_options o = { .n_frame = 1, .pose = pose, .path = path, .origin = origin, .until = 1 };
-    lw_space_scene s;
+    OWN(lw_space_scene) s = { 0 };
     CHECK_INT(lw_space_scene_make(&x.model, &o, &s, &e), LW_OK);
     for (int i = 0; i < s.n_shape; i++)
         for (int k = 0; s.shape[i].to >= 0 && k < 2; k++) {
@@ -260,10 +244,7 @@ TEST(elastic_links_bend)
             found += of_node;
         }
     CHECK_INT(found, 2);
-    lw_space_scene_free(&s);
     free(origin), free(path), free(pose);
-    lw_spatial_expansion_free(&x);
-    lw_spatial_free(&m);
 }
 
 /* A frame of three bars whose joint lies beside the second: three bars along its axis, and an arm. */
@@ -272,30 +253,28 @@ TEST(elastic_frames_have_corners)
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'f', 'elastic': {'section': {'shape': 'round', "
         "'diameter': 0.02}, 'material': 'steel', 'axis': [[0, 0, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1]]}}], 'joints': [{'name': 'A', "
         "'kind': 'fixed', 'links': ['ground', 'f'], 'at': [0.5, 0, 1.2]}]}";
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     read_spatial(text, "frame", &m);
-    lw_space_scene s = make_scene(&m, 0);
+    OWN(lw_space_scene) s = make_scene(&m, 0);
     CHECK_INT(s.n_shape, 4);
     for (int i = 0; i < 3 && i < s.n_shape; i++)
         for (int k = 0; k < 2; k++)
             CHECK_NEAR(lw_v3_norm(lw_v3_sub(s.shape[i].p[k], m.elastic[1].axis[i + k])), 0, 0, 0);
     CHECK_NEAR(lw_v3_norm(lw_v3_sub(s.shape[3].p[0], lw_v3(0.5, 0, 1))), 0, 1e-15, 0);
     CHECK_NEAR(lw_v3_norm(lw_v3_sub(s.shape[3].p[1], lw_v3(0.5, 0, 1.2))), 0, 1e-15, 0);
-    lw_space_scene_free(&s);
-    lw_spatial_free(&m);
 }
 
 TEST(files)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     load_spatial("slider-crank", &m);
-    lw_space_scene s = make_scene(&m, 0);
+    OWN(lw_space_scene) s = make_scene(&m, 0);
     static const struct { lw_draw_kind kind; const char *begin; } file[] = {
         { LW_DRAW_SVG, "<?xml" }, { LW_DRAW_PDF, "%PDF" }, { LW_DRAW_PNG, "\x89PNG" }, { LW_DRAW_GIF, "GIF89a" },
         { LW_DRAW_HTML, "<!DOCTYPE html>" }
     };
     for (size_t i = 0; i < sizeof file/sizeof *file; i++) {
-        lw_bytes out;
+        OWN(lw_bytes) out = { 0 };
         lw_error e = { 0 };
         CHECK_INT(lw_draw_space(&s, lw_space_view_default(), file[i].kind, 200, 150, &out, &e), LW_OK);
         CHECK(out.size > 500 && memcmp(out.data, file[i].begin, strlen(file[i].begin)) == 0);
@@ -310,8 +289,5 @@ TEST(files)
             CHECK_TEXT(json_string_value(json_object_get(data, "unit")), m.units.length[0] ? m.units.length : "m");
             json_decref(data);
         }
-        lw_bytes_free(&out);
     }
-    lw_space_scene_free(&s);
-    lw_spatial_free(&m);
 }

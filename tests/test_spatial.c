@@ -228,8 +228,8 @@ TEST(mobility_is_real)
         { "delta", 9, 9, 6, 0 }, { "stewart", 6, 6, 0, 0 }, { "arm", 7, 7, 0, 0 }, { "top", 3, 3, 0, 0 },
     };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
-        lw_spatial m;
-        lw_space_mobility got;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_space_mobility) got = { 0 };
         lw_error e;
         load_spatial(known[i].file, &m);
         CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
@@ -238,8 +238,6 @@ TEST(mobility_is_real)
         CHECK_INT(got.idle, known[i].idle);
         CHECK_INT(got.n_redundant, known[i].redundant);
         CHECK(got.residual < 1e-12 && !got.shaky);
-        lw_space_mobility_free(&got);
-        lw_spatial_free(&m);
     }
 }
 
@@ -272,8 +270,8 @@ TEST(long_rows_of_loops_move)
 {
     static const int size[] = { 4, 40, 1000 };
     for (int i = 0; i < 6; i++) {
-        lw_spatial m;
-        lw_space_mobility got;
+        OWN(lw_spatial) m = { 0 };
+        OWN(lw_space_mobility) got = { 0 };
         lw_error e = { 0 };
         int n = size[i/2], pins = i % 2;
         read_space_row(n, pins, &m);
@@ -282,39 +280,33 @@ TEST(long_rows_of_loops_move)
         CHECK_INT(got.freedom, 1);
         CHECK_INT(got.n_redundant, 3*n*pins);
         CHECK(got.moved > 3e-3 && !got.shaky);
-        lw_space_mobility_free(&got);
-        lw_spatial_free(&m);
     }
 }
 
 /* One pin of a long row stands askew by 1e-2: no crank turns any more. */
 TEST(a_long_row_with_a_skew_pin_is_rigid)
 {
-    lw_spatial m;
-    lw_space_mobility got;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_space_mobility) got = { 0 };
     lw_error e = { 0 };
     read_space_row(200, true, &m);
     m.joint[401].axis = lw_v3(1e-2, sqrt(1 - 1e-4), 0);
     CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
     CHECK_INT(got.freedom, 0);
     CHECK_INT(got.instant, 0);
-    lw_space_mobility_free(&got);
-    lw_spatial_free(&m);
 }
 
 /* Bennett's condition broken by a part in a thousand: nothing moves. */
 TEST(a_broken_bennett_is_rigid)
 {
-    lw_spatial m;
-    lw_space_mobility got;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_space_mobility) got = { 0 };
     lw_error e;
     load_spatial("bennett", &m);
     m.joint[2].axis = lw_v3_add(m.joint[2].axis, lw_v3(1e-3, 0, 0));
     m.joint[2].axis = lw_v3_scale(m.joint[2].axis, 1/lw_v3_norm(m.joint[2].axis));
     CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
     CHECK_INT(got.freedom, 0);
-    lw_space_mobility_free(&got);
-    lw_spatial_free(&m);
 }
 
 /* ---- postures ---- */
@@ -344,9 +336,9 @@ TEST(cranks_of_long_rows_turn_alike)
 {
     static const double place[] = { 0.6, 1.5, 4.6, 20 };
     enum { LOOPS = 300 };
-    lw_spatial m;
-    lw_space s;
-    lw_space_follow f;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_space) s = { 0 };
+    OWN(lw_space_follow) f = { 0 };
     lw_error e = { 0 };
     read_space_row(LOOPS, false, &m);
     CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
@@ -363,9 +355,6 @@ TEST(cranks_of_long_rows_turn_alike)
         }
         CHECK(off[0] < 1e-8 && off[1] < 1e-7);
     }
-    lw_space_follow_free(&f);
-    lw_space_free(&s);
-    lw_spatial_free(&m);
 }
 
 /* Inverse kinematics of the DELTA (l_u .35, l_l .75, R - r .15; worked out from its closed form), and back. */
@@ -373,9 +362,9 @@ TEST(delta_postures)
 {
     static const double degrees = 180/LW_PI, start = 13.60812855, other[] = { -6.282352804, 29.88751143, 29.88751143 };
     double ends[2][3] = { { 0, 0, -.65 }, { .2, 0, -.65 } }, motor[3];
-    lw_spatial m;
-    lw_space s;
-    lw_space_follow f;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_space) s = { 0 };
+    OWN(lw_space_follow) f = { 0 };
     lw_error e = { 0 };
     load_spatial("delta", &m);
     CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
@@ -400,9 +389,6 @@ TEST(delta_postures)
     CHECK_INT(lw_space_follow_to(&f, line, deep, 1, &e), LW_OPEN);
     CHECK_NEAR(-.65 - .55*f.u, -1.0897247, 1e-6, 0);
     CHECK_HAS(e.text, "open");
-    lw_space_follow_free(&f);
-    lw_space_free(&s);
-    lw_spatial_free(&m);
 }
 
 static lw_status rest_to_rest(void *context, double u, double (*out)[3])
@@ -420,9 +406,9 @@ static void count(void *context, const double *q) { (void)q, ++*(int *)context; 
 /* The tangent grows from 0 and falls to 0 there, which no short steps need to show. */
 TEST(motions_from_rest_to_rest_take_few_steps)
 {
-    lw_spatial m;
-    lw_space s;
-    lw_space_follow f;
+    OWN(lw_spatial) m = { 0 };
+    OWN(lw_space) s = { 0 };
+    OWN(lw_space_follow) f = { 0 };
     lw_error e = { 0 };
     lw_spatial_measure tool[3] = { { LW_OF_X, 0 }, { LW_OF_Y, 0 }, { LW_OF_Z, 0 } };
     int steps = 0, rows = 20;
@@ -434,9 +420,6 @@ TEST(motions_from_rest_to_rest_take_few_steps)
         CHECK_INT(lw_space_follow_to(&f, rest_to_rest, NULL, (double)k/rows, &e), LW_OK);
     CHECK(steps >= rows && steps <= rows + 5);
     CHECK_NEAR(13.60812855 + turn_of(&f, m.drive[0].index)*180/LW_PI, -6.282352804, 2e-8, 0);
-    lw_space_follow_free(&f);
-    lw_space_free(&s);
-    lw_spatial_free(&m);
 }
 
 /* Rates of tracers against central differences, of every example with motions. */
@@ -455,7 +438,7 @@ TEST(rates_are_derivatives)
 {
     static const char *const files[] = { "slider-crank", "bricard", "bennett", "sarrus", "delta", "stewart", "arm" };
     for (size_t k = 0; k < sizeof files/sizeof *files; k++) {
-        lw_spatial m;
+        OWN(lw_spatial) m = { 0 };
         lw_error e = { 0 };
         series got = { 0 };
         load_spatial(files[k], &m);
@@ -471,14 +454,13 @@ TEST(rates_are_derivatives)
             CHECK_NEAR(lw_v3_norm(lw_v3_sub(v, got.velocity[i])), 0, 1e-9, 0);
             CHECK_NEAR(lw_v3_norm(lw_v3_sub(a, got.acceleration[i])), 0, 1e-8, 0);
         }
-        lw_spatial_free(&m);
     }
 }
 
 /* Bricard's linkage turns from -30 to 210 degrees of its first hinge, where it folds. */
 TEST(bricard_has_limits)
 {
-    lw_spatial m;
+    OWN(lw_spatial) m = { 0 };
     lw_error e = { 0 };
     series got = { 0 };
     load_spatial("bricard", &m);
@@ -491,5 +473,4 @@ TEST(bricard_has_limits)
         CHECK_NEAR(fabs(got.place[end].x), sqrt(0.75), 1e-9, 0);
         CHECK(isnan(got.velocity[end].x) && isnan(got.acceleration[end].z));
     }
-    lw_spatial_free(&m);
 }

@@ -14,7 +14,7 @@ static void make_case(const char *family, lw_timing timing, lw_task task, lw_rng
 {
     member m;
     stations st;
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     double shape[LW_SHAPE_MAX];
     lw_fit_spec spec = lw_fit_spec_default();
     spec.task = task;
@@ -40,7 +40,6 @@ static void make_case(const char *family, lw_timing timing, lw_task task, lw_rng
         p->lo[i] = fmin(p->lo[i], p->plan.dim[i].kind == LW_DIM_LENGTH ? p->lo[i] : -1e3);
         p->hi[i] = fmax(p->hi[i], 1e3);
     }
-    lw_target_free(&t);
 }
 
 TEST(the_right_shape_gives_the_right_linkage)
@@ -48,7 +47,7 @@ TEST(the_right_shape_gives_the_right_linkage)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
     for (int trial = 0; trial < 20*N_FAMILY; trial++) {
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double u[LW_START_DRAWS], x[LW_VAR_MAX];
         lw_task task = trial % 2 ? LW_TASK_MOTION : LW_TASK_PATH;
         make_case(families[trial % N_FAMILY], LW_TIMING_PRESCRIBED, task, &rng, u, &p);
@@ -58,7 +57,6 @@ TEST(the_right_shape_gives_the_right_linkage)
         CHECK(f < 1e-18);                                /* the diagonal has 1e-12 added            */
         CHECK_NEAR(lw_problem_value(&p, x, NULL, work), f, 1e-28, 1e-6);
         free(work);
-        lw_problem_free(&p);
     }
 }
 
@@ -69,7 +67,7 @@ TEST(no_other_place_size_or_tracer_is_better)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
     for (int trial = 0; trial < 60; trial++) {
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double u[LW_START_DRAWS], x[LW_VAR_MAX], grad[LW_VAR_MAX], by_size = 0;
         make_case(families[trial % N_FAMILY], LW_TIMING_PRESCRIBED, LW_TASK_PATH, &rng, u, &p);
         for (int i = 0; i < p.family->n_draw; i++)
@@ -88,7 +86,6 @@ TEST(no_other_place_size_or_tracer_is_better)
         }
         CHECK_NEAR(by_size, 0, 1e-4, 0);
         free(work);
-        lw_problem_free(&p);
     }
 }
 
@@ -103,8 +100,8 @@ TEST(starts_are_what_they_say)
             enum { DRAWS = 100 };
             member m;
             stations st;
-            lw_target t;
-            lw_problem p;
+            OWN(lw_target) t = { 0 };
+            OWN(lw_problem) p = { 0 };
             lw_fit_spec spec = lw_fit_spec_default();
             double u[DRAWS*LW_START_DRAWS], x[LW_VAR_MAX];
             int good = 0;
@@ -113,7 +110,6 @@ TEST(starts_are_what_they_say)
             trace_member(&m, 10, &st);
             target_of(&st, &spec, &t);
             lw_status status = lw_problem_make(&t, &spec, f, 1, 1, &p, NULL);
-            lw_target_free(&t);
             if (status != LW_OK)
                 continue;
             int d = lw_start_draws(&p);
@@ -137,7 +133,6 @@ TEST(starts_are_what_they_say)
                 fprintf(stderr, "%s: %d starts of %d\n", f->name, good, DRAWS);
             CHECK(good >= 1);
             free(work);
-            lw_problem_free(&p);
         }
 }
 
@@ -149,7 +144,7 @@ TEST(full_starts_mostly_improve_on_the_glance)
     lw_rng_seed(&rng, check_seed(), 4);
     int better = 0, all = 0;
     for (int trial = 0; trial < 300; trial++) {
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double u[LW_START_DRAWS], x[LW_VAR_MAX];
         make_case(families[trial % N_FAMILY], LW_TIMING_FREE, LW_TASK_PATH, &rng, u, &p);
         for (int i = 0; i < lw_start_draws(&p); i++)
@@ -159,7 +154,6 @@ TEST(full_starts_mostly_improve_on_the_glance)
         all += isfinite(rest) && isfinite(f);
         better += isfinite(f) && f <= rest;
         free(work);
-        lw_problem_free(&p);
     }
     CHECK(all > 200 && better > 0.8*all);
 }

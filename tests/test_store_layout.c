@@ -20,7 +20,7 @@ TEST(there_and_back)
         lw_chain c;
         lw_mechanism m;
         lw_chain_layout l;
-        lw_bytes bytes = { 0 };
+        OWN(lw_bytes) bytes = { 0 };
         lw_error e;
         CHECK_INT(lw_graph6_read(chains[i], strlen(chains[i]), NULL, &c, &e), LW_OK);
         CHECK_INT(lw_mechanism_from_chain(&c, &m), LW_OK);
@@ -35,6 +35,5 @@ TEST(there_and_back)
         for (int j = 0; j < l.n_joint; j++)
             CHECK_NEAR(lw_v2_norm(lw_v2_sub(place(at + 8*j), l.at[j])), 0, 1e-6, 1e-6);
         CHECK_INT(bytes.size, at + 8*l.n_joint - b);         /* no link of a closed chain has a free end */
-        lw_bytes_free(&bytes);
     }
 }

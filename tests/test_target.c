@@ -22,12 +22,11 @@ static lw_status read(const char *text, lw_target *t, lw_error *e)
 
 static void check_reads(const char *text, size_t n)
 {
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_error e;
     CHECK_INT(read(text, &t, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     CHECK_INT(t.n, n);
-    lw_target_free(&t);
 }
 
 /* ---- files ------------------------------------------------------------------------------------- */
@@ -61,18 +60,17 @@ TEST(published_files)
         { "tests/data/tasks/f04-square.csv", 61, 0, 1, 1, 0 },
     };
     for (size_t i = 0; i < sizeof files/sizeof *files; i++) {
-        lw_target t = from_file(files[i].path);
+        OWN(lw_target) t = from_file(files[i].path);
         CHECK_INT(t.n, files[i].n);
         CHECK(!t.x == !files[i].x && !t.y == !files[i].x && !t.theta == !files[i].theta);
         CHECK(!t.angle == !files[i].angle && t.closed == files[i].closed);
-        lw_target_free(&t);
     }
 }
 
 /* theta_in_rad is the input, angle the tool: the coupler's direction oscillates about theta0 = 0.35. */
 TEST(published_names_of_columns)
 {
-    lw_target t = from_file("tests/data/tasks/s03-slidercrank-path36.csv");
+    OWN(lw_target) t = from_file("tests/data/tasks/s03-slidercrank-path36.csv");
     CHECK_NEAR(t.angle[1], 10*LW_PI/180, 0, 1e-14);
     CHECK_NEAR(t.theta[0], 0.495675987553583, 0, 0);
     CHECK_NEAR(t.angle[35], 350*LW_PI/180, 0, 1e-14);
@@ -80,12 +78,11 @@ TEST(published_names_of_columns)
     t = from_file("tests/data/tasks/f01-log.csv");
     CHECK_NEAR(t.angle[60], LW_PI/3, 0, 1e-10);
     CHECK_NEAR(t.theta[60], LW_PI/2, 0, 1e-10);
-    lw_target_free(&t);
 }
 
 TEST(further_points)
 {
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_error e;
     CHECK_INT(read("# closed: yes\n# units: mm "
                    "deg\nx,y2,x2,y,theta3,weight3,angle\n0,5,100,0,90,1,0\n3,5,103,0,180,2,10\n3,9,103,4,0,0,20\n",
@@ -107,7 +104,6 @@ TEST(further_points)
     lw_target_free(&t);
     CHECK_INT(read("x1,y1,x2,y2\n0,1,2,3\n1,2,3,4\n", &t, &e), LW_OK);        /* the first may bear its number */
     CHECK(t.n_also == 1 && t.y[1] == 2);
-    lw_target_free(&t);
 }
 
 /* Parts with a path, a path and weights, an output angle. */
@@ -152,7 +148,7 @@ TEST(parts_are_joined_row_by_row)
 
 TEST(length_and_size)
 {
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_error e;
     CHECK_INT(read("x,y\n0,0\n3,0\n3,2\n3,4\n", &t, &e), LW_OK);
     CHECK(!t.closed);                                         /* gap 5 > 1.5 * 3 */
@@ -169,7 +165,6 @@ TEST(length_and_size)
     CHECK_NEAR(t.length, 25, 0, 0);
     CHECK_INT(t.line[0], 7);
     CHECK_INT(t.line[5], 12);
-    lw_target_free(&t);
 }
 
 /* ---- forms ------------------------------------------------------------------------------------- */
@@ -181,7 +176,7 @@ TEST(the_example_of_the_manual)
                                   "    20,10,0,30,1\n    17.66,15.142,5,60,1\n    11.736,17.878,12,90,0.5\n";
     char *manual = NULL;
     size_t size;
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_error e;
     CHECK_INT(lw_file_read("docs/notation.md", &manual, &size, NULL), LW_OK);
     CHECK_HAS(manual, example);
@@ -191,7 +186,6 @@ TEST(the_example_of_the_manual)
     CHECK_NEAR(t.y[1], 0.015142, 0, 1e-15);
     CHECK_NEAR(t.theta[2], 12*LW_PI/180, 0, 1e-15);
     CHECK_NEAR(t.angle[0], LW_PI/6, 0, 1e-15);
-    lw_target_free(&t);
 }
 
 TEST(separators_and_line_ends)
@@ -222,14 +216,13 @@ TEST(units_by_comment_suffix_and_option)
         { "# units: mm\nx_mm,y,t\n1,2,0.5\n", 1e-3, LW_PI },
     };
     for (size_t i = 0; i < sizeof cases/sizeof *cases; i++) {
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_error e;
         CHECK_INT(read(cases[i].text, &t, &e), LW_OK);
         CHECK_TEXT(e.text, "");
         CHECK_NEAR(t.x[0], cases[i].x, 0, 1e-15);
         CHECK_NEAR(t.y[0], 2*cases[i].x, 0, 1e-15);
         CHECK_NEAR(t.angle[0], cases[i].angle, 0, 1e-15);
-        lw_target_free(&t);
     }
 }
 
@@ -257,7 +250,7 @@ TEST(options_overrule_comments)
 
 TEST(columns_in_any_order)
 {
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_error e;
     CHECK_INT(read("weight,theta,y,angle,x\n0.5,1,2,3,4\n0,1,2,4,4\n", &t, &e), LW_OK);
     CHECK(t.weight[0] == 0.5 && t.theta[0] == 1 && t.y[0] == 2 && t.angle[0] == 3 && t.x[0] == 4);
@@ -266,7 +259,6 @@ TEST(columns_in_any_order)
     CHECK_INT(read("x,y\n1,2\n", &t, &e), LW_OK);
     CHECK(t.weight[0] == 1);
     CHECK_TEXT(t.units.length, "");
-    lw_target_free(&t);
 }
 
 /* A file that does not say whether its path is closed: the points, the angles of a body and those of the input have to come back. */
@@ -285,11 +277,10 @@ TEST(closed_by_guess)
         { "# units: deg\nx,y,angle\n0,0,0\n3,0,120\n3,3,240\n0,0,360\n", true },
     };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_error e = { .text = "" };
         CHECK_INT(read(known[i].rows, &t, &e), LW_OK);
         CHECK(t.closed == known[i].closed || (printf("%s", known[i].rows), false));
-        lw_target_free(&t);
     }
 }
 
@@ -299,11 +290,10 @@ TEST(few_stations_and_repeated_points)
     check_reads("x,y\n1,2\n1,2\n", 2);
     check_reads("x,y\n0,0\n0,0\n0,0\n", 3);
     check_reads("x,y\n-0,1e-9\n1e9,1E9\n", 2);
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_error e;
     CHECK_INT(read("x,y\n5,5\n5,5\n5,5\n", &t, &e), LW_OK);
     CHECK(!t.closed && t.size == 0 && t.length == 0);
-    lw_target_free(&t);
 }
 
 /* A closed path that returns to its first station has one station less, with the same length; rows that belong to input angles, or
@@ -322,7 +312,7 @@ TEST(the_first_station_repeated_at_the_end)
         { "x_mm,y_mm,x2,y2\n0,0,5,5\n2,0,6,5\n2,1,7,5\n0,1,6,5\n0,0,5,5\n", 4, true },
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
-        lw_target t, whole;
+        OWN(lw_target) t = { 0 }, whole = { 0 };
         lw_error e;
         CHECK_INT(lw_target_read_text(rows[i].text, strlen(rows[i].text), "path.csv", NULL, &t, &e), LW_OK);
         CHECK_INT(lw_target_read(rows[i].text, strlen(rows[i].text), "path.csv", NULL, &whole, &e), LW_OK);
@@ -330,8 +320,6 @@ TEST(the_first_station_repeated_at_the_end)
         CHECK_INT(t.closed, whole.closed);
         CHECK_NEAR(t.length, whole.length, 0, 0);
         CHECK_INT(strstr(t.note, "repeats the first station") != NULL, rows[i].said);
-        lw_target_free(&whole);
-        lw_target_free(&t);
     }
 }
 
@@ -339,13 +327,12 @@ TEST(the_first_station_repeated_at_the_end)
 
 static void check_angles(const char *text, size_t n, const double *want)
 {
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_error e;
     CHECK_INT(read(text, &t, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     for (size_t i = 0; i < n && i < t.n; i++)
         CHECK_NEAR(t.angle[i]*180/LW_PI, want[i], 1e-12, 1e-15);
-    lw_target_free(&t);
 }
 
 TEST(cyclic_order_is_order)
@@ -398,14 +385,13 @@ TEST(order_against_brute_force)
         for (int i = 0; i < n; i++)                           /* every point is another one */
             for (int j = 0; j < i; j++)
                 ok &= once ? a[i] - whole_turns(a[i]) != a[j] - whole_turns(a[j]) : a[i] != a[j];
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_error e = { .text = "" };
         lw_status s = lw_target_make((size_t)n, x, y, NULL, rad, NULL, -1, &t, &e);
         CHECK_INT(s, ok ? LW_OK : LW_E_ARG);
         CHECK(ok || strstr(e.text, "station") || strstr(e.text, "turn"));
         for (int i = 1; ok && i < n; i++)
             CHECK((t.angle[i] - t.angle[i-1])*(t.angle[n-1] - t.angle[0]) >= 0);
-        lw_target_free(&t);
     }
 }
 
@@ -439,7 +425,7 @@ TEST(tables_of_programs)
     };
     static const double want[][2] = { { 12.5, -3 }, { 7, 4.25 }, { 0, 1 } };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_error e = { .text = "" };
         CHECK_INT(read_with(rows[i].text, rows[i].size, NULL, &t, &e), LW_OK);
         CHECK_TEXT(e.text, "");
@@ -448,7 +434,6 @@ TEST(tables_of_programs)
             CHECK_NEAR(t.x[k], 1e-3*want[k][0], 1e-17, 0);
             CHECK_NEAR(t.y[k], 1e-3*want[k][1], 1e-17, 0);
         }
-        lw_target_free(&t);
     }
 }
 
@@ -460,7 +445,7 @@ TEST(angles_of_programs)
         "x [mm] y [mm] theta [degrees] t\n1 2 90 0\n3 4 180 .101388888888888888\n5 5 0 .25\n"
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_error e = { .text = "" };
         CHECK_INT(read_with(rows[i], strlen(rows[i]), NULL, &t, &e), LW_OK);
         CHECK_TEXT(e.text, "");
@@ -468,7 +453,6 @@ TEST(angles_of_programs)
             continue;
         CHECK_NEAR(t.theta[1], LW_PI, 1e-15, 0);
         CHECK_NEAR(t.angle[1], 36.5*LW_PI/180, 1e-15, 0);
-        lw_target_free(&t);
     }
 }
 
@@ -650,7 +634,7 @@ TEST(equal_parts_are_counted)
     double x[MOST], y[MOST];
     for (int k = 3; k <= 12; k++)
         for (int kind = 0; kind < 4; kind++) {               /* star, with one ray longer, open, wave                   */
-            lw_target t;
+            OWN(lw_target) t = { 0 };
             size_t n = kind == 3 ? (size_t)(k == 7 || k > 8 ? 5*k : 60/k*k) : (size_t)(2*k);
             for (size_t i = 0; i < n; i++) {
                 double a = 0.3 + 2*LW_PI*(double)i/(double)n, r = kind == 3 ? 1 + 0.3*cos(k*a) : i % 2 ? 0.5 : 1;
@@ -660,7 +644,6 @@ TEST(equal_parts_are_counted)
             }
             CHECK_INT(lw_target_make(n, x, y, NULL, NULL, NULL, kind != 2, &t, NULL), LW_OK);
             CHECK_INT(lw_target_parts(&t, 0.02*t.extent), kind == 0 || kind == 3 ? k : 1);
-            lw_target_free(&t);
         }
     lw_target t;
     static const double u[] = { 0, 3, 3, 0 }, v[] = { 0, 0, 1, 1 }, still[] = { 2, 2 };
@@ -679,7 +662,7 @@ TEST(circles_are_recognised)
     lw_vec2 c;
     for (int line = 0; line < 2; line++)
         for (size_t n = 5; n < 13; n += 7) {
-            lw_target t;
+            OWN(lw_target) t = { 0 };
             for (size_t i = 0; i < n; i++) {                  /* an arc of 80 degrees, shaken by 0.01    */
                 lw_vec2 p = lw_v2_polar(900 + (i%2 ? 0.01 : -0.01), 0.3 + 1.4*(double)i/(double)n);
                 x[i] = line ? (double)i : 5 + p.x;
@@ -694,7 +677,6 @@ TEST(circles_are_recognised)
                 CHECK_NEAR(lw_v2_norm(lw_v2_sub(c, lw_v2(5, -7))), 0, 0.05, 0);
                 CHECK_NEAR(r, 900, 0.05, 0);
             }
-            lw_target_free(&t);
         }
 }
 
@@ -704,7 +686,7 @@ TEST(pivots_and_straight_lines_are_recognised)
     enum { N = 7, PIVOT, OTHER_WAY, SHIFTED, LINE, BENT, KINDS };
     for (int kind = PIVOT; kind < KINDS; kind++) {
         double x[N], y[N], theta[N];
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_vec2 c = { NAN, NAN };
         bool path = kind == LINE || kind == BENT;
         for (int i = 0; i < N; i++) {
@@ -723,7 +705,6 @@ TEST(pivots_and_straight_lines_are_recognised)
             CHECK(kind == OTHER_WAY ? off > 5 : isinf(off));
         }
         CHECK(kind == BENT ? bent > 0.1 && bent < 0.4 : kind == LINE || kind == SHIFTED ? bent < 1e-9 : bent > 5);
-        lw_target_free(&t);
     }
 }
 
@@ -737,7 +718,7 @@ TEST(any_bytes_are_survived)
     check_reads(good, 3);
     for (int trial = 0; trial < 50000; trial++) {
         char text[sizeof good];
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_error e;
         size_t n = trial%4 ? sizeof good - 1 : (size_t)(lw_rng_bits(&r)%sizeof good);
         memcpy(text, good, sizeof good);
@@ -746,7 +727,6 @@ TEST(any_bytes_are_survived)
         lw_status s = read_with(text, n, NULL, &t, &e);
         CHECK(s == LW_OK || s == LW_E_NOTATION);
         CHECK(s == LW_OK ? t.n > 0 : e.text[0] && e.line > 0 && e.column > 0);
-        lw_target_free(&t);
     }
 }
 
@@ -763,12 +743,11 @@ TEST(assumed_units)
         { "0,0\n1,2\n3,3\n", true, false },
     };
     for (size_t i = 0; i < sizeof row/sizeof *row; i++) {
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         lw_error e = { 0 };
         CHECK_INT(lw_target_read(row[i].text, strlen(row[i].text), "f.csv", NULL, &t, &e), LW_OK);
         CHECK_INT(strstr(t.note, "lengths have no unit") != NULL, row[i].length);
         CHECK_INT(strstr(t.note, "count as rad") != NULL, row[i].angle);
         CHECK_INT(t.note[0] != 0, row[i].length || row[i].angle);
-        lw_target_free(&t);
     }
 }

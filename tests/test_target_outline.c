@@ -57,10 +57,9 @@ TEST(corners_are_stations)
         "<svg><path transform='scale(2) translate(1 1) rotate(180 2 2)' d='M5 5H0V2.5H5Z'/></svg>"
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
-        lw_target t = read_drawn(lw_target_read_svg, rows[i]);
+        OWN(lw_target) t = read_drawn(lw_target_read_svg, rows[i]);
         stations(&t, 1, square, 4, 1e-3);
         CHECK_TEXT(t.units.length, "mm");
-        lw_target_free(&t);
     }
 }
 
@@ -137,13 +136,12 @@ TEST(bent_curves)
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         char text[128];
         snprintf(text, sizeof text, "<svg><path d='%s'/></svg>", rows[i].d);
-        lw_target t = read_text(lw_target_read_svg, text);
+        OWN(lw_target) t = read_text(lw_target_read_svg, text);
         CHECK_INT(t.n, LW_OUTLINE_STATIONS);
         CHECK_INT(t.closed, 0);
         for (size_t k = 0; k < t.n; k++)
             CHECK_NEAR(off_cubic(rows[i].p, 1e3*t.x[k], -1e3*t.y[k]), 0, 2e-3, 0);
         CHECK_NEAR(1e3*t.x[t.n - 1], rows[i].p[6], 1e-12, 0);
-        lw_target_free(&t);
     }
     /* S and T take the handle over: the same curve said in two ways */
     static const char *const same[][2] = {
@@ -182,9 +180,8 @@ TEST(polylines)
          "0\nLINE\n10\n4\n20\n3\n11\n4\n21\n0\n" TAIL)
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
-        lw_target t = read_drawn(lw_target_read_dxf, rows[i]);
+        OWN(lw_target) t = read_drawn(lw_target_read_dxf, rows[i]);
         stations(&t, 1, want, 3, 1e-3);
-        lw_target_free(&t);
     }
     lw_target t = read_drawn(lw_target_read_dxf, HEAD "0\nLINE\n10\n1\n20\n0\n11\n2\n21\n0\n"
                             "0\nLINE\n10\n0\n20\n1\n11\n1\n21\n0\n" TAIL);
@@ -300,20 +297,18 @@ TEST(round_shapes)
     };
     double m[6];
     for (size_t i = 0; i < sizeof svg/sizeof *svg; i++) {
-        lw_target t = read_text(lw_target_read_svg, svg[i].text);
+        OWN(lw_target) t = read_text(lw_target_read_svg, svg[i].text);
         ellipse_map(svg[i].a, svg[i].b, svg[i].degrees*LW_PI/180, svg[i].x, svg[i].y, m);
         CHECK_NEAR(off_ellipse(&t, m), 0, 3.1e-4, 0);
         CHECK_INT(t.closed, 1);
         CHECK_INT(t.n, LW_OUTLINE_STATIONS);
-        lw_target_free(&t);
     }
     for (size_t i = 0; i < sizeof dxf/sizeof *dxf; i++) {
-        lw_target t = read_text(lw_target_read_dxf, dxf[i].text);
+        OWN(lw_target) t = read_text(lw_target_read_dxf, dxf[i].text);
         ellipse_map(dxf[i].a, dxf[i].b, dxf[i].degrees*LW_PI/180, dxf[i].x, dxf[i].y, m);
         CHECK_NEAR(off_ellipse(&t, m), 0, 3.1e-4, 0);
         CHECK_INT(t.closed, 1);
         CHECK_INT(t.n, LW_OUTLINE_STATIONS);
-        lw_target_free(&t);
     }
 }
 
@@ -337,7 +332,7 @@ TEST(splines)
     for (int i = 0; i < 5; i++)
         n += snprintf(text + n, sizeof text - (size_t)n, "10\n%g\n20\n%g\n30\n0\n", x[i], y[i]);
     snprintf(text + n, sizeof text - (size_t)n, TAIL);
-    lw_target t = read_text(lw_target_read_dxf, text);
+    OWN(lw_target) t = read_text(lw_target_read_dxf, text);
     CHECK_INT(t.closed, 0);
     CHECK_HAS(t.note, "open curve 'PATH'");
     for (size_t k = 0; k < t.n; k++) {
@@ -354,7 +349,6 @@ TEST(splines)
         }
         CHECK_NEAR(least, 0, 2e-3, 0);
     }
-    lw_target_free(&t);
 }
 
 /* A spline of a DXF through n points at equal angles of a circle of radius 10, `turns` of it. */
@@ -384,22 +378,20 @@ static double off_circle(const lw_target *t)
 TEST(splines_through_fit_points)
 {
     double h = LW_PI/8;
-    lw_target round = fit_arc(17, 1, "70\n1\n"), half = fit_arc(9, 0.5, "12\n0\n22\n3\n13\n0\n23\n-3\n"), bare = fit_arc(9, 0.5, "");
+    OWN(lw_target) round = fit_arc(17, 1, "70\n1\n"), half = fit_arc(9, 0.5, "12\n0\n22\n3\n13\n0\n23\n-3\n"), bare = fit_arc(9, 0.5, "");
     CHECK_INT(round.closed, 1);
     CHECK_INT(half.closed + bare.closed, 0);
     CHECK(off_circle(&round) < 10*pow(h, 4)/384*1.5 + 3e-4);
     CHECK(off_circle(&half) < 10*pow(h, 4)/384*3);
     CHECK(off_circle(&bare) > 10*h*h/100 && off_circle(&bare) < 10*h*h/20);
-    lw_target_free(&round);
     lw_target_free(&half);
     lw_target_free(&bare);
     /* three points with equal chords: half-way up the natural spline is at (1.5, 2.75) */
-    lw_target t = read_text(lw_target_read_dxf, HEAD "0\nSPLINE\n71\n3\n11\n0\n21\n0\n11\n0\n21\n0\n11\n3\n21\n4\n11\n6\n21\n0\n" TAIL);
+    OWN(lw_target) t = read_text(lw_target_read_dxf, HEAD "0\nSPLINE\n71\n3\n11\n0\n21\n0\n11\n0\n21\n0\n11\n3\n21\n4\n11\n6\n21\n0\n" TAIL);
     double least = INFINITY;
     for (size_t k = 1; k < t.n; k++)
         least = lw_v2_nearer(lw_v2(1.5e-3, 2.75e-3), lw_v2(t.x[k-1], t.y[k-1]), lw_v2(t.x[k], t.y[k]), least);
     CHECK_NEAR(1e3*least, 0, 2e-3, 0);
-    lw_target_free(&t);
 }
 
 TEST(straight_shapes)
@@ -501,13 +493,12 @@ TEST(pieces_join)
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         char text[512], want[32];
         lw_error e = { .text = "" };
-        lw_target t;
+        OWN(lw_target) t = { 0 };
         snprintf(text, sizeof text, HEAD "%s" TAIL, rows[i].text);
         snprintf(want, sizeof want, "has %d curves", rows[i].curves);
         lw_status s = lw_target_read_dxf(text, strlen(text), "t", NULL, &t, &e);
         CHECK_INT(s, rows[i].curves == 1 ? LW_OK : LW_E_NOTATION);
         CHECK_HAS(rows[i].curves == 1 ? want : e.text, want);
-        lw_target_free(&t);
     }
 }
 

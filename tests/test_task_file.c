@@ -20,7 +20,7 @@ TEST(everything_is_read)
         "'lengths':{'least':5,'most':50,'ratio':6},'positions':{'least':-7,'most':8},'pivots':{'line':[[1,1],[1,3]],'within':0.5},"
         "'forbidden':[{'circle':[[9,8],2]},{'box':[[20,30],[40,50]]}],"
         "'max_size':3,'class_margin':0,'through_limits':true,'tolerance':0.2,'smooth':1.5,'resample':40}";
-    lw_task_file b;
+    OWN(lw_task_file) b = { 0 };
     lw_error e;
     CHECK_INT(read(text, &b, &e), LW_OK);
     CHECK_TEXT(b.name, "n");
@@ -49,7 +49,6 @@ TEST(everything_is_read)
     CHECK_INT(b.spec.zone[1].kind, LW_ZONE_NO_CIRCLE);
     CHECK_NEAR(b.spec.zone[1].reach, 2e-3, 0, 1e-15);
     CHECK_NEAR(b.spec.zone[2].to.x, 0.04, 0, 1e-15);
-    lw_task_file_free(&b);
 }
 
 TEST(faults_have_a_place)
@@ -115,10 +114,9 @@ TEST(what_can_be_done_is_no_contradiction)
         "{'linkwright-task':1,'target':'a','pivots':{'box':[[3,3],[6,6]]},'positions':{'least':0,'most':4}}"
     };
     for (size_t i = 0; i < sizeof good/sizeof *good; i++) {
-        lw_task_file b;
+        OWN(lw_task_file) b = { 0 };
         lw_error e;
         CHECK_INT(read(good[i], &b, &e), LW_OK);
-        lw_task_file_free(&b);
     }
 }
 
@@ -127,7 +125,7 @@ TEST(dwells_become_stations)
     static const char text[] = "{'linkwright-task':1,'stations':[{'angle':0,'theta':1},{'angle':3,'theta':2}],"
                                "'dwell':[{'from':1,'to':2,'theta':5,'points':3,'weight':4}]}";
     static const double angle[] = { 0, 1, 1.5, 2, 3 }, theta[] = { 1, 5, 5, 5, 2 }, weight[] = { 1, 4, 4, 4, 1 };
-    lw_task_file b;
+    OWN(lw_task_file) b = { 0 };
     lw_error e;
     lw_target t;
     CHECK_INT(read(text, &b, &e), LW_OK);
@@ -142,7 +140,6 @@ TEST(dwells_become_stations)
     b.dwell[0].from = -1;                                /* the first station is inside now        */
     CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_E_ARG);
     CHECK_HAS(e.text, "station 1");
-    lw_task_file_free(&b);
 }
 
 TEST(tracers_have_targets_of_their_own)
@@ -153,7 +150,7 @@ TEST(tracers_have_targets_of_their_own)
     static const char columns[] = "{'linkwright-task':1,'units':{'length':'mm','angle':'deg'},'stations':["
                                   "{'x':0,'y':0,'x2':30,'y2':15,'theta2':90,'weight2':3},"
                                   "{'x':3,'y':1,'x2':5,'y2':5,'theta2':80,'weight2':2}],'point_links':['input'],'forbidden':[{'circle':[[30,15],1]}]}";
-    lw_task_file b;
+    OWN(lw_task_file) b = { 0 };
     lw_error e;
     lw_target t;
     CHECK_INT(read(text, &b, &e), LW_OK);
@@ -178,17 +175,15 @@ TEST(tracers_have_targets_of_their_own)
     lw_target_free(&t);
     b.n_dwell = 1;
     CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_E_ARG);
-    lw_task_file_free(&b);
 }
 
 TEST(a_station_in_a_forbidden_zone)
 {
     static const char text[] = "{'linkwright-task':1,'stations':[{'x':0,'y':0},{'x':3,'y':1}],'forbidden':[{'circle':[[3,1.5],1]}]}";
-    lw_task_file b;
+    OWN(lw_task_file) b = { 0 };
     lw_error e;
     lw_target t;
     CHECK_INT(read(text, &b, &e), LW_OK);
     CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_E_ARG);
     CHECK_HAS(e.text, "station 2 lies inside a forbidden zone");
-    lw_task_file_free(&b);
 }

@@ -9,7 +9,7 @@ static void scatter(size_t n, lw_timing timing, double shake, int sense, lw_rng 
 {
     member m;
     stations st;
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_error e;
     lw_fit_spec spec = lw_fit_spec_default();
     spec.timing = timing;
@@ -19,7 +19,6 @@ static void scatter(size_t n, lw_timing timing, double shake, int sense, lw_rng 
     target_of(&st, &spec, &t);
     CHECK_INT(lw_problem_make(&t, &spec, m.family, 1, sense, p, &e), LW_OK);
     variables_of(p, &m, x);
-    lw_target_free(&t);
 }
 
 /* ---- order -------------------------------------------------------------------------------------- */
@@ -140,7 +139,7 @@ TEST(programme_finds_the_cheapest_sequence)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
     for (int trial = 0; trial < 60; trial++) {
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX], cheapest = INFINITY, over_all = INFINITY, got = INFINITY;
         scatter(3, LW_TIMING_FREE, 0.6, trial % 2 ? 1 : -1, &rng, &p, x);
         lw_work *w = new_work(&p);
@@ -161,7 +160,6 @@ TEST(programme_finds_the_cheapest_sequence)
         CHECK_NEAR(got, cheapest, 0, 1e-13);
         CHECK(over_all <= got*(1 + 1e-13));
         free(w);
-        lw_problem_free(&p);
     }
 }
 
@@ -204,7 +202,7 @@ TEST(refined_stations_stand_at_their_feet)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
     for (int trial = 0; trial < 120; trial++) {
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX];
         lw_timing timing = trial % 2 ? LW_TIMING_FREE : LW_TIMING_NONE;
         scatter(10, timing, trial % 3 ? 0.05 : 0.3, trial % 4 < 2 ? 1 : -1, &rng, &p, x);
@@ -215,7 +213,6 @@ TEST(refined_stations_stand_at_their_feet)
             CHECK(p.intended.sense*(w->phase[i + 1] - w->phase[i]) >= 0);
         CHECK(timing == LW_TIMING_NONE || p.intended.sense*(w->phase[p.n - 1] - w->phase[0]) <= 2*LW_PI + 1e-9);
         free(w);
-        lw_problem_free(&p);
     }
 }
 
@@ -267,7 +264,7 @@ TEST(inputs_are_eliminated_alone_and_in_blocks)
     lw_rng_seed(&rng, check_seed(), 8);
     size_t blocks = 0;
     for (int trial = 0; trial < 20; trial++) {
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX];
         scatter(10, LW_TIMING_FREE, 0.3, trial % 2 ? 1 : -1, &rng, &p, x);
         lw_work *w = new_work(&p);
@@ -278,7 +275,6 @@ TEST(inputs_are_eliminated_alone_and_in_blocks)
         for (int d = 0; d < p.n_var; d++)
             check_elimination(&p, x, w, d);
         free(w);
-        lw_problem_free(&p);
     }
     CHECK(blocks > 10);
 }
@@ -291,7 +287,7 @@ TEST(nearest_points_are_the_nearest)
     lw_rng_seed(&rng, check_seed(), 4);
     int elsewhere = 0;
     for (int trial = 0; trial < 30; trial++) {
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX];
         scatter(10, LW_TIMING_NONE, 0.05, 1, &rng, &p, x);
         lw_work *w = new_work(&p);
@@ -305,7 +301,6 @@ TEST(nearest_points_are_the_nearest)
                 CHECK(distance2(&p, x, i, w->phase[i]) <= distance2(&p, x, i, w->turn[j]) + 1e-12);
         }
         free(w);
-        lw_problem_free(&p);
     }
     CHECK(elsewhere <= 6);                               /* of 300 */
 }
@@ -318,8 +313,8 @@ TEST(own_stations_go_home)
     for (int trial = 0; trial < 60; trial++) {
         member m;
         stations st, twice;
-        lw_target t;
-        lw_problem p;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_problem) p = { 0 };
         lw_error e;
         double x[LW_VAR_MAX];
         lw_fit_spec spec = lw_fit_spec_default();
@@ -343,8 +338,6 @@ TEST(own_stations_go_home)
             CHECK_NEAR(remainder(w->phase[i] - home, 2*LW_PI), 0, 1e-9, 0);
         }
         free(w);
-        lw_problem_free(&p);
-        lw_target_free(&t);
     }
 }
 
@@ -355,7 +348,7 @@ TEST(feet_on_the_polygon_are_the_nearest)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 6);
     for (int trial = 0; trial < 20; trial++) {
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX];
         scatter(7, LW_TIMING_NONE, 0.1, 1, &rng, &p, x);
         lw_work *w = new_work(&p);
@@ -373,7 +366,6 @@ TEST(feet_on_the_polygon_are_the_nearest)
             CHECK(hypot(sx - w->foot_x[j], sy - w->foot_y[j]) <= least + 1e-14);
         }
         free(w);
-        lw_problem_free(&p);
     }
 }
 
@@ -386,8 +378,8 @@ TEST(only_the_covered_piece_counts)
     for (int trial = 0; trial < 30; trial++) {
         member m;
         stations st;
-        lw_target t;
-        lw_problem p;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_problem) p = { 0 };
         lw_error e;
         double x[LW_VAR_MAX];
         lw_fit_spec spec = lw_fit_spec_default();
@@ -413,8 +405,6 @@ TEST(only_the_covered_piece_counts)
             CHECK_INT(counts, at <= span);
         }
         free(w);
-        lw_problem_free(&p);
-        lw_target_free(&t);
     }
     CHECK(n_home > 15);
 }

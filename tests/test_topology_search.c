@@ -46,10 +46,10 @@ static double best_of(const lw_topology_search *s) { return s->found.fit.candida
 
 TEST(six_links_are_never_worse_than_four)
 {
-    lw_target t = target();
+    OWN(lw_target) t = target();
     lw_topology_search_options o = options(4, 2);
-    lw_topology_search four, six, again;
-    lw_fit fit;
+    OWN(lw_topology_search) four = { 0 }, six = { 0 }, again = { 0 };
+    OWN(lw_fit) fit = { 0 };
     CHECK_INT(lw_topology_search_run(&t, &o, &four, NULL), LW_OK);
     o.fit.spec.crank_only = o.fit.spec.exclude_drag_link = true;
     CHECK_INT(lw_fit_run(&t, &o.fit, &fit, NULL), LW_OK);
@@ -68,18 +68,13 @@ TEST(six_links_are_never_worse_than_four)
         CHECK(a->objective == b->objective && strcmp(a->family->name, b->family->name) == 0);
         CHECK(memcmp(a->dim, b->dim, sizeof *a->dim*(size_t)a->n_dim) == 0);
     }
-    lw_fit_free(&fit);
-    lw_topology_search_free(&four);
-    lw_topology_search_free(&six);
-    lw_topology_search_free(&again);
-    lw_target_free(&t);
 }
 
 /* With default limits, too: cranks, the others, both ways, variants for the front, reports by several threads.  The front
  * holds the least error, and more rounds are never worse. */
 TEST(default_limits_give_one_answer)
 {
-    lw_target t = target();
+    OWN(lw_target) t = target();
     lw_topology_search found[3];
     double least[3] = { INFINITY, INFINITY, INFINITY };
     for (int i = 0; i < 3; i++) {
@@ -100,7 +95,6 @@ TEST(default_limits_give_one_answer)
     CHECK(least[2] <= least[0]);
     for (int i = 0; i < 3; i++)
         lw_topology_search_free(&found[i]);
-    lw_target_free(&t);
 }
 
 /* A smooth curve of three random harmonics, or two thirds of it. */
@@ -146,11 +140,11 @@ TEST(rows_are_never_worse_than_those_of_cranks)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 0);
     for (int trial = 0; trial < 2; trial++) {
-        lw_target t = random_target(&rng, trial % 2 == 0);
+        OWN(lw_target) t = random_target(&rng, trial % 2 == 0);
         double best[2][5];
         for (int cranks = 0; cranks < 2; cranks++) {
             lw_topology_search_options o = options(4, 1);
-            lw_topology_search found;
+            OWN(lw_topology_search) found = { 0 };
             o.fit.n_result = 10;
             lw_fit_spec_set_limits(&o.fit.spec, &t, 0);
             if (cranks)
@@ -161,11 +155,9 @@ TEST(rows_are_never_worse_than_those_of_cranks)
             if (st != LW_OK)
                 continue;
             best_rows(&found.results, best[cranks]);
-            lw_topology_search_free(&found);
         }
         for (int k = 0; k < 5 && best[1][0] < INFINITY; k++)
             CHECK(best[0][k] <= best[1][k] + 0.021*fabs(best[1][k]));
-        lw_target_free(&t);
     }
 }
 
@@ -183,8 +175,8 @@ TEST(functions_go_on_to_six_links)
             output[i] = dwells ? fmin(1, fmax(-1, 2*sin(input[i]))) : 0.1*sin(input[i]);
         }
         lw_topology_search_options o = lw_topology_search_options_default();
-        lw_topology_search found;
-        lw_target t;
+        OWN(lw_topology_search) found = { 0 };
+        OWN(lw_target) t = { 0 };
         CHECK_INT(lw_target_make(N, NULL, NULL, output, input, NULL, 1, &t, NULL), LW_OK);
         int stop = 0;
         o.more = true;
@@ -197,8 +189,6 @@ TEST(functions_go_on_to_six_links)
         lw_fit_spec_set_limits(&o.fit.spec, &t, 0);
         CHECK_INT(lw_topology_search_run(&t, &o, &found, NULL), dwells ? LW_STOPPED : LW_OK);
         CHECK_INT(stop, dwells);
-        lw_topology_search_free(&found);
-        lw_target_free(&t);
     }
 }
 
@@ -218,7 +208,7 @@ static void watch(void *context, double done, double seconds, double best)
 TEST(the_joint_chosen_as_input_does_not_decide)
 {
     lw_mechanism_request ask = { .links = 8, .dof = 1, .kinds = "r", .only = "all", .task = LW_TASK_PATH, .jobs = 1 };
-    lw_mechanism_set one, each;
+    OWN(lw_mechanism_set) one = { 0 }, each = { 0 };
     CHECK_INT(lw_mechanism_set_make(&ask, &one, NULL), LW_OK);
     ask.timed = true;
     CHECK_INT(lw_mechanism_set_make(&ask, &each, NULL), LW_OK);
@@ -227,15 +217,13 @@ TEST(the_joint_chosen_as_input_does_not_decide)
         for (int o = 0; o < LW_PAIR_OUTCOMES; o++)
             CHECK_INT(one.stage[s].tally.outcome[o], each.stage[s].tally.outcome[o]);
     }
-    lw_mechanism_set_free(&one);
-    lw_mechanism_set_free(&each);
 }
 
 TEST(progress_is_told_and_the_stop_flag_honoured)
 {
-    lw_target t = target();
+    OWN(lw_target) t = target();
     lw_topology_search_options o = options(6, 1);
-    lw_topology_search s;
+    OWN(lw_topology_search) s = { 0 };
     watcher w = { .in_range = true };
     o.fit.progress = watch;
     o.fit.context = &w;
@@ -247,6 +235,4 @@ TEST(progress_is_told_and_the_stop_flag_honoured)
     CHECK(s.results.n > 0);                                        /* and simulated until one can be shown  */
     CHECK_INT(s.results.n_unseen, s.found.fit.n - s.results.n_left_out - s.results.n);
     CHECK(s.results.n_unseen > 0);
-    lw_topology_search_free(&s);
-    lw_target_free(&t);
 }

@@ -104,20 +104,18 @@ TEST(known_linkages_are_found_again)
     for (int trial = 0; trial < 4; trial++) {
         machine m;
         rows r;
-        lw_fit fit;
+        OWN(lw_fit) fit = { 0 };
         lw_error e = { .text = "" };
         lw_fit_options o = lw_fit_options_default();
         draw_machine(&rng, &m);
         trace_machine(&m, lw_rng_range(&rng, -3, 3), &r);
-        lw_target t = target_rows(&r, trial % 2);
+        OWN(lw_target) t = target_rows(&r, trial % 2);
         o.spec.timing = trial % 2 ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
         o.spec.crank_only = o.spec.exclude_drag_link = true;
         CHECK_INT(lw_fit_run(&t, &o, &fit, &e), LW_OK);
         CHECK(fit.n > 0);
         if (fit.n > 0)
             check_found(&m, &t, &o, &fit);
-        lw_fit_free(&fit);
-        lw_target_free(&t);
     }
 }
 
@@ -130,7 +128,7 @@ TEST(start_solves_for_every_tracer)
     for (int trial = 0; trial < 40; trial++) {
         machine m;
         rows r;
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         lw_error e = { .text = "" };
         double u[LW_START_DRAWS], shape[4], x[LW_VAR_MAX];
         const lw_family *f = family_named("crank-rocker");
@@ -142,7 +140,7 @@ TEST(start_solves_for_every_tracer)
         for (int i = 0; i < 4; i++)
             m.dim[lw_plan_dim(&m.plan, names[i])] = 0.8*shape[i];
         trace_machine(&m, 2*LW_PI*u[3] - LW_PI, &r);
-        lw_target t = target_rows(&r, true);
+        OWN(lw_target) t = target_rows(&r, true);
         s.timing = LW_TIMING_PRESCRIBED;
         s.length_lo = s.position_lo = -(s.length_hi = s.position_hi = 1e6);
         s.length_lo = 0;
@@ -151,8 +149,6 @@ TEST(start_solves_for_every_tracer)
         void *work = new_work(&p);
         CHECK_NEAR(lw_start(&p, u, x, work), 0, 1e-18, 0);
         free(work);
-        lw_problem_free(&p);
-        lw_target_free(&t);
     }
 }
 
@@ -210,7 +206,7 @@ TEST(gradient_is_that_of_complex_steps)
     for (int trial = 0; trial < 60; trial++) {
         machine m;
         rows r;
-        lw_problem p;
+        OWN(lw_problem) p = { 0 };
         lw_fit_spec s = lw_fit_spec_default();
         number at[LW_VAR_MAX] = { 0 };
         double x[LW_VAR_MAX] = { 0 }, grad[LW_VAR_MAX];
@@ -221,7 +217,7 @@ TEST(gradient_is_that_of_complex_steps)
             r.y[i] += 0.1*lw_rng_normal(&rng);
             r.theta3[i] += 0.1*lw_rng_normal(&rng);
         }
-        lw_target t = target_rows(&r, true);
+        OWN(lw_target) t = target_rows(&r, true);
         for (int i = 0; i < N; i++)
             t.weight[i] = t.also[0].weight[i] = lw_rng_uniform(&rng);
         s.timing = LW_TIMING_PRESCRIBED;
@@ -243,8 +239,6 @@ TEST(gradient_is_that_of_complex_steps)
             CHECK_NEAR(grad[i], idle ? 0 : want, 1e-11*(1 + f), 1e-10);
         }
         free(work);
-        lw_problem_free(&p);
-        lw_target_free(&t);
     }
 }
 
@@ -281,8 +275,8 @@ TEST(gradient_of_a_six_bar_is_that_of_differences)
     lw_rng_seed(&rng, check_seed(), 4);
     for (int trial = 0; trial < 24; trial++) {
         lw_linkage k;
-        lw_target t;
-        lw_problem p;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_problem) p = { 0 };
         lw_error e = { .text = "" };
         double x[LW_VAR_MAX], grad[LW_VAR_MAX];
         lw_fit_spec s = lw_fit_spec_default();
@@ -304,8 +298,6 @@ TEST(gradient_of_a_six_bar_is_that_of_differences)
             smooth++;
         }
         free(work);
-        lw_problem_free(&p);
-        lw_target_free(&t);
     }
     CHECK(all > 300 && smooth > 0.8*all);
 }
@@ -354,7 +346,7 @@ TEST(choices_of_links_are_counted_by_hand)
         lw_family f = { .name = "Stephenson III, point on link 5", .linkage = &k, .links = 6 };
         lw_fit_spec s = lw_fit_spec_default();
         lw_target t = { .n = 2, .n_also = 1, .also = { { .x = row[i].place ? one : NULL, .theta = row[i].place ? NULL : one } } };
-        lw_point_links spread;
+        OWN(lw_point_links) spread = { 0 };
         s.carrier[0] = row[i].carrier;
         lw_families only = lw_families_of(&f, 1), all;
         lw_family_made *made = malloc(sizeof *made);
@@ -377,7 +369,6 @@ TEST(choices_of_links_are_counted_by_hand)
         all = lw_point_links_families(&spread);
         CHECK_INT(all.make(all.of, 0, made), LW_OK);
         CHECK(made->linkage.tracer[1].link == 3 && made->linkage.tracer[1].at.x == 7);
-        lw_point_links_free(&spread);
         free(made);
     }
 }
@@ -387,9 +378,9 @@ TEST(points_on_two_links_are_found_again)
 {
     lw_linkage k = six_bar(), start;
     lw_plan plan;
-    lw_target t;
-    lw_point_links spread;
-    lw_fit fit;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_point_links) spread = { 0 };
+    OWN(lw_fit) fit = { 0 };
     lw_error e = { .text = "" };
     rows r;
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
@@ -430,9 +421,6 @@ TEST(points_on_two_links_are_found_again)
         CHECK(report->verified && report->also[0].max < 1e-8 && report->error_max < 1e-8);
         free(report);
     }
-    lw_fit_free(&fit);
-    lw_point_links_free(&spread);
-    lw_target_free(&t);
 }
 
 /* ---- faults --------------------------------------------------------------------------------------------------- */
@@ -441,7 +429,7 @@ TEST(contradictions_are_errors)
 {
     double x[4] = { 0, 1, 1, 0 }, y[4] = { 0, 0, 1, 1 }, a[4] = { 0, 1, 2, 3 }, none[4] = { 0 };
     const lw_also whole = { .x = x, .y = y }, half = { .x = x }, nothing = { .weight = a }, idle = { .theta = a, .weight = none };
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_problem p;
     lw_error e = { .text = "" };
     lw_fit_spec s = lw_fit_spec_default();
@@ -467,5 +455,4 @@ TEST(contradictions_are_errors)
     o.types = "fourbar";
     CHECK_INT(lw_exact_run(&t, &o, &exact, &e), LW_E_ARG);
     CHECK_HAS(e.text, "precision points have one point");
-    lw_target_free(&t);
 }

@@ -10,8 +10,8 @@ static const double px[] = { 0, 1, 2, 3, 3.2, 2.6, 1.5, 0.4 }, py[] = { 0, 0.1, 
 static bool best(const lw_fit_spec *s, lw_fit_report *r)
 {
     lw_fit_options o = lw_fit_options_default();
-    lw_target t;
-    lw_fit f;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_fit) f = { 0 };
     lw_error e = { .text = "" };
     o.spec = *s;
     o.max_rounds = 2;
@@ -21,8 +21,6 @@ static bool best(const lw_fit_spec *s, lw_fit_report *r)
     bool found = false;
     for (int i = 0; i < f.n && !found; i++)
         found = lw_fit_report_make(&t, s, &f.candidate[i], r, NULL) == LW_OK && r->verified;
-    lw_fit_free(&f);
-    lw_target_free(&t);
     CHECK(found);
     return found;
 }
@@ -149,8 +147,8 @@ TEST(a_small_zone_is_not_stepped_over)
 TEST(nothing_meets_a_contradiction)
 {
     lw_fit_options o = lw_fit_options_default();
-    lw_target t;
-    lw_fit f;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_fit) f = { 0 };
     o.spec = cranks();
     o.spec.position_lo = 0;
     o.spec.position_hi = 1;
@@ -162,8 +160,6 @@ TEST(nothing_meets_a_contradiction)
     lw_status st = lw_fit_run(&t, &o, &f, NULL);
     CHECK(st == LW_NOTHING || st == LW_STOPPED);
     CHECK_INT(f.n, 0);
-    lw_fit_free(&f);
-    lw_target_free(&t);
 }
 
 TEST(lengths_of_one_order)
