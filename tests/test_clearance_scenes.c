@@ -120,6 +120,35 @@ TEST(stops_without_gap)
     }
 }
 
+/* A mass at 1 m/s between two buffers, by a force with kinks and by a compliant stop, beside a pendulum whose pin has clearance: harmonic arcs of
+ * 10 and 5 rad/s with even motion between them.  Steps end at the kinks. */
+TEST(kinks_of_forces)
+{
+    static const char *model = "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0], 'inertia': 1}, "
+        "{'name': 'p', 'mass': 1, 'centre': [5, -1], 'inertia': 0.1}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'a'], 'at': [0, 0], "
+        "'along': [1, 0]%s}, {'name': 'H', 'links': ['ground', 'p'], 'at': [5, 0], 'clearance': {'model': '%s', 'gap': 1e-3, 'stiffness': 1e4, "
+        "'damping': 10}}], 'inputs': [{'joint': 'S', 'speed': 1}, {'joint': 'H', 'speed': 0}], 'forces': [{'link': 'a', 'at': [0, 0], 'fx': '%s'}]}";
+    static const char *more[] = { "", ", 'stop': {'least': -0.4, 'greatest': 0.3, 'stiffness': 100}" }, *law[] = { "zero", "mlsd" };
+    static const char *force[] = { "-100*max(0, q(S) - 0.3) - 25*min(0, q(S) + 0.4)", "75*min(0, q(S) + 0.4)" };
+    const double soft = LW_PI/5, hard = LW_PI/10, t = fmod(10 - 0.3, soft + hard + 2*0.7);       /* since it first left the clearance */
+    const double x = t < hard ? 0.3 + sin(10*t)/10 : t < hard + 0.7 ? 0.3 - (t - hard)
+                   : t < hard + 0.7 + soft ? -0.4 - sin(5*(t - hard - 0.7))/5 : -0.4 + (t - hard - 0.7 - soft);
+    for (int k = 0; k < 4; k++)
+        for (double tolerance = 1e-6; tolerance > 1e-9; tolerance *= 1e-2) {
+            char text[2048];
+            lw_model m;
+            track r;
+            snprintf(text, sizeof text, model, more[k/2], law[k%2], force[k/2]);
+            read_planar(text, "text", &m);
+            lw_clearance_options o = lw_clearance_options_default();
+            o.time = 10, o.settle = 0, o.every = 5, o.tolerance = tolerance;
+            run(&m, o, &r);
+            CHECK_INT(r.n, 3);
+            CHECK_NEAR(r.s[2].input, x, 50*tolerance, 0);
+            lw_model_free(&m);
+        }
+}
+
 /* ---- loops ---------------------------------------------------------------------------------------- */
 
 /* A Stephenson six-bar 1/10 m in size, journals at C and F */

@@ -46,7 +46,9 @@ lw_status lw_clearance_work_make(const lw_clearance_scene *c, const lw_clearance
     memcpy(w->stop, c->stop, sizeof w->stop);
     w->memory = calloc(n, sizeof *w->memory);
     w->ints = calloc(all + u + 2, sizeof *w->ints);
-    if (!w->memory || !w->ints) {
+    w->planar = (lw_planar){ .s = &c->s, .f = &c->f };
+    w->eq = lw_planar_equations(&w->planar);
+    if (!w->memory || !w->ints || lw_kinks_make(&w->eq, &w->kinks) != LW_OK) {
         lw_clearance_work_free(w);
         return LW_E_MEMORY;
     }
@@ -68,6 +70,7 @@ void lw_clearance_work_free(lw_clearance_work *w)
 {
     free(w->memory);
     free(w->ints);
+    lw_kinks_free(w->kinks);
 }
 
 /* ---- journals ------------------------------------------------------------------------------------ */

@@ -7,8 +7,10 @@
 #include "mbs/clearance/clearance_tree_internal.h"
 #include "mbs/constraints/system_internal.h"
 #include "mbs/elastic/contact.h"
+#include "mbs/equations/equations_planar.h"
 #include "mbs/equations/forces.h"
 #include "mbs/equations/friction.h"
+#include "mbs/equations/kinks.h"
 #include "mbs/equations/rigid_stops_internal.h"
 #include "mbs/equations/timed.h"
 
@@ -69,6 +71,9 @@ typedef struct lw_clearance_work {
     double   heaviest;                   /* greatest entry of the mass matrix: scale of the rows */
     lw_rank  kkt, fit;
     lw_timed timed;                      /* where steps must end because of functions of time */
+    lw_planar planar;                    /* the bodies' system as equations, for the kinks and jumps of its forces */
+    lw_equations eq;
+    lw_kinks *kinks;                     /* NULL: there are none */
     lw_clearance_result *r;
     double   quickest;                   /* fastest rate of the scene [1/s] */
     const double *held;                  /* NULL, or constant values of the inputs, scaled */

@@ -60,6 +60,13 @@ static double round_trip(lw_clearance_work *w)
     return lw_joint_turns(s->joint[s->input_joint[0]].kind) ? sin(0.5*value) : value;
 }
 
+/* Posture and velocities of the bodies at y = (u, du) */
+static void place_bodies(lw_clearance_work *w, const double *y)
+{
+    lw_tree_place(&w->c->tree, y, y + w->n_u, &w->state);
+    lw_tree_write(&w->c->tree, &w->state, y + w->n_u, w->q, w->v);
+}
+
 /* Depth in gaps; for a link the pull of the pin in newtons (contact is lost when it would have to push) */
 static lw_status find_events(void *context, double t, const double *y, double *g)
 {
@@ -87,6 +94,10 @@ static lw_status find_events(void *context, double t, const double *y, double *g
     find_stop_events(w, g + PER_JOURNAL*c->n_journal);
     if (has_strobe(w))
         g[strobe_event(c)] = round_trip(w);
+    if (w->kinks) {
+        place_bodies(w, y);
+        g[strobe_event(c) + has_strobe(w)] = lw_kinks_ahead(w->kinks, t, w->q, w->v);
+    }
     return s;
 }
 
@@ -181,8 +192,7 @@ static lw_status take_step(lw_clearance_work *w, lw_integrator *in)
     const lw_clearance_scene *c = w->c;
     double value, rate;
     lw_status s = LW_OK;
-    lw_tree_place(&c->tree, in->y, in->y + w->n_u, &w->state);
-    lw_tree_write(&c->tree, &w->state, in->y + w->n_u, w->q, w->v);
+    place_bodies(w, in->y);
     read_input(w, &value, &rate);
     w->r->speed_least = fmin(w->r->speed_least, rate);
     w->r->speed_most = fmax(w->r->speed_most, rate);
@@ -287,15 +297,17 @@ static lw_ode equations(lw_clearance_work *w)
 {
     const lw_clearance_scene *c = w->c;
     lw_ode ode = { .n = 2*w->n_u, .context = w, .rate = rate_of, .seen = passed };
-    bool any = c->n_stop > 0 || has_strobe(w);
+    bool any = c->n_stop > 0 || has_strobe(w) || w->kinks;
     for (int i = 0; i < c->n_journal; i++) {
         bool smooth = c->journal[i].c->model == LW_CLEARANCE_MLSD || w->rows.link[i];
         any = any || !w->rows.hold[i];
         ode.passing[PER_JOURNAL*i + CONTACT] = smooth;
     }
     if (any) {
-        ode.n_event = strobe_event(c) + has_strobe(w);
         ode.passing[strobe_event(c)] = has_strobe(w);
+        ode.n_event = strobe_event(c) + has_strobe(w);
+        if (w->kinks)
+            ode.direction[ode.n_event++] = -1;
         ode.event = find_events;
     }
     ode.project = lw_clearance_count_rows(c, &w->rows) > 0 || c->n_stop > 0 ? put_back : NULL;
@@ -359,6 +371,16 @@ static lw_status pass_kink(lw_clearance_work *w, lw_integrator *in, lw_error *e)
     return s;
 }
 
+/* After a step: apply the events of contact and stops at its end, and begin anew behind a kink or jump of the forces. */
+static lw_status end_step(lw_clearance_work *w, lw_integrator *in, bool event, lw_error *e)
+{
+    unsigned long long kink = w->kinks ? 1ull << (in->ode->n_event - 1) : 0, events = event ? in->events : 0;
+    if (w->kinks)
+        place_bodies(w, in->y);
+    bool passed = w->kinks && lw_kinks_pass(w->kinks, in->t, w->q, w->v, events & kink);
+    return events & ~kink ? take_events(w, in, e) : passed ? lw_integrate_restart(in, NULL, e) : LW_OK;
+}
+
 static void expressions(void *context, lw_expression_sink *see, void *of) { lw_model_expressions(context, see, of); }
 
 static lw_status run_until(lw_clearance_work *w, lw_integrator *in, double t_end, double *next, lw_error *e)
@@ -375,7 +397,7 @@ static lw_status run_until(lw_clearance_work *w, lw_integrator *in, double t_end
             s = take_step(w, in);
         if (s != LW_OK)
             return lw_error_set(e, s, "the motion with clearance ends at t = %.9g s: %s", in->t, lw_status_text(s));
-        if (stop == LW_ODE_EVENT && (s = take_events(w, in, e)) != LW_OK)
+        if ((s = end_step(w, in, stop == LW_ODE_EVENT, e)) != LW_OK)
             return s;
         if (lw_timed_at_kink(&w->timed, in->t) && (s = pass_kink(w, in, e)) != LW_OK)
             return s;
@@ -451,6 +473,10 @@ static lw_status run(lw_clearance_work *w, double *memory, lw_error *e)
     lw_ode ode = equations(w);
     lw_ode_options o = { .absolute_each = each, .max_step = w->o.max_step };
     w->timed = (lw_timed){ .expressions = expressions, .context = (void *)w->c->m, .to = w->o.time };
+    if (w->kinks) {
+        place_bodies(w, start);
+        lw_kinks_start(w->kinks, each[0], 0.0, w->q, w->v);
+    }
     s = lw_integrate_start(&in, &ode, &o, work, 0.0, start, e);
     if (s == LW_OK && w->o.sink && w->o.every > 0.0) {
         s = sample_at(w, w->o.sink, 0.0, in.y);
@@ -478,7 +504,7 @@ lw_status lw_clearance_run(const lw_clearance_scene *scene, const lw_clearance_o
     if (lw_clearance_work_make(scene, o, &w) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
     size_t n = 2*(size_t)w.n_u;
-    double *memory = calloc(2*n + lw_integrate_work((int)n, strobe_event(scene) + 1), sizeof *memory);
+    double *memory = calloc(2*n + lw_integrate_work((int)n, strobe_event(scene) + 2), sizeof *memory);
     clear_result(&w, r);
     lw_status s = memory ? run(&w, memory, e) : lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
     if (s == LW_E_NUMERIC && w.undetermined.status != LW_OK && e)

@@ -250,6 +250,22 @@ lw_status lw_run_jumps(lw_run *run, double t, const double *y)
     return steady && (since < lately*all || run->n_steady >= most_steady) ? lw_run_slides(run, t) : LW_OK;
 }
 
+double lw_run_kink_ahead(lw_run *run, double t, const double *y)
+{
+    const lw_equations *eq = &run->d->eq;
+    eq->place_states(eq->context, y + lw_run_states(run));
+    return lw_kinks_ahead(run->kinks, t, y, y + eq->n_q);
+}
+
+bool lw_run_pass_kinks(lw_run *run, double t, const double *y, bool event)
+{
+    const lw_equations *eq = &run->d->eq;
+    if (!run->kinks)
+        return false;
+    eq->place_states(eq->context, y + lw_run_states(run));
+    return lw_kinks_pass(run->kinks, t, y, y + eq->n_q, event);
+}
+
 double lw_run_energy(const lw_run *run, const double *y)
 {
     const lw_dynamics *d = run->d;
@@ -483,7 +499,9 @@ static void note_start(lw_run *run, const double *y)
     run->pulse_t[0] = run->pulse_t[1] = INFINITY;
     if (run->pulses)
         limit_by_pulses(run, d->o.from, y);
-    lw_run_start_kinks(run, d->o.from, y);
+    d->eq.place_states(d->eq.context, y + lw_run_states(run));
+    if (run->kinks)
+        lw_kinks_start(run->kinks, fmax(d->o.relative, d->o.absolute), d->o.from, y, y + d->n_q);
     run->timed = (lw_timed){ .expressions = d->eq.expressions, .context = d->eq.context, .from = d->o.from, .to = d->o.to,
                               .kink = d->o.from, .calm = d->o.from };
 }

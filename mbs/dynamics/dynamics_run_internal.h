@@ -3,6 +3,7 @@
 #define LW_MBS_DYNAMICS_DYNAMICS_RUN_INTERNAL_H
 
 #include "mbs/dynamics/dynamics_equations_internal.h"
+#include "mbs/equations/kinks.h"
 #include "mbs/equations/timed.h"
 #include "mbs/ode/integrate.h"
 
@@ -40,7 +41,7 @@ typedef struct lw_run {
     double  chosen;                  /* greatest value of the least pivot since the basis of the rows was chosen */
     double *sides;                   /* memory of lw_run_jumps; NULL: nothing jumps */
     struct lw_pulses *pulses;        /* of lw_run_pulses; NULL: no function of a joint or another measure can have a pulse */
-    struct lw_kinks *kinks;          /* of dynamics_kinks.c; NULL: forces have no kinks or jumps that depend on the motion */
+    lw_kinks *kinks;                 /* NULL: forces have no kinks or jumps that depend on the motion */
     double  pulse_t[2];              /* when the next step must end because of them; _near */
     double  most_force, jumps_t, jumped[LW_RUN_JUMPS];       /* greatest force so far; time of the last check; times of the last jumps */
     long    n_jumped;
@@ -135,15 +136,9 @@ lw_status lw_run_slides(lw_run *run, double t);          /* sets this error */
 lw_status lw_run_make_pulses(lw_run *run);
 void      lw_run_free_pulses(lw_run *run);
 
-/* ---- dynamics_kinks.c: kinks and jumps of forces that depend on the motion ----------------------------------- */
-
-/* _ahead: an event function, which falls to 0 at the next kink or jump; solvers add it to theirs, as the last one, if run->kinks is not NULL.  _pass: call
- * after a step to (t, y); event: the step has ended at this event.  True: a kink has been passed, and the solver must begin anew.  _make: LW_E_MEMORY. */
-lw_status lw_run_make_kinks(lw_run *run);
-void      lw_run_free_kinks(lw_run *run);
-void      lw_run_start_kinks(lw_run *run, double t, const double *y);
-double    lw_run_kink_ahead(lw_run *run, double t, const double *y);
-bool      lw_run_pass_kinks(lw_run *run, double t, const double *y, bool event);
+/* lw_kinks_ahead and lw_kinks_pass at the state y.  Solvers add the event to theirs, as the last one, if run->kinks is not NULL. */
+double lw_run_kink_ahead(lw_run *run, double t, const double *y);
+bool   lw_run_pass_kinks(lw_run *run, double t, const double *y, bool event);
 
 /* Kinetic and potential energy at y less the work done since the start [J], which is constant. */
 double lw_run_energy(const lw_run *run, const double *y);

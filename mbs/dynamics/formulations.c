@@ -261,6 +261,12 @@ static lw_status run_again(lw_run *run, const char *why, lw_dynamics_report *nex
     return s == LW_OK ? run_one(run) : s;
 }
 
+/* A run like this one that has not begun. */
+static lw_run from_start(const lw_run *run, lw_moment_sink *sink, void *context)
+{
+    return (lw_run){ .d = run->d, .sink = sink, .context = context, .sides = run->sides, .pulses = run->pulses, .kinks = run->kinks };
+}
+
 typedef struct ending { double *q; int n; } ending;
 
 static lw_status keep_posture(void *context, const lw_moment *m)
@@ -287,7 +293,7 @@ static lw_status confirm(const lw_run *run, lw_formulation f, const char *why)
         ending end = { q + (size_t)k*n, d->n_q };
         lw_error e = { 0 };
         lw_dynamics_report r = { .formulation = f };
-        lw_run dry = { .d = d, .sink = keep_posture, .context = &end, .sides = run->sides, .pulses = run->pulses, .kinks = run->kinks };
+        lw_run dry = from_start(run, keep_posture, &end);
         d->o.relative = given.relative*(k ? 1 : 10), d->o.absolute = given.absolute*(k ? 1 : 10);
         s = run_again(&dry, why, &r, &e);
     }
@@ -322,8 +328,9 @@ static lw_status run_others(lw_run *run, lw_status s)
             s = lw_error_set(&said, other, "out of memory");
         if (other != LW_OK)
             continue;
-        lw_run again = { .d = d, .sink = run->sink, .context = run->context, .sides = run->sides, .pulses = run->pulses, .shown = run->shown,
-                         .last_shown = run->last_shown };
+        lw_run again = from_start(run, run->sink, run->context);
+        again.shown = run->shown;
+        again.last_shown = run->last_shown;
         other = run_again(&again, why, &next, &e);
         run->shown = next.samples > run->shown ? next.samples : run->shown;
         run->refused = again.refused;
@@ -364,8 +371,8 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
     lw_status s = lw_run_make_pulses(&run);
-    if (s == LW_OK)
-        s = lw_run_make_kinks(&run);
+    if (s == LW_OK && (s = lw_kinks_make(&d->eq, &run.kinks)) != LW_OK)
+        lw_error_set(run.e, s, "out of memory");
     if (s == LW_OK)
         s = run_one(&run);
     if ((s == LW_E_ARG || s == LW_E_KIND) && (r->t > d->o.from || r->samples > 0))      /* the model ran until here */
@@ -376,6 +383,6 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     free(run.last_shown);
     free(run.sides);
     lw_run_free_pulses(&run);
-    lw_run_free_kinks(&run);
+    lw_kinks_free(run.kinks);
     return s;
 }
