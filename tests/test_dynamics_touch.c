@@ -1379,7 +1379,6 @@ TEST(captured_stacks)
             CHECK_NEAR(state(d.q, 3*b + 1), 0.1*b + 0.05, 1e-8, 0);
         if (stack[k].gap == 0)
             CHECK_NEAR(d.report.energy_error, 0, 1e-9, 0);
-        lw_model_free(&d.model);
     }
 }
 
@@ -1394,7 +1393,6 @@ TEST(captured_work_of_a_torque)
         CHECK_INT(drun_to(&d, LW_FORMULATION_CAPTURE, 1e-10, 1, 4), LW_OK);
         CHECK_NEAR(d.report.energy_error, 0, 1e-5, 0);
         CHECK_NEAR(state(d.q, 0), 0.5*(slips ? 0.1*g : 5/1.5), 1e-6, 0);
-        lw_model_free(&d.model);
     }
 }
 

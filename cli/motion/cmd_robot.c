@@ -502,6 +502,66 @@ static int draw_edge(const job *j, int n, const double *x, const double *y)
     return lw_draw_plot(&plot, j->s->plot, &e) < 0 ? cli_fail(j->call, &e) : CLI_DONE;
 }
 
+/* The table of a workspace, one row a ray. */
+typedef struct ray_table { lw_output o; cli_json w; cli_progress progress; int n, endless; } ray_table;
+
+/* Open the output and write the head: the key and the name of the unit, the units of the columns, and the columns before "limit". */
+static int begin_rays(job *j, const char *what, const char *unit_key, const char *unit, const char *units, const char *columns, ray_table *t)
+{
+    const cli_call *call = j->call;
+    if (cli_open(call, &t->o, &j->e) != LW_OK)
+        return cli_fail(call, &j->e);
+    t->n = t->endless = 0;
+    t->progress = cli_progress_begin(call, what, "rays");
+    t->w = cli_json_begin(t->o.f, 2);
+    if (call->common.json) {
+        cli_json_head(&t->w, call->line);
+        cli_json_text(&t->w, unit_key, unit);
+        cli_json_array(&t->w, "edge");
+    } else
+        fprintf(t->o.f, "# units: %s %s\n%s,limit\n", units, unit, columns);
+    return CLI_DONE;
+}
+
+/* A row of n numbers, and the limit that ended the ray; `none`: the word where there was none.  all: number of rays, 0 unknown. */
+static void put_ray(ray_table *t, const job *j, const double *row, int n, const char *none, int all)
+{
+    const char *limit = j->r.limit;
+    t->endless += !limit[0];
+    cli_progress_show(&t->progress, t->n++, all, NULL);
+    if (j->call->common.json) {
+        cli_json_reals(&t->w, NULL, row, (size_t)n);
+        return;
+    }
+    for (int i = 0; i < n; i++)
+        fprintf(t->o.f, "%.9g,", row[i]);
+    cli_csv_text(t->o.f, limit[0] ? limit : none);
+    fputc('\n', t->o.f);
+}
+
+/* End the table with what was found, `key`, and its estimated error, `error_key`; NULL: none. */
+static void end_rays(ray_table *t, const job *j, const char *key, double value, const char *error_key, double error, bool whole)
+{
+    cli_progress_end(&t->progress);
+    if (!j->call->common.json)
+        return;
+    cli_json_end(&t->w);
+    if (key)
+        cli_json_real(&t->w, key, value);
+    if (error_key)
+        cli_json_real(&t->w, error_key, error);
+    cli_json_int(&t->w, "without_limit", t->endless);
+    cli_json_bool(&t->w, "complete", whole);
+    cli_json_end(&t->w);
+}
+
+static void note_endless(const ray_table *t, const job *j, const char *what)
+{
+    if (t->endless)
+        cli_note(j->call, "no limit was found within %.6g %s in %d of %d directions: the %s counts them as far as that; a \"stop\" of "
+                 "the joints limits them", 4*j->r.space.unit/j->metre, j->unit, t->endless, t->n, what);
+}
+
 /* Tilt the tool so that its axis leans towards this azimuth; in a plane, turn it in one of the two senses. */
 static lw_status tilt(job *j, double azimuth, double *far)
 {
@@ -517,28 +577,20 @@ static int run_reachability(const cli_call *call)
 {
     job j;
     lw_robot_pose p;
-    lw_output o;
-    int code = begin_ways(call, &j, &p, 0), done = 0, endless = 0;
+    ray_table t;
+    int code = begin_ways(call, &j, &p, 0), done = 0;
     if (code == CLI_DONE && !j.r.turns) {
         lw_error_set(&j.e, LW_E_ARG, "the drives of this robot cannot turn the tool and keep its place");
         code = cli_fail(call, &j.e);
     }
     int n = j.flat ? 2 : j.s->rays;
     double sum = 0;
-    if (code == CLI_DONE && cli_open(call, &o, &j.e) != LW_OK)
-        code = cli_fail(call, &j.e);
+    if (code == CLI_DONE)
+        code = begin_rays(&j, "reachability", "angle_unit", "deg", "direction tilt", "direction,tilt", &t);
     if (code != CLI_DONE) {
         end(&j);
         return code;
     }
-    cli_progress progress = cli_progress_begin(call, "reachability", "rays");
-    cli_json w = cli_json_begin(o.f, 2);
-    if (call->common.json) {
-        cli_json_head(&w, call->line);
-        cli_json_text(&w, "angle_unit", "deg");
-        cli_json_array(&w, "edge");
-    } else
-        fputs("# units: direction tilt deg\ndirection,tilt,limit\n", o.f);
     for (; done < n && !cli_interrupted(); done++) {
         double a = 2*LW_PI*done/n, far = 0;
         go_back(&j);
@@ -546,45 +598,24 @@ static int run_reachability(const cli_call *call)
             code = cli_fail(call, &j.e);
             break;
         }
-        const char *limit = j.r.limit;
-        endless += !limit[0];
         sum += (j.flat ? far/LW_PI : 0.5*(1 - cos(far)))/n;
-        double row[] = { a*180/LW_PI, far*180/LW_PI };
-        if (call->common.json)
-            cli_json_reals(&w, NULL, row, 2);
-        else {
-            fprintf(o.f, "%.9g,%.9g,", row[0], row[1]);
-            cli_csv_text(o.f, limit[0] ? limit : "none");
-            fputc('\n', o.f);
-        }
-        cli_progress_show(&progress, done, n, NULL);
+        put_ray(&t, &j, (double[]){ a*180/LW_PI, far*180/LW_PI }, 2, "none", n);
     }
-    cli_progress_end(&progress);
     bool whole = code == CLI_DONE && done == n;
-    if (call->common.json) {
-        cli_json_end(&w);
-        if (whole)
-            cli_json_real(&w, "reachability", sum);
-        cli_json_int(&w, "without_limit", endless);
-        cli_json_bool(&w, "complete", whole);
-        cli_json_end(&w);
-    }
+    end_rays(&t, &j, whole ? "reachability" : NULL, sum, NULL, 0, whole);
     if (whole)
         cli_note(call, "reachability index %.6g: the tool's axis reaches this share of all directions, by tilting from where it is", sum);
-    code = cli_close(call, &o, code);
+    code = cli_close(call, &t.o, code);
     end(&j);
     return code;
 }
 
 /* The volume while its rays are cast. */
 typedef struct rays {
-    job          *j;
-    cli_progress  progress;
-    cli_json      w;
-    FILE         *f;
-    lw_vec3       place;                         /* of the tool, where all rays begin                    */
-    int           n, endless;
-    double        most;                          /* length of the longest ray [m]                        */
+    job      *j;
+    ray_table table;
+    lw_vec3   place;                             /* of the tool, where all rays begin                     */
+    double    most;                              /* length of the longest ray [m]                         */
 } rays;
 
 static lw_status cast_ray(void *context, lw_vec3 way, double *far)
@@ -597,22 +628,12 @@ static lw_status cast_ray(void *context, lw_vec3 way, double *far)
     lw_status s = lw_robot_reach(&j->r, way, 4*j->r.space.unit, far, &j->e);
     if (s != LW_OK)
         return s;
-    const char *limit = j->r.limit;
     lw_vec3 at = lw_v3_scale(lw_v3_add(x->place, lw_v3_scale(way, *far)), 1/j->metre);
     double azimuth = atan2(lw_v3_dot(j->ahead, way), lw_v3_dot(j->right, way))*180/LW_PI;
     double row[] = { azimuth < 0 ? azimuth + 360 : azimuth, asin(fmax(-1, fmin(1, lw_v3_dot(j->up, way))))*180/LW_PI, *far/j->metre, at.x + 0.0,
                      at.y + 0.0, at.z + 0.0 };
-    if (j->call->common.json)
-        cli_json_reals(&x->w, NULL, row, 6);
-    else {
-        for (int i = 0; i < 6; i++)
-            fprintf(x->f, "%.9g,", row[i]);
-        cli_csv_text(x->f, limit[0] ? limit : "none found");
-        fputc('\n', x->f);
-    }
-    x->endless += !limit[0];
+    put_ray(&x->table, j, row, 6, "none found", 0);
     x->most = fmax(x->most, *far);
-    cli_progress_show(&x->progress, x->n++, 0, NULL);
     return LW_OK;
 }
 
@@ -622,55 +643,49 @@ static int run_volume(const cli_call *call)
 {
     job j;
     lw_robot_pose p;
-    lw_output o;
     lw_star_volume v = { 0 };
+    rays x = { .j = &j };
     int code = begin_ways(call, &j, &p, 0);
     if (code == CLI_DONE && lw_v3_norm(j.r.normal) > 0) {
         lw_error_set(&j.e, LW_E_ARG, "a robot in a plane has no volume");
         code = cli_fail(call, &j.e);
     }
-    if (code == CLI_DONE && cli_open(call, &o, &j.e) != LW_OK)
-        code = cli_fail(call, &j.e);
+    if (code == CLI_DONE)
+        code = begin_rays(&j, "workspace", "length_unit", j.unit, "direction elevation deg; distance x y z", "direction,elevation,distance,x,y,z", &x.table);
     if (code != CLI_DONE) {
         end(&j);
         return code;
     }
-    rays x = { .j = &j, .progress = cli_progress_begin(call, "workspace", "rays"), .w = cli_json_begin(o.f, 2), .f = o.f, .place = p.place };
-    if (call->common.json) {
-        cli_json_head(&x.w, call->line);
-        cli_json_text(&x.w, "length_unit", j.unit);
-        cli_json_array(&x.w, "edge");
-    } else
-        fprintf(o.f, "# units: direction elevation deg; distance x y z %s\ndirection,elevation,distance,x,y,z,limit\n", j.unit);
+    x.place = p.place;
     double around = cli_given(&call->parsed, "rays") ? j.s->rays : 32, unit = pow(j.metre, 3);
     lw_status s = lw_star_volume_find((int)around, VOLUME_SHARE, (int)fmin(4*around*around, INT_MAX), cast_ray, &x, &v);
-    cli_progress_end(&x.progress);
-    if (call->common.json) {
-        cli_json_end(&x.w);
-        if (s == LW_OK) {
-            cli_json_real(&x.w, "volume", v.volume/unit);
-            cli_json_real(&x.w, "volume_error", v.error/unit);
-        }
-        cli_json_int(&x.w, "without_limit", x.endless);
-        cli_json_bool(&x.w, "complete", s == LW_OK);
-        cli_json_end(&x.w);
-    }
+    bool whole = s == LW_OK;
+    end_rays(&x.table, &j, whole ? "volume" : NULL, v.volume/unit, whole ? "volume_error" : NULL, v.error/unit, whole);
     if (s == LW_E_MEMORY)
         lw_error_set(&j.e, s, "out of memory");
-    if (s != LW_OK && s != LW_STOPPED)
+    if (!whole && s != LW_STOPPED)
         code = cli_fail(call, &j.e);
-    else if (s == LW_OK && gets_nowhere(&j, &p, x.most))
+    else if (whole && gets_nowhere(&j, &p, x.most))
         code = cannot_move(&j, &p);
-    else if (s == LW_OK) {
-        if (x.endless)
-            cli_note(call, "no limit was found within %.6g %s in %d of %d directions: the volume counts them as far as that; a \"stop\" of "
-                     "the joints limits them", 4*j.r.space.unit/j.metre, j.unit, x.endless, x.n);
+    else if (whole) {
+        note_endless(&x.table, &j, "volume");
         cli_note(call, "volume %.6g %s^3 around the tool, estimated error %.2g %%%s, at most %.6g %s from it", v.volume/unit, j.unit, 100*v.error/v.volume,
                  v.error > VOLUME_SHARE*v.volume ? " (more --rays lower it)" : "", x.most/j.metre, j.unit);
     }
-    code = cli_close(call, &o, code);
+    code = cli_close(call, &x.table.o, code);
     end(&j);
     return code;
+}
+
+/* Area of the polygon of every step-th of n ends of rays and the last, which is the first again. */
+static double polygon_area(int n, int step, const double *x, const double *y)
+{
+    double area = 0;
+    for (int i = 0, to; i < n; i = to) {
+        to = i + step < n ? i + step : n;
+        area += 0.5*(x[i]*y[to] - y[i]*x[to]);
+    }
+    return area;
 }
 
 static int run_workspace(const cli_call *call)
@@ -682,79 +697,46 @@ static int run_workspace(const cli_call *call)
         return run_volume(call);
     job j;
     lw_robot_pose p;
-    lw_output o;
-    double area = 0, least = INFINITY, most = 0;
-    int n = of->rays, code = begin_ways(call, &j, &p, 2*(size_t)n + 2);
-    if (code == CLI_DONE && cli_open(call, &o, &j.e) != LW_OK)
-        code = cli_fail(call, &j.e);
+    ray_table t;
+    double least = INFINITY, most = 0;
+    int n = of->rays, code = begin_ways(call, &j, &p, 2*(size_t)n + 2), done = 0;
+    if (code == CLI_DONE)
+        code = begin_rays(&j, "workspace", "length_unit", j.unit, "direction deg; distance x y z", "direction,distance,x,y,z", &t);
     if (code != CLI_DONE) {
         end(&j);
         return code;
     }
     double *x = j.more, *y = x + n + 1;
-    cli_progress progress = cli_progress_begin(call, "workspace", "rays");
-    cli_json w = cli_json_begin(o.f, 2);
-    if (call->common.json) {
-        cli_json_head(&w, call->line);
-        cli_json_text(&w, "length_unit", j.unit);
-        cli_json_array(&w, "edge");
-    } else
-        fprintf(o.f, "# units: direction deg; distance x y z %s\ndirection,distance,x,y,z,limit\n", j.unit);
-    int done = 0, endless = 0;
-    for (int i = 0; i <= n && !cli_interrupted(); i++, done = i) {
-        double a = 2*LW_PI*(i % n)/n, far = 0;
-        if (i < n && follow_ray(&j, a, &far) != LW_OK) {
+    for (; done < n && !cli_interrupted(); done++) {
+        double a = 2*LW_PI*done/n, far = 0;
+        if (follow_ray(&j, a, &far) != LW_OK) {
             code = cli_fail(call, &j.e);
             break;
         }
-        if (i == n)
-            far = hypot(x[0], y[0])*j.metre;
-        x[i] = far*cos(a)/j.metre;
-        y[i] = far*sin(a)/j.metre;
-        area += i ? 0.5*(x[i - 1]*y[i] - y[i - 1]*x[i]) : 0;
-        if (i == n)
-            continue;
+        x[done] = far*cos(a)/j.metre;
+        y[done] = far*sin(a)/j.metre;
         least = fmin(least, far), most = fmax(most, far);
-        lw_vec3 at = lw_v3_add(p.place, lw_v3_scale(direction(&j, a), far));
-        const char *limit = j.r.limit;
-        endless += !limit[0];
-        double row[] = { a*180/LW_PI, far/j.metre, at.x/j.metre, at.y/j.metre, at.z/j.metre };
-        if (call->common.json)
-            cli_json_reals(&w, NULL, row, 5);
-        else {
-            fprintf(o.f, "%.9g,%.9g,%.9g,%.9g,%.9g,", row[0], row[1], row[2] + 0.0, row[3] + 0.0, row[4] + 0.0);
-            cli_csv_text(o.f, limit[0] ? limit : "none found");
-            fputc('\n', o.f);
-        }
-        cli_progress_show(&progress, i, n, NULL);
+        lw_vec3 at = lw_v3_scale(lw_v3_add(p.place, lw_v3_scale(direction(&j, a), far)), 1/j.metre);
+        put_ray(&t, &j, (double[]){ a*180/LW_PI, far/j.metre, at.x + 0.0, at.y + 0.0, at.z + 0.0 }, 5, "none found", n);
     }
-    cli_progress_end(&progress);
-    double half = 0;                             /* area of the polygon of every second end */
-    for (int i = 0, to; i < n && done == n + 1; i = to) {
-        to = i + 2 < n ? i + 2 : n;
-        half += 0.5*(x[i]*y[to] - y[i]*x[to]);
+    bool whole = code == CLI_DONE && done == n;
+    double area = 0, error = 0;
+    if (whole) {
+        x[n] = x[0], y[n] = y[0];
+        area = polygon_area(n, 1, x, y);
+        error = fabs(area - polygon_area(n, 2, x, y))/3;
     }
-    double error = fabs(area - half)/3;
-    if (call->common.json) {
-        cli_json_end(&w);
-        cli_json_real(&w, "area", area);
-        cli_json_real(&w, "area_error", error);
-        cli_json_int(&w, "without_limit", endless);
-        cli_json_bool(&w, "complete", done == n + 1);
-        cli_json_end(&w);
-    }
-    if (code == CLI_DONE && done == n + 1 && gets_nowhere(&j, &p, most))
+    end_rays(&t, &j, whole ? "area" : NULL, area, whole ? "area_error" : NULL, error, whole);
+    if (whole && gets_nowhere(&j, &p, most))
         code = cannot_move(&j, &p);
-    if (code == CLI_DONE && done == n + 1) {
-        if (endless)
-            cli_note(call, "no limit was found within %.6g %s in %d of %d directions: the area counts them as far as that; a \"stop\" of "
-                     "the joints limits them", 4*j.r.space.unit/j.metre, j.unit, endless, n);
+    else if (whole) {
+        note_endless(&t, &j, "area");
         cli_note(call, "area %.6g %s^2 in the level plane, estimated error %.2g %%, from %.6g to %.6g %s around the tool", area, j.unit, 100*error/area,
                  least/j.metre, most/j.metre, j.unit);
         if (j.s->plot)
             code = draw_edge(&j, n + 1, x, y);
     }
-    code = cli_close(call, &o, code);
+    code = cli_close(call, &t.o, code);
     end(&j);
     return code;
 }
