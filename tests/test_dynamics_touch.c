@@ -1429,6 +1429,39 @@ TEST(wall_of_boxes)
     CHECK(d.v[3*(BOXES - COLUMNS) + 2] > 1);
 }
 
+/* The simplest walker (Garcia, Chatterjee, Ruina & Coleman 1998): a mass at the hip, feet of 1e-7 or 1e-8 of it, length and gravity 1, slope 0.009.  It walks from its
+ * fixed point, theta = 0.200311 and -0.199832, with equal steps; each foot has stones of its own, so that legs pass each other.  Rates of the light feet are rounded
+ * by impulses of the heavy hip. */
+TEST(simplest_walker)
+{
+    static const char format[] = "{'linkwright': 1, 'gravity': [%.17g, %.17g], 'links': ['ground', {'name': 'stones', 'mass': 1, 'centre': [0, 0], 'inertia': 1,"
+        "'shapes': [{'polygon': [[-0.1, 0], [0.1, 0], [0, -0.1]]}, {'polygon': [[0.7, 0], [0.9, 0], [0.8, -0.1]]}]}, {'name': 'others', 'mass': 1, 'centre': [0, 0],"
+        "'inertia': 1, 'shapes': [{'polygon': [[-0.5, 0], [-0.3, 0], [-0.4, -0.1]]}, {'polygon': [[0.3, 0], [0.5, 0], [0.4, -0.1]]}, {'polygon': [[1.1, 0], [1.3, 0],"
+        "[1.2, -0.1]]}]}, {'name': 'hip', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 1e-3, 'velocity': [%.17g, %.17g], 'omega': 0}, {'name': 'leg', 'mass': %.17g,"
+        "'centre': [0, 0], 'inertia': 0, 'velocity': [0, 0], 'omega': %.17g, 'shapes': [{'segment': [[%.17g, %.17g], [0, 0]]}]}, {'name': 'swing', 'mass': %.17g,"
+        "'centre': [%.17g, 0], 'inertia': 0, 'velocity': [%.17g, %.17g], 'omega': %.17g, 'shapes': [{'segment': [[%.17g, %.17g], [%.17g, 0]]}]}], 'joints': ["
+        "{'name': 'S', 'kind': 'f', 'links': ['ground', 'stones'], 'at': [0, 0]}, {'name': 'O', 'kind': 'f', 'links': ['ground', 'others'], 'at': [0, 0]},"
+        "{'name': 'F', 'kind': 'n', 'links': ['ground', 'hip']}, {'name': 'L', 'links': ['hip', 'leg'], 'at': [%.17g, %.17g]}, {'name': 'R', 'links': ['hip', 'swing'],"
+        "'at': [%.17g, %.17g]}], 'contacts': [{'links': ['stones', 'leg'], 'friction': 2}, {'links': ['others', 'swing'], 'friction': 2}]}";
+    double a = 0.200310900544287, w = -0.199832473004977, x = -sin(a), y = cos(a), turn = w*cos(2*a);   /* the swing leg turns at w cos 2a behind the impact */
+    char text[4000];
+    for (int k = 0; k < 3; k++) {
+        double foot = k < 2 ? 1e-7 : 1e-8, strike[4] = { 0 };
+        int n = 0;
+        snprintf(text, sizeof text, format, sin(0.009), -cos(0.009), x, y, -w*y, w*x, foot, w, x, y, foot, 2*x, (turn - w)*y, (turn + w)*x, turn, x, y, 2*x, x, y,
+                 x, y);
+        drun_read_text(&d, text);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, k == 1 ? 1e-10 : 1e-8, 12, 4), LW_OK);
+        for (int i = 0; i < d.report.n_event && n < 4; i++)
+            if (d.report.event[i].impact && d.report.event[i].t > (n ? strike[n - 1] : 0))       /* both feet take part in one */
+                strike[n++] = d.report.event[i].t;
+        CHECK_INT(n, 3);
+        for (int i = 0; i < 3; i++)
+            CHECK_NEAR(strike[i], 3.88246*(i + 1), 1e-4, 0);
+        lw_model_free(&d.model);
+    }
+}
+
 /* A pinned bar strikes the floor at (x, -h) from its pin.  Its tip slips forward until the bar stands, then back, with friction against the slip:
  * the bar comes back with  e (x - mu h)/(x + mu h)  of its speed. */
 TEST(pinned_bar_strikes)

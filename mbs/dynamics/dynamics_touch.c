@@ -29,8 +29,9 @@ static const double late = 1e-14;            /* events happen where a gap is bel
 /* Rates of gaps and slips below this times a speed count as 0.  The speed is the fastest velocity, or that which free
  * accelerations reach over the size of the linkage. */
 static const double still = 1e-12, no_slip = 1e-10;
+static const double rounded = 1e-6;          /* slips that may be rounding, over the fastest velocity */
 static const double trace = 1e-11;           /* share of the speed that free accelerations may change          */
-static const double least_share = 1e-6;      /* pivot of a row that depends on others, over its diagonal       */
+static const double least_share = 1e-10;     /* pivot of a row that depends on others, over its diagonal       */
 static const double undetermined = 2e-6;     /* the friction equations below this determinant have no use      */
 static const double resolved_turn = 0.4;     /* angle of a body in a step while one of its discs may touch [rad] */
 enum { PASSES = 400, TOGETHER = 100, STALLED_MOST = 5000 };
@@ -189,6 +190,7 @@ typedef struct closed {
     double *row, *response, *w, *u, *b, *force, *rate, *gap, *sub;
     lw_touch_law *law;
     bool   *in, *noted;                  /* takes part; its impact has been reported                    */
+    double  slow;                        /* slips below this are rounding                               */
 } closed;
 
 static void free_closed(closed *c)
@@ -591,7 +593,7 @@ static void set_laws(const lw_dynamics *d, const closed *c, double speed)
         bool rubs = has_set_valued_friction(p);
         c->law[i].fixed = !is_rigid(p);
         c->law[i].friction = rubs ? p->surface->friction : 0;
-        c->law[i].slips = !rubs || fabs(slip) <= no_slip*speed ? 0 : slip > 0 ? 1 : -1;
+        c->law[i].slips = !rubs || fabs(slip) <= fmax(no_slip*speed, c->slow) ? 0 : slip > 0 ? 1 : -1;
     }
 }
 
@@ -878,11 +880,28 @@ static void note_gaps(lw_dynamics *d, const double *y)
     }
 }
 
-lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long events)
+/* The greatest slip of a place against the direction found for it. */
+static double slip_against(lw_dynamics *d, const double *y)
+{
+    double most = 0;
+    d->eq.place(d->eq.context, y);
+    for (int i = 0; i < d->touch->list.n; i++) {
+        const lw_touch *p = &d->touch->list.touch[i];
+        lw_touch_motion m;
+        if (p->slips == 0)
+            continue;
+        lw_touch_at(p, &d->eq, d->frames, y + d->n_q, &m);
+        most = fmax(most, -p->slips*m.slip);
+    }
+    return most;
+}
+
+/* Find the states of all places, and what impulses change at once.  Slips below `slow` count as 0. */
+static lw_status find_states(lw_run *run, double t, double *y, unsigned long long events, double slow)
 {
     lw_dynamics *d = run->d;
     struct lw_touching *w = d->touch;
-    closed c = { 0 };
+    closed c = { .slow = slow };
     bool any = false;
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
     double before = d->eq.kinetic(d->eq.context, y + d->n_q);
@@ -928,6 +947,20 @@ lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long even
         note_gaps(d, y);
     if (s == LW_OK)
         y[2*d->n_q] += d->eq.kinetic(d->eq.context, y + d->n_q) - before;
+    return s;
+}
+
+/* Rates of a light body that impulses of a heavy one move are rounded by more than no_slip.  Putting them on the constraints shows that: such a slip changes its
+ * direction.  Its end would not be seen then, and friction would push it. */
+lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long events)
+{
+    lw_status s = LW_OK;
+    double slow = 0, against = 0;
+    for (int tries = 0; tries < 4 && s == LW_OK && (tries == 0 || against > late); tries++) {
+        s = find_states(run, t, y, events, slow);
+        against = s == LW_OK ? slip_against(run->d, y) : 0;
+        slow = against < rounded*greatest_of(run->d, y + run->d->n_q) ? 2*against : slow;
+    }
     return s;
 }
 
