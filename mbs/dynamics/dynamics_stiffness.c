@@ -11,10 +11,10 @@ static const double stiff = 1e4, stiff_space = 1e6;          /* where no implici
 /* Where springs vibrate by so many radians in a run, an implicit method is faster if dampers end the vibrations or nothing excites them;
  * if it is not, it goes on by the explicit one (dynamics_radau.c). */
 static const double vibrating = 2e3;
-/* Decay of first-order states times the length of the run above which an implicit method of low order takes less time for the same error than
- * the explicit one of order 8: least_states at loose tolerances, more at tolerances below states_at, which cost it more steps but the
- * explicit one, whose steps are short for stability, none.  Measured for motors and controllers from 800 to 8000. */
-static const double least_states = 500, damped_states = 900, states_at = 7e-6;
+/* Decay of first-order states times the length of the run above which an implicit method takes less time for the same error than
+ * the explicit one of order 8: more at tighter tolerances, which cost it more steps but the explicit one, whose steps are short for
+ * stability, none.  Measured for motors and controllers from 600 to 8000: damped_states at states_at, times this power of the tolerance. */
+static const double damped_states = 640, states_at = 1e-3, states_power = 0.15;
 static const double at_limit = 4;            /* decay times the length of explicit steps which it limits: 6, less where lengths vary */
 enum { most_looked = 400 };              /* dampers and motors that are looked at, evenly spread */
 
@@ -142,7 +142,7 @@ bool lw_mbs_became_stiff(lw_dynamics *d, double t, const double *q, const double
 bool lw_mbs_states_decay(lw_dynamics *d)
 {
     return !d->space && !d->large && d->eq.n_z && !d->n_friction && !d->touch
-        && (lw_mbs_is_stiff(d) || d->decay*(d->o.to - d->o.from) > fmax(least_states, damped_states*pow(states_at/d->o.relative, 0.25)));
+        && (lw_mbs_is_stiff(d) || d->decay*(d->o.to - d->o.from) > damped_states*pow(states_at/d->o.relative, states_power));
 }
 
 bool lw_mbs_is_damped(lw_dynamics *d, bool reduced)
