@@ -110,10 +110,9 @@ TEST(told_and_measured)
     CHECK_NEAR(r[5].seconds, 0.003, 0, 0);
     CHECK(r[5].error < 1e-15);
     expect("cat $D/out/mbs-pendulum.svg", 0, "clever by heart", NULL);
-    ran scene = run("cat $D/scene");
+    OWN(ran) scene = run("cat $D/scene");
     for (int i = 0; i < 5; i++)
         CHECK_HAS(scene.out, said[i]);
-    ran_free(&scene);
 }
 
 /* A program that fails has a row with the reason, and the rows of the others are not affected. */

@@ -37,7 +37,7 @@ TEST(threads)
 
 TEST(limits)
 {
-    ran r = run("$P clearance " MODEL " --speeds 90:98:4 --limits --refine 1");
+    OWN(ran) r = run("$P clearance " MODEL " --speeds 90:98:4 --limits --refine 1");
     CHECK_INT(r.code, 0);
     const char *row = strstr(r.out, "impact");
     double k = 0, c = 0, kept = 0, lost = 0;
@@ -50,7 +50,6 @@ TEST(limits)
     CHECK_HAS(r.out, "\"kept_lost\": [90, 94]");
     CHECK_HAS(r.out, "\"lost_kept\": [null, null]");
     CHECK_HAS(r.out, "\"speed_unit\": \"rpm\"");
-    ran_free(&r);
 }
 
 TEST(pictures)

@@ -12,11 +12,10 @@
 
 static bool permitted(void)
 {
-    ran r = run(ON_SMALL_DISK("touch mounted"));
+    OWN(ran) r = run(ON_SMALL_DISK("touch mounted"));
     bool may = r.code == 0 && r.err[0] == 0;
     if (!may)
         printf("left out: mounting a small file system of one's own is not permitted here\n");
-    ran_free(&r);
     return may;
 }
 

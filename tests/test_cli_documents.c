@@ -82,9 +82,8 @@ static int run_page(const char *page, bool whole, const char *elsewhere)
 
 TEST(prepare)
 {
-    ran r = run("mkdir $D/w $D/bin && cp -r examples $D/w && ln -s $(realpath $P) $D/bin/linkwright");
+    OWN(ran) r = run("mkdir $D/w $D/bin && cp -r examples $D/w && ln -s $(realpath $P) $D/bin/linkwright");
     CHECK_INT(r.code, 0);
-    ran_free(&r);
 }
 
 TEST(commands_of_readme)

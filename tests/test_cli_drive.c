@@ -26,7 +26,7 @@ TEST(arm)
         power_peak = fmax(power_peak, power);
         out += fmax(power, 0)*2.5/N;
     }
-    ran r = run("$P drive load examples/drives/lifting-arm.json --to 2.5 -n 5000 --json");
+    OWN(ran) r = run("$P drive load examples/drives/lifting-arm.json --to 2.5 -n 5000 --json");
     CHECK_INT(r.code, 0);
     CHECK_NEAR(figure(r.out, "\"torque_rms\":"), sqrt(square), 1e-3*sqrt(square), 0);   /* a step of torque within a sample */
     CHECK_NEAR(figure(r.out, "\"torque_peak\":"), peak, 1e-4*peak, 0);
@@ -34,7 +34,6 @@ TEST(arm)
     CHECK_NEAR(figure(r.out, "\"energy_out\":"), out, 1e-5*out, 0);
     CHECK_NEAR(figure(r.out, "\"energy_back\":"), out, 1e-5*out, 0);           /* a closed cycle without losses */
     CHECK_NEAR(figure(r.out, "\"speed_peak\":"), 0.75*LW_PI/0.8, 1e-5, 0);
-    ran_free(&r);
 }
 
 /* A rigid axis behind a ramp lags by v/gain; its matrices have the poles that are printed. */
@@ -134,13 +133,12 @@ TEST(inertia_of_an_arm)
            "\"inertia\": 0.1}, {\"name\": \"b\", \"mass\": 2, \"centre\": [1.3, 0], \"inertia\": 0.05}], \"joints\": [{\"name\": \"S\", \"links\": "
            "[\"ground\", \"a\"], \"at\": [0, 0], \"friction\": {\"coefficient\": 0.2, \"radius\": 0.05}}, {\"name\": \"E\", \"links\": [\"a\", \"b\"], "
            "\"at\": [1, 0]}], \"inputs\": [{\"joint\": \"S\", \"motion\": \"t\"}, {\"joint\": \"E\", \"motion\": \"pi*t\"}]}' > $D/arm.json", 0, NULL, NULL);
-    ran r = run("$P drive load $D/arm.json -n 10 --json");
+    OWN(ran) r = run("$P drive load $D/arm.json -n 10 --json");
     double fixed = 0.1 + 3*0.16 + 0.05 + 2*(1 + 0.09), least = figure(r.out, "\"reflected_inertia\": [");
     CHECK_NEAR(least, fixed - 2*2*0.3, 1e-9, 0);
     char *elbow = strstr(r.out, "\"reflected_inertia\": [");
     CHECK_NEAR(strtod(strchr(elbow, ',') + 1, NULL), fixed + 2*2*0.3, 1e-9, 0);
     CHECK_NEAR(figure(strchr(elbow, ']'), "\"reflected_inertia\": ["), 0.05 + 2*0.09, 1e-9, 0);
-    ran_free(&r);
 }
 
 TEST(wrong_use)

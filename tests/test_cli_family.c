@@ -133,11 +133,10 @@ TEST(frequencies_in_space)
     snprintf(command, sizeof command, "echo '%s' > $D/pendulum.json; $P family sweep $D/pendulum.json --vary l=0.5:2:2 --measure "
              "'frequency(1)'", pendulum);
     for (int i = 0; i < 2; i++) {
-        ran r = run(command);
+        OWN(ran) r = run(command);
         CHECK_INT(r.code, 0);
         CHECK_NEAR(second(r.out, "\n0.5,", 2), sqrt(9.81/(2*0.25 + 0.01))/(8*atan(1)), 1e-8, 0);
         CHECK_NEAR(second(r.out, "\n2,", 2), sqrt(4*9.81/8.01)/(8*atan(1)), 1e-8, 0);
-        ran_free(&r);
         strcat(command, " --set x=0.1");
     }
     expect("$P family sweep $D/pendulum.json --vary l=0.5:2:2 --measure 'frequency(2)'", 2, NULL, "has 1 natural frequenc");
@@ -164,11 +163,10 @@ TEST(impossible_masters)
 
 TEST(tables_and_checks)
 {
-    ran r = run("$P family table " LOADER);
+    OWN(ran) r = run("$P family table " LOADER);
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.out, "payload                             800 kg          400 kg          2000 kg");
     CHECK_HAS(r.out, "the bucket stays above the ground   holds");
-    ran_free(&r);
     expect("$P family table " LOADER " --json", 0, "\"unit\": \"kg/m^3\"", NULL);
     expect("for f in delta gantry boom; do $P family check examples/families/$f.json || exit 9; done", 0,
            "15 models, 0 failed\n3 configurations in 5 views: 15 models, 0 failed\n3 configurations", NULL);
@@ -190,7 +188,7 @@ TEST(sweeps)
 {
     double peak = 0;
     expect("$P family expand " LOADER " --set reach=3 -o $D/three.json", 0, NULL, NULL);
-    ran r = run("$P simulate $D/three.json --to 2 -n 200 | grep -v '^#' | cut -d, -f4");
+    OWN(ran) r = run("$P simulate $D/three.json --to 2 -n 200 | grep -v '^#' | cut -d, -f4");
     for (char *line = strchr(r.out, '\n'); line && line[1]; line = strchr(line + 1, '\n'))
         peak = fmax(peak, fabs(strtod(line + 1, NULL)));
     ran_free(&r);
@@ -206,7 +204,6 @@ TEST(sweeps)
     CHECK_INT(r.code, 0);
     CHECK_NEAR(second(r.out, "\nreach,", 4), 1, 1e-4, 0);                     /* l^2 = reach^2 + drop^2, here both 2 */
     CHECK_NEAR(second(r.out, "\nsteel,", 4), 1, 1e-4, 0);
-    ran_free(&r);
     expect("$P family sweep " LOADER " --vary reach,drop --samples 20 --measure boom_mass -j 1 -o $D/1.csv && $P "
                                      "family sweep " LOADER
            " --vary reach,drop --samples 20 --measure boom_mass -j 3 -o $D/3.csv && grep -v '^#' $D/1.csv > $D/a && "

@@ -243,14 +243,13 @@ TEST(found_again)
         CHECK_NEAR(remainder(real(json_object_get(best, "dimensions"), "phi3") - 0.7, 2*LW_PI), 0, 1e-8, 0);
         snprintf(path, sizeof path, "%s/found.json", getenv("D"));
         CHECK(json_dump_file(k, path, 0) == 0);
-        ran t = run("$P trace $D/found.json --mode file --steps 24 -q");
+        OWN(ran) t = run("$P trace $D/found.json --mode file --steps 24 -q");
         CHECK_INT(t.code, 0);
         for (int s = 0; s < STATIONS; s++) {
             double x, y;
             five_bar_point(ratio[i], 2*LW_PI*s/STATIONS, &x, &y);
             CHECK(from_rows(t.out, x, y) < 1e-7);
         }
-        ran_free(&t);
         expect("$P draw $D/found.json -o $D/found.svg && grep -c input $D/found.svg", 0, NULL, NULL);
         json_decref(root);
     }

@@ -33,7 +33,7 @@ TEST(wrong_kinds)
             if (strstr(commands[c].reads, files[f].kind))
                 continue;
             snprintf(line, sizeof line, "$P %s %s", commands[c].command, files[f].file);
-            ran r = run(line);
+            OWN(ran) r = run(line);
             CHECK_INT(r.code, 3);
             CHECK_TEXT(r.out, "");
             bool own = strcmp(files[f].kind, "catalogue") == 0 && strncmp(commands[c].command, "catalogue", 9) == 0;
@@ -43,7 +43,6 @@ TEST(wrong_kinds)
                 CHECK_HAS(r.err, files[f].is);
                 CHECK_HAS(r.err, files[f].advice);
             }
-            ran_free(&r);
         }
 }
 

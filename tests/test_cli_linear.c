@@ -25,7 +25,7 @@ static double field(const char *row, int n)
 TEST(table)
 {
     expect(models, 0, NULL, NULL);
-    ran r = run("$P simulate $D/hang.json --analysis linear --fft");
+    OWN(ran) r = run("$P simulate $D/hang.json --analysis linear --fft");
     CHECK_INT(r.code, 0);
     const char *row = strstr(r.out, "\n1,");
     for (int k = 0; k < 2; k++, row = row ? strchr(row + 1, '\n') : NULL) {
@@ -54,13 +54,12 @@ TEST(table)
     row = strstr(r.out, "\n1,");
     CHECK_NEAR(field(row ? row + 1 : "", 3), sqrt(9.81/0.4)/(2*3.14159265358979323846), 0, 1e-10);
     CHECK(row && !strchr(row + 1, '\n')[1]);                     /* the input held: one mode */
-    ran_free(&r);
 }
 
 TEST(rest_and_motion)
 {
     expect("$P simulate $D/side.json --analysis linear", 0, NULL, "no equilibrium");
-    ran r = run("$P simulate $D/side.json --analysis linear --rest --json");
+    OWN(ran) r = run("$P simulate $D/side.json --analysis linear --rest --json");
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.out, "\"redundant\": 0");
     CHECK_HAS(r.out, "\"link\": \"b\"");
@@ -73,7 +72,6 @@ TEST(rest_and_motion)
     for (const char *p = r.out; (p = strchr(p, '\n')); p++)
         n++;
     CHECK_INT(n, 3 + 9);                                         /* comments, heading, a mode in each of 9 postures */
-    ran_free(&r);
 }
 
 /* 20 parallel cranks' loops: (n + 1)/3 + n [kg m^2] turn against a spring, and gravity pushes them down. */
@@ -86,7 +84,7 @@ TEST(heard_in_large_models)
            "for (i = 1; i <= n; i++) printf \",{@name@:@A%d@,@links@:[@ground@,@c%d@],@at@:[%d,0]},{@name@:@B%d@,@links@:[@c%d@,"
            "@r%d@],@at@:[%d,1]},{@name@:@C%d@,@links@:[@r%d@,@c%d@],@at@:[%d,1]}\", i, i, i, i, i-1, i-1, i-1, i, i-1, i, i; "
            "print \"]}\"}' | tr @ '\"' > $D/row.json", 0, NULL, NULL);
-    ran r = run("$P simulate $D/row.json --analysis linear --fft");
+    OWN(ran) r = run("$P simulate $D/row.json --analysis linear --fft");
     CHECK_INT(r.code, 0);
     const char *row = strstr(r.out, "\n1,");
     double want = sqrt((1000 - 9.81*(10.5 + 20))/(7 + 20.0))/(2*3.14159265358979323846);
@@ -98,7 +96,6 @@ TEST(heard_in_large_models)
     r = run("$P simulate examples/space/top.json --analysis linear --rest --fft");
     row = strstr(r.out, "\n1,0,2,") ? strstr(r.out, "\n1,0,2,") : strstr(r.out, "\n1,,2,");
     CHECK_NEAR(field(row ? row + 1 : NULL, 9), 1.00658424209, 0, 1e-6);
-    ran_free(&r);
     expect("$P simulate examples/space/delta-elastic.json --analysis linear --fft", 3, NULL, "lumped masses");
 }
 
@@ -110,11 +107,10 @@ TEST(heard_neighbours)
            "\"a\"], \"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"ground\", \"b\"], \"at\": [0, 0]}], \"springs\": [{\"joint\": \"A\", "
            "\"stiffness\": 100}, {\"joint\": \"B\", \"stiffness\": 100}, {\"links\": [\"a\", \"b\"], \"at\": [[1, 0], [1, 1]], "
            "\"stiffness\": 3}]}' > $D/beat.json; $P simulate $D/beat.json --analysis linear --fft > $D/heard", 0, NULL, "2 peaks");
-    ran r = run("cat $D/heard");
+    OWN(ran) r = run("cat $D/heard");
     const char *row = strstr(r.out, "\n1,");
     for (int k = 0; k < 2; k++, row = row ? strchr(row + 1, '\n') : NULL)
         CHECK_NEAR(field(row ? row + 1 : NULL, 9), field(row ? row + 1 : NULL, 3), 0, 1e-5);
-    ran_free(&r);
 }
 
 TEST(wrong_use)

@@ -27,21 +27,19 @@ static bool read_row(const char *line, option *o)
 
 static void read_help(const char *command)
 {
-    ran r = run_with("$P help %s", command);
+    OWN(ran) r = run_with("$P help %s", command);
     for (char *at = strstr(r.out, "\nOptions:"); at && *at; at = strchr(at, '\n'), at += at != NULL)
         if (n_all < 512 && read_row(at, &all[n_all]))
             snprintf(all[n_all++].command, sizeof all[0].command, "%s", command);
-    ran_free(&r);
 }
 
 TEST(read_all)
 {
-    ran r = run("$P help");
+    OWN(ran) r = run("$P help");
     char name[32];
     for (char *at = r.out; at && *at; at = strchr(at, '\n'), at += at != NULL)
         if (strncmp(at, "  ", 2) == 0 && sscanf(at, "  %31[a-z]  ", name) == 1 && strcmp(name, "help") != 0)
             read_help(name);
-    ran_free(&r);
     CHECK(n_all > 150);
     expect("[ \"$($P help help)\" = \"$($P help)\" ]", 0, NULL, NULL);
 }
@@ -99,7 +97,7 @@ TEST(options_name_their_actions)
             size += (size_t)snprintf(line + size, sizeof line - size, "$P help %s; ", words[a]);
         snprintf(line + size, sizeof line - size, "} | sed '/^Options of every/,/^linkwright/d' | grep -oE '^ +(-., )?--[a-z-]+' | "
                  "sed 's/.*--/--/' | sort | uniq -c | sed -n 's/^ *%d //p'", k - i);
-        ran r = run(line);
+        OWN(ran) r = run(line);
         char *save = NULL;
         for (char *name = strtok_r(r.out, "\n", &save); name; name = strtok_r(NULL, "\n", &save)) {
             snprintf(key, sizeof key, " %s %.40s ", command, name);
@@ -107,20 +105,18 @@ TEST(options_name_their_actions)
                 fprintf(stderr, "%s of '%s' names no action\n", name, command);
             CHECK(strstr(of_all, key));
         }
-        ran_free(&r);
     }
 }
 
 /* help COMMAND ACTION shows only what concerns the action. */
 TEST(actions)
 {
-    ran r = run("$P help catalogue build");
+    OWN(ran) r = run("$P help catalogue build");
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.out, "Usage:  linkwright catalogue build FILE --links P");
     CHECK_HAS(r.out, "--no-pictures");
     CHECK_HAS(r.out, "--commit");
     CHECK(!strstr(r.out, "--sql") && !strstr(r.out, "catalogue query"));
-    ran_free(&r);
     expect("$P catalogue build --help | grep Usage", 0, "catalogue build FILE", "");
     expect("$P help grammar derive", 0, "--sentence", "");
     expect("$P grammar explain --format lam", 2, "", "--format is no option of 'grammar explain' but of 'grammar parse', "

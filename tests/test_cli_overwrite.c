@@ -46,10 +46,9 @@ TEST(others)
 /* A change by hand is noticed on file systems that keep attributes; there pictures need no --force either. */
 TEST(changed)
 {
-    ran r = run("$P draw $D/model.json -o $D/p.png && $P draw $D/model.json -o $D/p.png");
+    OWN(ran) r = run("$P draw $D/model.json -o $D/p.png && $P draw $D/model.json -o $D/p.png");
     bool keeps = r.code == 0;
     CHECK(keeps || strstr(r.err, "--force"));
-    ran_free(&r);
     if (keeps)
         expect("echo note >> $D/p.png; $P draw $D/model.json -o $D/p.png", 2, "", "changed since");
 }

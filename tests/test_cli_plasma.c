@@ -12,7 +12,7 @@ static const char whole[] =
 TEST(every_step_of_a_four_bar)
 {
     expect("printf '0 1 0 2\\n0 0 3 0\\n0 0 0 4\\n0 0 0 0\\n' > $D/lam.txt", 0, NULL, NULL);
-    ran r = run(whole);
+    OWN(ran) r = run(whole);
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.out, "0 1 0 2\n0 0 3 0\n0 0 0 4\n0 0 0 0\n\nParts: 4 Joints: 4\n");
     CHECK_HAS(r.out, "  Jnt  Prt1  Prt2  Mar1  Mar2  Jtyp ");
@@ -22,7 +22,6 @@ TEST(every_step_of_a_four_bar)
     CHECK_HAS(r.out, "First dimensions, objective ");
     CHECK_HAS(r.out, "Accelerations of the joints:");
     CHECK_HAS(r.out, "Final dimensions:");
-    ran_free(&r);
 }
 
 /* Rows of the path of the first linkage: position, velocity, acceleration. */
@@ -64,11 +63,10 @@ static void check_motion(const char *text, const char *model)
         CHECK_NEAR(rows[i].ax, (rows[i + 1].vx - rows[i - 1].vx)/h, 0.02*hard, 0);
         CHECK_NEAR(rows[i].ay, (rows[i + 1].vy - rows[i - 1].vy)/h, 0.02*hard, 0);
     }
-    ran r = run_with("cat $D/%s", model);
-    lw_assembly parts;
+    OWN(ran) r = run_with("cat $D/%s", model);
+    OWN(lw_assembly) parts = { 0 };
     CHECK_INT(lw_adams_read(r.out, strlen(r.out), "t", &parts, &e), LW_OK);
     CHECK_INT(lw_assembly_linkage(&parts, &k, &e), LW_OK);
-    lw_assembly_free(&parts);
     CHECK_INT(lw_newton_create(&k, &s, &e), LW_OK);
     lw_export_law law;
     CHECK_INT(lw_export_law_of(LW_VIEW(&k), NULL, 0, &law), LW_OK);
@@ -81,17 +79,15 @@ static void check_motion(const char *text, const char *model)
         CHECK_NEAR(1e3*p.y, rows[i].p[1], 1e-3*(fast + fabs(rows[i].p[1])), 0);
     }
     lw_newton_free(s);
-    ran_free(&r);
 }
 
 TEST(motions_agree)
 {
-    ran r = run(whole);
+    OWN(ran) r = run(whole);
     check_motion(r.out, "out/first.adm");
     const char *final = strstr(r.out, "Final dimensions:");
     CHECK(final != NULL);
     check_motion(final ? final : "", "out/final.adm");
-    ran_free(&r);
     expect("$P trace $D/out/final.json -n 5 && grep -q final.adm $D/out/final.acf", 0, NULL, NULL);
 }
 

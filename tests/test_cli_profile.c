@@ -3,11 +3,10 @@
 
 static double number(const char *command, const char *key)
 {
-    ran r = run(command);
+    OWN(ran) r = run(command);
     CHECK_INT(r.code, 0);
     const char *at = strstr(r.out, key);
     double x = at ? strtod(at + strlen(key), NULL) : NAN;
-    ran_free(&r);
     return x;
 }
 
@@ -33,7 +32,7 @@ TEST(known_motions)
 
 TEST(tables_and_pictures)
 {
-    ran r = run("$P profile 90 --law modified-sine --duration 0.5 -n 4 -p $D/m.svg -o -");
+    OWN(ran) r = run("$P profile 90 --law modified-sine --duration 0.5 -n 4 -p $D/m.svg -o -");
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.out, "t,x,v,a,j\n0,0,0,0,");
     CHECK_HAS(r.out, "\n0.25,45,");
@@ -45,7 +44,6 @@ TEST(tables_and_pictures)
     CHECK_HAS(r.out, "\"duration\": 0.26021287");
     CHECK_HAS(r.out, "\"phases\"");
     CHECK_HAS(r.out, "\"rows\"");
-    ran_free(&r);
 }
 
 TEST(several_axes)

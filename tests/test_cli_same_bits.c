@@ -74,7 +74,7 @@ TEST(prepare)
 TEST(same_everywhere)
 {
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
-        ran usual = run(rows[i]);
+        OWN(ran) usual = run(rows[i]);
         if (usual.code != 0)
             fprintf(stderr, "%s\n  said: %s", rows[i], usual.err);
         CHECK_INT(usual.code, 0);
@@ -82,13 +82,11 @@ TEST(same_everywhere)
         for (size_t m = 0; m < sizeof machines/sizeof *machines; m++) {
             char line[1200];
             snprintf(line, sizeof line, "export %s; %s", machines[m], rows[i]);
-            ran other = run(line);
+            OWN(ran) other = run(line);
             CHECK_INT(other.code, usual.code);
             CHECK(strcmp(other.out, usual.out) == 0);
             if (strcmp(other.out, usual.out) != 0)
                 fprintf(stderr, "differs: %s\n", line);
-            ran_free(&other);
         }
-        ran_free(&usual);
     }
 }

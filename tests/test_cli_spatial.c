@@ -79,11 +79,10 @@ TEST(driven_beyond_stops)
 {
     expect("sed 's/\"to\": 1.2, \"dwell\"/\"to\": 3.2, \"dwell\"/' examples/space/boom.json > $D/side.json && $P simulate $D/side.json --to 12 -n 1", 4, "incomplete",
            "\"swing\" beyond its rigid stop");
-    ran r = run("$P simulate examples/space/boom.json --to 12 -n 1");
+    OWN(ran) r = run("$P simulate examples/space/boom.json --to 12 -n 1");
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.out, "feed.input,feed.rate,swing.rate");          /* "feed" is input and drive: its rate stands once */
     CHECK(strstr(r.err, "one name") == NULL && strstr(r.out, "dump.drive,feed.acceleration,feed.drive") != NULL);
-    ran_free(&r);
     expect("echo '{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [0.5, 0], \"inertia\": 0.1}, {\"name\": \"b\", "
            "\"mass\": 1, \"centre\": [1.5, 0], \"inertia\": 0.1}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": \"B\", "
            "\"links\": [\"a\", \"b\"], \"at\": [1, 0], \"stop\": {\"greatest\": 0.2}}], \"inputs\": [{\"joint\": \"A\", \"motion\": \"t\"}, {\"joint\": \"B\", "

@@ -50,12 +50,11 @@ static table *trace(const char *arguments)
 {
     char line[512];
     snprintf(line, sizeof line, "$P trace %s", arguments);
-    ran r = run(line);
+    OWN(ran) r = run(line);
     if (r.code)
         fprintf(stderr, "%s: %s", line, r.err);
     CHECK_INT(r.code, 0);
     table *t = read_csv(r.out);
-    ran_free(&r);
     return t;
 }
 
@@ -261,7 +260,7 @@ TEST(ctrl_c_keeps_what_is_there)
 TEST(speeds_and_plots)
 {
     const char *const same[] = { "6.283185307179586", "60rpm", "'60 rpm'", "1Hz", "'360 deg/s'", "1turn/s" };
-    ran first = { 0 };
+    OWN(ran) first = { 0 };
     for (int i = 0; i < 6; i++) {
         ran r = run_with("$P trace examples/jansen.json -n 8 --speed %s --quiet | grep -v '^#'",
                          same[i]);
@@ -281,7 +280,6 @@ TEST(speeds_and_plots)
             ran_free(&r);
         }
     }
-    ran_free(&first);
     expect("$P trace examples/jansen.json --speed 5mm/s", 2, NULL, "(the input turns)");
     expect("$P trace examples/trammel.json --speed 5rpm", 2, NULL, "(the input slides)");
     expect("$P trace examples/trammel.json --speed 0.5m/s -n 4 --quiet", 0, "mm/s", NULL);
@@ -310,8 +308,8 @@ TEST(geometry_of_the_path)
 /* All lengths of an output are in one unit: the piston moves by simulate as by trace, in mm, mm/s and mm/s^2. */
 TEST(one_system_of_units)
 {
-    ran a = run("$P simulate examples/slider-crank.json --speed 60rpm -n 2 -q | grep -v '^[#t]' | head -n 1 | cut -d, -f5-10");
-    ran u = run("$P simulate examples/slider-crank.json --speed 60rpm -n 2 -q | head -n 1 | cut -d, -f5-10");
+    OWN(ran) a = run("$P simulate examples/slider-crank.json --speed 60rpm -n 2 -q | grep -v '^[#t]' | head -n 1 | cut -d, -f5-10");
+    OWN(ran) u = run("$P simulate examples/slider-crank.json --speed 60rpm -n 2 -q | head -n 1 | cut -d, -f5-10");
     double v[6];
     CHECK_TEXT(u.out, "mm,mm,mm/s,mm/s,mm/s^2,mm/s^2\n");
     CHECK_INT(sscanf(a.out, "%lf,%lf,%lf,%lf,%lf,%lf", v, v + 1, v + 2, v + 3, v + 4, v + 5), 6);
@@ -324,8 +322,6 @@ TEST(one_system_of_units)
     CHECK_NEAR(v[0], x[1], 1e-9, 0);
     CHECK_NEAR(v[2], (x[2] - x[0])/(2*h), 1e-4, 0);
     CHECK_NEAR(v[4], (x[2] - 2*x[1] + x[0])/(h*h), 1e-2, 0);
-    ran_free(&a);
-    ran_free(&u);
 }
 
 /* Write a swing with more parts to $D/swing.json, and simulate it. */
@@ -374,10 +370,9 @@ TEST(rounded_change_points_are_named)
                 x, y, x + (along*dx + across*y)/d, y + (across*dx - along*y)/d, bar[k].frame);
         fclose(f);
         for (int simulate = 0; simulate < 2; simulate++) {
-            ran r = run(simulate ? "$P simulate $D/rounded.json -n 2" : "$P trace $D/rounded.json -n 4");
+            OWN(ran) r = run(simulate ? "$P simulate $D/rounded.json -n 2" : "$P trace $D/rounded.json -n 4");
             CHECK_INT(r.code, 0);
             CHECK((strstr(r.err, "without passing it") != NULL) == bar[k].near);
-            ran_free(&r);
         }
     }
 }

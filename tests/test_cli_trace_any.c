@@ -27,12 +27,11 @@ static int trace(const char *arguments, double v[20])
 {
     char line[512];
     snprintf(line, sizeof line, "$P trace %s", arguments);
-    ran r = run(line);
+    OWN(ran) r = run(line);
     if (r.code)
         fprintf(stderr, "%s: %s", line, r.err);
     CHECK_INT(r.code, 0);
     int n = last_row(r.out, v);
-    ran_free(&r);
     return n;
 }
 
@@ -84,14 +83,12 @@ TEST(any_number_of_links)
     expect_with(0, "P.x", NULL, "$P simulate %s --to 1 -n 2", path);
     static const char *const kinds[] = { "svg", "pdf", "gif", "html" }, *const formats[] = { "mjcf", "adams", "urdf", "svg", "poses", "pyslvs", "pmks", "slvs" };
     for (size_t i = 0; i < sizeof kinds/sizeof *kinds; i++) {
-        ran r = run_with("$P draw %s --format %s -n 6 | wc -c", path, kinds[i]);
+        OWN(ran) r = run_with("$P draw %s --format %s -n 6 | wc -c", path, kinds[i]);
         CHECK(atoi(r.out) > 900 && !r.err[0]);
-        ran_free(&r);
     }
     for (size_t i = 0; i < sizeof formats/sizeof *formats; i++) {
-        ran r = run_with("$P convert %s --format %s | wc -c", path, formats[i]);
+        OWN(ran) r = run_with("$P convert %s --format %s | wc -c", path, formats[i]);
         CHECK(atoi(r.out) > 900 && !r.err[0]);
-        ran_free(&r);
     }
     expect_with(0, NULL, NULL, "$P convert %s --format json > %s.json && $P convert %s.json --format json | cmp - %s.json", path, path,
                 path, path);
@@ -135,7 +132,7 @@ TEST(plates_of_any_number)
  * found by its input. */
 TEST(two_ways_agree)
 {
-    ran r = run("$P trace examples/slider-crank.json --tracer piston --mode file --input-range 37:37.5 -n 1");
+    OWN(ran) r = run("$P trace examples/slider-crank.json --tracer piston --mode file --input-range 37:37.5 -n 1");
     double plan[20], curve[20];
     last_row(r.out, plan);
     ran_free(&r);
@@ -148,7 +145,6 @@ TEST(two_ways_agree)
     CHECK_INT(last_row(r.out, curve), 2);
     for (int i = 0; i < 13; i++)
         CHECK_NEAR(curve[i], plan[i], 1e-10, 1e-10);
-    ran_free(&r);
 }
 
 TEST(a_geared_five_bar_closes_after_two_turns)
@@ -269,10 +265,9 @@ static int all_rows(const char *text, double (*v)[13], int room)
 
 static int rows_of(const char *line, double (*v)[13], int room)
 {
-    ran r = run(line);
+    OWN(ran) r = run(line);
     CHECK_INT(r.code, 0);
     int n = all_rows(r.out, v, room);
-    ran_free(&r);
     return n;
 }
 
@@ -385,7 +380,7 @@ TEST(more_arcs_than_in_closed_form)
     }
     fputs("], \"input\": {\"joint\": \"A\"}, \"tracers\": [{\"name\": \"P\", \"link\": \"b6\", \"at\": [1, 2]}]}", f);
     fclose(f);
-    ran r = run_with("$P trace %s -n 1", path);
+    OWN(ran) r = run_with("$P trace %s -n 1", path);
     double v[20];
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.err, "128 circuits found");
@@ -396,7 +391,6 @@ TEST(more_arcs_than_in_closed_form)
     CHECK_INT(r.code, 5);
     CHECK_HAS(r.err, "half of --time ended the search");
     CHECK(last_row(r.out, v) < 256);
-    ran_free(&r);
     remove(path);
 }
 

@@ -19,7 +19,7 @@ TEST(signals)
 
 TEST(terminals)
 {
-    ran r = run("command -v script");
+    OWN(ran) r = run("command -v script");
     if (r.code == 0) {
         expect("script -qec \"$P trace -\" $D/typed < /dev/null; cat $D/typed", 0, "waiting for a linkage", NULL);
         expect("script -qec \"$P chains --links 6\" $D/typed < /dev/null; grep -c waiting $D/typed", 1, "0", NULL);
@@ -28,5 +28,4 @@ TEST(terminals)
     ran_free(&r);
     r = run("$P trace - ");
     CHECK(!strstr(r.err, "waiting"));
-    ran_free(&r);
 }
