@@ -8,7 +8,7 @@
 #include "mbs/batch/posture.h"
 #include "mbs/plan/types.h"
 #include "tests/check.h"
-#include "tests/mbs_linkage.h"
+#include "tests/straight_lines.h"
 
 static double distance(lw_vec2 a, lw_vec2 b) { return lw_v2_norm(lw_v2_sub(a, b)); }
 
@@ -395,18 +395,6 @@ TEST(straight_lines_by_plan_and_newton)
 
 /* --- slider-crank with equal crank and rod: Scott Russell --- */
 
-static void scott_russell(lw_linkage *l, double t)
-{
-    lw_vec2 a = lw_v2_polar(1.0, t), b = lw_v2(2.0*cos(t), 0.0);
-    blank_linkage(l, 4);
-    add_pin(l, 0, 1, lw_v2(0.0, 0.0));
-    add_pin(l, 1, 2, a);
-    add_pin(l, 2, 3, b);
-    add_slide(l, 0, 3, b, 0.0);
-    add_input(l, 0, t);
-    add_tracer(l, 2, lw_v2(0.0, 2.0*sin(t)));              /* as far beyond A as B is before it */
-}
-
 /* The slider passes the crank's pivot, where the other branch (slider at rest on the pivot, rod
  * turning with the crank) crosses; the tracer stays on the y axis exactly. */
 TEST(equal_crank_and_rod)
@@ -468,24 +456,6 @@ TEST(rocking_slider_crank)
 }
 
 /* --- Peaucellier's inversor: exactly straight, and limits where two dyads end at once --- */
-
-/* Arms 5, rhombus 3; the pin P of a crank r about (c, 0), r = c, so that its circle goes through the
- * inversor's pole: Q moves on x = 16/(2 c). */
-static void peaucellier(lw_linkage *l, double c, double t)
-{
-    lw_vec2 o = lw_v2(0.0, 0.0), p = lw_v2(c + c*cos(t), c*sin(t));
-    lw_vec2 a = meet(o, 5.0, p, 3.0, 1.0), b = meet(o, 5.0, p, 3.0, -1.0);
-    lw_vec2 q = lw_v2_sub(lw_v2_add(a, b), p);
-    static const int joint[10][2] = {            /* ground, crank, two arms, AP, BP, AQ, BQ */
-        { 0, 1 }, { 1, 4 }, { 4, 5 }, { 0, 2 }, { 0, 3 }, { 2, 4 }, { 2, 6 }, { 3, 5 }, { 3, 7 }, { 6, 7 }
-    };
-    lw_vec2 at[10] = { lw_v2(c, 0.0), p, p, o, o, a, a, b, b, q };
-    blank_linkage(l, 8);
-    for (int j = 0; j < 10; j++)
-        add_pin(l, joint[j][0], joint[j][1], at[j]);
-    add_input(l, 0, t);
-    add_tracer(l, 6, q);
-}
 
 TEST(peaucellier_is_straight)
 {

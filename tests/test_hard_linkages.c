@@ -10,6 +10,7 @@
 #include "tests/mbs_random.h"
 #include "tests/motion_curve.h"
 #include "tests/planar_models.h"
+#include "tests/straight_lines.h"
 
 /* --- exact straight lines --- */
 
@@ -41,21 +42,13 @@ static void peaucellier_by_plan(const lw_linkage *l, double t)
         }
 }
 
-/* Arms 5, rhombus 3, crank and its frame 1.5: Q on x = 16/3, input limits where the rhombus is flat and its halves may
+/* Q on x = 16/3, input limits where the rhombus is flat and its halves may
  * part: a limit and a branch point in one. */
 TEST(peaucellier_all_around)
 {
-    const double limit = 96.37937020844280386828*LW_PI/180, c = 1.5, t = 0.3;
-    static const int joint[10][2] = { { 0, 1 }, { 1, 4 }, { 4, 5 }, { 0, 2 }, { 0, 3 }, { 2, 4 }, { 2, 6 }, { 3, 5 },
-                                      { 3, 7 }, { 6, 7 } };
-    lw_vec2 o = lw_v2(0, 0), p = lw_v2(c + c*cos(t), c*sin(t)), a = meet(o, 5, p, 3, 1), b = meet(o, 5, p, 3, -1);
-    lw_vec2 q = lw_v2_sub(lw_v2_add(a, b), p), at[10] = { lw_v2(c, 0), p, p, o, o, a, a, b, b, q };
+    const double limit = 96.37937020844280386828*LW_PI/180, t = 0.3;
     lw_linkage l;
-    blank_linkage(&l, 8);
-    for (int j = 0; j < 10; j++)
-        add_pin(&l, joint[j][0], joint[j][1], at[j]);
-    add_input(&l, 0, t);
-    add_tracer(&l, 6, q);
+    peaucellier(&l, 1.5, t);
     curve *v = follow(&l, 0);
     int n;
     const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
@@ -76,18 +69,11 @@ TEST(peaucellier_all_around)
     peaucellier_by_plan(&l, t);
 }
 
-/* Coupler twice the crank, pinned in its middle: its end on x = 0, also where the slider passes the crank's pin. */
+/* The end of the coupler on x = 0, also where the slider passes the crank's pin. */
 TEST(scott_russell_all_around)
 {
     lw_linkage l;
-    lw_vec2 a = lw_v2_polar(1, 0.7), b = lw_v2(2*cos(0.7), 0);
-    blank_linkage(&l, 4);
-    add_pin(&l, 0, 1, lw_v2(0, 0));
-    add_pin(&l, 1, 2, a);
-    add_pin(&l, 2, 3, b);
-    add_slide(&l, 0, 3, b, 0);
-    add_input(&l, 0, 0.7);
-    add_tracer(&l, 2, lw_v2(0, 2*sin(0.7)));
+    scott_russell(&l, 0.7);
     curve *v = follow(&l, 0);
     CHECK_INT(lw_motion_curve_turns(v->b, -1), 1);
     CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
