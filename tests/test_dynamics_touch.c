@@ -1086,6 +1086,25 @@ TEST(captured_steady_values)
     }
 }
 
+/* Captured, a pendulum on a taut rope keeps its length and its energy over ten seconds; so does a drum that a brake jams at once, whose energy the impact takes. */
+TEST(captured_places_that_hold)
+{
+    drun_read_text(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'mass': 2, 'centre': [1, 0], 'inertia': 0.1}], 'joints': [{'name': 'F', 'kind': 'n',"
+                   "'links': ['ground', 'b']}], 'ropes': [{'links': ['ground', 'b'], 'at': [[0, 0], [1, 0]]}], 'gravity': [6, -6]}");
+    CHECK_INT(drun_to(&d, LW_FORMULATION_CAPTURE, 1e-10, 10, 10), LW_OK);
+    CHECK_NEAR(hypot(state(d.q, 0), state(d.q, 1)), 1, 1e-9, 0);
+    CHECK(d.report.energy_error < 1e-3*d.report.energy_scale);
+    lw_model_free(&d.model);
+    drun_read_text(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'drum', 'mass': 1, 'centre': [0, 0], 'inertia': 0.05, 'velocity': [0, 0], 'omega': 20, 'shapes':"
+                   "[{'circle': [0, 0], 'radius': 0.2}]}, {'name': 'shoe', 'mass': 0.5, 'centre': [-0.1, 0.35], 'inertia': 0.01, 'shapes': [{'circle': [0, 0.22], 'radius':"
+                   "0.02}]}], 'joints': [{'name': 'D', 'links': ['ground', 'drum'], 'at': [0, 0]}, {'name': 'P', 'links': ['ground', 'shoe'], 'at': [-0.1, 0.35]}],"
+                   "'contacts': [{'links': ['drum', 'shoe'], 'friction': 0.8}], 'forces': [{'link': 'shoe', 'at': [0.5, 0.35], 'fy': -10}]}");
+    CHECK_INT(drun_to(&d, LW_FORMULATION_CAPTURE, 1e-9, 1, 4), LW_OK);
+    CHECK_NEAR(d.v[2], 0, 1e-6, 0);
+    CHECK_NEAR(d.report.energy_error, 0, 1e-5, 0);
+    lw_model_free(&d.model);
+}
+
 /* A pin with friction beside a rope or a contact that stays open: the motion is that without them.  A rope that ends the swing is
  * tight at its length. */
 TEST(friction_in_a_joint)

@@ -701,10 +701,10 @@ static lw_status put_back(capture *g, double t, double *q, double *overlap)
         }
         for (int k = 0; k < g->n; k++) {
             const place *p = &g->at[k];
-            bool in = p->presses && d->phi[p->row] < 0;
+            bool held = d->touch->list.touch[p->touch].state == LW_TOUCH_HELD, in = p->presses && (held || d->phi[p->row] < 0);
             g->wanted[p->row] = in ? -d->phi[p->row] : 0;
             *overlap = pass || !p->presses ? *overlap : fmax(*overlap, -d->phi[p->row]);
-            off = in ? fmax(off, 1e-3*-d->phi[p->row]) : off;
+            off = in ? fmax(off, 1e-3*fabs(d->phi[p->row])) : off;
             if (!in)
                 clear_row(d, p->row);
             if (p->rubs) {
@@ -957,6 +957,19 @@ static double smallest(const lw_dynamics *d)
     return least < INFINITY ? least : 1;
 }
 
+/* The moment at the start may stop slips by friction, as where a brake jams.  They still slip at the start. */
+static void forget_slips(capture *g)
+{
+    lw_dynamics *d = g->d;
+    d->eq.place(d->eq.context, g->q);
+    for (int k = 0; k < g->n; k++) {
+        lw_touch *p = &d->touch->list.touch[g->at[k].touch];
+        lw_touch_motion m;
+        lw_touch_at(p, &d->eq, d->frames, g->v, &m);
+        p->sticks = p->sticks && fabs(m.slip) <= exact;
+    }
+}
+
 static lw_status run_capture(lw_run *run)
 {
     lw_dynamics *d = run->d;
@@ -993,6 +1006,7 @@ static lw_status run_capture(lw_run *run)
         s = s == LW_OPEN ? say_unsolved(&g) : s;
         g.work = 0;
         note_impacts(&g, g.t);
+        forget_slips(&g);
         if (s == LW_OK)
             s = lw_run_begin_solved(run, y);
         if (s == LW_OK)
