@@ -493,6 +493,9 @@ TEST(motions_that_change_their_speed_at_once_push)
         CHECK_INT(drun_to(&d, way[f], 1e-8, 0.500001, 3), LW_OK);
         CHECK_NEAR(d.v[3]*d.system.unit, 1.0/3, 1e-5, 0);
         CHECK_NEAR(d.v[5], -2.0/3, 1e-5, 0);
+        CHECK_INT(drun_to(&d, way[f], 1e-8, 1, 2), LW_OK);           /* a sample is at the push, whose work is not known */
+        CHECK(d.report.energy_steps == 0);
+        CHECK_NEAR(d.q[5], -1.0/3, way[f] == LW_FORMULATION_ALPHA ? 1e-5 : 2e-8, 0);
     }
 }
 

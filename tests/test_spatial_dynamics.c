@@ -195,6 +195,28 @@ TEST(the_top_precesses)
     CHECK_NEAR(angle/(turn/4), precession, 1e-8, 0);
 }
 
+/* A cart is driven with 1 m/s from 0.5 s on, at once: the rod of 1 kg that hangs on it by its end is pushed by 1/3 N s, turns by 2/3 rad/s and
+ * swings back: theta'' = -g sin(theta)/1.5. */
+TEST(drives_push_at_once)
+{
+    static const double angle = 0.2499712278;
+    static const lw_formulation how[] = { LW_FORMULATION_RECURSIVE, LW_FORMULATION_INDEX1 };
+    lw_spatial m;
+    read_spatial("{'linkwright': 1, 'links': ['ground', {'name': 'cart', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [1, 1, 1]}, {'name': 'rod', 'mass': 1, "
+                 "'centre': [0, 0, -1], 'inertia': [0.5, 0.5, 0.1]}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'cart'], 'at': [0, 0, 0], "
+                 "'axis': [1, 0, 0]}, {'name': 'A', 'links': ['cart', 'rod'], 'at': [0, 0, 0], 'axis': [0, 1, 0]}], 'gravity': [0, 0, -9.81], 'input': {'joint': 'S', "
+                 "'motion': 'max(0, t - 0.5)'}, 'tracers': [{'name': 'P', 'link': 'rod', 'at': [0, 0, -1]}]}", "cart", &m);
+    for (int i = 0; i < 2; i++) {
+        formulation = how[i];
+        lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 1, 2, 1e-6);
+        CHECK(q.energy_steps == 0);
+        CHECK_NEAR(k.at[2].tracer.x, 0.5 - sin(angle), 1e-6, 0);
+        CHECK_NEAR(k.at[2].tracer.z, -cos(angle), 1e-6, 0);
+    }
+    formulation = LW_FORMULATION_AUTO;
+    lw_spatial_free(&m);
+}
+
 /* ---- published mechanisms ---- */
 
 TEST(slider_crank)

@@ -412,6 +412,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
             memcpy(y, state(w), (size_t)run->n*sizeof *y);
             s = lw_run_pass_kink(run, w->implicit ? &w->implicit_one.t : &w->explicit_one.t, state_at, w);
             stop = lw_run_stop(run, time_of(w), LW_ODE_STEP);
+            if (s == LW_OK && run->pushed && stop != LW_ODE_END)         /* by drives, whose impulse changes all velocities */
+                s = lw_run_project(run, time_of(w), y) < 0 ? LW_E_NUMERIC : LW_OK;
             if (s == LW_OK && stop != LW_ODE_END)        /* loads that jump lift what rests, and move what sticks */
                 s = decide(w, y, 0);
         }

@@ -439,6 +439,8 @@ static lw_status run_steps(motion *m, stepper *w, double *t, double *out)
         if (s == LW_OK && lw_run_at_kink(run, *t)) {
             s = lw_run_pass_kink(run, time_at(w), state_at, w);
             stop = lw_run_stop(run, time_of(w), LW_ODE_STEP);
+            if (s == LW_OK && run->pushed && stop != LW_ODE_END)         /* by drives, whose impulse changes all velocities */
+                s = project(m, time_of(w), w->y);
             if (s == LW_OK && stop != LW_ODE_END)
                 s = restart(w, w->y);
         }
