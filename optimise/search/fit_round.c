@@ -22,10 +22,12 @@ enum {
     IMPROVE = 12,           /* most starts of a job that are improved                                */
     FIRST_STEPS = 40,       /* of the improvement of each                                            */
     FULL_STEPS = 120,       /* of the LW_KEEP best                                                   */
-    POLISH_STEPS = 1500,
+    POLISH_STEPS = 1500,    /* of a polish ...                                                       */
+    POLISH_GROUPS = 300,    /* ... and of one of higher groups at least                              */
     COSTLY = 2,             /* how many are improved further where conditions on the motion cost most */
     SHORT_ROUND = 64,       /* jobs                                                                  */
-    POLISH = 8              /* finds of a round that are polished                                    */
+    POLISH = 8,             /* finds of a round that are polished                                    */
+    POLISH_PART = 16        /* one of higher groups may cost one of so many parts of the budget      */
 };
 enum { BEYOND_MOST = 13 };      /* a soft transmission angle may fall to 0, but not the other conditions   */
 #define STRAY_STEP 0.05     /* of the size of the target: finds that stray farther than others come after them */
@@ -364,6 +366,22 @@ static void judge(const lw_search *s, const lw_problem *p, lw_work *work, lw_fou
     c->polished = true;
 }
 
+/* Steps of a fit that may cost so many evaluations, each of which counts as `cost`. */
+static int steps_of(long allowance, int cost, int most)
+{
+    long steps = allowance/cost;
+    return steps < 1 ? 1 : steps < most ? (int)steps : most;
+}
+
+/* Steps of the polish of a find.  A step of higher groups costs most, and along a narrow valley one thread takes longer than all others
+ * for the rest of the round: beside finds of earlier rounds that is limited. */
+static int polish_steps(const lw_search *s, const lw_problem *p, int cost)
+{
+    int steps = steps_of(lw_search_budget(s)/POLISH_PART, cost, POLISH_STEPS);
+    bool limited = p->plan.n_higher > 0 && s->pool.n > 0;
+    return !limited ? POLISH_STEPS : steps > POLISH_GROUPS ? steps : POLISH_GROUPS;
+}
+
 /* Improve a find until it converges; f becomes INFINITY if it does not meet the conditions. */
 static void polish_one(void *context, size_t job, int thread)
 {
@@ -379,7 +397,8 @@ static void polish_one(void *context, size_t job, int thread)
         c->f = INFINITY;
     if (!searched || !isfinite(c->f))
         return;
-    o.max_steps = POLISH_STEPS;
+    const int cost = lw_search_effort(s, p).cost;
+    o.max_steps = polish_steps(s, p, cost);
     o.f_tol = 1e-12;
     o.bend = s->o->families && c->f < ALMOST;
     o.until = list->until;
@@ -393,7 +412,7 @@ static void polish_one(void *context, size_t job, int thread)
     l->spent = -c->evals;
     improve(s, p, &o, true, work, c);
     l->spent += c->evals;
-    l->spent *= lw_search_effort(s, p).cost;
+    l->spent *= cost;
     judge(s, p, work, c);
     if (isfinite(c->f))
         list->any = true;
@@ -739,8 +758,7 @@ static lw_problem *chain_problem(lw_search *s, int thread, int angle, lw_found *
 static lw_lm_options chain_options(const chain_list *list, int steps, int cost)
 {
     lw_lm_options o = lw_lm_options_default();
-    long most = list->allowance/cost;
-    o.max_steps = most < 1 ? 1 : most < steps ? (int)most : steps;
+    o.max_steps = steps_of(list->allowance, cost, steps);
     o.f_tol = 1e-9;
     o.until = list->until;
     o.interrupt = list->s->o->interrupt;
