@@ -183,9 +183,9 @@ static const char *const outputs[] = {
     "rm -f $D/x-*; $C draw --each --caption graph6 --numbers --keep-going -o $D/x.svg < $D/six.g6 && cat $D/x-*.svg | cksum",
     "$C draw --grid 2x1 -f pdf -o $D/x.pdf --force < $D/watt.g6 && cksum < $D/x.pdf",
     "rm -rf $D/out; LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --starts 1 --rounds 1 --results 1 -j 1 -q --save $D/out && ls $D/out && cat $D/out/*.json",
-    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --task path --timing prescribed --angle-from frame --weight-path 2 --weight-angle 3 --angle-length 5 --length-range 1:500 --position-range -500:500 "
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --task path --timing prescribed --angle-from frame --weight-path 2 --weight-angle 3 --angle-length 5 --length-range 1:500 --position-range -500:500 --solver lbfgs "
     "--starts 1 --rounds 1 --results 1 -j 1 -q --plot $D/x.svg && cksum < $D/x.svg",
-    "rm -f $D/k; LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --open --length-unit mm --angle-unit deg --solver gradient "
+    "rm -f $D/k; LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --open --length-unit mm --angle-unit deg "
     "--starts 1 --rounds 1 --results 1 -j 1 -q --keep $D/k",
     "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --closed --full-turn "
     "--starts 1 --rounds 1 --results 1 -j 1 -q --start-from $D/fit.json",
@@ -245,8 +245,8 @@ static const char *const outputs[] = {
     "rm -f $D/a.db; $C catalogue build $D/a.db --links 5 --dof 2 -q -j 1 && $P catalogue export $D/a.db",
     "rm -f $D/a.db; $C catalogue curves $D/a.db --type slidercrank --samples 20 -q -j 1 && $P catalogue query $D/a.db --sql 'SELECT count(*) FROM curve_segment'",
     "$C catalogue nearest $D/curves.db examples/ellipse.csv --shape closed --full-turn --min-transmission-angle 10 --length-range 1:500 --results 3",
-    "rm -f $D/k; $C bench fit --problems $D/problems --solvers lm --seeds 1 --seed 2 --reach-time 0.05 --time 0.01 --keep $D/k --part 1/1 -q > $D/table && ls $D/k",
-    "$C bench fit --problems $D/problems --links 6 --budget 1000 --both-ways -o $D/out -q > $D/table && ls $D/out",
+    "$C bench fit --problems $D/problems --solvers lm --seeds 1 --seed 2 --reach-time 0.05 --time 0.01 -q > $D/table",
+    "rm -f $D/k; $C bench fit --problems $D/problems --links 6 --budget 1000 --both-ways --keep $D/k --part 2/2 -q > $D/table && cat $D/k",
 };
 
 enum { N_ROW = sizeof rows/sizeof *rows, N_OUTPUT = sizeof outputs/sizeof *outputs };
