@@ -69,9 +69,9 @@ lw_chain_walk lw_chain_walk_default(void);
 typedef lw_status lw_chain_visit(void *context, const lw_chain_item *item);
 lw_status lw_chains_each(const lw_chains *chains, const lw_chain_walk *how, lw_chain_visit *visit, void *context);
 
-/* Print each chain: `print` writes at most `most` bytes to text and returns how many.  It is called from several
- * threads at once; `sink` gets the texts in order (ordered.h). */
-typedef size_t lw_chain_print(void *context, const lw_chain_item *item, char *text, size_t most);
+/* Print each chain: `print` writes at most `most` bytes to text, and how many to *length.  It is called from several
+ * threads at once; `sink` gets the texts in order (ordered.h).  A status of print other than LW_OK ends the walk and is returned. */
+typedef lw_status lw_chain_print(void *context, const lw_chain_item *item, char *text, size_t most, size_t *length);
 lw_status lw_chains_print(const lw_chains *chains, const lw_chain_walk *how, size_t most, lw_chain_print *print,
                           lw_text_sink *sink, void *context);
 

@@ -88,8 +88,10 @@ static lw_status print_item(void *context, const lw_chain_item *item)
     char *text = lw_piece_space(&p->piece, p->all->most);
     if (!text)
         return LW_STOPPED;                       /* the ordered output holds the reason */
-    lw_piece_add(&p->piece, p->all->print(p->all->context, item, text, p->all->most));
-    return LW_OK;
+    size_t length = 0;
+    lw_status status = p->all->print(p->all->context, item, text, p->all->most, &length);
+    lw_piece_add(&p->piece, length);
+    return status;
 }
 
 static void print_job(void *context, size_t job, int thread)

@@ -184,9 +184,12 @@ static void add_product(field *f, series *out, int loops, int shift, uint64_t fa
 
 /* ---- simple graphs -------------------------------------------------------------------------------- */
 
+/* The value of a key, UINT64_MAX if it is new; NULL: out of memory. */
 static uint64_t *recall(field *f, uint64_t key)
 {
     memo *m = &f->known;
+    if (f->failed)
+        return NULL;
     if (2*m->n >= m->room) {
         memo more = { 0, m->room ? 4*m->room : 4096, NULL, NULL };
         more.key = zeros(f, more.room, sizeof *more.key);
@@ -200,11 +203,12 @@ static uint64_t *recall(field *f, uint64_t key)
                 more.value[at] = m->value[k];
                 more.n++;
             }
-        free(m->key);
-        free(m->value);
-        *m = more;
+        memo old = f->failed ? more : *m;
+        free(old.key);
+        free(old.value);
         if (f->failed)
             return NULL;
+        *m = more;
     }
     size_t at = key*0x9e3779b97f4a7c15u >> 20 & (m->room - 1);
     while (m->key[at] && m->key[at] != key)

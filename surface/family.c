@@ -68,10 +68,13 @@ static lw_status make(lw_variant *variant, lw_model **planar, lw_spatial **spati
     lw_status s = lw_variant_expand(variant, &x, error);
     if (s != LW_OK)
         return s;
-    if (lw_spatial_text(x.text, x.size) != !planar)
+    bool is_spatial;
+    if (lw_spatial_recognise(x.text, x.size, &is_spatial) != LW_OK)
+        s = lw_error_set(error, LW_E_MEMORY, "out of memory");
+    else if (is_spatial != !planar)
         s = lw_error_set(error, LW_E_KIND, planar ? "this model is spatial: lw_variant_spatial makes it" :
                          "this model is planar: lw_variant_model makes it");
-    else if (s == LW_OK)
+    else
         s = planar ? lw_model_parse(x.text, x.size, "", planar, error) : lw_spatial_parse(x.text, x.size, "", spatial, error);
     if (s != LW_OK && s != LW_E_KIND)
         lw_expansion_fault(&x, error);

@@ -251,18 +251,20 @@ static lw_status append(void *context, const char *piece, size_t size)
     return LW_OK;
 }
 
-static size_t print_graph6(void *context, const lw_chain_item *item, char *line, size_t most)
+static lw_status print_graph6(void *context, const lw_chain_item *item, char *line, size_t most, size_t *length)
 {
     (void)context;
-    size_t n = lw_graph6_print(item->chain, line, most);
-    line[n] = '\n';
-    return n + 1;
+    *length = lw_graph6_print(item->chain, line, most);
+    line[(*length)++] = '\n';
+    return LW_OK;
 }
 
 static lw_status append_item(void *context, const lw_chain_item *item)
 {
     char line[LW_GRAPH6_SIZE + 1];
-    return append(context, line, print_graph6(NULL, item, line, sizeof line));
+    size_t length;
+    print_graph6(NULL, item, line, sizeof line, &length);
+    return append(context, line, length);
 }
 
 static text printed(const lw_chains *chains, lw_chain_walk how)

@@ -463,6 +463,11 @@ TEST(last_failure_is_named)
         expect_with(MEMORY_ERROR, "", "out of memory", "LW_FAIL=malloc:%d $C simulate examples/space/superelement.json --analysis static", n);
     for (int n = 4; n < 9; n++)
         expect_with(MEMORY_ERROR, "", "memory", "rm -f $D/k; LW_FAIL=malloc:%d $C chains --links 8 --count -j 1 --keep $D/k", n);
+    for (int n = 13; n < 17; n++)                /* a sentence that is not made was left out, with code 0 */
+        expect_with(MEMORY_ERROR, NULL, "memory", "LW_FAIL=malloc:%d $C chains --links 6 --format sentence -j 1", n);
+    for (int n = 165; n < 168; n++)
+        expect_with(MEMORY_ERROR, NULL, "memory", "LW_FAIL=malloc:%d $C numbers --loops 4 --labelled --json", n);
+    expect("LW_CALLS_FILE=$D/calls $C gallery --json && LW_FAIL=jansson:$(sed -n 's/^jansson //p' $D/calls) $C gallery --json", MEMORY_ERROR, NULL, "memory");
     for (int n = 8; n < 13; n++)                 /* among them one in which jansson's own reader would lose a byte, and read past its memory */
         expect_with(MEMORY_ERROR, "", "memory", "LW_FAIL=jansson:%d $C simulate examples/dynamics/cantilever.json --analysis linear", n);
     if (!SANITIZED)

@@ -21,17 +21,19 @@ static const char *text_of(const json_t *row, const char *key)
     return text ? text : "";
 }
 
-static void write_list(FILE *f, const json_t *list, bool as_json)
+static lw_status write_list(FILE *f, const json_t *list, bool as_json, lw_error *e)
 {
     size_t i;
     const json_t *row;
     json_array_foreach(list, i, row)
         if (as_json) {
-            json_dumpf(row, f, JSON_COMPACT);
+            if (json_dumpf(row, f, JSON_COMPACT) != 0 && !ferror(f))
+                return lw_error_set(e, LW_E_MEMORY, "out of memory");
             fputc('\n', f);
         } else
             fprintf(f, "%-20s %-34s %-24s %s\n", text_of(row, "name"), text_of(row, "title"), text_of(row, "year"),
                     text_of(row, "use"));
+    return LW_OK;
 }
 
 /* The file of one mechanism, as it stands. */
@@ -84,9 +86,9 @@ static int run(const cli_call *call)
     if (s == LW_OK)
         s = cli_open(call, &out, &e);
     if (s == LW_OK) {
-        if (call->parsed.n_word == 0)
-            write_list(out.f, list, call->common.json);
-        else if ((s = write_mechanism(out.f, list, call->parsed.word[0], &e)) != LW_OK)
+        s = call->parsed.n_word == 0 ? write_list(out.f, list, call->common.json, &e)
+                                     : write_mechanism(out.f, list, call->parsed.word[0], &e);
+        if (s != LW_OK)
             lw_output_abandon(&out);
     }
     json_decref(list);

@@ -13,7 +13,10 @@
 /* After a failed read of a linkage: does the file hold something else, for which there is a command? */
 static lw_status hint(const char *path, const char *text, size_t size, lw_status s, lw_error *e)
 {
-    if (s == LW_E_NOTATION && lw_spatial_text(text, size))
+    bool spatial = false;
+    if (s == LW_E_NOTATION && lw_spatial_recognise(text, size, &spatial) != LW_OK)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (spatial)
         return lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is a spatial model, and this command knows planar "
                            "ones only; trace, simulate, mobility, robot, draw and convert know spatial models");
     if (s == LW_E_NOTATION)
@@ -29,9 +32,11 @@ lw_status cli_linkage_text(const char *path, int which, const char *text, size_t
 /* A text that is no planar linkage, as `s` says, may be a spatial model. */
 static lw_status or_spatial(const char *path, const char *text, size_t size, lw_status s, lw_spatial **out, lw_error *e)
 {
-    if (s != LW_E_NOTATION || !out || !lw_spatial_text(text, size))
+    bool spatial = false;
+    lw_status known = s == LW_E_NOTATION && out ? lw_spatial_recognise(text, size, &spatial) : LW_OK;
+    if (known == LW_OK && !spatial)
         return hint(path, text, size, s, e);
-    lw_spatial *m = calloc(1, sizeof *m);
+    lw_spatial *m = known == LW_OK ? calloc(1, sizeof *m) : NULL;
     if (!m)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     s = lw_spatial_read(text, size, path, m, e);

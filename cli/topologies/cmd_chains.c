@@ -419,21 +419,23 @@ static lw_status count_all(task *t)
 /* ---- listing -------------------------------------------------------------------------------------- */
 
 /* Write a chain and its line end; graph6, the format of long lists, is written directly. */
-static size_t print_chain(const task *t, const lw_chain *c, char *text, size_t most)
+static lw_status print_chain(const task *t, const lw_chain *c, char *text, size_t most, size_t *length)
 {
     lw_mechanism m;
-    size_t length = 0;
+    lw_status s = LW_OK;
+    *length = 0;
     if (t->notation == lw_notations)
-        length = lw_graph6_print(c, text, most);
-    else if (lw_mechanism_from_chain(c, &m) != LW_OK || t->notation->print(&m, text, most, &length) != LW_OK)
-        return 0;                                /* never happens: chains can be written in every notation */
-    text[length] = '\n';
-    return length + 1;
+        *length = lw_graph6_print(c, text, most);
+    else if ((s = lw_mechanism_from_chain(c, &m)) == LW_OK)
+        s = t->notation->print(&m, text, most, length);
+    if (s == LW_OK)
+        text[(*length)++] = '\n';
+    return s;
 }
 
-static size_t print_item(void *context, const lw_chain_item *item, char *text, size_t most)
+static lw_status print_item(void *context, const lw_chain_item *item, char *text, size_t most, size_t *length)
 {
-    return print_chain(context, item->chain, text, most);
+    return print_chain(context, item->chain, text, most, length);
 }
 
 /* Write whole chains. The first text after a continuation begins with the last chain already listed. */
@@ -465,7 +467,10 @@ static lw_status write_fractionated(void *context, const lw_chain *c, int n_brid
         t->skip_fractionated--;
         return LW_OK;
     }
-    lw_status status = write_text(t, text, print_chain(t, c, text, sizeof text));
+    size_t length;
+    lw_status status = print_chain(t, c, text, sizeof text, &length);
+    if (status == LW_OK)
+        status = write_text(t, text, length);
     return status == LW_OK && !tick(t, 1) ? LW_STOPPED : status;
 }
 
@@ -497,7 +502,9 @@ static lw_status print_for_answer(void *context, const lw_chain_item *item)
 {
     remote_print *p = context;
     char text[LW_NOTATION_SIZE];
-    return add_text(p->answer, text, print_chain(p->t, item->chain, text, sizeof text));
+    size_t length;
+    lw_status status = print_chain(p->t, item->chain, text, sizeof text, &length);
+    return status == LW_OK ? add_text(p->answer, text, length) : status;
 }
 
 static lw_status work_list(void *context, size_t k, lw_bytes *answer)

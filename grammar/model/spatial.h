@@ -161,6 +161,8 @@ typedef struct lw_spatial {
 
 /* Is this the text of a spatial model: has a place three numbers, or, where none has two, a joint a kind that only space has? */
 bool lw_spatial_text(const char *text, size_t size);
+/* The same; LW_E_MEMORY, for which lw_spatial_text says no. */
+lw_status lw_spatial_recognise(const char *text, size_t size, bool *spatial);
 
 /* Read a model.  LW_E_NOTATION with line and column, also for errors of meaning; m is then empty. */
 lw_status lw_spatial_read(const char *text, size_t size, const char *file, lw_spatial *m, lw_error *e);

@@ -1030,12 +1030,20 @@ static bool names_spatial_kind(const lw_json_node *joint)
 
 bool lw_spatial_text(const char *text, size_t size)
 {
+    bool spatial;
+    return lw_spatial_recognise(text, size, &spatial) == LW_OK && spatial;
+}
+
+lw_status lw_spatial_recognise(const char *text, size_t size, bool *spatial)
+{
     static const char *const list[] = { "joints", "tracers" }, *const key[] = { "at", "axis" };
     lw_json json;
     lw_json_node all, n;
     bool three = false, two = false, word = false;
-    if (lw_json_open(text, size, "", &json, NULL) != LW_OK)
-        return false;
+    *spatial = false;
+    lw_status s = lw_json_open(text, size, "", &json, NULL);
+    if (s != LW_OK)
+        return s == LW_E_MEMORY ? s : LW_OK;
     lw_json_node root = lw_json_root(&json);
     for (int l = 0; l < 2; l++)
         if (lw_json_kind_of(&root) == LW_JSON_OBJECT && lw_json_member(&root, list[l], &all) &&
@@ -1052,5 +1060,6 @@ bool lw_spatial_text(const char *text, size_t size)
                     }
             }
     lw_json_close(&json);
-    return three || (word && !two);
+    *spatial = three || (word && !two);
+    return LW_OK;
 }

@@ -28,12 +28,12 @@ static lw_status visit_ground(void *context, const lw_chain_item *item)
     return LW_OK;
 }
 
-static size_t print_graph6(void *context, const lw_chain_item *item, char *text, size_t most)
+static lw_status print_graph6(void *context, const lw_chain_item *item, char *text, size_t most, size_t *length)
 {
     (void)context;
-    size_t n = lw_graph6_print(item->chain, text, most);
-    text[n] = '\n';
-    return n + 1;
+    *length = lw_graph6_print(item->chain, text, most);
+    text[(*length)++] = '\n';
+    return LW_OK;
 }
 
 typedef struct output { FILE *f; uint64_t bytes; } output;
