@@ -55,6 +55,17 @@ static const char *const rows[] = {
     "$C draw examples/chebyshev.json -f svg",
     "$C convert examples/chebyshev.json --format pyslvs",
     "$C classify 40 10 35 30",
+    "$C plasma $D/four.lam --target $D/five.csv --first 5 --budget 1000 --points 4 -q",
+    "$C family table examples/families/loader.json",
+    "$C family check examples/families/loader.json --json",
+    "$C family expand examples/families/delta.json",
+    "$C family optimise examples/families/loader.json --vary reach=2:3 --minimise 'peak(lift.drive)' --max-evaluations 10 -n 20",
+    "$C drive select examples/drives/lifting-arm.json --to 2.5 -n 20 --motors examples/drives/motors.csv --gears examples/drives/gears.csv",
+    "$C drive radius examples/drives/motors.csv --mass 20 --way 1",
+    "$C robot workspace examples/space/delta.json --rays 3",
+    "$C robot reachability examples/3-rrr.json --rays 3",
+    "$C profile examples/cycles/gantry.json",
+    "$C simulate examples/space/delta-elastic.json --analysis linear --rest",
 };
 
 /* Variants of the C library are chosen by the processor's features, which this variable takes away. */
@@ -68,7 +79,26 @@ TEST(prepare)
     expect("mkdir $D/locale; for l in de_DE tr_TR; do localedef -i $l -f UTF-8 $D/locale/$l.UTF-8 || exit 1; done; "
            "LOCPATH=$D/locale LC_ALL=de_DE.UTF-8 bash -c 'printf \"%.1f\\n\" 1,5'", 0, "1,5", NULL);
     expect("printf 'x,y\\n0,0\\n30,11\\n61,14\\n90,9\\n120,-6\\n' > $D/five.csv && "
-           "printf 'x,y,angle\\n0,0,0\\n30,11,0.3\\n61,14,0.6\\n90,9,0.9\\n120,-6,1.2\\n' > $D/timed.csv", 0, NULL, NULL);
+           "printf 'x,y,angle\\n0,0,0\\n30,11,0.3\\n61,14,0.6\\n90,9,0.9\\n120,-6,1.2\\n' > $D/timed.csv && $P chains --links 4 -f lam -o $D/four.lam", 0, NULL, NULL);
+}
+
+/* The others print whole numbers, names, or what a file holds; bench measures times, and the studio answers by the same functions. */
+TEST(every_command_with_numbers_has_its_row)
+{
+    static const char *const others[] = { "numbers", "structures", "chains", "mechanisms", "grammar", "gallery", "catalogue build", "catalogue add",
+        "catalogue query", "catalogue export", "catalogue check", "catalogue html", "catalogue release", "studio", "bench" };
+    char words[64][48], call[64];
+    for (int i = 0, n = all_commands(words, 64); i < n; i++) {
+        bool found = false;
+        snprintf(call, sizeof call, "$C %.47s ", words[i]);
+        for (size_t k = 0; k < sizeof rows/sizeof *rows && !found; k++)
+            found = strstr(rows[k], call) != NULL;
+        for (size_t k = 0; k < sizeof others/sizeof *others && !found; k++)
+            found = strncmp(words[i], others[k], strlen(others[k])) == 0;
+        if (!found)
+            fprintf(stderr, "'%s' has no row\n", words[i]);
+        CHECK(found);
+    }
 }
 
 TEST(same_everywhere)
