@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Every command and option that a page of the documentation shows exists in the program.  $1: the program.
+# Every command and option that a page of the documentation shows exists in the program, and the README of each folder names its
+# files, `weighting_search` also as `weighting`, `_search`.  $1: the program.
 set -u
 cd "$(dirname "$0")/.."
 program=${1:-build/linkwright}
@@ -29,5 +30,12 @@ done < <(grep -nE '^ +(\$ )?linkwright [a-z]|\| linkwright [a-z]|`linkwright [a-
          sed -E 's/^([^:]*:[0-9]*):/\1\t/' |
          awk -F'\t' '{ n = split($2, part, "linkwright "); for (i = 2; i <= n; i++) {
              s = part[i]; sub(/[|#`].*/, "", s); sub(/ ([a-z]+)? *\(.*$/, "", s); print $1 "\tlinkwright " s } }')
+for file in $(find base grammar enumerate mbs optimise catalogues surface -name '*.c'); do
+    name=$(basename "$file" .c)
+    readme=$(dirname "$file")/README.md
+    [ -e "$readme" ] || readme=$(dirname "$(dirname "$file")")/README.md
+    grep -qw "$name" "$readme" || { grep -q "${name%_*}" "$readme" && grep -q "_${name##*_}" "$readme"; } ||
+        { echo "$readme does not name $name"; bad=1; }
+done
 [ $bad -eq 0 ] && echo "docs: fine"
 exit $bad
