@@ -107,8 +107,8 @@ static void found_again(lw_linkage k, int input_turns_per_period, long budget)
     lw_family f = { .name = "geared", .linkage = &k, .links = k.n_link };
     lw_search_stage stage[] = { { .links = k.n_link, .families = lw_families_of(&f, 1) } };
     lw_fit_options o = lw_fit_options_default();
-    lw_target t;
-    lw_staged_search s;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_staged_search) s = { 0 };
     lw_error e = { .text = "" };
     CHECK_INT(make_target(&k, &t), input_turns_per_period);
     o.spec.timing = LW_TIMING_PRESCRIBED;
@@ -127,8 +127,6 @@ static void found_again(lw_linkage k, int input_turns_per_period, long budget)
         CHECK_INT(r->input_turns_per_period, input_turns_per_period);
     }
     free(r);
-    lw_staged_search_free(&s);
-    lw_target_free(&t);
 }
 
 TEST(over_two_turns) { found_again(geared_five_bar(), 2, 1000000); }
@@ -173,8 +171,8 @@ TEST(members_come_back)
     for (int i = 0; i < 2; i++) {
         lw_family f = { .name = "geared", .linkage = &of[i], .links = 5 };
         lw_fit_spec spec = lw_fit_spec_default();
-        lw_target t;
-        lw_problem p;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_problem) p = { 0 };
         lw_rng rng;
         int drawn = 0, back = 0;
         make_target(&of[0], &t);
@@ -196,7 +194,5 @@ TEST(members_come_back)
         CHECK(drawn > 20);
         CHECK(back >= drawn - drawn/50);             /* what opens between two of the 64 inputs looked at */
         free(work);
-        lw_problem_free(&p);
-        lw_target_free(&t);
     }
 }

@@ -31,8 +31,8 @@ TEST(the_true_topology_gives_the_curve_back)
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
     lw_search_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&f, 1) } };
     lw_fit_options o = options(LW_TIMING_PRESCRIBED, 0);
-    lw_target t;
-    lw_staged_search s;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_staged_search) s = { 0 };
     lw_error e = { .text = "" };
     o.max_rounds = 40;
     o.budget = 1000000;
@@ -44,8 +44,6 @@ TEST(the_true_topology_gives_the_curve_back)
     CHECK_INT(lw_fit_report_make(&t, &o.spec, &s.fit.candidate[0], r, &e), LW_OK);
     CHECK(r->verified && r->error_max < 1e-9);
     free(r);
-    lw_staged_search_free(&s);
-    lw_target_free(&t);
 }
 
 TEST(more_links_are_never_worse)
@@ -56,8 +54,8 @@ TEST(more_links_are_never_worse)
     lw_search_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&six, 1) },
                          { .links = 8, .families = lw_families_of(NULL, 0) } };     /* of eight only grown ones */
     lw_fit_options o = options(LW_TIMING_FREE, 0);
-    lw_target t;
-    lw_staged_search s;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_staged_search) s = { 0 };
     CHECK_INT(lw_target_make(8, px, py, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
     CHECK_INT(lw_staged_search_run(&t, &o, stage, 3, &s, NULL), LW_OK);
     CHECK(best_of(&s, 6) <= best_of(&s, 4)*(1 + 1e-9) + 1e-26);      /* f of an exact fit is rounding */
@@ -69,8 +67,6 @@ TEST(more_links_are_never_worse)
         CHECK_NEAR(r->objective, s.fit.candidate[i].objective, 1e-12, 1e-6);
         free(r);
     }
-    lw_staged_search_free(&s);
-    lw_target_free(&t);
 }
 
 /* A target that no linkage of these stages meets, so that no search ends early. */
@@ -89,8 +85,8 @@ TEST(stages_are_searched_in_parts)
     lw_search_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&six, 1) },
                          { .links = 8, .families = lw_families_of(NULL, 0) } };
     lw_fit_options o = options(LW_TIMING_FREE, 0);
-    lw_staged_search s;
-    lw_target t;
+    OWN(lw_staged_search) s = { 0 };
+    OWN(lw_target) t = { 0 };
     o.budget = 8000;
     o.max_rounds = 8;
     o.max_seconds = 1e4;
@@ -99,8 +95,6 @@ TEST(stages_are_searched_in_parts)
     CHECK_INT(s.stage[0].n_part, 4);                     /* an eighth, another, a quarter, half of its rounds */
     CHECK_INT(s.stage[1].n_part, 3);                     /* a quarter, half, a quarter of its evaluations     */
     CHECK_INT(s.stage[2].n_part, 3);
-    lw_staged_search_free(&s);
-    lw_target_free(&t);
 }
 
 /* A user who stops the search after so many rounds. */
@@ -133,8 +127,8 @@ TEST(time_goes_beyond_the_usual_budget)
     lw_search_stage stage = { .links = 6, .families = lw_families_of(&six, 1) };
     lw_fit_options o = options(LW_TIMING_PRESCRIBED, 0);
     in_parts at = { .part = 0 };
-    lw_staged_search s;
-    lw_target t;
+    OWN(lw_staged_search) s = { 0 };
+    OWN(lw_target) t = { 0 };
     make_unmet(&k, &t);
     o.budget = 0;
     o.max_seconds = 1e4;
@@ -144,8 +138,6 @@ TEST(time_goes_beyond_the_usual_budget)
     CHECK_INT(lw_staged_search_run(&t, &o, &stage, 1, &s, NULL), LW_STOPPED);
     CHECK_INT(s.fit.stop, LW_STOP_USER);
     CHECK_INT(s.stage[0].n_part, 4);
-    lw_staged_search_free(&s);
-    lw_target_free(&t);
 }
 
 /* Under a time limit a search that is stopped later has done all that one stopped earlier has, and found nothing worse. */
@@ -155,12 +147,12 @@ TEST(more_time_is_never_worse)
     lw_family six = { .name = "six-bar", .linkage = &k, .links = 6 };
     lw_search_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&six, 1) } };
     double least[2] = { INFINITY, INFINITY };
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     make_unmet(&k, &t);
     for (int most = 2; most <= 16; most += 7) {
         lw_fit_options o = options(LW_TIMING_FREE, 0);
         stopper stop = { .most = most };
-        lw_staged_search s;
+        OWN(lw_staged_search) s = { 0 };
         o.max_rounds = 8;
         o.budget = 20000;
         o.max_seconds = 1e4;
@@ -173,9 +165,7 @@ TEST(more_time_is_never_worse)
             CHECK(best_of(&s, links) <= least[links/2 - 2]*(1 + 1e-9));
             least[links/2 - 2] = best_of(&s, links);
         }
-        lw_staged_search_free(&s);
     }
-    lw_target_free(&t);
 }
 
 /* Small linkages are among those kept, though many larger ones of many parts have less error. */
@@ -187,8 +177,8 @@ TEST(small_linkages_are_kept)
         px[i] = i/(N - 1.0), py[i] = 0;
     lw_fit_options o = lw_fit_options_default();
     lw_search_stage stage = { .links = 4 };
-    lw_target t;
-    lw_staged_search s;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_staged_search) s = { 0 };
     int small = 0;
     o.spec.by_default = LW_LIMIT_ALL;
     o.max_rounds = 2;
@@ -206,8 +196,6 @@ TEST(small_linkages_are_kept)
             least = fmin(least, r->error_max);
     CHECK(least < 1e-4);
     free(r);
-    lw_staged_search_free(&s);
-    lw_target_free(&t);
 }
 
 /* Least objective of the results that turn, of at most this size and with a transmission angle of 40 degrees. */
@@ -236,7 +224,7 @@ TEST(the_front_has_no_gaps)
     }
     lw_fit_options o = lw_fit_options_default();
     lw_search_stage stage = { .links = 4 };
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_staged_search all, limited;
     o.spec.by_default = LW_LIMIT_ALL;
     o.max_rounds = 2;
@@ -252,7 +240,6 @@ TEST(the_front_has_no_gaps)
         lw_staged_search_free(&limited);
     }
     lw_staged_search_free(&all);
-    lw_target_free(&t);
 }
 
 /* Two stages of one family each, a four-link mechanism whose slider drives it, and a six-bar, for an open path with default limits. */
@@ -266,7 +253,7 @@ static void search_open_path(bool crank_only, double tolerance, double max_secon
     lw_search_stage stage[] = { { .links = 4, .families = lw_families_of(&four, 1) },
                                 { .links = 6, .families = lw_families_of(&six, 1), .unless = unless, .until = unless } };
     lw_fit_options o = lw_fit_options_default();
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     o.spec.timing = LW_TIMING_FREE;
     o.spec.crank_only = o.spec.exclude_drag_link = crank_only;
     o.spec.tolerance = tolerance;
@@ -278,7 +265,6 @@ static void search_open_path(bool crank_only, double tolerance, double max_secon
     CHECK_INT(lw_target_make(N, x, y, NULL, NULL, NULL, 0, &t, NULL), LW_OK);
     lw_fit_spec_set_limits(&o.spec, &t, 0);
     CHECK_INT(lw_staged_search_run(&t, &o, stage, n_stage, s, NULL), LW_OK);
-    lw_target_free(&t);
 }
 
 static bool holds(const lw_staged_search *s, const lw_candidate *c)
@@ -292,20 +278,18 @@ static bool holds(const lw_staged_search *s, const lw_candidate *c)
 /* A search for all linkages finds all that one for cranks alone finds. */
 TEST(a_search_of_all_holds_that_of_cranks)
 {
-    lw_staged_search all, cranks;
+    OWN(lw_staged_search) all = { 0 }, cranks = { 0 };
     search_open_path(false, 0, 0, 2, 0, &all);
     search_open_path(true, 0, 0, 2, 0, &cranks);
     CHECK(cranks.fit.n > 1 && all.stage[1].n_of[1] > 0);
     for (int i = 0; i < cranks.fit.n; i++)
         CHECK(holds(&all, &cranks.fit.candidate[i]));
-    lw_staged_search_free(&all);
-    lw_staged_search_free(&cranks);
 }
 
 /* A search with a tolerance finds all that one without it finds, and smaller linkages within it. */
 TEST(a_search_within_a_tolerance_holds_that_without)
 {
-    lw_staged_search all, within;
+    OWN(lw_staged_search) all = { 0 }, within = { 0 };
     int smaller = 0;
     search_open_path(false, 0, 0, 2, 0, &all);
     search_open_path(false, 1, 0, 2, 0, &within);
@@ -315,19 +299,16 @@ TEST(a_search_within_a_tolerance_holds_that_without)
     for (int i = 0; i < within.fit.n; i++)
         smaller += within.fit.candidate[i].shrunk;
     CHECK(smaller > 0);
-    lw_staged_search_free(&all);
-    lw_staged_search_free(&within);
 }
 
 /* A linkage whose input rocks is near enough: then cranks are searched, and only they. */
 TEST(more_links_are_left_out_if_a_crank_is_enough)
 {
-    lw_staged_search s;
+    OWN(lw_staged_search) s = { 0 };
     search_open_path(false, 0, 0, 2, 1e9, &s);
     CHECK_INT(s.n_stage, 2);
     CHECK(s.stage[1].n_of[0] > 0);
     CHECK_INT(s.stage[1].n_of[1], 0);
-    lw_staged_search_free(&s);
 }
 
 /* Search a four-bar, then a six-bar unless a four-bar is this near, for a straight line, along which a level body moves if `level`; near[1], near[0]: how near the four-bars of more
@@ -342,8 +323,8 @@ static int stages_of_a_line(bool level, double unless, double near[2])
                                 { .links = 6, .families = lw_families_of(&six, 1), .unless = unless, .until = unless, .budget = 10 } };
     lw_fit_options o = lw_fit_options_default();
     lw_fit_report *r = malloc(sizeof *r);
-    lw_staged_search s;
-    lw_target t;
+    OWN(lw_staged_search) s = { 0 };
+    OWN(lw_target) t = { 0 };
     for (int i = 0; i < 9; i++)
         x[i] = i;
     CHECK_INT(lw_target_make(9, x, y, level ? theta : NULL, NULL, NULL, 0, &t, NULL), LW_OK);
@@ -361,8 +342,6 @@ static int stages_of_a_line(bool level, double unless, double near[2])
     }
     int n = s.n_stage;
     free(r);
-    lw_staged_search_free(&s);
-    lw_target_free(&t);
     return n;
 }
 
@@ -386,14 +365,13 @@ TEST(six_links_where_a_large_four_bar_would_be_first)
 /* Under a time limit reports are made during the search: when the time ends, the rows are chosen among all that was found. */
 TEST(reports_are_made_before_the_time_ends)
 {
-    lw_staged_search s;
+    OWN(lw_staged_search) s = { 0 };
     int n_report = 0;                                   /* they may take as long as the search: on a busy machine some are left for later */
     search_open_path(false, 0, 1e4, 1, 0, &s);
     CHECK(s.fit.n > 1);
     for (int i = 0; i < s.fit.n; i++)
         n_report += s.fit.candidate[i].report != NULL;
     CHECK(n_report > 0);
-    lw_staged_search_free(&s);
 }
 
 TEST(threads_do_not_change_the_answer)
@@ -401,7 +379,7 @@ TEST(threads_do_not_change_the_answer)
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
     lw_search_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&f, 1) } };
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_staged_search s[2];
     six_bar_target(&k, 12, false, &t);
     for (int i = 0; i < 2; i++) {
@@ -417,7 +395,6 @@ TEST(threads_do_not_change_the_answer)
                      sizeof(double)*(size_t)s[0].fit.candidate[i].n_dim) == 0);
     lw_staged_search_free(&s[0]);
     lw_staged_search_free(&s[1]);
-    lw_target_free(&t);
 }
 
 /* A linkage to start from is tried in both senses: a target drawn the other way round is met at once, too. */
@@ -437,15 +414,13 @@ TEST(a_start_may_run_either_way)
     lw_families f = lw_families_of(list, N);
     for (int back = 0; back < 2; back++) {
         lw_fit_options o = options(LW_TIMING_FREE, 0);
-        lw_target t;
-        lw_fit fit;
+        OWN(lw_target) t = { 0 };
+        OWN(lw_fit) fit = { 0 };
         o.families = &f;
         o.max_rounds = 1;
         CHECK_INT(lw_target_make(18, back ? back_x : x, back ? back_y : y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
         CHECK_INT(lw_fit_run(&t, &o, &fit, NULL), LW_OK);
         CHECK(fit.n > 0 && fit.candidate[0].objective < 1e-20);
-        lw_fit_free(&fit);
-        lw_target_free(&t);
     }
 }
 
@@ -455,7 +430,7 @@ TEST(families_beyond_a_sweep)
     enum { N = 120 };
     static lw_family list[N];
     lw_linkage k = six_bar();
-    lw_target t;
+    OWN(lw_target) t = { 0 };
     lw_fit fit[2];
     six_bar_target(&k, 9, false, &t);
     for (int i = 0; i < 9; i += 3)                       /* not to be met: no search ends early       */
@@ -487,5 +462,4 @@ TEST(families_beyond_a_sweep)
     }
     lw_fit_free(&fit[0]);
     lw_fit_free(&fit[1]);
-    lw_target_free(&t);
 }
