@@ -1000,6 +1000,14 @@ TEST(ways_do_not_depend_on_the_ways_before)
         CHECK_INT(lw_robot_tilt(&r, lw_v3_add(lw_v3_scale(ahead, cos(a)), lw_v3_scale(right, -sin(a))), LW_PI*(1 - 1e-9), &far, &e), LW_OK);
         CHECK_NEAR(far*180/LW_PI, want, 0.02, 0);
     }
+    /* A drive at a right angle: arm and plate of another leg turn about one axis, so that the drives hold two freedoms of three.  Beyond, they hold all. */
+    lw_robot_pose p;
+    lw_robot_reset(&r);
+    CHECK_INT(lw_robot_drive(&r, (const double[]){ LW_PI/2, 0, 0 }, &e), LW_OK);
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OPEN);
+    CHECK_INT(lw_robot_drive(&r, (const double[]){ LW_PI, 0, 0 }, &e), LW_OK);
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_NEAR(p.condition, 1, 1e-9, 0);
 }
 
 static lw_vec3 rounded(lw_vec3 v) { return lw_v3(round(1e4*v.x)/1e4, round(1e4*v.y)/1e4, round(1e4*v.z)/1e4); }

@@ -217,7 +217,7 @@ static const char *find_columns(lw_robot *r, double jacobian[6][LW_ROBOT_DRIVES]
     lw_space_follow *f = &r->follow;
     const lw_space *s = &r->space;
     int first = s->n_row + f->n_idle;
-    if (!lw_space_rows_factor_near(&f->z))
+    if (f->z.n_kept < s->n_v || !lw_space_rows_factor_near(&f->z))
         return "the drives do not hold the tool in this posture: it is singular";
     for (int i = 0; i < r->n_drive; i++) {
         double *v = r->column + (size_t)i*(size_t)s->n_v;

@@ -136,7 +136,7 @@ static lw_status find_clear(search *x, uint64_t seed, lw_space_mobility *m, lw_e
         || (free > 0 && rank < s->n_row && !(off < x->rounding)))
         return LW_NOTHING;
     if (rank < s->n_row) {                   /* those that depend on others there */
-        x->z.n_kept = 0;
+        x->z.rank = 0;
         lw_status st = lw_space_rows_arrange(&x->z, x->q, e);
         if (st != LW_OK)
             return st;

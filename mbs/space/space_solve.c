@@ -310,7 +310,7 @@ static lw_status choose_basis(lw_space_rows_set *z, int n, double least, lw_erro
 
 static lw_status arrange(lw_space_rows_set *z, const double *q, lw_error *e)
 {
-    int n = z->n_kept;
+    int n = z->rank;
     lw_space_rows_fill(z, q, NULL);
     z->weak = NAN;
     bool known = n > 0 && n < z->n_row;
@@ -355,6 +355,7 @@ static lw_status arrange(lw_space_rows_set *z, const double *q, lw_error *e)
 lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error *e)
 {
     lw_status st = arrange(z, q, e);
+    z->rank = st == LW_OK && z->n_kept > z->rank ? z->n_kept : z->rank;
     if (st != LW_OK) {                       /* no part of an arrangement is left: no factors, until the next one */
         lw_cholesky_free(&z->schur);
         z->n_kept = z->n_row;

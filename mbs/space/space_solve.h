@@ -32,6 +32,7 @@ typedef struct lw_space_rows_set {
     int     *at;                         /* (n_row + 1)                                                    */
     int     *body;                       /* (at[n_row]/6) lw_space_rows_bodies                             */
     int      n_kept, *kept, *place;      /* a basis in the order of elimination; place in it, -1: left out */
+    int      rank;                       /* greatest n_kept so far: in a singular posture the basis has fewer rows; 0: not counted yet */
     int      n_pair;
     lw_space_pair *pair;
     lw_cholesky schur;
@@ -51,7 +52,7 @@ lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int
                              lw_space_rows_set *z, lw_error *e);
 void      lw_space_rows_free(lw_space_rows_set *z);
 
-/* Find the basis anew at q: as many rows as before, as independent as possible there.  n_kept is the rank. */
+/* Find the basis anew at q: `rank` rows, as independent as possible there, or fewer where the posture is singular.  n_kept is the rank there. */
 lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error *e);
 
 /* Rows at q, with wanted values `target` of the extras (over their scale; 0 for spins), and their factors. */
