@@ -6,8 +6,8 @@
  * zeros, infinities and NaN are as in Annex F of the C standard; errno and flags are not set. Functions of <math.h>
  * without a macro here (sqrt, fabs, floor, fmod, remainder, frexp, ldexp ...) are exact or correctly rounded.
  *
- * Errors in units of the last place: below 0.55 of log, log2, log10, atan, atan2, hypot and of pow with a whole exponent
- * up to 1024; below 1 of sin, cos, exp and other pow; below 3 of tan, asin, acos, sinh, cosh, tanh (tests/test_real.c). */
+ * Errors in units of the last place: below 0.55 of log, log2, log10, atan, atan2, hypot and of pow with a whole exponent up to
+ * 1024 (0.8 if the result is subnormal); below 1 of sin, cos, exp, other pow; below 3 of the other functions (tests/test_real.c). */
 #ifndef LW_BASE_REAL_H
 #define LW_BASE_REAL_H
 
