@@ -1,6 +1,7 @@
 /* The library as its users see it: linkwright.h alone, and a program with an error handler of its own. */
 #include <gsl/gsl_errno.h>
 #include <pthread.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include "linkwright.h"
 #include "base/eigen.h"      /* what no model reaches */
@@ -238,6 +239,38 @@ TEST(faults_of_a_linkage_are_named)
     CHECK(!k);
 }
 
+static lw_status take_weight(void *context, const lw_counterweight *weight)
+{
+    *(lw_counterweight *)context = *weight;
+    return LW_OK;
+}
+
+/* A crank of 2 kg whose centre is 0.3 m from its pin: 0.6 kg m on the other side. */
+TEST(counterweights)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"crank\", \"mass\": 2, \"centre\": [0.3, 0], \"inertia\": 0.1},"
+        "{\"name\": \"rod\", \"mass\": 0}, \"slider\"], \"joints\": [{\"name\": \"O\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0]},"
+        "{\"name\": \"A\", \"links\": [\"crank\", \"rod\"], \"at\": [0.5, 0]}, {\"name\": \"B\", \"links\": [\"rod\", \"slider\"], \"at\": [2, 0]},"
+        "{\"name\": \"S\", \"kind\": \"t\", \"links\": [\"ground\", \"slider\"], \"at\": [2, 0], \"along\": [1, 0]}], \"inputs\": [{\"joint\": \"O\", \"motion\": \"6.283185307179586*t\"}]}";
+    lw_model *m;
+    lw_simulation *run;
+    lw_error e;
+    lw_counterweight weight = { 0 };
+    double before, after;
+    lw_simulation_options o = lw_simulation_options_default();
+    o.intervals = 36;
+    CHECK_INT(lw_model_parse(text, sizeof text - 1, NULL, &m, &e), LW_OK);
+    CHECK_INT(lw_simulation_create(m, &o, &run, &e), LW_OK);
+    CHECK_INT(lw_simulation_balance(run, take_weight, &weight, &before, &after, &e), LW_OK);
+    CHECK_NEAR(weight.product, 0.6, 1e-9, 0);
+    CHECK_POINT(weight.at, -0.5, 0, 1e-9, 0);
+    CHECK_NEAR(weight.mass, 1.2, 1e-9, 0);
+    CHECK_NEAR(after, 0, 1e-9, 0);
+    CHECK_NEAR(before, 0.6, 0.01, 0);
+    lw_simulation_destroy(run);
+    lw_model_destroy(m);
+}
+
 /* ---- fits ------------------------------------------------------------------------------------------------------ */
 
 static bool not_a_step_more(void *context, double done, double seconds, double best)
@@ -270,6 +303,13 @@ TEST(fits_find_stop_and_explain)
     CHECK_INT(lw_results_inputs(r, 0, input), LW_OK);
     CHECK_TEXT(lw_results_dimension(r, 0, 0, &value), "r1");
     CHECK_INT(lw_results_linkage(r, 0, &k), LW_OK);
+    lw_result_spread spread, twice;
+    CHECK_INT(lw_results_spread(r, t, 0, 1e-5, 0, &spread, &e), LW_OK);
+    CHECK_INT(lw_results_spread(r, t, 0, 2e-5, 0, &twice, &e), LW_OK);
+    CHECK(spread.rms > 0 && spread.rms <= spread.worst && spread.within <= 4*spread.worst && spread.open == 0 && spread.dimension[0]);
+    CHECK_NEAR(twice.rms, 2*spread.rms, 0, 1e-9);                      /* to first order in the tolerance */
+    CHECK_NEAR(spread.trial_rms, spread.rms, 0, 0.1);                  /* 1000 random linkages: some 3 % */
+    CHECK_INT(lw_results_spread(r, t, 99, 1e-5, 0, &spread, &e), LW_E_ARG);
     CHECK_INT(lw_results_page(r, "test", &page, &size, &e), LW_OK);
     CHECK_HAS(page, "<!DOCTYPE html>");
     CHECK_HAS(page, "test: four-bar");
@@ -871,6 +911,11 @@ TEST(catalogues_answer_and_are_drawn)
     CHECK_INT(lw_catalogue_add_curves(c, "fourbar", 4, 100, &work, &e), LW_OK);
     CHECK_INT(lw_catalogue_check(c, &e), LW_OK);
     lw_catalogue_close(c);
+    snprintf(path, sizeof path, "%s/release", temporary_folder());
+    CHECK_INT(mkdir(path, 0777), 0);
+    CHECK_INT(lw_release(path, 7, &work, &e), LW_OK);
+    snprintf(command, sizeof command, "cd %s && sha256sum -c --quiet SHA256SUMS", path);
+    CHECK_INT(system(command), 0);
     snprintf(path, sizeof path, "%s/plot.svg", temporary_folder());
     CHECK_INT(lw_plot_save(path, "title", "x", "y", false, false, 1, &series, &e), LW_OK);
     CHECK_INT(lw_plot_save("plot.nothing", "title", "x", "y", false, false, 1, &series, &e), LW_E_ARG);
