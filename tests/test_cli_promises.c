@@ -654,6 +654,7 @@ TEST(texts_of_windows)
 TEST(catalogues)
 {
     expect("$P catalogue check $D/six.db", 0, NULL, NULL);
+    expect("$P catalogue build $D/two.db --links 7 --dof 2 -q && $P catalogue check $D/two.db", 0, NULL, NULL);
     expect("size=$(stat -c %s $D/six.db); cp $D/six.db $D/cut.db; truncate -s $((size/2)) $D/cut.db; "
            "$P catalogue query $D/cut.db links=6", 3, NULL, "damaged");
     expect("head -c 1 $D/six.db > $D/cut.db; for c in query check export; do $P catalogue $c $D/cut.db; test $? = 3 || exit 1; done; "
@@ -677,6 +678,8 @@ TEST(bad_outputs)
         }
     expect("ulimit -f 1; $P chains --links 10 -o $D/none", 3, "", "cannot be written");
     expect("ulimit -f 1; $P chains --links 10 > $D/rows", 3, "", "cannot be written");
+    expect("ulimit -f 20; $P chains --links 12 -o $D/rows --force -q; c=$?; rm -f $D/rows.partial; exit $c", 3, "", "rows: cannot be written: the file would become too large");
+    expect("ulimit -f 20; $P mechanisms --links 10 -o $D/rows --force -q; c=$?; rm -f $D/rows.partial; exit $c", 3, "", "rows: cannot be written: the file would become too large");
     expect("ulimit -f 20; $P catalogue build $D/none --links 8 -q", 3, "", "linkwright catalogue");
     expect("$P chains --links 10 >&-", 3, "", "cannot be written");
     expect("$P mechanisms <&-", 3, "", "cannot be read");

@@ -139,10 +139,10 @@ lw_status cli_topology_write(const cli_call *call, FILE *f, const lw_notation *n
     say_lost(call, n, m);
     lw_status s = n->print(m, text, sizeof text, &length);
     if (s != LW_OK)
-        return lw_error_set(e, s, "this topology cannot be written as %s", n->name);
+        return s == LW_E_MEMORY ? lw_error_set(e, s, "out of memory") : lw_error_set(e, s, "this topology cannot be written as %s", n->name);
     fputs(text, f);
     fputc('\n', f);
-    return ferror(f) ? lw_error_set(e, LW_E_IO, "output cannot be written") : LW_OK;
+    return ferror(f) ? lw_file_failed(e, "written", call->common.output ? call->common.output : "-", errno) : LW_OK;
 }
 
 cli_watch cli_watch_begin(const cli_call *call, const char *what, const char *unit)

@@ -1,7 +1,9 @@
 /* linkwright chains - list every kinematic chain with P links and F degrees of freedom once. */
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
+#include "base/file.h"
 #include "base/number.h"
 #include "base/parallel.h"
 #include "base/suggest.h"
@@ -451,7 +453,8 @@ static lw_status write_text(void *context, const char *text, size_t size)
     t->compared = true;
     text += known;
     size -= known;
-    return fwrite(text, 1, size, t->out.f) == size ? LW_OK : LW_E_IO;
+    return fwrite(text, 1, size, t->out.f) == size ? LW_OK
+           : lw_file_failed(t->e, "written", t->call->common.output ? t->call->common.output : "-", errno);
 }
 
 static lw_status write_fractionated(void *context, const lw_chain *c, int n_bridge)
@@ -584,8 +587,6 @@ static lw_status list_all(task *t, lw_error *e)
         return lw_error_at(e, LW_E_KIND, t->call->common.output, (long)t->before.n_line, 1,
                            "another chain comes here, so "
                            "this is a listing of something else; --resume needs the same options as before");
-    if (status == LW_E_IO && e->status == LW_OK && ferror(t->out.f))
-        (void)lw_error_set(e, status, "cannot write the chains");
     return status;
 }
 
