@@ -92,8 +92,11 @@ static lw_status read_rows(lw_store *s, sqlite3_stmt *t, const lw_store_query *q
             return lw_error_set(e, LW_STOPPED, "stopped");
         if (code != SQLITE_ROW)
             return lw_store_fail(s, code, "cannot be read", e);
-        for (int i = 0; i < n; i++)
+        for (int i = 0; i < n; i++) {
             value[i] = column(t, i);
+            if (value[i].kind == LW_VALUE_TEXT && !value[i].text)
+                return lw_error_set(e, LW_E_MEMORY, "out of memory");
+        }
         status = q->row(q->context, n, name, value);
     }
     return status;

@@ -82,23 +82,19 @@ static lw_status write_topology(job *j, int n_column, const lw_value *v)
 
 static void put_text(cli_json *w, const char *name, const lw_value *v)
 {
-    char *text = v->kind == LW_VALUE_TEXT ? strndup(v->text, v->size) : NULL;
-    if (text)
-        cli_json_text(w, name, text);
-    free(text);
+    if (v->kind == LW_VALUE_TEXT)
+        cli_json_text(w, name, v->text);
 }
 
 static lw_status write_linkage(job *j, int n_column, const char *const *name, const lw_value *v)
 {
     cli_json w = cli_json_begin(j->out.f, 0);
-    char *json = v[L_JSON].kind == LW_VALUE_TEXT ? strndup(v[L_JSON].text, v[L_JSON].size) : NULL;
+    const char *json = v[L_JSON].kind == LW_VALUE_TEXT ? v[L_JSON].text : "";
     lw_assembly k = { 0 };
-    bool good = json && lw_assembly_read_result(json, strlen(json), NULL, 0, &k, NULL) == LW_OK;
+    lw_status s = lw_assembly_read_result(json, strlen(json), NULL, 0, &k, NULL);
     lw_assembly_free(&k);
-    if (!good) {
-        free(json);
-        return damaged(j, "a linkage that is none");
-    }
+    if (s != LW_OK)
+        return s == LW_E_MEMORY ? lw_error_set(&j->e, s, "out of memory") : damaged(j, "a linkage that is none");
     cli_json_object(&w, NULL);
     for (int i = L_TYPE; i <= L_TIMING; i++)
         put_text(&w, name[i], &v[i]);
@@ -124,7 +120,6 @@ static lw_status write_linkage(job *j, int n_column, const char *const *name, co
     }
     cli_json_raw(&w, "linkage", json);
     cli_json_end(&w);
-    free(json);
     return LW_OK;
 }
 

@@ -128,7 +128,6 @@ static lw_status json_row(job *j, const char *const *name, const lw_value *v)
     cli_json w = cli_json_begin(j->out.f, 0);
     cli_json_object(&w, NULL);
     for (int i = 0; i < j->n_column; i++) {
-        char *text = v[i].kind == LW_VALUE_TEXT ? strndup(v[i].text, v[i].size) : NULL;
         if (v[i].kind == LW_VALUE_INTEGER)
             cli_json_int(&w, name[i], v[i].integer);
         else if (v[i].kind == LW_VALUE_REAL)
@@ -136,8 +135,7 @@ static lw_status json_row(job *j, const char *const *name, const lw_value *v)
         else if (v[i].kind == LW_VALUE_BLOB)
             cli_json_int(&w, name[i], (long long)v[i].size);
         else
-            cli_json_text(&w, name[i], text);
-        free(text);
+            cli_json_text(&w, name[i], v[i].kind == LW_VALUE_TEXT ? v[i].text : NULL);
     }
     cli_json_end(&w);
     return LW_OK;
