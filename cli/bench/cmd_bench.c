@@ -356,8 +356,10 @@ static int run_fit_as(const cli_call *call, runs *r, int rank, bool *served)
         const char **file = calloc((size_t)b->n_problem + 1, sizeof *file);
         for (int i = 0; file && i < b->n_problem; i++)
             file[i] = b->problem[i].path;
-        st = !file ? lw_error_set(r->e, LW_E_MEMORY, "out of memory")
-           : cli_kept_open(s->keep, cli_kept_run(call->line, b->n_problem, file), &r->kept, r->e);
+        uint64_t kept_run = 0;
+        st = !file ? lw_error_set(r->e, LW_E_MEMORY, "out of memory") : cli_kept_run(call->line, b->n_problem, file, &kept_run, r->e);
+        if (st == LW_OK)
+            st = cli_kept_open(s->keep, kept_run, &r->kept, r->e);
         free(file);
     }
     if (st == LW_OK)

@@ -915,6 +915,7 @@ static int run(const cli_call *call)
 {
     const settings *s = call->settings;
     cli_side_by_side together = { .mpi = s->mpi };
+    uint64_t kept_run;
     lw_error e = { 0 };
     int code, rank = 0;
     if (strcmp(s->solver, "help") == 0)
@@ -927,7 +928,8 @@ static int run(const cli_call *call)
     if (s->mpi)
         rank = cli_mpi_begin();
     if (rank == 0 && s->keep
-        && cli_kept_open(s->keep, cli_kept_run(call->line, call->parsed.n_word, call->parsed.word), &together.kept, &e) != LW_OK)
+        && (cli_kept_run(call->line, call->parsed.n_word, call->parsed.word, &kept_run, &e) != LW_OK
+            || cli_kept_open(s->keep, kept_run, &together.kept, &e) != LW_OK))
         code = cli_fail(call, &e);
     if (s->mpi && !cli_mpi_agree(code == CLI_DONE))
         code = code == CLI_DONE ? CLI_BAD_INPUT : code;

@@ -30,7 +30,7 @@ static uint64_t hash(uint64_t h, const char *text, size_t size)
     return h;
 }
 
-uint64_t cli_kept_run(const char *line, int n_file, const char *const *file)
+lw_status cli_kept_run(const char *line, int n_file, const char *const *file, uint64_t *run, lw_error *e)
 {
     /* the number says how many words an option takes */
     static const struct { const char *name; int words; } left_out[] = {
@@ -55,11 +55,15 @@ uint64_t cli_kept_run(const char *line, int n_file, const char *const *file)
     for (int i = 0; i < n_file; i++) {
         char *text = NULL;
         size_t size = 0;
-        if (lw_file_read_bytes(file[i], &text, &size, NULL) == LW_OK)
+        lw_status s = lw_file_read_bytes(file[i], &text, &size, NULL);
+        if (s == LW_E_MEMORY)                         /* without the text it would be the number of another run */
+            return lw_error_set(e, s, "out of memory");
+        if (s == LW_OK)
             h = hash(h, text, size);
         free(text);
     }
-    return h;
+    *run = h;
+    return LW_OK;
 }
 
 static lw_status put(cli_kept *k, size_t task, const char *data, size_t size)
