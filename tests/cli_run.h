@@ -112,6 +112,7 @@ static inline void ran_free(ran *r)
 {
     free(r->out);
     free(r->err);
+    *r = (ran){ 0 };
 }
 
 /* Run, and check the exit code and a part of each output (NULL: not looked at). */

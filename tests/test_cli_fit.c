@@ -594,7 +594,7 @@ TEST(the_page_has_every_result_and_its_file)
 TEST(wanted_and_reached)
 {
     expect("$P fit examples/tasks/dwell.json --unlimited --rounds 1 --starts 10 --results 1 --plot $D/dwell.svg -o $D/dwell.json", 0, "", NULL);
-    ran json = run("grep -m 1 angle_error_max $D/dwell.json | cut -d: -f2"), svg = run("cat $D/dwell.svg");
+    OWN(ran) json = run("grep -m 1 angle_error_max $D/dwell.json | cut -d: -f2"), svg = run("cat $D/dwell.svg");
     CHECK_HAS(svg.out, ">input angle [deg]<");
     CHECK_HAS(svg.out, ">output angle [deg]<");
     double pixels = strtod(json.out, NULL)*180/3.14159265358979*460/40 + 0.5, cx, cy, most = 0;       /* 40 degrees take less than 460 px */
@@ -617,8 +617,6 @@ TEST(wanted_and_reached)
     }
     CHECK_INT(n, 16);
     CHECK(pixels > 0.5 && most < pixels + 1.5);           /* half the greatest distance of the points of the curve */
-    ran_free(&json);
-    ran_free(&svg);
     expect("$P fit examples/function-log.csv --links 4 --rounds 1 --starts 20 --save $D/log -q > /dev/null && "
            "grep -c 'class=\"curves\"' $D/log/index.html && test -s $D/log/function-log-curve.svg", 0, "1", NULL);
 }

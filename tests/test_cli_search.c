@@ -267,12 +267,11 @@ static int trace_results(const json_t *root, char kind)
             snprintf(path, sizeof path, "%s/found.json", getenv("D"));
             FILE *f = fopen(path, "w");
             CHECK(f && fputs(text, f) >= 0 && fclose(f) == 0);
-            ran t = run("$P trace $D/found.json --mode file --steps 2000");
+            OWN(ran) t = run("$P trace $D/found.json --mode file --steps 2000");
             CHECK_INT(t.code, 0);
             double most = real(r, "error_max");
             for (size_t p = 0; p < sizeof target_at/sizeof *target_at; p++)
                 CHECK(from_curve(t.out, target_at[p][0], target_at[p][1]) <= 1.02*most + 0.05);
-            ran_free(&t);
             found++;
         }
         free(text);

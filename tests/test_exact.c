@@ -380,7 +380,6 @@ TEST(threads_do_not_matter)
     CHECK_INT(one.fit.n, three.fit.n);
     for (int i = 0; i < one.fit.n && i < three.fit.n; i++)
         CHECK(memcmp(one.fit.candidate[i].dim, three.fit.candidate[i].dim, 9*sizeof(double)) == 0);
-    lw_exact_free(&three);
 }
 
 TEST(wrong_numbers_of_stations)

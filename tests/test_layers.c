@@ -137,7 +137,6 @@ static void check_layers(const lw_linkage *k, int most)
     double seen = room_seen(&fine, &l);
     CHECK(l.room > 0 && l.room <= seen && (isinf(seen) || l.room > 0.3*seen));
     lw_layers_free(&l);
-    lw_scene_free(&fine);
 }
 
 TEST(examples_pass_themselves)
@@ -175,7 +174,6 @@ TEST(room_of_random_linkages)
             CHECK(l.room > 0 && l.room <= seen);
             n_found += isfinite(l.room);
         }
-        lw_scene_free(&fine);
     }
     lw_layers_free(&l);
     CHECK(n_found > 20);

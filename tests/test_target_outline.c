@@ -384,8 +384,6 @@ TEST(splines_through_fit_points)
     CHECK(off_circle(&round) < 10*pow(h, 4)/384*1.5 + 3e-4);
     CHECK(off_circle(&half) < 10*pow(h, 4)/384*3);
     CHECK(off_circle(&bare) > 10*h*h/100 && off_circle(&bare) < 10*h*h/20);
-    lw_target_free(&half);
-    lw_target_free(&bare);
     /* three points with equal chords: half-way up the natural spline is at (1.5, 2.75) */
     OWN(lw_target) t = read_text(lw_target_read_dxf, HEAD "0\nSPLINE\n71\n3\n11\n0\n21\n0\n11\n0\n21\n0\n11\n3\n21\n4\n11\n6\n21\n0\n" TAIL);
     double least = INFINITY;
