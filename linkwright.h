@@ -1210,10 +1210,9 @@ typedef struct lw_fit_request {
     /* where to look */
     const char *types;                 /* four links: "fourbar,slidercrank", "all"       ("fourbar") */
     int         links;                 /* all mechanisms with up to so many links; 0: the fewest, and six with a third of
-                                        * the budget if every four-bar with a crank that turns leaves the path by more
-                                        * than 2 % of its diagonal, or by more than the tolerance, or a function by more
-                                        * than 2 % of its range; without bounds of lengths, four-bars of more than 3.25
-                                        * diagonals do not count, nor any if the first row is so large    (0)     */
+                                        * the budget if the first row of the four-bars with a crank that turns counts as
+                                        * missing the target by more than 2.5 % of its diagonal, or a function of its
+                                        * range (docs/theory.md), or by more than the tolerance         (0)     */
     int         dof;                   /* 1 to 3; inputs but the first go with it in ratios               (1)     */
     const char *joints;                /* kinds of joints with more than four links, of "rtpg"            ("r")   */
     const char *topology;              /* of these only "watt1,stephenson3,8.5"                           ("all") */

@@ -459,6 +459,12 @@ TEST(tolerances_of_lengths_choose_a_robust_linkage)
                                  tolerance[i]), *r = json_array_get(json_object_get(root, "results"), 0);
         stray[i] = member(r, "stray");
         within[i] = member(json_object_get(r, "robustness"), "within");
+        for (size_t k = 0; k < json_array_size(json_object_get(root, "results")); k++) {     /* to first order, beside 1000 random linkages */
+            json_t *row = json_array_get(json_object_get(root, "results"), k);
+            double trials = member(json_object_get(row, "robustness"), "within");
+            CHECK(member(row, "as_made") > 0.8*trials && member(row, "as_made") < 1.3*trials);
+            CHECK(member(row, "counts_as") >= member(r, "counts_as"));
+        }
         json_decref(root);
     }
     CHECK(within[1] < 0.8*1000*within[0]);

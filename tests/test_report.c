@@ -351,7 +351,7 @@ TEST(errors_below_the_noise_do_not_count)
         lw_fit_spec_set_limits(&k.spec, &k.t, 0);
         smaller = k;
         for (int d = 0; d < k.m.plan.n_dim; d++)
-            smaller.m.dim[d] *= k.m.plan.dim[d].kind != LW_DIM_ANGLE && d != k.m.plan.i_x0 && d != k.m.plan.i_y0 ? 0.998 : 1;
+            smaller.m.dim[d] *= k.m.plan.dim[d].kind != LW_DIM_ANGLE && d != k.m.plan.i_x0 && d != k.m.plan.i_y0 ? 0.99 : 1;
         claim(&smaller);
         lw_candidate c[] = { k.c, smaller.c };
         c[0].input = k.input;

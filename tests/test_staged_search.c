@@ -1,6 +1,7 @@
 /* Searches by number of links: a six-bar's curve is found again, more links are never worse, and the answer does
  * not depend on the number of threads. */
 #include "mbs/plan/types.h"
+#include "optimise/report/results.h"
 #include "optimise/topology/staged_search.h"
 #include "tests/six_bar.h"
 
@@ -251,7 +252,7 @@ static void search_open_path(bool crank_only, double tolerance, double max_secon
     lw_type_linkage(lw_type_find("sliderdriven"), &slider);
     lw_family four = { .name = "slider", .linkage = &slider, .links = 4 }, six = { .name = "six-bar", .linkage = &k, .links = 6 };
     lw_search_stage stage[] = { { .links = 4, .families = lw_families_of(&four, 1) },
-                                { .links = 6, .families = lw_families_of(&six, 1), .unless = unless, .until = unless } };
+                                { .links = 6, .families = lw_families_of(&six, 1), .unless = unless } };
     lw_fit_options o = lw_fit_options_default();
     OWN(lw_target) t = { 0 };
     o.spec.timing = LW_TIMING_FREE;
@@ -311,16 +312,16 @@ TEST(more_links_are_left_out_if_a_crank_is_enough)
     CHECK_INT(s.stage[1].n_of[1], 0);
 }
 
-/* Search a four-bar, then a six-bar unless a four-bar is this near, for a straight line, along which a level body moves if `level`; near[1], near[0]: how near the four-bars of more
- * than 3.25 diagonals are, and the others. */
-static int stages_of_a_line(bool level, double unless, double near[2])
+/* Search a four-bar, then a six-bar unless the first row of the four-bars counts as no more than `unless`, for a straight line, along which a
+ * level body moves if `level`.  near: how near four-bars are, as a part of the diagonal; counts_as: of the first row of the four-bars. */
+static int stages_of_a_line(bool level, double unless, double *near, double *counts_as)
 {
     double x[9], y[9] = { 0 }, theta[9] = { 0 };
     lw_linkage four, k = six_bar();
     lw_type_linkage(lw_type_find("fourbar"), &four);
     lw_family bars = { .name = "four-bar", .linkage = &four, .links = 4 }, six = { .name = "six-bar", .linkage = &k, .links = 6 };
     lw_search_stage stage[] = { { .links = 4, .families = lw_families_of(&bars, 1) },
-                                { .links = 6, .families = lw_families_of(&six, 1), .unless = unless, .until = unless, .budget = 10 } };
+                                { .links = 6, .families = lw_families_of(&six, 1), .unless = unless, .budget = 10 } };
     lw_fit_options o = lw_fit_options_default();
     lw_fit_report *r = malloc(sizeof *r);
     OWN(lw_staged_search) s = { 0 };
@@ -333,33 +334,42 @@ static int stages_of_a_line(bool level, double unless, double near[2])
     o.budget = 300;
     lw_fit_spec_set_limits(&o.spec, &t, 0);
     CHECK_INT(lw_staged_search_run(&t, &o, stage, 2, &s, NULL), LW_OK);
-    near[0] = near[1] = INFINITY;
+    lw_fit four_bars = { .candidate = s.fit.candidate };      /* the first by error: with a crank, or no row              */
+    lw_fit_results rows;
+    *near = INFINITY;
     for (int i = 0; i < s.fit.n; i++) {
-        const lw_candidate *c = &s.fit.candidate[i];
-        if (lw_candidate_links(c) == 4 && c->part != LW_FIT_OTHERS && lw_fit_report_make(&t, &o.spec, c, r, NULL) == LW_OK
-            && r->verified && !r->broken)
-            near[c->longest > 3.25*t.extent] = fmin(near[c->longest > 3.25*t.extent], lw_fit_report_distance(&t, r));
+        lw_candidate c = s.fit.candidate[i];
+        if (lw_candidate_links(&c) != 4 || c.part == LW_FIT_OTHERS)
+            continue;
+        s.fit.candidate[i] = s.fit.candidate[four_bars.n];
+        s.fit.candidate[four_bars.n++] = c;
+        if (lw_fit_report_make(&t, &o.spec, &c, r, NULL) == LW_OK && r->verified && !r->broken)
+            *near = fmin(*near, lw_fit_report_distance(&t, r)/t.extent);
     }
+    CHECK_INT(lw_fit_results_make(&t, &o.spec, &four_bars, 24, NULL, NULL, &rows, NULL), LW_OK);
+    *counts_as = rows.n > 0 ? rows.report[0].counts_as : INFINITY;
+    lw_fit_results_free(&rows);
     int n = s.n_stage;
     free(r);
     return n;
 }
 
-/* A four-bar of more than 3.25 diagonals of the target is no reason to leave six links out; a smaller one as near is. */
-TEST(large_linkages_are_not_enough)
+/* A four-bar that is near the target but large, or has small transmission angles, is no reason to leave six links out. */
+TEST(six_links_follow_where_the_first_row_counts_as_far)
 {
-    double near[2], again[2];
-    CHECK_INT(stages_of_a_line(false, INFINITY, near), 1);
-    CHECK(near[1] < 0.9*near[0] && near[0] < INFINITY);
-    CHECK_INT(stages_of_a_line(false, 0.5*(near[0] + near[1]), again), 2);
+    double near, counts_as, again[2];
+    CHECK_INT(stages_of_a_line(false, INFINITY, &near, &counts_as), 1);
+    CHECK(near < 0.5*counts_as && counts_as < INFINITY);
+    CHECK_INT(stages_of_a_line(false, 1.01*counts_as, &again[0], &again[1]), 1);
+    CHECK_INT(stages_of_a_line(false, 0.99*counts_as, &again[0], &again[1]), 2);
 }
 
-/* The jaw of a gripper: small four-bars are near its poses, but one of six diagonals is so much nearer that it would be the first row. */
+/* The jaw of a gripper: four-bars are within LW_NEAR of its poses, but only large ones. */
 TEST(six_links_where_a_large_four_bar_would_be_first)
 {
-    double near[2];
-    CHECK_INT(stages_of_a_line(true, INFINITY, near), 2);
-    CHECK(near[0] < INFINITY);
+    double near, counts_as;
+    CHECK_INT(stages_of_a_line(true, LW_ENOUGH, &near, &counts_as), 2);
+    CHECK(near < LW_NEAR && counts_as > LW_ENOUGH);
 }
 
 /* Under a time limit reports are made during the search: when the time ends, the rows are chosen among all that was found. */

@@ -32,9 +32,9 @@ static const cli_option options[] = {
       "as RRRP (R pin, P slider); 'all' tries every type", 0, 0, NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
-      "with --dof 2, numbers from 5. Without it 4; and 6 if every four-bar of at most 3.25 diagonals whose crank turns fully leaves a path by more than 2 % of its "
-      "diagonal, or a function by more than 2 % of its range, or by more than --tolerance, or if a longer one would be the first row: with a third of the budget, and with the "
-      "rest if that finds none nearer. Of fewer than 16 points a four-bar that meets them to 1/1000 is near enough. If a rocking four-bar is near enough, only cranks are searched", 4, 10,
+      "with --dof 2, numbers from 5. Without it 4; and 6 if the first row of the four-bars whose crank turns fully counts as missing the target by more than 2.5 % (above), or "
+      "leaves it by more than --tolerance: with a third of the budget, and with the rest if that finds none that is enough. If a rocking four-bar is enough, only "
+      "cranks are searched", 4, 10,
       NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
       "degree of freedom, 1 to 3: the number of driven joints at the ground. 2 gives mechanisms of 5, 7 and 9 links, 3 "
@@ -976,9 +976,11 @@ const cli_command cli_fit_command = {
         "from a change point, unless its input rocks with transmission angles of 20 degrees or more, as that of a\n"
         "parallelogram may. Every limit is one option; giving one replaces that default only; --unlimited switches all\n"
         "off. The rows are a front: none is worse than another in error, size, transmission angle and number of links.\n"
-        "The first row weighs them: half the error counts as much as 0.45 of the size (beyond 1.5 diagonals of the\n"
-        "target; beyond 3 as 0.65 of it), 35 degrees of transmission angle (up to 45), or 1.4 links. Below 1.5 diagonals\n"
-        "a smaller one comes first where the rest is nearly alike. An error below 1/1000 of the target, or\n"
+        "The first row is the one with the least error as it is made: what it misses the target by, and what 95 of 100\n"
+        "such linkages stray from it if every length varies by +-1/2500 of the target, or by --tolerances. Half this\n"
+        "error counts as much as 0.45 of the size (beyond one diagonal of the target; beyond 3 as 0.65 of it), 35 degrees\n"
+        "of transmission angle (up to 45), or 1.4 links. So a row counts as missing the target by so much as a four-bar\n"
+        "of its size with 45 degrees would that is as good (`counts_as` in JSON). An error below 1/1000 of the target, or\n"
         "below what --smooth moved its points by, hardly counts, one above 1/50 more. Of a function the ratio of the\n"
         "longest to the shortest length stands for the size, 4 for a diagonal, and its swing, at least 57 degrees, for\n"
         "the target. If a row stays within 1/10000 of the target (3/10000 between its points; an angle within 0.006\n"

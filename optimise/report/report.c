@@ -416,7 +416,7 @@ static lw_status report_with(const lw_plan *plan, const lw_target *t, const lw_f
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a report on %zu stations", t->n);
     r->input_turns_per_period = plan->input_turns_per_period;
-    r->transmission_min = r->transmission_max = r->input_first = r->input_last = NAN;
+    r->counts_as = r->as_made = r->spread = r->transmission_min = r->transmission_max = r->input_first = r->input_last = NAN;
     r->likeness = (lw_likeness){ NAN, NAN, NAN, NAN };
     r->stray = (lw_stray){ NAN, NAN, NAN };
     lw_posture posture;

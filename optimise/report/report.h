@@ -67,8 +67,13 @@ typedef struct lw_fit_report {
     double   cognate[2][9], cognate_mode[2];
     lw_stray stray;                /* of the whole closed curve from a closed target, of the arc between the ends from an
                                     * open one, both ways [m]; NaN for functions                    */
-    double   spread;               /* 95 of 100 linkages made with the tolerances of the specification stay this near to the
-                                    * curve [m]; NaN: it has none, or the linkage no derivatives; set by lw_fit_results_make  */
+    double   as_made;              /* about 95 of 100 linkages made with the tolerances of the specification, or else of a workshop, stay
+                                    * this near to the curve, and of a motion to the angle, over half the diagonal [m]; NaN: the
+                                    * linkage has no derivatives, or a function; set by lw_fit_results_make         */
+    double   spread;               /* the same if the specification has tolerances, else NaN                        */
+    double   counts_as;            /* the error of a four-bar that would be ranked alike if it were no longer than the target, with a crank
+                                    * that turns and transmission angles of 45 degrees, as a part of the diagonal, or of the swing of a
+                                    * function; NaN: not ranked in this way; set by lw_fit_results_make              */
     bool     passes_limit;         /* between the stations the input passes a limit or turns back; on a closed target it
                                     * does not turn fully                                           */
     double   size;                 /* greatest distance of two pins, or of a pin and a point, of one link [m]       */
@@ -114,7 +119,7 @@ double lw_fit_report_misses(const lw_target *t, const lw_fit_report *r);
 double lw_fit_report_distance(const lw_target *t, const lw_fit_report *r);
 
 /* What the linkage surely misses the target by [m]: as above, but between a few stations any linkage may leave the interpolation so far,
- * whether it meets them or not. */
+ * whether it meets them or not; a twentieth of that distance counts. */
 double lw_fit_report_known_miss(const lw_target *t, const lw_fit_report *r);
 
 /* The active limits with commas between. */

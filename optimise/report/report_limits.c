@@ -177,6 +177,7 @@ double lw_fit_report_misses(const lw_target *t, const lw_fit_report *r)
 }
 
 #define FEW        16              /* stations                                                              */
+#define DOUBT      0.05            /* part of the distance from an interpolation of a few stations that counts                   */
 #define SAME_CURVE 1e-5            /* stations met so well, by a linkage with few dimensions, were drawn by that linkage   */
 
 double lw_fit_report_distance(const lw_target *t, const lw_fit_report *r)
@@ -190,8 +191,9 @@ double lw_fit_report_distance(const lw_target *t, const lw_fit_report *r)
 
 double lw_fit_report_known_miss(const lw_target *t, const lw_fit_report *r)
 {
-    double distance = lw_fit_report_distance(t, r);
-    return t->n < FEW ? fmin(distance, fmax(r->error_max, r->stray.to_target - r->stray.unsure) + turned(t, r)) : distance;
+    if (t->n >= FEW)
+        return lw_fit_report_distance(t, r);
+    return fmax(fmax(r->error_max, DOUBT*r->stray.to_target), r->stray.to_target - r->stray.unsure) + turned(t, r);
 }
 
 void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size)

@@ -239,9 +239,8 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 }
 
 /* Properties that a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
-#define COMPACT      1.5           /* the longest link, in sizes of the target: ...                                 */
-#define PER_SIZE     0.85          /* ... beyond this twice the length counts as 1.8 times the error, beyond BULKY as 3.2 times, ... */
-#define PER_LESS     0.1           /* ... below it half the length counts as 0.93 times the error                   */
+#define PER_SIZE     0.85          /* twice the longest link, if longer than the target, counts as 1.8 times the error, beyond BULKY as ... */
+#define PER_LESS     0.1           /* ... 3.2 times; half the longest link, if shorter than the target, as 0.93 times            */
 #define PER_RATIO    0.85          /* beyond LW_EVEN, twice the ratio of longest to shortest link counts as 1.8 times the error */
 #define PER_MISS     0.8           /* beyond LW_NEAR twice the error counts as 3.5 times                            */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
@@ -250,21 +249,25 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 
 static double cost_of_size(double bulk)
 {
-    double most = fmax(bulk, 0.1)/COMPACT;
-    return PER_LESS*log(fmin(1, most)) + PER_SIZE*(log(fmax(1, most)) + log(fmax(1, bulk/BULKY)));
+    return PER_LESS*log(fmin(1, fmax(bulk, 0.1))) + PER_SIZE*(log(fmax(1, bulk)) + log(fmax(1, bulk/BULKY)));
+}
+
+/* How far a linkage stays from the target as it is made, as a part of the diagonal, or of the swing of the output. */
+static double part_as_made(const lw_target *t, const lw_fit_report *r)
+{
+    if (!(t->extent > 0))
+        return hypot(r->angle_max/fmax(1, lw_target_swing(t)), LW_EXACT_ENOUGH);
+    double made = isnan(r->as_made) ? LW_EXACT_ENOUGH*t->extent : r->as_made;
+    return hypot(hypot(lw_fit_report_known_miss(t, r), made)/t->extent, fmax(LW_EXACT_ENOUGH, t->noise/t->extent));
 }
 
 /* Less is better. */
 static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
-    const bool has_place = t->extent > 0;
-    const double bulk = bulk_of(t, r), none = has_place ? fmax(LW_EXACT_ENOUGH, t->noise/t->extent) : LW_EXACT_ENOUGH;  /* of manufacture */
-    const double error = has_place ? (lw_fit_report_known_miss(t, r) + (isnan(r->spread) ? 0 : r->spread))/t->extent
-                                   : r->angle_max/fmax(1, lw_target_swing(t));
-    return log(hypot(error, none)) + PER_MISS*log(fmax(1, error/fmax(LW_NEAR, none)))
-         + cost_of_size(bulk) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
-         + (has_place ? PER_RATIO*log(lw_uneven(lw_fit_report_ratio(t, r), 1)) : 0)
-         + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
+    double part = part_as_made(t, r), near = t->extent > 0 ? fmax(LW_NEAR, t->noise/t->extent) : LW_NEAR;
+    return log(part) + PER_MISS*log(fmax(1, part/near)) + cost_of_size(bulk_of(t, r))
+         + (t->extent > 0 ? PER_RATIO*log(lw_uneven(lw_fit_report_ratio(t, r), 1)) : 0)
+         + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min) + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
 }
 
 /* Sort the front by cost and keep `most` rows, among them the best in each measure, and the first of each number of links. */
@@ -359,13 +362,18 @@ typedef struct reports {
     atomic_bool        any;                  /* there is one to keep                               */
 } reports;
 
-/* How far linkages made with the tolerances of s stray from the curve of this one. */
-static lw_status find_spread(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r)
+/* A tolerance of lengths, in diagonals of the target, that a workshop keeps without effort: +-0.08 mm of 200 mm (IT 10 of ISO 286-1). */
+#define WORKSHOP 4e-4
+
+/* How far linkages stray from the curve of this one as they are made: two standard deviations in the worst posture. */
+static lw_status find_as_made(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r)
 {
-    lw_robustness robust;
-    lw_status st = s->tolerances.length > 0 || s->tolerances.clearance > 0
-                 ? lw_robustness_of(t, c, r, &s->tolerances, &robust, NULL) : LW_NOTHING;
-    r->spread = st == LW_OK ? robust.within : NAN;
+    const lw_tolerances workshop = { .length = WORKSHOP*t->extent };
+    const bool given = s->tolerances.length > 0 || s->tolerances.clearance > 0;
+    double deviation;
+    lw_status st = t->extent > 0 ? lw_robustness_deviation(t, c, r, given ? &s->tolerances : &workshop, &deviation) : LW_NOTHING;
+    r->as_made = st == LW_OK ? 2*deviation : NAN;
+    r->spread = given ? r->as_made : NAN;
     return st == LW_E_MEMORY ? st : LW_OK;
 }
 
@@ -382,7 +390,7 @@ static lw_status report_of(const lw_target *t, const lw_fit_spec *s, const lw_ca
         return LW_OK;
     }
     lw_status st = lw_fit_report_make(t, s, c, r, NULL);
-    return st == LW_OK ? find_spread(t, s, c, r) : st;
+    return st == LW_OK ? find_as_made(t, s, c, r) : st;
 }
 
 static void make_report(void *context, size_t i, int thread)
@@ -469,6 +477,8 @@ lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw
     }
     if (st == LW_OK && s->by_default && out->n_within == 0)
         order_front(t, fit, most, all, &f, out);
+    for (int i = 0; i < out->n && st == LW_OK && s->by_default; i++)
+        out->report[i].counts_as = exp(cost_of(t, &fit->candidate[out->candidate[i]], &out->report[i]) - 4*PER_LINK);
     free(all);
     free(fit_for_use);
     if (st != LW_OK)

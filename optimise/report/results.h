@@ -6,6 +6,8 @@
 
 /* A linkage that leaves the target by no more than this part of its diagonal follows it well. */
 #define LW_NEAR 0.02
+/* More links are searched where the first row counts as missing the target by more than this (lw_fit_report.counts_as). */
+#define LW_ENOUGH 0.025
 
 /* A candidate that is no result. */
 typedef struct lw_left_out {

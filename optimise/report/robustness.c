@@ -137,11 +137,11 @@ static void draw(spread *p, const lw_tolerances *of, lw_robustness *out)
     out->within = n > 0 ? p->far[(int)ceil(0.95*n) - 1] : NAN;
 }
 
-lw_status lw_robustness_make(const lw_linkage *linkage, const double *input, size_t n, const lw_tolerances *of,
-                             lw_robustness *out, lw_error *e)
+static lw_status spread_of(const lw_linkage *linkage, const double *input, size_t n, const lw_tolerances *of, int trials,
+                           lw_robustness *out, lw_error *e)
 {
     memset(out, 0, sizeof *out);
-    out->trials = of->trials > 0 ? of->trials : TRIALS;
+    out->trials = trials;
     if (n == 0 || !(of->length >= 0 && of->clearance >= 0) || linkage->n_tracer == 0)
         return lw_error_set(e, LW_E_ARG, "tolerances need a point, postures, and lengths that are not negative");
     spread *p = calloc(1, sizeof *p);
@@ -152,7 +152,7 @@ lw_status lw_robustness_make(const lw_linkage *linkage, const double *input, siz
         set_deviations(of, p);
         st = linearise(p, out, e);
     }
-    if (st == LW_OK)
+    if (st == LW_OK && trials > 0)
         draw(p, of, out);
     free(p->work);
     free(p->c);
@@ -160,13 +160,19 @@ lw_status lw_robustness_make(const lw_linkage *linkage, const double *input, siz
     return st;
 }
 
-lw_status lw_robustness_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, const lw_tolerances *of,
-                           lw_robustness *out, lw_error *e)
+lw_status lw_robustness_make(const lw_linkage *linkage, const double *input, size_t n, const lw_tolerances *of,
+                             lw_robustness *out, lw_error *e)
 {
-    enum { POSTURES = 64 };
-    double input[POSTURES], lo = 0, hi = 0;
+    return spread_of(linkage, input, n, of, of->trials > 0 ? of->trials : TRIALS, out, e);
+}
+
+enum { POSTURES = 64 };
+
+/* Inputs of a result over the turn or between its stations, from that of its posture on. */
+static lw_status postures_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, double input[POSTURES], lw_error *e)
+{
+    double lo = 0, hi = 0;
     size_t dyads = (size_t)c->n_dyad;
-    memset(out, 0, sizeof *out);
     for (size_t i = dyads; c->mode_of && i < t->n*dyads; i++)
         if (c->mode_of[i] != c->mode_of[i - dyads])
             return lw_error_set(e, LW_E_KIND, "its motion passes a limit of the input, where the point's place has no "
@@ -177,5 +183,33 @@ lw_status lw_robustness_of(const lw_target *t, const lw_candidate *c, const lw_f
     }
     for (int i = 0; i < POSTURES; i++)
         input[i] = r->turns ? 2*LW_PI*i/POSTURES : lo + (hi - lo)*i/(POSTURES - 1);
-    return lw_robustness_make(&r->linkage, input, POSTURES, of, out, e);
+    return LW_OK;
+}
+
+lw_status lw_robustness_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, const lw_tolerances *of,
+                           lw_robustness *out, lw_error *e)
+{
+    double input[POSTURES];
+    memset(out, 0, sizeof *out);
+    lw_status st = postures_of(t, c, r, input, e);
+    return st == LW_OK ? lw_robustness_make(&r->linkage, input, POSTURES, of, out, e) : st;
+}
+
+/* The variances of two points of a body at equal distances d on both sides of a third one have as their mean that of the third point, and
+ * d^2 times that of the angle. */
+lw_status lw_robustness_deviation(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, const lw_tolerances *of, double *out)
+{
+    double input[POSTURES], square = 0, side = t->theta ? 0.5*t->extent : 0;
+    lw_robustness one;
+    lw_linkage *linkage = malloc(sizeof *linkage);
+    lw_status st = linkage ? postures_of(t, c, r, input, NULL) : LW_E_MEMORY;
+    for (int k = -1; k <= 1 && st == LW_OK; k += 2) {
+        *linkage = r->linkage;
+        linkage->tracer[0].at.x += k*side;
+        st = spread_of(linkage, input, POSTURES, of, 0, &one, NULL);
+        square += 0.5*one.worst*one.worst;
+    }
+    free(linkage);
+    *out = sqrt(square);
+    return st;
 }

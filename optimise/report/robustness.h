@@ -32,4 +32,8 @@ lw_status lw_robustness_make(const lw_linkage *linkage, const double *input, siz
 lw_status lw_robustness_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, const lw_tolerances *of,
                            lw_robustness *out, lw_error *e);
 
+/* The same to first order alone: the standard deviation in the worst posture [m], of a motion with that of the angle times half the
+ * diagonal of the target. */
+lw_status lw_robustness_deviation(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, const lw_tolerances *of, double *out);
+
 #endif

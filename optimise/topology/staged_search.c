@@ -20,12 +20,11 @@ enum {
     OF_EACH = 4,            /* candidates of every number of links that are kept, in case the best has a defect */
     ROWS = 24,              /* rows that the next search starts from, with default limits            */
     PARTS = 4,              /* small cranks have one of so many parts of a budget, and all others one, at first  */
-    NEAREST = 12            /* candidates whose distance from the target is looked at               */
+    NEAREST = 12            /* candidates of each number of links that the first searches of a stage look at */
 };
 #define SAME     1e-9       /* relative difference of the objectives of one linkage, or of cognates  */
 #define ROUNDING 1e-20      /* objectives below this are not compared                                */
 #define NO_SMALLER 1.02      /* sizes that differ less are alike                                      */
-#define LARGE    3.25        /* diagonals of the target                                               */
 #define LEAST_PART 0.02      /* of a time limit, that is worth another part of the search            */
 #define STRAY    0.02       /* sizes of the target that a curve may leave it beside 1.5 times its greatest error */
 
@@ -488,20 +487,16 @@ static lw_status run_searches(const stage_part *p, lw_fit_part kind, long budget
     return stopped ? LW_STOPPED : LW_OK;
 }
 
-/* Lengths from which on a linkage would hardly be built where more links make a smaller one [m]; the user may bound lengths otherwise. */
-static double large(const lw_target *t, const lw_fit_spec *s)
-{
-    return lw_task_has_place(s->task) && s->by_default & LW_LIMIT_SIZE && !(s->length_hi > 0) && s->n_bound == 0 ? LARGE*t->extent : INFINITY;
-}
-
-/* Is the row that a person would see first of the linkages found (of the cranks, or of all) large?  All have reports after this.
- * LW_E_MEMORY. */
-static lw_status first_is_large(const lw_target *t, const lw_fit_options *o, double end, bool cranks, lw_staged_search *out,
-                                bool *is_large)
+/* Is the row that a person would see first of the linkages found (of the cranks, or of all) good enough to leave a stage with `unless` out?
+ * begun: the stage was searched before.  All linkages have reports after this.  LW_E_MEMORY. */
+static lw_status is_enough(const lw_target *t, const lw_fit_options *o, double end, double unless, bool begun, bool cranks, lw_staged_search *out,
+                           bool *enough)
 {
     const lw_results_effort effort = { .jobs = o->jobs, .until = end, .interrupt = o->interrupt };
     const lw_fit *all = &out->fit;
+    const double tolerance = o->spec.tolerance;
     lw_fit_results rows;
+    *enough = false;
     shorten(out, o);
     lw_fit_results_keep(t, &o->spec, &out->fit, &effort);
     lw_fit seen = { .candidate = malloc(sizeof *seen.candidate*((size_t)all->n + 1)) };
@@ -511,41 +506,11 @@ static lw_status first_is_large(const lw_target *t, const lw_fit_options *o, dou
     lw_status st = seen.candidate ? lw_fit_results_make(t, &o->spec, &seen, ROWS, NULL, &effort, &rows, NULL) : LW_E_MEMORY;
     free(seen.candidate);
     if (st == LW_OK) {
-        *is_large = rows.n > 0 && rows.report[0].size > large(t, &o->spec);
+        bool good = rows.n > 0 && rows.broken == 0 && rows.report[0].counts_as <= unless;
+        *enough = tolerance > 0 ? rows.n_within > 0 && (good || !begun) : good;
         lw_fit_results_free(&rows);
     }
     return st == LW_E_MEMORY ? st : LW_OK;
-}
-
-/* Is one of the linkages found (of the cranks, or of all) near enough to the target to leave a stage out?  Those that break limits or are
- * large do not count; and where a large one would be the first row, because it is so much nearer, more links may be as near and
- * smaller. */
-static lw_status is_enough(const lw_target *t, const lw_fit_options *o, double end, double unless, bool cranks, lw_staged_search *out,
-                           bool *enough)
-{
-    const lw_fit *all = &out->fit;
-    const lw_fit_spec *s = &o->spec;
-    lw_fit_report *r = malloc(sizeof *r);
-    lw_status st = r ? LW_OK : LW_E_MEMORY;
-    const double most = large(t, s);
-    bool is_large = false;
-    *enough = false;
-    for (int i = 0, seen = 0; i < all->n && seen < NEAREST && !*enough && st == LW_OK && all->candidate[i].beyond == 0; i++) {
-        const lw_candidate *c = &all->candidate[i];
-        if ((cranks && !is_of_cranks(c)) || c->shrunk || c->longest > most)
-            continue;
-        st = lw_fit_report_make(t, s, c, r, NULL);
-        bool usable = st == LW_OK && r->verified && !r->broken;
-        seen += usable;
-        *enough = usable && (!lw_task_has_place(s->task) ? r->angle_max : s->tolerance > 0 ? lw_fit_report_misses(t, r)
-                             : lw_fit_report_distance(t, r)) <= unless;
-        st = st == LW_E_MEMORY ? st : LW_OK;
-    }
-    free(r);
-    if (st == LW_OK && *enough && isfinite(most))
-        st = first_is_large(t, o, end, cranks, out, &is_large);
-    *enough &= !is_large;
-    return st;
 }
 
 /* Search the families of a stage, with default limits for cranks first, as a search for cranks alone does; then, with half as much, for
@@ -559,7 +524,7 @@ static lw_status run_all_families(const stage_part *p)
     lw_stop stop = p->r->stop;
     if ((st != LW_OK && st != LW_E_KIND) || kind != LW_FIT_CRANKS || must_turn || stop == LW_STOP_F_TARGET)
         return st;
-    if (p->stage->until > 0 && (st = is_enough(p->t, o, p->end, p->stage->until, false, p->out, &enough)) != LW_OK)
+    if (p->stage->unless > 0 && (st = is_enough(p->t, o, p->end, p->stage->unless, true, false, p->out, &enough)) != LW_OK)
         return lw_error_set(p->e, st, "no memory for a report");
     st = enough ? LW_OK : run_searches(p, LW_FIT_OTHERS, (o->budget + 1)/2, &p->r->n_of[1]);
     p->r->stop = st == LW_STOPPED ? p->r->stop : stop;    /* an exact find of the others does not end the search for cranks */
@@ -689,8 +654,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
             st = i < 0 || c.beyond ? st : LW_STOPPED;
             break;
         }
-        double near = first ? stage[i].unless : stage[i].until;
-        if (near > 0 && is_enough(t, o, end, near, o->spec.by_default, out, &enough) != LW_OK) {
+        if (stage[i].unless > 0 && is_enough(t, o, end, stage[i].unless, !first, o->spec.by_default, out, &enough) != LW_OK) {
             lw_staged_search_free(out);
             return lw_error_set(e, LW_E_MEMORY, "no memory for a report");
         }

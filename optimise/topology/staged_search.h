@@ -21,12 +21,10 @@
 typedef struct lw_search_stage {
     int              links;
     lw_families      families;       /* make NULL: the four-link types of lw_fit_options.types      */
-    double           unless;         /* > 0: this stage and all after it are left out if a linkage that keeps all conditions is this near
-                                      * to the target [m], of a function [rad] (lw_fit_report_misses); with default limits, a crank, and of
-                                      * a path no longer than 3.25 diagonals, as the first row is then, too, unless lengths are bounded */
-    double           until;          /* with `unless`: once begun, they end as soon as one is this near.  If another linkage than a crank
-                                      * is, only cranks are searched.  A third of the budget, or of the first part of it, is searched before
-                                      * it looks again */
+    double           unless;         /* > 0, with default limits: this stage and all after it are left out if of the cranks found the first row
+                                      * counts as no more than this (lw_fit_report.counts_as), or is within spec.tolerance.  Once begun,
+                                      * they end as soon as both are so; if they are so with others than cranks, only cranks are searched.  A
+                                      * third of the budget, or of the first part of it, is searched before it looks again */
     long             budget;         /* of the stage; 0: that of lw_fit_options                      */
     /* Write the name of a linkage with an added dyad.  LW_NOTHING: the linkage is not wanted; a failure ends the search.
      * NULL: names come from the parent. */

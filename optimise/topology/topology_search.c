@@ -193,11 +193,8 @@ static lw_status make_plan(const lw_target *t, const lw_topology_search_options 
     make_stages(o, p);
     if (p->n_stage == 0 && p->set.uncounted > 0)
         return lw_error_set(e, LW_NOTHING, "the time ended while mechanisms were still counted: none was searched; give it longer, or fewer links");
-    const double near = LW_NEAR*(lw_task_has_place(o->fit.spec.task) ? t->extent : lw_target_swing(t));
-    for (int i = 1; i < p->n_stage && may_go_on(o); i++) {
-        p->stage[i].unless = o->fit.spec.tolerance > 0 ? o->fit.spec.tolerance : near;
-        p->stage[i].until = fmin(p->stage[i].unless, near);      /* what a search without a tolerance finds is found with it */
-    }
+    for (int i = 1; i < p->n_stage && may_go_on(o); i++)
+        p->stage[i].unless = LW_ENOUGH;
     return choose_point_links(t, &o->fit.spec, p, e);
 }
 
