@@ -346,11 +346,11 @@ lw_status lw_run_singular_forces(lw_run *run, double t, const double *y)
         double *end = run->state + n, *kept = end + n, *l = kept + 2*(n_v + n_c), *way = l + (LW_PASSAGE_NODES + 4)*n_c;
         memcpy(kept + n_v + n_c, d->a, n_v*sizeof *kept);
         memcpy(kept + 2*n_v + n_c, d->l, n_c*sizeof *kept);
-        bool crosses = false, by_rounding = false;
+        bool by_rounding = false;
         for (double half = longest_window; speed > 0 && best > agreed && !by_rounding && half >= shortest_window; half *= 0.5) {
             z.start = t - half/speed;
             z.length = 2*half/speed;
-            bool centred = false, solved = true;
+            bool solved = true;
             for (int pass = 0; solved && pass < 2; pass++) {
                 z.anchor = (t - z.start)/z.length;
                 for (int k = 0; k < LW_PASSAGE_NODES && solved; k++) {
@@ -367,9 +367,8 @@ lw_status lw_run_singular_forces(lw_run *run, double t, const double *y)
                 memcpy(z.begun, y, n*sizeof *y);
                 solved = solved && (pass == 0 || lw_passage_solve(&z, end, &tail) == LW_OK);
                 if (pass == 0)
-                    solved = solved && (centred = lw_passage_centre(&z));
+                    solved = solved && lw_passage_centre(&z);
             }
-            crosses = crosses || centred;
             double off = solved && lw_passage_meets(&z, 10*d->o.absolute) ? forces_at_anchor(&z, l) : INFINITY;
             by_rounding = best < disagreed && !(off < improved*best);
             if (!(off < best))
@@ -379,7 +378,7 @@ lw_status lw_run_singular_forces(lw_run *run, double t, const double *y)
             memcpy(kept + n_v, d->l, n_c*sizeof *kept);
         }
         bool known = best < disagreed;
-        if (!known && apart > (crosses ? 10 : 1)*least_apart)    /* as they were */
+        if (!known && apart > least_apart)   /* as they were */
             known = (kept += n_v + n_c, true);
         for (size_t i = 0; i < n_v; i++)
             d->a[i] = known ? kept[i] : NAN;
