@@ -301,6 +301,10 @@ lw_status lw_picture_pdf_pages(const lw_drawing *d, size_t n, lw_bytes *out, lw_
     cairo.surface_finish(surface);
     s = s ? s : cairo.surface_status(surface);
     cairo.surface_destroy(surface);
+    static const char mark[] = "%%EOF\n";                       /* cairo may leave out the end for lack of memory, and not say so */
+    size_t last = sizeof mark - 1;
+    if (!s && (out->failed || out->size < last || memcmp(out->data + out->size - last, mark, last) != 0))
+        s = CAIRO_STATUS_NO_MEMORY;
     return outcome(s, out, e);
 }
 
