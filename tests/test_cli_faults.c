@@ -463,6 +463,8 @@ TEST(last_failure_is_named)
         expect_with(MEMORY_ERROR, "", "out of memory", "LW_FAIL=malloc:%d $C simulate examples/space/superelement.json --analysis static", n);
     for (int n = 4; n < 9; n++)
         expect_with(MEMORY_ERROR, "", "memory", "rm -f $D/k; LW_FAIL=malloc:%d $C chains --links 8 --count -j 1 --keep $D/k", n);
+    for (int n = 11; n < 14; n++)                /* among them that of the last line of a listing that is continued */
+        expect_with(MEMORY_ERROR, NULL, "memory", "rm -f $D/r; $P chains --links 8 -q -o $D/r; LW_FAIL=malloc:%d $C chains --links 8 --resume -o $D/r", n);
     for (int n = 13; n < 17; n++)                /* a sentence that is not made was left out, with code 0 */
         expect_with(MEMORY_ERROR, NULL, "memory", "LW_FAIL=malloc:%d $C chains --links 6 --format sentence -j 1", n);
     for (int n = 165; n < 168; n++)

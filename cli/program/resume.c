@@ -42,21 +42,23 @@ static bool cut(FILE *f, off_t size)
 }
 
 /* Leave in f the lines of `old` if `old` has more, else its own. Keep a copy of the last line. */
-static bool take_over(FILE *f, FILE *old, cli_resume *r)
+static lw_status take_over(FILE *f, FILE *old, cli_resume *r)
 {
     lines mine, theirs = { 0, 0, 0 };
     if (!count_lines(f, &mine) || (old && !count_lines(old, &theirs)))
-        return false;
+        return LW_E_IO;
     if (theirs.n > mine.n) {
         if (!cut(f, 0) || !copy(old, f, theirs.end))
-            return false;
+            return LW_E_IO;
         mine = theirs;
     }
     r->n_line = mine.n;
     r->size = (size_t)(mine.end - mine.last);
     r->last = malloc(r->size + 1);
-    return r->last && fseeko(f, mine.last, SEEK_SET) == 0 && fread(r->last, 1, r->size, f) == r->size && cut(f,
-                                                                                                             mine.end);
+    if (!r->last)
+        return LW_E_MEMORY;
+    bool whole = fseeko(f, mine.last, SEEK_SET) == 0 && fread(r->last, 1, r->size, f) == r->size && cut(f, mine.end);
+    return whole ? LW_OK : LW_E_IO;
 }
 
 lw_status cli_resume_open(const cli_call *call, bool resume, lw_output *o, cli_resume *r, lw_error *e)
@@ -67,9 +69,10 @@ lw_status cli_resume_open(const cli_call *call, bool resume, lw_output *o, cli_r
     if (status != LW_OK || !o->temp[0])
         return status;                           /* a pipe or device has no lines to continue */
     FILE *old = resume ? fopen(o->path, "rb") : NULL;
-    bool good = resume ? take_over(o->f, old, r) : cut(o->f, 0);
+    status = resume ? take_over(o->f, old, r) : cut(o->f, 0) ? LW_OK : LW_E_IO;
     if (old)
         fclose(old);
-    return good ? LW_OK : lw_error_at(e, LW_E_IO, path, 0, 0, "the listing so far cannot be read or copied to %s",
-                                      o->temp);
+    if (status == LW_E_MEMORY)
+        return lw_error_set(e, status, "out of memory");
+    return status == LW_OK ? status : lw_error_at(e, status, path, 0, 0, "the listing so far cannot be read or copied to %s", o->temp);
 }
