@@ -275,7 +275,6 @@ TEST(loads_are_written)
         OWN(lw_bytes) b = { 0 };
         lw_error e = { 0 };
         lw_linkage back;
-        memset(&d, 0, sizeof d);
         drun_read_format(&d, loaded[i], 0, 0);
         lw_export_options o = { .model = &d.model, .clearance = -1 };
         CHECK_INT(lw_export_adams(LW_VIEW(d.model.small), &o, &b, &e), LW_OK);

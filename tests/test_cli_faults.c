@@ -11,6 +11,9 @@
 
 enum { N_FIRST = 5, N_FIRST_OF_SEARCH = 3, MEMORY_ERROR = 4, WRITE_ERROR = 3 };
 
+/* A program that finds the gallery beside it, wherever it was built. */
+#define PROGRAM_WITH_GALLERY "mkdir -p $D/bin $D/examples && cp $C $D/bin/linkwright && cp -r examples/gallery $D/examples/ && "
+
 /* $C commands write to standard output or to $D/o, which is removed before each run. */
 static const char *const rows[] = {
     "$C numbers --loops 4 --dof 2 --n2 1",
@@ -469,7 +472,8 @@ TEST(last_failure_is_named)
         expect_with(MEMORY_ERROR, NULL, "memory", "LW_FAIL=malloc:%d $C chains --links 6 --format sentence -j 1", n);
     for (int n = 165; n < 168; n++)
         expect_with(MEMORY_ERROR, NULL, "memory", "LW_FAIL=malloc:%d $C numbers --loops 4 --labelled --json", n);
-    expect("LW_CALLS_FILE=$D/calls $C gallery --json && LW_FAIL=jansson:$(sed -n 's/^jansson //p' $D/calls) $C gallery --json", MEMORY_ERROR, NULL, "memory");
+    expect(PROGRAM_WITH_GALLERY "LW_CALLS_FILE=$D/calls $D/bin/linkwright gallery --json && LW_FAIL=jansson:$(sed -n 's/^jansson //p' $D/calls) $D/bin/linkwright gallery --json",
+           MEMORY_ERROR, NULL, "memory");
     for (int n = 8; n < 13; n++)                 /* among them one in which jansson's own reader would lose a byte, and read past its memory */
         expect_with(MEMORY_ERROR, "", "memory", "LW_FAIL=jansson:%d $C simulate examples/dynamics/cantilever.json --analysis linear", n);
     if (!SANITIZED)
@@ -519,7 +523,7 @@ TEST(faults)
     const char *only = getenv("LW_FAULTS_ROW");
     expect("$P chains --links 6 -o $D/six.g6 && head -n 1 $D/six.g6 > $D/watt.g6 && "
            "$P chains --links 4 -f lam -o $D/four.lam && $P catalogue build $D/six.db --links 6 -q && "
-           "mkdir $D/bin && cp $C $D/bin/linkwright && mkdir $D/examples && cp -r examples/gallery $D/examples/ && "
+           PROGRAM_WITH_GALLERY
            "mkdir $D/problems && cp examples/ellipse.csv $D/problems && "
            "printf 'x,y,angle\\n0,0,0\\n30,11,0.3\\n61,14,0.6\\n90,9,0.9\\n120,-6,1.2\\n' > $D/timed.csv && "
            "$P catalogue curves $D/curves.db --links 4 --samples 200 -q && "

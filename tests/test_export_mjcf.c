@@ -288,7 +288,6 @@ static const char *const stiff[] = {
 static void runs_alike(const char *text, double to)
 {
     static drun d;
-    memset(&d, 0, sizeof d);
     drun_read_format(&d, text, 0, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-9, to, 20), LW_OK);
     CHECK_TEXT(d.e.text, "");
