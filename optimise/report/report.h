@@ -71,9 +71,9 @@ typedef struct lw_fit_report {
                                     * this near to the curve, and of a motion to the angle, over half the diagonal [m]; NaN: the
                                     * linkage has no derivatives, or a function; set by lw_fit_results_make         */
     double   spread;               /* the same if the specification has tolerances, else NaN                        */
-    double   counts_as;            /* the error of a four-bar that would be ranked alike if it were no longer than the target, with a crank
-                                    * that turns and transmission angles of 45 degrees, as a part of the diagonal, or of the swing of a
-                                    * function; NaN: not ranked in this way; set by lw_fit_results_make              */
+    double   counts_as;            /* the error of an equally good four-bar of the target's size whose crank turns, with transmission angles of
+                                    * at least 45 degrees, as a part of the diagonal, or of the swing of a function; NaN: without default
+                                    * limits; set by lw_fit_results_make                                             */
     bool     passes_limit;         /* between the stations the input passes a limit or turns back; on a closed target it
                                     * does not turn fully                                           */
     double   size;                 /* greatest distance of two pins, or of a pin and a point, of one link [m]       */
