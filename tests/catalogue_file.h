@@ -6,7 +6,6 @@
 #include <sqlite3.h>
 #include <sys/wait.h>
 #include <unistd.h>
-#include "base/rng.h"
 #include "tests/cli_run.h"
 
 /* Rows of a table as text, without the times of day. */
@@ -115,11 +114,10 @@ static inline void remove_catalogue(const char *path)
  * leave the same content as the first run, of which `has` is a part; the next run then begins without a file. */
 static inline void kill_at_random(const char *file, const char *arguments, int n_kill, const char *has)
 {
-    lw_rng rng;
     char folder[280], path[300];
     long n_write = 0;
     int n_killed = 0;
-    lw_rng_seed(&rng, check_seed(), 77);
+    lw_rng rng = check_rng(77);
     snprintf(folder, sizeof folder, "%s/killed", temporary_folder());
     snprintf(path, sizeof path, "%s/%s", folder, file);
     CHECK_INT(run_and_kill(folder, arguments, 0, &n_write), 0);

@@ -8,7 +8,8 @@
  * A program runs its tests in the order in which they stand in the file; tests/check_main.c holds main().  A program that
  * has something to prepare writes its own main(), which calls check_run() and ends with check_end().
  *
- * LW_SEED=... repeats a run with random numbers; check_seed() returns it, and a check that fails prints it. */
+ * LW_SEED=... repeats a run with random numbers; check_seed() returns it, check_rng(n) is its n-th generator, and a check that
+ * fails prints it. */
 #ifndef LW_TESTS_CHECK_H
 #define LW_TESTS_CHECK_H
 
@@ -18,12 +19,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/rng.h"
+
 static int check_failed_here, check_n_passed, check_n_failed, check_n_shown;
 
 static inline uint64_t check_seed(void)
 {
     const char *s = getenv("LW_SEED");
     return s ? strtoull(s, NULL, 10) : 20260101u;
+}
+
+static inline lw_rng check_rng(uint64_t stream)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), stream);
+    return rng;
 }
 
 static inline int check_fail(const char *file, int line)

@@ -4,7 +4,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include "base/rng.h"
 #include "mbs/batch/posture.h"
 #include "optimise/problem/family.h"
 #include "optimise/problem/circuit.h"

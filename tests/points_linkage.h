@@ -90,8 +90,7 @@ static inline void same_motion(const lw_linkage *a, const lw_linkage *b)
 
 static inline void random_round_trips(points_write *write, points_read *read)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 0);
+    lw_rng r = check_rng(0);
     for (int trial = 0; trial < 60; trial++) {
         lw_linkage k, back, again;
         random_grown(&r, 1 + trial%5, &k);

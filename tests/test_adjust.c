@@ -1,5 +1,4 @@
 /* Overconstrained linkages drawn with rounded numbers: they are adjusted by the least change, and then move. */
-#include "base/rng.h"
 #include "mbs/constraints/adjust.h"
 #include "mbs/constraints/motion_curve.h"
 #include "tests/dynamics_run.h"
@@ -22,8 +21,7 @@ static void read_rounded(const char *file, double by, lw_rng *rng)
 TEST(rounded_drawings_move)
 {
     static const char *const files[] = { "examples/mobility/parallelogram.json", "examples/mobility/focal.json" };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int f = 0; f < 2; f++)
         for (double by = 1e-9; by < 2e-3; by *= 31) {
             read_rounded(files[f], by, &rng);
@@ -75,8 +73,7 @@ TEST(rounded_bars_go_round)
  * point goes round a circle. */
 TEST(rounded_bars_are_driven_round)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int k = 0; k < 8; k++) {
         double by = 1e-6*pow(10, k/2);
         read_rounded("examples/mobility/parallelogram.json", by, &rng);
@@ -122,8 +119,7 @@ TEST(singular_postures_stay)
 /* A rigid linkage that no small change makes move stays rigid. */
 TEST(rigid_stays_rigid)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 20; trial++) {
         read_rounded("examples/mobility/parallelogram.json", 0.2, &rng);
         CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.2, 10), LW_OK);

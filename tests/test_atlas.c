@@ -3,7 +3,6 @@
 #include "catalogues/store/nearest.h"
 
 #include <unistd.h>
-#include "base/rng.h"
 #include "catalogues/build/build.h"
 #include "catalogues/draw/scene.h"
 #include "tests/check.h"
@@ -294,8 +293,7 @@ TEST(as_by_force)
     lw_store *s = open_store(false);
     lw_atlas_hit *hit = malloc(500*sizeof *hit);
     lw_error e;
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 4);
+    lw_rng rng = check_rng(4);
     for (int trial = 0; trial < 6; trial++) {
         bool closed = trial%3 != 2;
         lw_vec2 p[200], q[200];

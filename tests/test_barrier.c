@@ -1,5 +1,4 @@
 /* The log barrier: its gradient, its path, its stages, and what stands outside it. */
-#include "base/rng.h"
 #include "tests/check.h"
 #include "tests/functions.h"
 #include "optimise/solvers/method_internal.h"
@@ -12,8 +11,7 @@ TEST(gradient_is_the_slope)
     lw_solver_options o = lw_solver_options_default();
     o.max_evals = 1000000;
     lw_record r;
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     CHECK_INT(lw_record_open(&r, &fn, &o), LW_OK);
     for (int trial = 0; trial < 300; trial++) {
         double k = trial%3 ? pow(10, lw_rng_range(&rng, -4, 1)) : 0, x[3], g[3], h = 1e-5;

@@ -93,8 +93,7 @@ TEST(same_bits_on_every_instruction_set)
     static subject q;
     static lanes l;
     static outputs a, b;
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     for (int trial = 0; trial < 60; trial++) {
         if (trial < 44)
             random_type(&r, &lw_type_table[trial%11], &q.k);
@@ -161,9 +160,8 @@ static int check_pins(const subject *q, double input)
 TEST(pins_and_margins_have_derivatives)
 {
     static subject q;
-    lw_rng r;
     int n = 0;
-    lw_rng_seed(&r, check_seed(), 9);
+    lw_rng r = check_rng(9);
     for (const lw_type *t = lw_type_table; t->letters; t++)
         for (int trial = 0; trial < 20; trial++) {
             random_type(&r, t, &q.k);
@@ -184,8 +182,7 @@ TEST(same_bits_in_every_company)
     static subject q;
     static lanes l;
     static outputs all, few;
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 2);
+    lw_rng r = check_rng(2);
     for (int trial = 0; trial < 33; trial++) {
         if (trial < 22)
             random_type(&r, &lw_type_table[trial%11], &q.k);
@@ -225,8 +222,7 @@ TEST(places_at_once_are_those_of_each)
     static lanes l;
     static double x[LW_JOINT_MAX + 1][MAX], y[LW_JOINT_MAX + 1][MAX], m[MAX], one[3][MAX];
     static const size_t some[] = { 3, 8, 25, 130, 139, MAX };
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 12);
+    lw_rng r = check_rng(12);
     for (int trial = 0; trial < 33; trial++) {
         int which[LW_JOINT_MAX + 1], n = 0;
         lw_jacobian all[LW_JOINT_MAX + 1];
@@ -259,8 +255,7 @@ TEST(tangents_alone_are_those_of_the_jacobian)
     static lanes l;
     static double jac[2][LW_DIM_MAX*MAX], of[2][4][MAX];
     static const size_t some[] = { 1, 7, 8, 25, 130, MAX };
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 14);
+    lw_rng r = check_rng(14);
     for (int trial = 0; trial < 44; trial++) {
         if (trial < 22)
             random_type(&r, &lw_type_table[trial%11], &q.k);
@@ -288,8 +283,7 @@ TEST(turns_are_cosines_and_sines)
 {
     static subject q;
     double angle[24], c[24], s[24];
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 13);
+    lw_rng r = check_rng(13);
     lw_type_linkage(lw_type_find("fourbar"), &q.k);
     plan_of(&q, false);
     for (int i = 0; i < 24; i++)
@@ -313,9 +307,8 @@ TEST(nearest_points_of_polylines)
 {
     enum { POINTS = 16, CORNERS = 9 };
     subject q;
-    lw_rng r;
     double x[POINTS], y[POINTS], corner_x[CORNERS], corner_y[CORNERS], first[2*POINTS], near[2*POINTS];
-    lw_rng_seed(&r, check_seed(), 16);
+    lw_rng r = check_rng(16);
     named(&q, "fourbar", (double[]){ 3, 1, 2.5, 2.5, 1, 1, 0, 0, 0 }, 1);
     for (int trial = 0; trial < 200; trial++) {
         lw_polyline line = { 1 + (size_t)trial%CORNERS, corner_x, corner_y, trial & 1 };
@@ -464,8 +457,7 @@ static void check_derivatives(const subject *q, double input)
 TEST(jacobian_agrees_with_complex_steps)
 {
     static subject q;
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 3);
+    lw_rng r = check_rng(3);
     for (const lw_type *t = lw_type_table; t->letters; t++)
         for (int trial = 0; trial < 200; trial++) {
             random_type(&r, t, &q.k);
@@ -483,8 +475,7 @@ TEST(jacobian_agrees_with_complex_steps)
 TEST(jacobian_of_every_link)
 {
     static subject q;
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 4);
+    lw_rng r = check_rng(4);
     for (const lw_type *t = lw_type_table; t->letters; t++)
         for (int trial = 0; trial < 100; trial++) {
             random_type(&r, t, &q.k);
@@ -503,8 +494,7 @@ TEST(sum_agrees_with_its_parts)
     static subject q;
     static lanes l;
     static outputs o;
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 5);
+    lw_rng r = check_rng(5);
     for (int trial = 0; trial < 44; trial++) {
         random_type(&r, &lw_type_table[trial%11], &q.k);
         if (trial >= 33)
@@ -542,8 +532,7 @@ TEST(sum_agrees_with_its_parts)
 TEST(whole_can_be_moved)
 {
     static subject q, m;
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 6);
+    lw_rng r = check_rng(6);
     for (int trial = 0; trial < 1000; trial++) {
         random_grown(&r, 1 + trial%2, &q.k);
         plan_of(&q, false);
@@ -574,8 +563,7 @@ TEST(whole_can_be_moved)
 TEST(batch_agrees_with_posture)
 {
     static subject q;
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 7);
+    lw_rng r = check_rng(7);
     for (int trial = 0; trial < 1000; trial++) {
         random_grown(&r, 1 + trial%3, &q.k);
         plan_of(&q, false);
@@ -705,8 +693,7 @@ TEST(lengths_a_million_apart)
     static const double lengths[][4] = { { 1e6, 1, 1e6, 1 }, { 1e6, 1, 1e6, 2 }, { 1, 1e6, 1e6, 1.5 },
                                          { 1e6, 1.5, 1, 1e6 },
                                          { 3, 1, 1e6, 1e6 }, { 1e6, 1e6, 1, 1.25 } };
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 8);
+    lw_rng r = check_rng(8);
     for (size_t i = 0; i < sizeof lengths/sizeof *lengths; i++)
         for (int trial = 0; trial < 300; trial++) {
             double dim[9] = { lengths[i][0], lengths[i][1], lengths[i][2], lengths[i][3], lengths[i][2], 0, 0, 0, 0 };

@@ -47,9 +47,8 @@ TEST(products_are_the_sums_written_out)
 {
     lw_linkage k;
     lw_plan plan;
-    lw_rng r;
     int column[COLUMN_MAX];
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     lw_type_linkage(lw_type_find("fourbar"), &k);
     CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1 }, &plan, NULL), LW_OK);
     for (int trial = 0; trial < 300; trial++) {

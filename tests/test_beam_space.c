@@ -1,6 +1,5 @@
 /* tests/test_beam_space.c - the beam element in space: gradient, derivatives, balance, the planar element, and the bend of Bathe &
  * Bolourchi (1979). */
-#include "base/rng.h"
 #include "mbs/elastic/beam.h"
 #include "mbs/elastic/beam_space.h"
 #include "tests/check.h"
@@ -52,8 +51,7 @@ static void disturb(lw_beam_node node[2], int column, double by)
 
 TEST(element)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int trial = 0; trial < 200; trial++) {
         lw_beam_node node[2], other[2];
         double h = 1e-5, sum[3] = { 0 };
@@ -93,8 +91,7 @@ TEST(element)
 /* Damping: derivatives by velocities, power, and no force on a rigid motion. */
 TEST(damping)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 100; trial++) {
         lw_beam_node node[2], other[2];
         lw_beam_space b = random_beam(&rng, node, 0.8);
@@ -164,8 +161,7 @@ TEST(stiffness)
         CHECK_NEAR(z.by_x[6 + axis][12 - axis], z.by_x[12 - axis][6 + axis], 0, 1e-12);
     }
     CHECK_NEAR(-z.by_x[9][9], m.g*s.it, 0, 1e-13);
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 50; trial++) {
         double x[6], v[6] = { 0 };
         lw_beam flat = { .length = 1 };

@@ -1,6 +1,5 @@
 /* The error budget of a robot's tool beside joints that are really moved, drives that are really turned, and elastic links at
  * rest under the same load. */
-#include "base/rng.h"
 #include "mbs/analysis/budget.h"
 #include "mbs/dynamics/statics.h"
 #include "tests/spatial_models.h"
@@ -54,8 +53,7 @@ TEST(joints_that_are_moved)
 {
     static const char *const file[] = { "delta", "stewart", "arm" };
     const double gap = 1e-5;
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int f = 0; f < 3; f++) {
         OWN(lw_spatial) m = { 0 };
         OWN(lw_robot) r = { 0 };

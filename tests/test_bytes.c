@@ -1,7 +1,6 @@
 /* Numbers and texts as bytes; the hash. */
 #include "base/bytes.h"
 #include "catalogues/store/sha256.h"
-#include "base/rng.h"
 #include "tests/check.h"
 
 TEST(numbers_as_people_write_them)
@@ -22,8 +21,7 @@ TEST(numbers_as_people_write_them)
 /* A second opinion: the C library, asked for the same digits, reads as the same number. */
 TEST(numbers_agree_with_the_library)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     for (int i = 0; i < 20000; i++) {
         double v = lw_rng_range(&r, -1, 1)*pow(10, lw_rng_range(&r, -30, 30));
         int digits = 1 + (int)(lw_rng_bits(&r) % 17);
@@ -73,8 +71,7 @@ TEST(clean_text_is_cut_between_letters)
     CHECK_TEXT(t, "abcde");
     lw_text_clean(t, 1, "abc");
     CHECK_TEXT(t, "");
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 2);
+    lw_rng r = check_rng(2);
     for (int i = 0; i < 2000; i++) {                      /* cleaning what is clean changes nothing */
         char noise[40], once[128], twice[128];
         for (int k = 0; k < 39; k++)

@@ -2,7 +2,6 @@
  * (counts of all graphs on few vertices), groups of graphs whose groups are known. */
 #include <stdlib.h>
 #include <string.h>
-#include "base/rng.h"
 #include "enumerate/canon.h"
 #include "tests/check.h"
 
@@ -163,8 +162,7 @@ static lw_graph random_graph(lw_rng *r)
 
 TEST(renaming_keeps_the_form)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     lw_graph named[] = { cycle(10), complete(8), complete_bipartite(4, 5), cube(4), petersen(5, 2), heawood(),
                          petersen(7, 2), petersen(10, 3), circulant(13, (int[]){ 1, 5 }, 2) };
     int n_named = sizeof named/sizeof *named;
@@ -219,8 +217,7 @@ TEST(different_graphs_stay_different)
 /* The order of the group is the number of renamings that change nothing. */
 TEST(groups_agree_with_all_permutations)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 2);
+    lw_rng r = check_rng(2);
     for (int trial = 0; trial < 200; trial++) {
         lw_graph g = { .n = 5 };
         for (int i = 0; i < 5; i++)
@@ -242,8 +239,7 @@ TEST(groups_agree_with_all_permutations)
 
 TEST(chains_and_structures_have_forms)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 3);
+    lw_rng r = check_rng(3);
     lw_structure s = lw_structure_theta(), t, form_s, form_t;
     CHECK_INT(lw_structure_grow(&s, (lw_ear){ LW_EAR_LINES, 0, 1 }, &s), LW_OK);
     CHECK_INT(lw_structure_grow(&s, (lw_ear){ LW_EAR_CIRCLE_LINE, 0, 2 }, &s), LW_OK);

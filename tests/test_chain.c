@@ -1,6 +1,5 @@
 /* test_chain.c - chains: joining, counting, renaming, and the pebble game against all 2^n subchains. */
 #include <string.h>
-#include "base/rng.h"
 #include "grammar/topology/chain.h"
 #include "tests/check.h"
 
@@ -125,8 +124,7 @@ static bool rigid_by_subchains(const lw_chain *c, bool proper)
 
 TEST(pebbles_agree_with_all_subchains)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     int n_rigid = 0, n_trial = 3000;
     for (int trial = 0; trial < n_trial; trial++) {
         int n = 3 + (int)(lw_rng_bits(&r) % 7);
@@ -145,8 +143,7 @@ TEST(pebbles_agree_with_all_subchains)
 
 TEST(renaming_keeps_what_counts)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 2);
+    lw_rng r = check_rng(2);
     for (int trial = 0; trial < 300; trial++) {
         int n = 2 + (int)(lw_rng_bits(&r) % (LW_LINK_MAX - 1));
         lw_chain c = random_chain(&r, n, 3*n/2), d, back;

@@ -297,8 +297,7 @@ TEST(same_chain_same_picture)
 /* Open chains, fractionated ones, trees, crowds: any connected graph has a picture. */
 TEST(anything_connected)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int trial = 0; trial < 300; trial++) {
         int n = 2 + (int)lw_rng_range(&rng, 0, trial % 10 ? 9 : 14);
         lw_mechanism m = random_topology(&rng, n, (int)lw_rng_range(&rng, 0, 5), "rtpg");

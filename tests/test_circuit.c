@@ -52,8 +52,7 @@ static int least_total(search *s)
 TEST(no_shorter_basis)
 {
     static search s;
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 400; trial++) {
         lw_mechanism m = random_topology(&rng, 3 + trial % 7, trial % 8, "r");
         lw_chain_circuits c;

@@ -1,6 +1,5 @@
 /* tests/test_circuits.c - circuits found by chance against counts known in closed form. */
 #include "mbs/constraints/circuits.h"
-#include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/kinematics/motion.h"
 #include "tests/check.h"
@@ -25,8 +24,7 @@ static int circuits(const lw_linkage *k, uint64_t seed)
 /* One circuit or two (Barker): two for Grashof's four-bars. */
 TEST(four_bars)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     for (int trial = 0; trial < 60; trial++) {
         double k[9] = { 0 };
         lw_fourbar_class c;
@@ -43,9 +41,8 @@ TEST(four_bars)
 /* Linkages of two dyads: as many circuits as the plan finds in all its modes. */
 TEST(six_links_as_the_plan_says)
 {
-    lw_rng r;
     int most = 0;
-    lw_rng_seed(&r, check_seed(), 2);
+    lw_rng r = check_rng(2);
     for (int trial = 0; trial < 25; trial++) {
         lw_linkage l;
         lw_plan p;

@@ -107,8 +107,7 @@ TEST(exact_bounces)
 /* Linkages with loops of every dyad, one pin opened: energy is kept without damping */
 TEST(energy_is_kept)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 11);
+    lw_rng rng = check_rng(11);
     int n_run = 0, n_touch = 0, n_two = 0;
     for (int trial = 0; trial < 40; trial++) {
         lw_linkage k;

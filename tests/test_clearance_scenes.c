@@ -301,8 +301,7 @@ TEST(passes)
 /* Random linkages with journals, friction and stops, whatever closes their loops: energy does not grow */
 TEST(random_scenes)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 29);
+    lw_rng rng = check_rng(29);
     int n_run = 0, n_strike = 0;
     for (int trial = 0; trial < 40; trial++) {
         lw_linkage k;

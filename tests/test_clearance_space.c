@@ -1,6 +1,5 @@
 /* Spherical and revolute joints with clearance in space: closed forms of a bouncing ball and of the contact laws, the
  * limits of no clearance and of a stiff contact, the same linkage in the plane, a pretensioned joint, a DELTA robot. */
-#include "base/rng.h"
 #include "mbs/clearance/clearance.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "tests/clearance_models.h"
@@ -76,8 +75,7 @@ static lw_vec3 random_direction(lw_rng *r)
 TEST(a_ball_bounces)
 {
     static const lw_formulation how[] = { LW_FORMULATION_RADAU, LW_FORMULATION_INDEX1 };
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 0);
+    lw_rng r = check_rng(0);
     for (int trial = 0; trial < 4; trial++) {
         OWN(lw_spatial) m = { 0 };
         double gap = 1e-3, K = 1e6, g = 9.81, w = sqrt(K/2), v = sqrt(2*g*gap), fall = sqrt(2*gap/g);
@@ -250,8 +248,7 @@ TEST(friction_as_in_the_plane) { compare_with_the_plane(0.3); }
  * it by R W sin(atan(mu)).  Dampers along three axes take what is left of the climb, which would whirl. */
 TEST(a_ball_spins_down)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 0);
+    lw_rng r = check_rng(0);
     for (int trial = 0; trial < 3; trial++) {
         char rest[400];
         OWN(lw_spatial) m = { 0 };
@@ -291,13 +288,12 @@ TEST(derivatives_of_friction)
         "['ground', 'a'], 'at': [0, 0, 0]}, {'name': 'S', 'kind': 'spherical', 'links': ['a', 'b'], 'at': [0, 0, 0], 'friction': {'coefficient': 0.4, "
         "'radius': 0.05, 'speed': 0.3}, 'clearance': {'model': 'hunt-crossley', 'gap': 0.01, 'stiffness': 3000, 'exponent': 1.5, 'restitution': 0.8}}]}";
     const double h = 1e-6;
-    lw_rng r;
     lw_spatial m, open;
     OWN(lw_space) s = { 0 };
     OWN(lw_space_forces) f = { 0 };
     lw_error e;
     lw_space_frame frame[3];
-    lw_rng_seed(&r, check_seed(), 0);
+    lw_rng r = check_rng(0);
     read_spatial(text, "friction", &m);
     CHECK_INT(lw_spatial_open(&m, &open, &e), LW_OK);
     CHECK_INT(lw_space_make(&open, &s, &e), LW_OK);

@@ -67,8 +67,7 @@ static void bodies(scene *s, const double *u, const double *du, double *q, doubl
 /* v and bias are the first and second differences of q along u + du h; reading gives back the values written */
 TEST(rates_by_differences)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 100; trial++) {
         scene *s = make(&rng, trial);
         double q[3][LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX], trash[LW_SYSTEM_Q_MAX], u[LW_SYSTEM_Q_MAX],
@@ -102,8 +101,7 @@ TEST(rates_by_differences)
 /* The tree's joints hold in every state, the others after projection; rates too */
 TEST(joints_hold)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 4);
+    lw_rng rng = check_rng(4);
     for (int trial = 0; trial < 100; trial++) {
         scene *s = make(&rng, trial);
         const lw_system *y = &s->c->s;
@@ -205,8 +203,7 @@ static void accelerate_bodies(scene *s, const double *q, const double *v, double
 
 TEST(accelerations_of_all_bodies)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 5);
+    lw_rng rng = check_rng(5);
     for (int trial = 0; trial < 120; trial++) {
         scene *s = make(&rng, trial);
         int n_q = s->c->s.n_q;

@@ -6,7 +6,6 @@
  * spread is taken: the first N_FIRST, then ever longer steps; fewer of searches.  LW_FAULTS=n makes the spread n times as dense;
  * LW_FAULTS_ROW=text runs the rows that hold the text. */
 #include <stdbool.h>
-#include "base/rng.h"
 #include "tests/cli_run.h"
 
 enum { N_FIRST = 5, N_FIRST_OF_SEARCH = 3, MEMORY_ERROR = 4, WRITE_ERROR = 3 };
@@ -483,8 +482,7 @@ TEST(last_failure_is_named)
 static void fail_each(const char *command, bool few)
 {
     char calls[300], *file;
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), strlen(command));
+    lw_rng rng = check_rng(strlen(command));
     const char *denser = getenv("LW_FAULTS");
     bool search = few || strstr(command, "C fit ") || strstr(command, "C plasma ") || strstr(command, " studio ");
     double step = 1 + (search ? 2 : 1.5)/(denser ? atof(denser) : 1);

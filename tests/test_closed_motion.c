@@ -4,7 +4,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include "base/rng.h"
 #include "mbs/batch/batch.h"
 #include "mbs/constraints/motion_curve.h"
 #include "mbs/kinematics/motion.h"
@@ -65,9 +64,8 @@ static int arc_of_leg(const subject *s, const lw_motion *m, int j, double tolera
 
 TEST(legs_are_the_arcs_of_a_circuit)
 {
-    lw_rng rng;
     int cycles = 0, turning = 0, stopped = 0, most = 0, other = 0;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 250; trial++) {
         lw_linkage k = random_net(&net[trial % N_NET], &rng);
         subject *s = begin(&k);
@@ -105,9 +103,8 @@ TEST(legs_are_the_arcs_of_a_circuit)
 
 TEST(limits_are_those_of_the_branch)
 {
-    lw_rng rng;
     int compared = 0, other = 0;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 40; trial++) {
         lw_linkage k = random_net(&net[trial % N_NET], &rng);
         subject *s = begin(&k);
@@ -155,10 +152,9 @@ static double differenced(subject *s, int j, int d, double h)
 
 TEST(ends_have_the_derivatives_they_claim)
 {
-    lw_rng rng;
     int checked = 0, rough = 0, close = 0;
     double *by = malloc(sizeof *by*LW_LEG_MAX*LW_DIM_MAX);
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 60; trial++) {
         lw_linkage k = random_net(&net[trial % N_NET], &rng);
         subject *s = begin(&k);

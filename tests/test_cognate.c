@@ -1,7 +1,6 @@
 /* tests/test_cognate.c - Roberts cognates trace one curve; checked by a four-bar written here, and
  * point by point by distances alone. */
 #include "mbs/kinematics/fourbar.h"
-#include "base/rng.h"
 #include "base/vec2.h"
 #include "tests/check.h"
 
@@ -56,8 +55,7 @@ static void draw_fourbar(lw_rng *rng, double k[9])
 /* Posture by posture, in both modes. */
 TEST(cognates_meet_in_every_posture)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     int n_posture = 0, n_changed = 0;
     for (int trial = 0; trial < 400; trial++) {
         double k[9], out[2][9], m[2];
@@ -95,8 +93,7 @@ TEST(cognates_meet_in_every_posture)
 /* The whole of each cognate's curve, both modes, lies on the curve of the given linkage. */
 TEST(curves_are_one)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 200; trial++) {
         double k[9], out[2][9], m[2];
         draw_fourbar(&rng, k);
@@ -115,8 +112,7 @@ TEST(curves_are_one)
 /* The cognates of a cognate are the given linkage and the other cognate. */
 TEST(cognates_of_cognates)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 200; trial++) {
         double k[9], out[2][9], m[2], back[2][9], n[2];
         draw_fourbar(&rng, k);

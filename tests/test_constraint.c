@@ -40,8 +40,7 @@ static double *conditions(const lw_problem *p, const double *x, double *j)
 /* In the order of the header: linear, closure, transmission, acceleration. */
 TEST(counts_are_those_asked_for)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     member m;
     OWN(lw_problem) p = { 0 };
     double x[LW_VAR_MAX];
@@ -60,8 +59,7 @@ TEST(counts_are_those_asked_for)
 /* Linear conditions of a crank-rocker by their meaning. */
 TEST(linear_ones_are_grashofs)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 50; trial++) {
         member m;
         OWN(lw_problem) p = { 0 };
@@ -80,8 +78,7 @@ TEST(linear_ones_are_grashofs)
  * which are where crank and frame are in line. */
 TEST(transmission_is_that_of_the_triangle)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 50; trial++) {
         member m;
         OWN(lw_problem) p = { 0 };
@@ -146,8 +143,7 @@ static double apart(const lw_problem *p, double a, double b)
  * here are the member's own. */
 TEST(conditions_are_those_of_single_postures)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 4);
+    lw_rng rng = check_rng(4);
     int seen = 0;
     for (int trial = 0; trial < 20*N_FAMILY; trial++) {
         member m;
@@ -218,9 +214,8 @@ TEST(conditions_are_those_of_single_postures)
 /* The least over the whole turn of a linkage whose extremes are at no sample, by 5000 postures. */
 TEST(extremes_between_samples_are_found)
 {
-    lw_rng rng;
     int n_off = 0, n_far = 0;
-    lw_rng_seed(&rng, check_seed(), 7);
+    lw_rng rng = check_rng(7);
     for (int trial = 0; trial < 40; trial++) {
         enum { FINE = 5000 };
         member m;
@@ -342,9 +337,8 @@ static void compare_near(const lw_problem *p, const double *x, double enough, lo
 /* Stations are off the linkage's curve, so that the best inputs of free stations move with the variables. */
 TEST(derivatives_are_those_of_differences)
 {
-    lw_rng rng;
     long smooth = 0, all = 0, near = 0;
-    lw_rng_seed(&rng, check_seed(), 5);
+    lw_rng rng = check_rng(5);
     for (int trial = 0; trial < 6*N_FAMILY; trial++) {
         member m;
         OWN(lw_problem) p = { 0 };
@@ -373,11 +367,10 @@ TEST(derivatives_are_those_of_differences)
 
 TEST(derivatives_of_a_six_bar)
 {
-    lw_rng rng;
     long smooth = 0, all = 0;
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .posture = true, .links = 6 };
-    lw_rng_seed(&rng, check_seed(), 8);
+    lw_rng rng = check_rng(8);
     for (int trial = 0; trial < 9; trial++) {
         stations st = { .n = 12, .closed = true };
         OWN(lw_problem) p = { 0 };
@@ -404,8 +397,7 @@ TEST(derivatives_of_a_six_bar)
 /* What was asked before leaves no trace. */
 TEST(answers_do_not_depend_on_the_past)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 6);
+    lw_rng rng = check_rng(6);
     for (int trial = 0; trial < N_FAMILY; trial++) {
         member m;
         OWN(lw_problem) p = { 0 };

@@ -1,6 +1,5 @@
 /* tests/test_continuation.c - the bound that keeps steps on their branch, pair by pair; series; freedoms by rank. */
 #include "mbs/constraints/continuation_internal.h"
-#include "base/rng.h"
 #include "tests/check.h"
 #include "tests/kept_system.h"
 #include "tests/mbs_random.h"
@@ -63,10 +62,9 @@ static double worst_ratio(lw_rng *r, lw_continuation *f, const double *q, double
 /* Inequality (1) of mbs/constraints/continuation_internal.h for random linkages, postures and pairs, on curves and driven. */
 TEST(the_bound_holds)
 {
-    lw_rng r;
     double worst = 0;
     int looked = 0;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     for (int trial = 0; trial < 300; trial++) {
         lw_linkage k;
         KEPT_SYSTEM s = { 0 };
@@ -98,9 +96,8 @@ TEST(the_bound_holds)
 /* For two links on pins it is sharp: |A^+ arms| is reached. */
 TEST(the_bound_is_sharp_for_pins)
 {
-    lw_rng r;
     double most = 0;
-    lw_rng_seed(&r, check_seed(), 2);
+    lw_rng r = check_rng(2);
     for (int trial = 0; trial < 200; trial++) {
         lw_linkage k;
         KEPT_SYSTEM s = { 0 };
@@ -126,8 +123,7 @@ TEST(the_bound_is_sharp_for_pins)
 /* The series of a curve leaves the rows at order 9. */
 TEST(series_follow_the_curve)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 3);
+    lw_rng r = check_rng(3);
     for (int trial = 0; trial < 50; trial++) {
         lw_linkage k;
         KEPT_SYSTEM s = { 0 };

@@ -32,12 +32,11 @@ static void check_against_scene(const lw_linkage *k, const lw_vec2 *p, bool clos
 static void draws(lw_curve_maker *m, size_t n)
 {
     lw_error e = { 0 };
-    lw_rng rng;
     int n_made[2] = { 0, 0 };
     static double u[400*LW_CURVE_DRAWS];
     lw_curve_work *work = NULL;
     CHECK_INT(lw_curve_work_create(m, &work), LW_OK);
-    lw_rng_seed(&rng, check_seed(), 5);
+    lw_rng rng = check_rng(5);
     CHECK(lw_low_discrepancy(&rng, n, LW_CURVE_DRAWS, u));
     for (size_t i = 0; i < n; i++) {
         lw_curve_row row;
@@ -95,7 +94,6 @@ TEST(many_families)
     lw_curve_maker *m = NULL, *again = NULL;
     lw_curve_work *work[2];
     lw_error e = { 0 };
-    lw_rng rng;
     static double u[200*LW_CURVE_DRAWS];
     int n_made = 0, n_beyond = 0;
     char name[64];
@@ -111,7 +109,7 @@ TEST(many_families)
     CHECK_INT(lw_curve_maker_of(lw_curve_maker_families(m), &again, &e), LW_OK);
     CHECK_INT(lw_curve_work_create(m, &work[0]), LW_OK);
     CHECK_INT(lw_curve_work_create(again, &work[1]), LW_OK);
-    lw_rng_seed(&rng, check_seed(), 7);
+    lw_rng rng = check_rng(7);
     CHECK(lw_low_discrepancy(&rng, 200, LW_CURVE_DRAWS, u));
     for (int i = 0; i < 200; i++) {
         lw_curve_row row;
@@ -199,8 +197,7 @@ TEST(topologies_as_text)
 TEST(laid_elsewhere)
 {
     static const char *const types[] = { "fourbar", "slidercrank", "inverted", "trammel", "sliderdriven", "oldham" };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 6);
+    lw_rng rng = check_rng(6);
     for (size_t t = 0; t < 2*sizeof types/sizeof *types; t++) {
         lw_linkage k, laid;
         OWN(lw_scene) a = { 0 }, b = { 0 };

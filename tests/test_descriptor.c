@@ -1,7 +1,6 @@
 /* test_descriptor.c - shapes of curves: free of place, size, turn, start, direction, mirroring; the bound. */
 #include "catalogues/curves/descriptor.h"
 
-#include "base/rng.h"
 #include "tests/check.h"
 
 #define N 600
@@ -47,8 +46,7 @@ static void make(const lw_vec2 *p, size_t n, bool closed, lw_descriptor *d)
 
 TEST(sees_through_disguises)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 60; trial++) {
         lw_vec2 p[N], q[N];
         lw_descriptor a, b;
@@ -116,8 +114,7 @@ static void normalise(const lw_vec2 *p, const lw_descriptor *d, bool closed, lw_
 
 TEST(distance_as_by_force)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 20; trial++) {
         lw_vec2 p[N], q[N], x[200], y[200];
         lw_descriptor a, b;
@@ -138,8 +135,7 @@ TEST(distance_as_by_force)
 /* The quick distance and the bound, against the exact one. */
 TEST(quick_ones_bound_it)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 300; trial++) {
         lw_vec2 p[N], q[N];
         lw_descriptor a, b, c;
@@ -176,8 +172,7 @@ TEST(quick_ones_bound_it)
  * than the second-order remainder; near circles and curves with several equally good starts are among them. */
 TEST(best_start_as_by_force)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 5);
+    lw_rng rng = check_rng(5);
     for (int trial = 0; trial < 60; trial++) {
         lw_vec2 p[N], q[N];
         lw_descriptor a, b;

@@ -1,7 +1,6 @@
 /* Hard scenes of dynamics against closed solutions: heavy on light, links without mass, long runs, dead points. */
 #include <complex.h>
 
-#include "base/rng.h"
 #include "tests/dynamics_run.h"
 
 static drun d;
@@ -194,11 +193,10 @@ TEST(masses_far_apart)
         { LW_FORMULATION_RADAU, 1000 }, { LW_FORMULATION_CVODE, 1e4 }, { LW_FORMULATION_GGL, 1e4 }, { LW_FORMULATION_ALPHA, 1e4 } };
     int runs = 0, heavy = 0;
     for (int k = 0; k < 60; k++) {
-        lw_rng rng;
         four_bar f;
         double y[2], growth, angle[3], start;
         char text[2000];
-        lw_rng_seed(&rng, check_seed(), 500 + (uint64_t)k);
+        lw_rng rng = check_rng(500 + (uint64_t)k);
         if (!draw_four_bar(&rng, &f, y, &growth))
             continue;
         angles_of(&f, start = y[0], angle);

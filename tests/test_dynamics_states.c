@@ -1,7 +1,6 @@
 /* First-order states: answers known in closed form, derivatives against differences, formulations against each other,
  * balances of energy. */
 #include "mbs/dynamics/dynamics_ggl.c"
-#include "base/rng.h"
 #include "base/vec2.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "tests/dynamics_run.h"
@@ -431,8 +430,7 @@ TEST(derivatives_are_exact)
 {
     static double jac[MOST*MOST], value[MOST*MOST];
     lw_dynamics *made = NULL;
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     drun_read_format(&d, arm_with_all, 0, 0);
     d.o.formulation = LW_FORMULATION_GGL;
     CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_OK);

@@ -1,5 +1,4 @@
 /* Contact between shapes, ropes and free links: formulas of textbooks, and the laws of contact themselves at random. */
-#include "base/rng.h"
 #include "mbs/analysis/reactions.h"
 #include "mbs/dynamics/statics.h"
 #include "mbs/equations/complementarity.h"
@@ -29,8 +28,7 @@ static double state(const double *q, int i) { return q[i]*(i%3 < 2 ? d.system.un
 
 TEST(complementarity)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int trial = 0; trial < 2000; trial++) {
         int n = 1 + (int)(5*lw_rng_uniform(&rng)), dof = 1 + (int)(6*lw_rng_uniform(&rng));
         double row[10][7], w[100], b[10], v[7], force[10], rate[10];
@@ -97,8 +95,7 @@ TEST(bouncing_ball)
 TEST(grazing_passes)
 {
     static const char *const contact = "'contacts': [{'name': 'c', 'links': ['ground', 'b'], 'restitution': %.17g}]";
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 12);
+    lw_rng rng = check_rng(12);
     for (int trial = 0; trial < 30; trial++) {
         double length = lw_rng_range(&rng, 0.5, 1.5), from = lw_rng_range(&rng, -2.2, -0.5), x = length*sin(from);
         double depth = length*pow(10, lw_rng_range(&rng, -6, -2)), e = lw_rng_range(&rng, 0.5, 0.9), y = -length*cos(from);
@@ -1485,8 +1482,7 @@ TEST(simplest_walker)
  * the bar comes back with  e (x - mu h)/(x + mu h)  of its speed. */
 TEST(pinned_bar_strikes)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 31);
+    lw_rng rng = check_rng(31);
     for (int k = 0; k < 40; k++) {
         double x = lw_rng_range(&rng, 0.3, 1), h = lw_rng_range(&rng, 0.1, 1), mu = lw_rng_range(&rng, 0, 0.9*x/h), e = lw_rng_range(&rng, 0.2, 1);
         double a = -atan2(h, x) + 0.05, l = hypot(x, h), w = -lw_rng_range(&rng, 0.5, 5);
@@ -1666,8 +1662,7 @@ TEST(boxes_of_one_width_stand)
     static const double drawn[3][4] = { { 1.0180520610967643, 0.08673771437725905, 0.01612710899235095, 0.1734754287545181 },
         { 0.19495502937940853, 0.2932870122166345, 0.003532248219631615, 0.4130985956787509 },
         { 0.6466060771591745, 0.5306359191802095, 0.011599040178856481, 0.6481732426816682 } };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 7);
+    lw_rng rng = check_rng(7);
     for (int k = 0; k < 12; k++) {
         char text[3000];
         double y = 0, friction = k ? lw_rng_range(&rng, 0.1, 1) : 0.3;

@@ -4,8 +4,7 @@
 
 TEST(reads_back)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 1000; trial++) {
         lw_mechanism m = random_topology(&rng, 2 + trial % 30, trial % 30, "rtpg"), back;
         char text[LW_EDGES_SIZE];
@@ -24,8 +23,7 @@ TEST(reads_back)
 /* DOT and GraphML written here are read back; documents of other programs give the same chain. */
 TEST(documents)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 300; trial++) {
         lw_mechanism m = random_topology(&rng, 2 + trial % 31, 40 + trial % 20, "rtpg"), back;
         char text[LW_GRAPHML_SIZE];
@@ -101,8 +99,7 @@ TEST(as_documented)
 /* The largest topology fits the documented sizes. */
 TEST(sizes)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     lw_mechanism m = random_topology(&rng, 32, 600, "t");
     char out[LW_GRAPHML_SIZE];
     CHECK_INT(m.n_joint, LW_JOINT_MAX);

@@ -2,7 +2,6 @@
  *
  * Exact values: Timoshenko's and Euler's beams, the elastica, the turning cantilever (Wright et al. 1982), the spin-up arm
  * (Simo & Vu-Quoc 1986). */
-#include "base/rng.h"
 #include "base/vec2.h"
 #include "cli/bench/flexible_crank.h"
 #include "mbs/analysis/elastic_rules.h"
@@ -135,8 +134,7 @@ static lw_beam random_beam(lw_rng *rng, double x[6], double v[6])
  * the ends changes nothing; rigid motions cause no force. */
 TEST(element)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int trial = 0; trial < 300; trial++) {
         double x[6], v[6], still[6] = { 0 }, h = 1e-5;
         lw_beam b = random_beam(&rng, x, v), back = b;

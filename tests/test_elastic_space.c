@@ -1,6 +1,5 @@
 /* tests/test_elastic_space.c - elastic links in space: vibrations of bars, the planar model turned into space, large deflections,
  * spins, a DELTA robot. */
-#include "base/rng.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/modes.h"
 #include "mbs/dynamics/statics.h"
@@ -99,8 +98,7 @@ TEST(cantilever)
 {
     static const struct { double length, f[2], within[2]; } known[] = {
         { 2, { 20.8463981, 129.1206174 }, { 8e-6, 3e-4 } }, { 0.5, { 324.108992, 1745.519003 }, { 8.5e-5, 2.3e-3 } } };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int k = 0; k < 2; k++) {
         lw_spatial m;
         lw_error e;
@@ -206,8 +204,7 @@ static void swing_as_in_the_plane(const char *flat_more, const char *more)
     lw_error e = { 0 };
     OWN(lw_model) f = { 0 };
     lw_spatial m;
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     o.intervals = 20;
     o.relative = o.absolute = 1e-8;
     read_planar(planar, "test", &f);
@@ -1161,9 +1158,8 @@ TEST(superelement_derivatives)
     lw_vec3 at[N];
     lw_mat3 turn[N];
     lw_beam_node node[N];
-    lw_rng rng;
     OWN(lw_super) s = { 0 };
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int i = 0; i < ROWS*ROWS; i++)
         stiffness[i] = lw_rng_range(&rng, -1, 1);
     for (int i = 0; i < ROWS; i++)
@@ -1287,9 +1283,8 @@ TEST(superelement_inertia)
     lw_vec3 at[N], a[2*N];
     lw_mat3 turn[N];
     lw_beam_node node[N];
-    lw_rng rng;
     OWN(lw_super) s = { 0 };
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int i = 0; i < 9*ROWS*ROWS; i++) {
         int k = i/(ROWS*ROWS), row = i/ROWS%ROWS, column = i%ROWS;
         parts[i] = k > 2 && row > column ? parts[k*ROWS*ROWS + column*ROWS + row] : lw_rng_range(&rng, -1, 1);

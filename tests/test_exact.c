@@ -2,7 +2,6 @@
  * against the motion worked out in full, and every linkage moved through its stations by independent code. */
 #include <string.h>
 
-#include "base/rng.h"
 #include "mbs/kinematics/motion.h"
 #include "optimise/precision/exact_internal.h"
 #include "optimise/report/report.h"

@@ -2,7 +2,6 @@
  * curve of a random four-bar, among them the four-bar. */
 #include <string.h>
 
-#include "base/rng.h"
 #include "optimise/precision/exact.h"
 #include "optimise/precision/exact_track_internal.h"
 #include "optimise/report/report.h"

@@ -2,7 +2,6 @@
  * is skipped with a message. */
 #include "catalogues/exchange/export.h"
 
-#include "base/rng.h"
 #include "mbs/constraints/newton.h"
 #include "tests/dynamics_run.h"
 #include "tests/example_linkage.h"
@@ -336,8 +335,7 @@ static void urdf_moves_alike(void)
 {
     static const char *const names[] = { "hoeken", "slider-crank", "klann", "jansen", "inverted-slider-crank",
                                          "yoke", "pendulum" };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
         lw_linkage k = strcmp(names[i], "yoke") == 0 ? scotch_yoke(1) : example(names[i]);
         lw_bytes b = { 0 };

@@ -2,7 +2,6 @@
  * dataset, read by a parser of this test. */
 #include "catalogues/exchange/format.h"
 
-#include "base/rng.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/statics.h"
 #include "tests/mujoco.h"

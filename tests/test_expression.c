@@ -2,7 +2,6 @@
  * values nearby and against known ones. */
 #include <locale.h>
 
-#include "base/rng.h"
 #include "base/vec2.h"
 #include "grammar/functions/expression.h"
 #include "tests/check.h"
@@ -305,8 +304,7 @@ enum { N_SMOOTH = sizeof smooth/sizeof *smooth };
 
 TEST(gradients_against_differences)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 0);
+    lw_rng r = check_rng(0);
     for (int i = 0; i < N_SMOOTH; i++) {
         lw_expression *x = parse(smooth[i]);
         for (int trial = 0; x && trial < 20; trial++) {
@@ -333,8 +331,7 @@ TEST(gradients_against_differences)
 TEST(series_against_values)
 {
     enum { N = LW_SERIES_ORDER_MAX + 1 };
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     for (int i = 0; i < N_SMOOTH; i++) {
         lw_expression *x = parse(smooth[i]);
         for (int trial = 0; x && trial < 20; trial++) {

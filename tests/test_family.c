@@ -75,8 +75,7 @@ TEST(rows_fit_their_types)
 
 TEST(draws_meet_their_conditions_and_turn)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (const lw_family *f = lw_family_table; f->name; f++) {
         lw_plan plan;
         double dim[LW_DIM_MAX];
@@ -97,8 +96,7 @@ TEST(draws_meet_their_conditions_and_turn)
  * little, from a draw that meets the others with ease. */
 TEST(a_violated_condition_stops_the_turn)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (const lw_family *f = lw_family_table; f->name; f++) {
         lw_plan plan;
         double dim[LW_DIM_MAX];
@@ -132,8 +130,7 @@ TEST(a_violated_condition_stops_the_turn)
  * crank-rocker (input shortest) or a drag link (frame shortest). */
 TEST(four_bars_that_turn_are_in_a_family)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     lw_plan plan;
     int turning = 0;
     make_plan_of(family_named("crank-rocker"), false, &plan);

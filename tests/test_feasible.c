@@ -1,5 +1,4 @@
 /* Phase one and repair on polytopes and balls with a known inside. */
-#include "base/rng.h"
 #include "tests/check.h"
 #include "tests/functions.h"
 #include "optimise/solvers/feasible.h"
@@ -54,9 +53,8 @@ static lw_function body_function(body *b)
 
 TEST(finds_the_inside)
 {
-    lw_rng rng;
     lw_solver_options o = lw_solver_options_default();
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 300; trial++) {
         body b;
         draw_body(&rng, &b);
@@ -80,9 +78,8 @@ TEST(finds_the_inside)
 
 TEST(says_when_there_is_none)
 {
-    lw_rng rng;
     lw_solver_options o = lw_solver_options_default();
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 20; trial++) {
         body b;
         draw_body(&rng, &b);
@@ -102,11 +99,10 @@ TEST(says_when_there_is_none)
 TEST(stops_when_asked)
 {
     static const volatile int stop = 1;
-    lw_rng rng;
     lw_solver_options o = lw_solver_options_default();
     body b;
     o.interrupt = &stop;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     draw_body(&rng, &b);
     for (int k = 0; k < N; k++)
         b.a[1][k] = -b.a[0][k];

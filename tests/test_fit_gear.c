@@ -1,6 +1,5 @@
 /* Searches of mechanisms with gears: the curve of each is found again from its topology alone, to rounding, and the
  * report, which simulates it from its file, agrees. */
-#include "base/rng.h"
 #include "grammar/linkage/linkage.h"
 #include "mbs/batch/posture.h"
 #include "mbs/constraints/newton.h"
@@ -173,14 +172,13 @@ TEST(members_come_back)
         lw_fit_spec spec = lw_fit_spec_default();
         OWN(lw_target) t = { 0 };
         OWN(lw_problem) p = { 0 };
-        lw_rng rng;
         int drawn = 0, back = 0;
         make_target(&of[0], &t);
         spec.timing = LW_TIMING_PRESCRIBED;
         CHECK_INT(lw_problem_make(&t, &spec, &f, 1, 1, &p, NULL), LW_OK);
         void *work = aligned_alloc(64, (lw_problem_work_size(&p) + 127) & ~(size_t)63);
         lw_problem_work_init(&p, work);
-        lw_rng_seed(&rng, check_seed(), (uint64_t)i);
+        lw_rng rng = check_rng((uint64_t)i);
         for (int trial = 0; trial < 150; trial++) {
             double u[LW_RANDOM_LINKAGE_DRAW_MAX], shape[LW_VAR_MAX];
             for (int d = 0; d < LW_RANDOM_LINKAGE_DRAW_MAX; d++)

@@ -1,6 +1,5 @@
 /* Slider-crank with a flexible coupler: Lagrange's equations by differences of the mass matrix, published end values. */
 #include <math.h>
-#include "base/rng.h"
 #include "cli/bench/flexible_crank.h"
 #include "tests/check.h"
 

@@ -1,5 +1,4 @@
 /* Loads of random models: derivatives against differences, potential and power against the forces. */
-#include "base/rng.h"
 #include "mbs/equations/forces.h"
 #include "tests/dynamics_run.h"
 
@@ -78,8 +77,7 @@ static bool difference(int i, bool of_q, double *q, double *v, double t, double 
 
 TEST(derivatives)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 0);
+    lw_rng r = check_rng(0);
     double q[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX], f[LW_SYSTEM_Q_MAX], got[LW_SYSTEM_Q_MAX];
     double dq[LW_SYSTEM_Q_MAX*LW_SYSTEM_Q_MAX], dv[LW_SYSTEM_Q_MAX*LW_SYSTEM_Q_MAX];
     int n_seen = 0, n_left = 0;
@@ -110,8 +108,7 @@ TEST(derivatives)
 /* Forces with a potential are its slope; the others do work at the power reported. */
 TEST(potential_and_power)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     double q[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX], f[LW_SYSTEM_Q_MAX], power;
     int n_seen = 0;
     for (int round = 0; round < 200; round++) {

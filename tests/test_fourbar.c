@@ -1,7 +1,6 @@
 /* tests/test_fourbar.c - Barker's classes, limits, dead points and transmission angles against a
  * brute-force twin that turns the links, and near change points against expansions. */
 #include "mbs/kinematics/fourbar.h"
-#include "base/rng.h"
 #include "base/vec2.h"
 #include "tests/check.h"
 
@@ -198,8 +197,7 @@ static void check_sweep(const double r[4], const lw_fourbar_class *c)
 
 TEST(random_lengths_agree_with_the_sweep)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 300; trial++) {
         double r[4];
         char want[8];
@@ -231,8 +229,7 @@ static void same_class(const lw_fourbar_class *p, const lw_fourbar_class *q, dou
 
 TEST(unit_does_not_matter)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 300; trial++) {
         double r[4], two[4], ten[4], far[4];
         lw_fourbar_class a, b, c, d;

@@ -25,9 +25,8 @@ TEST(six_links)
  * many as before. */
 TEST(reads_back)
 {
-    lw_rng rng;
     int n_seen = 0;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 4000; trial++) {
         lw_mechanism m = random_topology(&rng, 3 + trial % 14, 1 + trial % 14, "r");
         lw_chain c, back;

@@ -133,9 +133,8 @@ static void every_labelling(const lw_chain *c, lw_rng *rng, int *seen)
 
 TEST(rings_and_six_links)
 {
-    lw_rng rng;
     int seen[5] = { 0 };
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int n = 3; n <= 9; n++) {
         lw_chain c = ring_of(n);
         every_labelling(&c, &rng, seen);
@@ -158,10 +157,9 @@ TEST(rings_and_six_links)
 
 TEST(eight_links)
 {
-    lw_rng rng;
     int seen[5] = { 0 };
     chain_list all = all_chains(8, 1);
-    lw_rng_seed(&rng, check_seed(), 4);
+    lw_rng rng = check_rng(4);
     CHECK_INT(all.n, 16);
     for (int i = 0; i < all.n; i++)
         every_labelling(&all.chain[i], &rng, seen);
@@ -172,9 +170,8 @@ TEST(eight_links)
 /* Any connected graph, rigid parts and all: independence must agree everywhere. */
 TEST(random_graphs)
 {
-    lw_rng rng;
     int seen[5] = { 0 };
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 20000; trial++) {
         int n = 3 + trial % 8;
         lw_mechanism m = random_topology(&rng, n, 1 + trial % (n/2 + 2), trial % 3 ? "rt" : "rtpgpg");
@@ -211,9 +208,8 @@ TEST(four_bars)
 TEST(driving)
 {
     static matrix a;
-    lw_rng rng;
     int n_yes = 0, n_no = 0;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 4000; trial++) {
         lw_mechanism m = random_topology(&rng, 3 + trial % 7, 1 + trial % 5, "rrt");
         uint64_t joints = lw_rng_bits(&rng) & lw_rng_bits(&rng) & (((uint64_t)1 << m.n_joint) - 1);

@@ -2,14 +2,12 @@
 #include "mbs/equations/friction.h"
 
 #include <stdlib.h>
-#include "base/rng.h"
 #include "tests/check.h"
 
 /* Random weak couplings: the result satisfies |R_j| = N_j */
 TEST(fixed_points)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 5);
+    lw_rng rng = check_rng(5);
     for (int trial = 0; trial < 500; trial++) {
         enum { MOST = 6 };
         int n = 1 + trial%MOST;

@@ -1,6 +1,5 @@
 /* Coulomb friction of joints in space against closed forms: a block on a slope, two blocks on each other, pins, guides and balls
  * that come to rest; and against the plane. */
-#include "base/rng.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "tests/planar_models.h"
 #include "tests/spatial_models.h"
@@ -204,8 +203,7 @@ TEST(as_in_the_plane)
         { "ground", "crank", 0, 0 }, { "crank", "coupler", 0.1, 0.2 }, { "coupler", "rocker", 0.6, 0.5 }, { "ground", "rocker", 0.7, 0 } };
     static const struct { const char *name; double m, x, y, i; } body[] = {
         { "crank", 1, 0.05, 0.1, 0.01 }, { "coupler", 2, 0.3, 0.4, 0.05 }, { "rocker", 1.5, 0.65, 0.3, 0.03 } };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 2; trial++) {
         char flat[2048], deep[4096];
         int n = 0, d = 0;

@@ -28,8 +28,7 @@ TEST(known_words)
 
 TEST(reads_back)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 2000; trial++) {
         lw_mechanism m = random_topology(&rng, 1 + trial % LW_LINK_MAX, trial % 40, trial % 2 ? "r" : "rp");
         lw_chain c, back;

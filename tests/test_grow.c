@@ -22,8 +22,7 @@ TEST(children_trace_the_parents_curve)
     enum { N = 90 };
     lw_linkage k = six_bar();
     double x[N], y[N], angle[N];
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     six_bar_curve(&k, N, x, y, angle);
     for (int trial = 0; trial < 60; trial++) {
         lw_linkage child, grandchild;
@@ -49,8 +48,7 @@ TEST(every_point_runs_as_before)
     enum { N = 40 };
     lw_linkage k = six_bar();
     int moved[2] = { 0, 0 };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     k.n_tracer = 2;
     k.tracer[1] = (lw_tracer){ .name = "Q", .link = 2, .at = { 1.5, 2.6 } };
     for (int trial = 0; trial < 40; trial++) {
@@ -80,8 +78,7 @@ TEST(every_point_runs_as_before)
 TEST(what_does_not_fit_is_refused)
 {
     lw_linkage k = six_bar(), child;
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     CHECK_INT(lw_linkage_grow(&k, false, 0, 40, 0, &rng, &child), LW_OK);      /* the crank turns: any range */
     k.n_link = LW_LINK_MAX - 1;
     CHECK_INT(lw_linkage_grow(&k, true, 0, 0, 0, &rng, &child), LW_E_ARG);

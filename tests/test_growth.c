@@ -28,9 +28,8 @@ static void check_replay(const lw_mechanism *m, const lw_growth *g, lw_reach rea
 
 TEST(found_again)
 {
-    lw_rng rng;
     int n_planar = 0, n_other = 0;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 1000; trial++) {
         lw_production p = lw_production_of(1 + trial % 2);
         lw_mechanism m, shuffled;

@@ -1,7 +1,6 @@
 /* tests/test_hard_cases.c - linkages that break programs: change points and what is near them, extreme
  * ratios and places, straight lines.  Each goes through classification, motion, the plan and the
  * verifier, which share no code. */
-#include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/kinematics/motion.h"
 #include "mbs/constraints/newton.h"
@@ -89,8 +88,7 @@ TEST(change_points_are_passed_straight)
  * in line with the others drawn out (g + a = b + h) or folded (g - a = b - h). */
 TEST(random_change_points_are_passed_straight)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 300; trial++) {
         double k[9], grain = 0x1p-20;
         bool drawn = trial % 2;

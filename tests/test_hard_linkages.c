@@ -324,9 +324,8 @@ TEST(stephenson_driven_at_the_floating_link)
 {
     static const int pair[7][2] = { { 0, 2 }, { 2, 1 }, { 0, 3 }, { 3, 4 }, { 4, 1 }, { 0, 5 }, { 5, 1 } };
     static const int input[] = { 1, 3, 4, 6 };
-    lw_rng r;
     int ends = 0;
-    lw_rng_seed(&r, check_seed(), 5);
+    lw_rng r = check_rng(5);
     for (int trial = 0; trial < 60; trial++) {
         lw_linkage l;
         double reached, end = 0.4;

@@ -2,7 +2,6 @@
  * inflection of their path. */
 #include <string.h>
 
-#include "base/rng.h"
 #include "base/vec2.h"
 #include "linkwright.h"
 #include "tests/check.h"
@@ -43,8 +42,7 @@ static void near(lw_vec2 got, lw_vec2 want)
 
 TEST(centres_of_fourbars)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 200; trial++) {
         lw_vec2 p[4];
         lw_kinematics *m = make(&rng, false, lw_v2(1, 1), p);
@@ -63,8 +61,7 @@ TEST(centres_of_fourbars)
 
 TEST(centres_of_slider_cranks)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 100; trial++) {
         lw_vec2 p[4];
         lw_kinematics *m = make(&rng, true, lw_v2(1, 1), p);
@@ -81,8 +78,7 @@ TEST(centres_of_slider_cranks)
 TEST(points_of_the_inflection_circle)
 {
     for (int trial = 0; trial < 200; trial++) {
-        lw_rng rng;
-        lw_rng_seed(&rng, check_seed(), (uint64_t)(100 + trial));
+        lw_rng rng = check_rng((uint64_t)(100 + trial));
         lw_rng again = rng;
         lw_vec2 p[4], tracer[3];
         bool slides = trial % 2;

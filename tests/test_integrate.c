@@ -2,7 +2,6 @@
  * continuous solution, events against closed forms, and what happens at the limits. */
 #include "mbs/ode/integrate.h"
 #include "mbs/ode/integrate_table_internal.h"
-#include "base/rng.h"
 #include "tests/check.h"
 #include "tests/ode_problems.h"
 #include "base/vec2.h"
@@ -369,8 +368,7 @@ static lw_status above(void *context, double t, const double *y, double *g)
  * are, and those that end just above it are none. */
 TEST(grazing)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 9);
+    lw_rng rng = check_rng(9);
     for (int trial = 0; trial < 400; trial++) {
         lw_ode_options o = lw_ode_options_default();
         o.relative = o.absolute = pow(10, lw_rng_range(&rng, -13, -5));

@@ -1,6 +1,5 @@
 /* Places in JSON texts: against values that are found by searching for them.  The reader: against jansson's own. */
 #include <jansson.h>
-#include "base/rng.h"
 #include "grammar/text/json_internal.h"
 #include "grammar/text/json_locate_internal.h"
 #include "tests/check.h"
@@ -101,8 +100,7 @@ TEST(read_as_jansson_does)
         "[\"\xff\"]", "[\"a", "[\"a\\", "[\"a\\\"", text + 3 };
     static const size_t flags[] = { 0, JSON_REJECT_DUPLICATES, JSON_DISABLE_EOF_CHECK, JSON_DECODE_INT_AS_REAL };
     static const char bytes[] = "[]{}:,\"\\ 01-.eEtfnu\x80\xff";
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (size_t i = 0; i < 4*(sizeof texts/sizeof *texts); i++) {
         const char *whole = texts[i/4];
         size_t size = strlen(whole);

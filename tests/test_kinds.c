@@ -143,8 +143,7 @@ TEST(raw_number_by_burnside)
 /* Isomorphic mechanisms, and no others, have the same form: shuffled copies do. */
 TEST(forms)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 500; trial++) {
         lw_mechanism m = random_topology(&rng, 3 + trial % 8, trial % 6, "rtpg"), other, a, b;
         uint8_t to[LW_LINK_MAX];

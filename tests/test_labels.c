@@ -1,5 +1,4 @@
 /* Labels: never on each other, never outside, away from ink where there is room. */
-#include "base/rng.h"
 #include "catalogues/draw/drawing.h"
 #include "catalogues/draw/labels.h"
 #include "tests/check.h"
@@ -16,8 +15,7 @@ static int overlap(lw_box a, lw_box b)
 
 TEST(crowds_do_not_overlap)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 4);
+    lw_rng r = check_rng(4);
     for (int trial = 0; trial < 40; trial++) {
         OWN(lw_label_map) m = { 0 };
         lw_error e;

@@ -25,8 +25,7 @@ TEST(matrix_of_the_source)
 
 TEST(reads_back)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 500; trial++) {
         lw_mechanism m = random_topology(&rng, 1 + trial % LW_LINK_MAX, trial % 20, "rtpg"), back;
         uint8_t number[LW_JOINT_MAX];
@@ -55,8 +54,7 @@ TEST(reads_back)
 TEST(plain_matrices)
 {
     static const char *const cut[] = { " ", ",", " , " };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 300; trial++) {
         lw_mechanism m = random_topology(&rng, 2 + trial % 11, trial % 20, "r"), back;
         char text[4096];

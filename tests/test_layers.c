@@ -1,7 +1,6 @@
 /* Layers: nothing touches in twice as many postures, by shapes of another making; no fewer layers would do. */
 #include "catalogues/exchange/layers.h"
 
-#include "base/rng.h"
 #include "catalogues/exchange/export.h"
 #include "tests/example_linkage.h"
 
@@ -42,8 +41,7 @@ TEST(distances)
     CHECK_NEAR(lw_hull_distance(square, 4, bar, 2), 0, 0, 0);           /* through it, no corner inside */
     CHECK_NEAR(lw_hull_distance(square, 4, over, 2), 1, 1e-15, 0);
     CHECK_NEAR(lw_hull_distance(bar, 2, over, 2), 1.5, 1e-15, 0);
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int i = 0; i < 400; i++) {
         lw_vec2 a[3], b[3];
         for (int c = 0; c < 3; c++) {
@@ -156,9 +154,8 @@ TEST(room_of_random_linkages)
 {
     static const char *const name[] = { "hoeken", "klann", "jansen", "slider-crank", "inverted-slider-crank" };
     static lw_layers l;
-    lw_rng rng;
     int n_found = 0;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int i = 0; i < 60; i++) {
         lw_linkage k = example(name[i % 5]);
         for (int j = 0; j < k.n_joint; j++)
@@ -245,9 +242,8 @@ static int fewest_by_trial(const lw_scene *s, const lw_layers *l)
 /* As few layers as a search through all ways finds, and none where it finds none. */
 TEST(fewest_of_all_ways)
 {
-    lw_rng rng;
     int n_none = 0, n_some = 0;
-    lw_rng_seed(&rng, check_seed(), 7);
+    lw_rng rng = check_rng(7);
     for (int i = 0; i < 120; i++) {
         lw_linkage k = example("klann");
         lw_error e = { 0 };

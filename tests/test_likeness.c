@@ -1,5 +1,4 @@
 /* Distances of curves: known ones, and what must not matter. */
-#include "base/rng.h"
 #include "optimise/report/likeness.h"
 #include "tests/check.h"
 
@@ -124,8 +123,7 @@ TEST(an_open_line_and_its_double)
 
 TEST(scale_and_place_do_not_matter)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 20; trial++) {
         lw_vec2 a[N], b[N], u = lw_v2_polar(exp(lw_rng_normal(&rng)), 6*lw_rng_uniform(&rng));
         OWN(lw_target) t = { 0 };
@@ -189,8 +187,7 @@ TEST(poses_leave_the_arc_of_a_turn_open)
 /* The greatest distance of the stations from wild polylines of several lengths, compared with a look at every segment. */
 TEST(stray_looks_at_every_segment)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int trial = 0; trial < 20; trial++) {
         lw_vec2 a[N], b[N];
         OWN(lw_target) t = { 0 };

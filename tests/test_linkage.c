@@ -1,5 +1,4 @@
 /* Mobility, the check, and what a posture says about its inputs. */
-#include "base/rng.h"
 #include "grammar/linkage/assembly.h"
 #include "tests/check.h"
 
@@ -193,9 +192,8 @@ TEST(many_inputs_at_once)
     enum { N = 300 };
     OWN(lw_assembly) a = { .n_link = N + 1, .n_joint = 2*N, .n_input = N, .n_tracer = N, .units = lw_units_si() };
     bool given[N];
-    lw_rng r;
     lw_error e;
-    lw_rng_seed(&r, check_seed(), 0);
+    lw_rng r = check_rng(0);
     a.link_name = calloc(a.n_link, sizeof *a.link_name);
     a.joint = calloc(a.n_joint, sizeof *a.joint);
     a.input = calloc(a.n_input, sizeof *a.input);

@@ -1,6 +1,5 @@
 /* Linkages in JSON: read, written, read again; every fault with its place. */
 #include "base/file.h"
-#include "base/rng.h"
 #include "grammar/linkage/linkage.h"
 #include "tests/check.h"
 
@@ -250,9 +249,8 @@ static void round_trip(const lw_linkage *k, double allowed)
 
 TEST(in_si_the_bits_come_back)
 {
-    lw_rng r;
     lw_linkage k;
-    lw_rng_seed(&r, check_seed(), 0);
+    lw_rng r = check_rng(0);
     for (int trial = 0; trial < 200; trial++) {
         draw_linkage(&r, &k);
         round_trip(&k, 0);
@@ -265,9 +263,8 @@ TEST(in_si_the_bits_come_back)
 TEST(in_other_units_to_rounding)
 {
     static const char *const lengths[] = { "mm", "um", "in", "ft", "km" }, *const angles[] = { "deg", "turn" };
-    lw_rng r;
     lw_linkage k;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     for (int trial = 0; trial < 100; trial++) {
         draw_linkage(&r, &k);
         lw_units_set_length(&k.units, lengths[trial%5]);
@@ -446,8 +443,7 @@ TEST(a_byte_order_mark_is_skipped)
 /* No cut and no changed byte may do more harm than an error; what is read passes the check. */
 TEST(any_bytes_are_survived)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 2);
+    lw_rng r = check_rng(2);
     for (int trial = 0; trial < 20000; trial++) {
         char text[sizeof example];
         lw_linkage k;

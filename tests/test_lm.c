@@ -91,8 +91,7 @@ TEST(finds_the_way_back)
         { LW_TASK_FUNCTION, LW_TIMING_PRESCRIBED, 8 }, { LW_TASK_PATH, LW_TIMING_FREE, 6 },
         { LW_TASK_MOTION, LW_TIMING_FREE, 7 },
     };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (size_t q = 0; q < sizeof kind/sizeof *kind; q++)
         for (int k = 0; k < N_FAMILY; k++) {
             int back = 0, tried = 0;
@@ -124,8 +123,7 @@ TEST(finds_the_way_back)
  * evaluations at most. */
 TEST(bent_steps_are_shorter_ways)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 9);
+    lw_rng rng = check_rng(9);
     long evals[2] = { 0, 0 };
     int exact[2] = { 0, 0 }, slow = 0;
     for (int trial = 0; trial < 300; trial++) {
@@ -154,8 +152,7 @@ TEST(bent_steps_are_shorter_ways)
 
 TEST(never_ends_above_its_start)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 60; trial++) {
         static const lw_timing timing[] = { LW_TIMING_PRESCRIBED, LW_TIMING_FREE, LW_TIMING_NONE };
         OWN(lw_problem) p = { 0 };
@@ -230,8 +227,7 @@ static int check_optimum(const lw_problem *p, const double *x, double f)
 
 TEST(rests_on_a_bound_as_it_should)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     int held = 0;
     for (int trial = 0; trial < 60; trial++) {
         lw_fit_spec spec = lw_fit_spec_default();
@@ -257,8 +253,7 @@ TEST(rests_on_a_bound_as_it_should)
 /* A target from just behind the limit of turning: two lengths sum up to what the others allow. */
 TEST(rests_on_the_limit_of_turning)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 4);
+    lw_rng rng = check_rng(4);
     int held = 0;
     for (int trial = 0; trial < 40; trial++) {
         OWN(lw_problem) p = { 0 };
@@ -287,8 +282,7 @@ TEST(rests_on_the_limit_of_turning)
 
 TEST(feasible_points_stay_and_others_move_little)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 5);
+    lw_rng rng = check_rng(5);
     for (int trial = 0; trial < 200; trial++) {
         OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX] = { 0 }, start[LW_VAR_MAX];
@@ -311,8 +305,7 @@ TEST(feasible_points_stay_and_others_move_little)
 
 TEST(contradictions_are_found_out)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 6);
+    lw_rng rng = check_rng(6);
     OWN(lw_problem) p = { 0 };
     double x[LW_VAR_MAX] = { 0 };
     make_case("crank-rocker", LW_TASK_PATH, LW_TIMING_FREE, lw_fit_spec_default(), 0.02, &rng, &p, x);

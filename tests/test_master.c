@@ -1,7 +1,6 @@
 /* test_master.c - master files: units, formulas, parts, repeats, ports, views; models against hand-written ones; what
  * is refused, with its place. */
 #include "base/file.h"
-#include "base/rng.h"
 #include "base/vec2.h"
 #include "grammar/family/master.h"
 #include "grammar/model/model.h"
@@ -150,8 +149,7 @@ TEST(turned_parts)
         "'outer': {'use': [{'part': 'inner', 'name': 'x', 'at': [%.17g, %.17g], 'angle': %.17g}]}},\n"
         "'model': {'units': {'angle': 'deg'}, 'links': ['ground'], 'joints': [], 'use': [{'part': 'outer', 'at': [%.17g, %.17g], 'angle': %.17g}]}}";
     static char text[2000];
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int trial = 0; trial < 200; trial++) {
         double r[12];
         for (int i = 0; i < 12; i++)

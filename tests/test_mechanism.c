@@ -3,8 +3,7 @@
 
 TEST(joints_stay_in_the_order_of_the_matrix)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 300; trial++) {
         lw_mechanism m = random_topology(&rng, 2 + trial % 12, trial % 9, "rtpg"), back;
         lw_chain c;
@@ -22,8 +21,7 @@ TEST(joints_stay_in_the_order_of_the_matrix)
 
 TEST(renaming_twice_goes_back)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 300; trial++) {
         lw_mechanism m = random_topology(&rng, 3 + trial % 12, trial % 9, "rt"), there, back;
         uint8_t to[LW_LINK_MAX], from[LW_LINK_MAX];

@@ -4,8 +4,7 @@
 
 TEST(reads_back)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 500; trial++) {
         lw_mechanism m = random_topology(&rng, 1 + trial % 32, trial % 50, "rtpg"), back;
         char text[LW_MECHANISM_JSON_SIZE];

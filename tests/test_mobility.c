@@ -1,5 +1,4 @@
 /* Mobility of linkages whose answer is known: counts, special geometry, singular postures, shaky ones. */
-#include "base/rng.h"
 #include "mbs/constraints/mobility.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
@@ -484,8 +483,7 @@ TEST(gears_and_welds)
 
 TEST(dyads_on_dyads)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 0);
+    lw_rng r = check_rng(0);
     for (int trial = 0; trial < 25; trial++) {
         lw_linkage k;
         random_grown(&r, 1 + trial%4, &k);
@@ -525,8 +523,7 @@ static int generic_freedom(const lw_linkage *k)
 
 TEST(random_chains)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     int rigid = 0, moved = 0, over = 0;
     for (int trial = 0; trial < 60; trial++) {
         lw_linkage k;

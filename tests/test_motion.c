@@ -1,7 +1,6 @@
 /* tests/test_motion.c - arcs and circuits against the closed forms of the four-bar, against margins
  * sampled through the posture, and against the verifier, which runs into every limit. */
 #include "mbs/kinematics/motion.h"
-#include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/constraints/newton.h"
 #include "mbs/batch/posture.h"
@@ -76,9 +75,8 @@ static void check_fourbar(const lw_plan *plan, const double *dim, const lw_fourb
 
 TEST(fourbars_as_classified)
 {
-    lw_rng rng;
     lw_linkage k;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     lw_plan plan = plan_of_type("fourbar", &k);
     for (int trial = 0; trial < 300; trial++) {
         double dim[LW_DIM_MAX] = { 0 };
@@ -226,8 +224,7 @@ static void check_samples(const lw_plan *plan, const double *dim, const lw_motio
 
 TEST(every_type_by_samples_and_newton)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (const lw_type *t = lw_type_table; t->letters; t++) {
         lw_linkage k;
         double from[LW_DIM_MAX], dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
@@ -332,8 +329,7 @@ static void check_transmission(const lw_plan *plan, const double *dim, const lw_
 TEST(six_bars_by_newton)
 {
     const int (*kind[3])[2] = { watt, watt_two, stephenson };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     int n_arc = 0, n_inner = 0, n_first = 0;
     for (int trial = 0; trial < 90; trial++) {
         lw_linkage k;

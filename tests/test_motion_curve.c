@@ -2,7 +2,6 @@
 #include <float.h>
 #include "tests/kept_system.h"
 #include "tests/large_models.h"
-#include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/constraints/newton.h"
 #include "tests/mbs_linkage.h"
@@ -25,8 +24,7 @@ static lw_fourbar_class draw_fourbar(lw_rng *r, double k[9])
  * which are those of the class to 1e-10. */
 TEST(four_bars_of_all_classes)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     for (int trial = 0; trial < 400; trial++) {
         double k[9], q[9], mode = trial%2 ? 1 : -1;
         lw_fourbar_class c = draw_fourbar(&r, k);
@@ -297,8 +295,7 @@ TEST(six_bars_agree_with_newton)
         { {0,1},{1,2},{2,3},{3,0},{2,4},{4,5},{5,3} }, { {0,1},{1,2},{2,3},{3,0},{2,4},{4,5},{5,0} },
         { {0,1},{1,2},{2,3},{3,4},{4,1},{4,5},{5,0} }, { {0,1},{1,2},{1,3},{2,4},{3,5},{4,5},{5,0} },
     };
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 2);
+    lw_rng r = check_rng(2);
     for (int trial = 0; trial < 120; trial++) {
         lw_linkage l;
         double q[15], reached;

@@ -1,7 +1,6 @@
 /* Multiple joints against catalogues/data/published-counts.csv (two methods there) and a count over all sets of
  * links. */
 #include "check.h"
-#include "base/rng.h"
 #include "enumerate/multiple.h"
 
 typedef struct found { int n, dof; char kinds[64][16]; int n_of[64], n_kind; lw_rng *rng; } found;
@@ -104,8 +103,7 @@ TEST(published)
     static const struct { int n_link, dof, n; } total[] = {
         { 4, 1, 0 }, { 6, 1, 2 }, { 8, 1, 44 }, { 5, 2, 0 }, { 7, 2, 5 },
     };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         found f = list(known[i].n_link, known[i].dof, &rng);
         CHECK_INT(number_of(&f, known[i].kind), known[i].n);

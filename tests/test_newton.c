@@ -1,7 +1,6 @@
 /* tests/test_newton.c - the verifier against closed forms written here and against what rigid links
  * must keep. */
 #include "mbs/constraints/newton.h"
-#include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
@@ -35,8 +34,7 @@ static lw_newton *make(const lw_linkage *k)
 
 TEST(crank_turns_in_both_modes)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 200; trial++) {
         double k[9];
         draw_fourbar(&rng, true, 1e-3, k);
@@ -64,8 +62,7 @@ TEST(crank_turns_in_both_modes)
  * point's own branch. */
 TEST(rocker_stops_at_its_limits)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 200; trial++) {
         double k[9], reached;
         lw_fourbar_class c = draw_fourbar(&rng, false, 1e-3, k);
@@ -111,8 +108,7 @@ TEST(a_hundred_turns)
 /* Slider-crank by its crank, and by its slider, whose way ends where crank and rod are in line. */
 TEST(slider_crank)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 100; trial++) {
         double r = lw_rng_range(&rng, 0.3, 1.0), e = lw_rng_range(&rng, -0.3, 0.3);
         double rod = r + fabs(e) + lw_rng_range(&rng, 0.05, 1.0), tilt = lw_rng_range(&rng, -3.0, 3.0);
@@ -163,8 +159,7 @@ TEST(six_bars_keep_their_links)
         { {0,1},{1,2},{2,3},{3,4},{4,1},{4,5},{5,0} },          /* the crank ternary                 */
         { {0,1},{1,2},{1,3},{2,4},{3,5},{4,5},{5,0} },          /* one group of four links           */
     };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 4);
+    lw_rng rng = check_rng(4);
     int n_moved = 0, n_ended = 0;
     for (int trial = 0; trial < 120; trial++) {
         const int (*p)[2] = pair[trial % 4];

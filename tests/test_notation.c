@@ -6,9 +6,8 @@
 
 TEST(every_row_reads_what_it_prints)
 {
-    lw_rng rng;
     static char text[LW_NOTATION_SIZE];
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (const lw_notation *n = lw_notations; n->name; n++) {
         CHECK(lw_notation_find(n->name) == n);
         CHECK(n->most <= sizeof text);
@@ -37,11 +36,10 @@ TEST(every_row_reads_what_it_prints)
 /* Thirty topologies in all notations, with empty lines and remarks between. */
 TEST(mixed_stream)
 {
-    lw_rng rng;
     static char text[1 << 16], piece[LW_NOTATION_SIZE];
     lw_mechanism want[30], got;
     size_t n = 0, length;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int i = 0; i < 30; i++) {
         static const char *const names[] = { "graph6", "lam", "sentence", "edges", "json" };
         const lw_notation *row = lw_notation_find(names[i % 5]);

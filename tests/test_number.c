@@ -2,7 +2,6 @@
 #include <locale.h>
 
 #include "base/number.h"
-#include "base/rng.h"
 #include "tests/check.h"
 
 static lw_status parse(const char *s, double *v) { return lw_number_parse(s, strlen(s), v); }
@@ -75,8 +74,7 @@ TEST(words_that_are_no_numbers)
 
 TEST(every_bit_pattern_comes_back)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 0);
+    lw_rng r = check_rng(0);
     for (int i = 0; i < 20000; i++) {
         uint64_t bits = lw_rng_bits(&r), back_bits;
         double v, back = 0;
@@ -130,9 +128,8 @@ static bool prints_as_libc(double v, double unit)
 /* Every magnitude, few digits, whole numbers, powers of 2 and 10 with their neighbours, ties. */
 TEST(same_text_as_printf)
 {
-    lw_rng r;
     int wrong = 0;
-    lw_rng_seed(&r, check_seed(), 2);
+    lw_rng r = check_rng(2);
     for (int i = 0; i < 60000 && wrong < 10; i++) {
         uint64_t bits = lw_rng_bits(&r);
         double v, u = lw_rng_normal(&r);
@@ -161,8 +158,7 @@ TEST(same_text_as_printf)
 /* Written in another unit and read back: the bits again or their neighbour. */
 TEST(units_cost_one_rounding_at_most)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     for (int i = 0; i < 5000; i++) {
         double v = lw_rng_normal(&r), w = 0;
         char text[LW_NUMBER_SIZE];

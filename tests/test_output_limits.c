@@ -1,6 +1,5 @@
 /* Turnings against closed forms: cosine rule for the four-bar, stroke ends of the slider-crank. */
 #include "mbs/kinematics/output_limits.h"
-#include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/batch/posture.h"
 #include "mbs/plan/types.h"
@@ -30,8 +29,7 @@ TEST(rocker_turns_back_at_dead_points)
     lw_linkage k;
     lw_plan plan;
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     setup("RRRR", &k, &plan, dim, mode);
     for (int trial = 0; trial < 100; trial++) {
         double s = lw_rng_range(&rng, 0.2, 1), p = lw_rng_range(&rng, 2, 3), q = lw_rng_range(&rng, 2, 3);

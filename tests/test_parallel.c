@@ -4,7 +4,6 @@
 
 #include "base/clock.h"
 #include "base/parallel.h"
-#include "base/rng.h"
 #include "tests/check.h"
 
 enum { N_JOB = 5000, N_THREAD = 64 };

@@ -50,8 +50,7 @@ static void check_round_trip(planned *q, double growth)
 TEST(types_read_and_write)
 {
     static planned q;
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     for (const lw_type *t = lw_type_table; t->letters; t++)
         for (int trial = 0; trial < 500; trial++) {
             lw_linkage k;
@@ -67,8 +66,7 @@ TEST(types_read_and_write)
 TEST(grown_linkages_read_and_write)
 {
     static planned q;
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 2);
+    lw_rng r = check_rng(2);
     for (int trial = 0; trial < 2000; trial++) {
         lw_linkage k;
         random_grown(&r, 1 + trial%4, &k);
@@ -83,8 +81,7 @@ TEST(grown_linkages_read_and_write)
 TEST(order_of_telling_does_not_matter)
 {
     static planned a, b;
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 3);
+    lw_rng r = check_rng(3);
     for (int trial = 0; trial < 500; trial++) {
         lw_posture pa, pb;
         random_grown(&r, 2, &a.k);
@@ -105,8 +102,7 @@ TEST(order_of_telling_does_not_matter)
 TEST(dimensions_do_not_move)
 {
     static planned q;
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 4);
+    lw_rng r = check_rng(4);
     for (const lw_type *t = lw_type_table; t->letters; t++)
         for (int trial = 0; trial < 200; trial++) {
             double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input, step = lw_rng_range(&r, -0.2, 0.2);
@@ -132,8 +128,7 @@ TEST(dimensions_do_not_move)
 TEST(slider_inputs_count_as_the_file_says)
 {
     static planned q;
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 5);
+    lw_rng r = check_rng(5);
     for (const lw_type *t = lw_type_table; t->letters; t++)
         for (int trial = 0; t->input_is_slider && trial < 200; trial++) {
             random_type(&r, t, &q.k);
@@ -156,9 +151,8 @@ TEST(slider_inputs_count_as_the_file_says)
 TEST(newton_arrives_at_the_same_place)
 {
     static planned q;
-    lw_rng r;
     int n_checked = 0;
-    lw_rng_seed(&r, check_seed(), 6);
+    lw_rng r = check_rng(6);
     for (int trial = 0; trial < 600; trial++) {
         lw_linkage k;
         lw_newton *s;

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/rng.h"
 #include "mbs/batch/batch.h"
 #include "mbs/constraints/newton.h"
 #include "mbs/batch/posture.h"
@@ -216,9 +215,8 @@ TEST(turns_as_the_loop_equations)
  * posture is near one. */
 TEST(random_ones_too)
 {
-    lw_rng r;
     int compared = 0;
-    lw_rng_seed(&r, check_seed(), 3);
+    lw_rng r = check_rng(3);
     for (int trial = 0; trial < 8*CASES; trial++) {
         planned p;
         lw_posture posture;

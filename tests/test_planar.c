@@ -1,6 +1,5 @@
 /* Planarity against Euler and Kuratowski: what is planar shows a + v - e = 2 regions, what is not
  * shows a subdivision of K5 or K3,3. */
-#include "base/rng.h"
 #include "check.h"
 #include "grammar/topology/planar.h"
 
@@ -103,9 +102,8 @@ TEST(largest_planar_graph)
 /* Random connected graphs: a planar one has regions by Euler, another one has a witness. */
 TEST(random_graphs)
 {
-    lw_rng rng;
     int n_planar = 0;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 3000; trial++) {
         graph g = { .n = 3 + (int)lw_rng_range(&rng, 0, 14) };
         for (int i = 1; i < g.n; i++)

@@ -30,9 +30,8 @@ TEST(keeps_the_best_in_order)
 {
     static lw_pool pool;
     OWN(lw_problem) p = { 0 };
-    lw_rng rng;
     double all[300];
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     make_problem(&p);
     lw_variables v = lw_pool_variables(&p);
     for (int i = 0; i < 300; i++) {

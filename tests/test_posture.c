@@ -78,9 +78,8 @@ TEST(bars_keep_their_lengths)
 {
     static subject q;
     static lw_posture posture;
-    lw_rng r;
     int n_checked = 0;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     for (int trial = 0; trial < 4000; trial++) {
         if (!random_subject(&r, trial, &q))
             continue;
@@ -123,10 +122,9 @@ TEST(orders_follow_from_each_other)
 {
     static subject q;
     static lw_posture at[5];
-    lw_rng r;
     const double h = 1e-4;
     int n_checked = 0;
-    lw_rng_seed(&r, check_seed(), 2);
+    lw_rng r = check_rng(2);
     for (int trial = 0; trial < 3000; trial++) {
         if (!random_subject(&r, trial, &q))
             continue;
@@ -153,8 +151,7 @@ TEST(velocities_agree_with_the_batch)
     static subject q;
     static lw_posture posture;
     static double work[1 << 17];
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 3);
+    lw_rng r = check_rng(3);
     for (int trial = 0; trial < 1000; trial++) {
         random_grown(&r, 1 + trial%3, &q.k);
         plan_of(&q);

@@ -1,6 +1,5 @@
 /* tests/test_prescribed_motion.c - inputs as functions of time against closed forms. */
 #include "mbs/constraints/prescribed_motion.h"
-#include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
@@ -111,8 +110,7 @@ static void square(void *context, double t, int order, double *u)
 /* A rocker is driven to its limit: the time is told to 1e-10. */
 TEST(the_time_of_a_limit)
 {
-    lw_rng g;
-    lw_rng_seed(&g, check_seed(), 1);
+    lw_rng g = check_rng(1);
     for (int trial = 0; trial < 200; trial++) {
         double k[9] = { 0 };
         lw_fourbar_class c;

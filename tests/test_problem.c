@@ -110,8 +110,7 @@ TEST(gradient_is_that_of_differences)
 
 TEST(residuals_add_up)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int s = 0; s < N_SETTING; s++)
         for (int k = 0; k < N_FAMILY; k++) {
             OWN(lw_problem) p = { 0 };
@@ -142,8 +141,7 @@ TEST(residuals_add_up)
 /* Eq. 17 by hand at a member's own dimensions: a and b, weights, the short way round. */
 TEST(value_is_equation_17)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 60; trial++) {
         member m;
         stations st, moved;
@@ -195,8 +193,7 @@ static double value_of(const stations *st, const member *m, lw_fit_spec spec, do
 TEST(scale_turn_and_place_do_not_matter)
 {
     static const double size[] = { 1, 1e9, 1e-9, 1234.5 };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 4);
+    lw_rng rng = check_rng(4);
     for (int trial = 0; trial < 120; trial++) {
         member m;
         stations st;
@@ -225,8 +222,7 @@ TEST(scale_turn_and_place_do_not_matter)
 
 TEST(dimensions_go_there_and_back)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 5);
+    lw_rng rng = check_rng(5);
     for (int k = 0; k < N_FAMILY; k++) {
         OWN(lw_problem) p = { 0 };
         OWN(lw_target) t = { 0 };

@@ -2,7 +2,6 @@
 #include "grammar/functions/profile.h"
 
 #include <stdbool.h>
-#include "base/rng.h"
 #include "grammar/functions/motion_law.h"
 #include "tests/check.h"
 
@@ -114,8 +113,7 @@ static void check_motion(const lw_profile *p, lw_axis_state from, lw_axis_state 
 
 TEST(random_states_keep_their_limits)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 0);
+    lw_rng r = check_rng(0);
     for (int k = 0; k < 20000; k++) {
         lw_axis_state from, to;
         lw_axis_limits l = random_case(&r, &from, &to);
@@ -130,8 +128,7 @@ TEST(random_states_keep_their_limits)
  * ends: the least time is never longer, and a motion of just that duration is found. */
 TEST(nothing_random_is_quicker)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     int compared = 0;
     for (int k = 0; k < 100000; k++) {
         lw_axis_state from, to;

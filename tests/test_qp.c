@@ -1,6 +1,5 @@
 /* Small quadratic programs against the enumeration of all active sets: the minimum is the solution of
  * the equality problem of some independent set of rows, so the best feasible one of all sets is it. */
-#include "base/rng.h"
 #include "optimise/solvers/qp.h"
 #include "tests/check.h"
 
@@ -152,8 +151,7 @@ static int whole(lw_rng *rng, int most) { return (int)lw_rng_range(rng, -most, m
 
 TEST(agrees_with_enumeration)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     int contradictory = 0;
     for (int trial = 0; trial < 600; trial++) {
         program q = { .n = 1 + trial % N, .m = (int)lw_rng_range(&rng, 0, 9) };
@@ -175,8 +173,7 @@ TEST(agrees_with_enumeration)
 /* Small whole numbers: rows that repeat, meet in one point, oppose each other exactly, or are zero. */
 TEST(agrees_where_rows_depend_on_each_other)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     int solved = 0;
     for (int trial = 0; trial < 1500; trial++) {
         program q = { .n = 1 + trial % 4, .m = (int)lw_rng_range(&rng, 2, 10) };
@@ -201,8 +198,7 @@ TEST(agrees_where_rows_depend_on_each_other)
  * them if the gap is positive, whatever rounding does. */
 TEST(knows_contradictions_of_nearly_parallel_rows)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 4);
+    lw_rng rng = check_rng(4);
     for (int trial = 0; trial < 400; trial++) {
         bool contradicts = trial % 2;
         program q = { .n = 2 + trial/2 % (N - 1) };
@@ -250,8 +246,7 @@ TEST(clips_to_a_box)
 /* Variables measured in other units, by powers of two: the same answer in these units. */
 TEST(does_not_mind_units)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 200; trial++) {
         program q = { .n = 6, .m = 8 }, s;
         double p[N], t[N], d[N];

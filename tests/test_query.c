@@ -1,7 +1,6 @@
 /* test_query.c - questions to a catalogue: what they become, what is refused and where. */
 #include "catalogues/store/query.h"
 
-#include "base/rng.h"
 #include "tests/check.h"
 
 static const lw_query_options any = { .list = LW_LIST_ANY };
@@ -141,8 +140,7 @@ TEST(wild_text)
         "links", "planar", "name", "and", "or", "not", "(", ")", "=", "..", "<", ">=", "~", "4", "4..8", "'x'", "in",
         ",", "none", "-1e5", "2mm", "error", "\"", ";", "--", "class", "%", "?1"
     };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 8);
+    lw_rng rng = check_rng(8);
     int n_good = 0;
     for (int trial = 0; trial < 60000; trial++) {
         char text[400] = "";

@@ -1,6 +1,5 @@
 /* Members of a family of any linkage: they close where they say, by a simulation that shares nothing with the
  * drawing; f of such a family has the derivatives it claims. */
-#include "base/rng.h"
 #include "mbs/batch/posture.h"
 #include "mbs/constraints/newton.h"
 #include "optimise/problem/family.h"
@@ -43,9 +42,8 @@ TEST(members_close_where_they_say)
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
     OWN(lw_problem) p = { 0 };
     void *work = make_problem(&f, &k, LW_TIMING_FREE, false, &p);
-    lw_rng rng;
     int turns = 0, rocks = 0, arrived = 0, drawn = 0;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 300; trial++) {
         double u[LW_RANDOM_LINKAGE_DRAW_MAX], shape[LW_VAR_MAX];
         for (int i = 0; i < LW_RANDOM_LINKAGE_DRAW_MAX; i++)
@@ -69,8 +67,7 @@ TEST(the_crank_turns_when_it_must)
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
     OWN(lw_problem) p = { 0 };
     void *work = make_problem(&f, &k, LW_TIMING_FREE, true, &p);
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 100; trial++) {
         double u[LW_RANDOM_LINKAGE_DRAW_MAX], shape[LW_VAR_MAX];
         for (int i = 0; i < LW_RANDOM_LINKAGE_DRAW_MAX; i++)
@@ -99,8 +96,7 @@ TEST(derivatives_are_those_of_f)
 {
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .posture = true, .links = 6 };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int timing = LW_TIMING_PRESCRIBED; timing <= LW_TIMING_FREE; timing++) {
         OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX], grad[LW_VAR_MAX];

@@ -1,6 +1,5 @@
 /* Rank, least squares and least norm against their definitions, on random matrices of known rank. */
 #include "base/rank.h"
-#include "base/rng.h"
 #include "tests/check.h"
 
 #define MOST 12
@@ -57,8 +56,7 @@ static void check_solution(int m, int n, const double *a, int transposed, const 
 
 TEST(random_matrices)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int trial = 0; trial < 500; trial++) {
         int m = 1 + (int)(lw_rng_uniform(&rng)*MOST), n = 1 + (int)(lw_rng_uniform(&rng)*MOST);
         int most = m < n ? m : n, rank = (int)(lw_rng_uniform(&rng)*(most + 1));

@@ -2,7 +2,6 @@
  * values against its functions of double, exact cases, and known bits. */
 #include <float.h>
 #include "base/real.h"
-#include "base/rng.h"
 #include "tests/check.h"
 
 /* The C library's functions of double, which the macros would replace. */
@@ -46,8 +45,7 @@ static double units(double got, long double want)
 
 TEST(errors_are_small)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int i = 0; i < N_ROW; i++) {
         double worst = 0, at = 0;
         for (int n = 0; n < N_TRIAL; n++) {
@@ -64,9 +62,8 @@ TEST(errors_are_small)
 /* Both coordinates over many sizes. */
 TEST(two_arguments)
 {
-    lw_rng rng;
     double worst[5] = { 0 };
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int n = 0; n < N_TRIAL; n++) {
         int e = n % 2 ? 4 : 900;
         double x = ldexp(lw_rng_range(&rng, -1, 1), (int)lw_rng_range(&rng, -e, e));

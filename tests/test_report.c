@@ -75,8 +75,7 @@ static bool can_do(const char *family, lw_task task)
 
 TEST(every_honest_candidate_is_verified)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (const lw_family *f = lw_family_table; f->name; f++)
         for (int trial = 0; trial < 12; trial++) {
             lw_task task = (lw_task)(trial % 3);
@@ -97,8 +96,7 @@ TEST(every_honest_candidate_is_verified)
 /* The dimensions of a candidate are those of its report, by name. */
 TEST(dimensions_of_fit_and_report_agree)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 13);
+    lw_rng rng = check_rng(13);
     for (const lw_family *f = lw_family_table; f->name; f++)
         for (int task = 0; task < 3; task++) {
             OWN(made) k = { 0 };
@@ -118,8 +116,7 @@ TEST(dimensions_of_fit_and_report_agree)
 
 TEST(errors_are_those_by_hand)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 40; trial++) {
         OWN(made) k = { 0 };
         double sum = 0, square = 0, most = 0, length = 0;
@@ -149,8 +146,7 @@ TEST(errors_are_those_by_hand)
  * point to the nearer pin. */
 TEST(rounding_is_no_error)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 17);
+    lw_rng rng = check_rng(17);
     for (int trial = 0; trial < 40; trial++) {
         OWN(made) k = { 0 };
         double off = trial % 2 ? 1e-9 : 0, far = trial % 4 < 2 ? 1e4 : 0;
@@ -182,8 +178,7 @@ TEST(rounding_is_no_error)
 
 TEST(angles_are_those_by_hand)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 20; trial++) {
         OWN(made) k = { 0 };
         double sum = 0, most = 0;
@@ -209,8 +204,7 @@ TEST(angles_are_those_by_hand)
 TEST(motion_is_that_of_brute_force)
 {
     enum { LOOKS = 3600 };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 4);
+    lw_rng rng = check_rng(4);
     for (int trial = 0; trial < 20; trial++) {
         OWN(made) k = { 0 };
         double least = 9, most = 0, farthest = 0, stride = 0;
@@ -244,9 +238,8 @@ TEST(motion_is_that_of_brute_force)
 TEST(stray_is_that_of_a_dense_curve)
 {
     enum { LOOKS = 8000 };
-    lw_rng rng;
     lw_vec2 *curve = malloc(sizeof *curve*(LOOKS + 1));
-    lw_rng_seed(&rng, check_seed(), 14);
+    lw_rng rng = check_rng(14);
     for (int trial = 0; trial < 20; trial++) {
         OWN(made) k = { 0 };
         make("crank-rocker", trial % 2 ? 1 : -1, LW_TASK_PATH, 0, &rng, &k);
@@ -267,8 +260,7 @@ TEST(stray_is_that_of_a_dense_curve)
 
 TEST(cognates_trace_the_curve)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 5);
+    lw_rng rng = check_rng(5);
     for (int trial = 0; trial < 20; trial++) {
         OWN(made) k = { 0 };
         make("crank-rocker", trial % 2 ? 1 : -1, LW_TASK_PATH, 0, &rng, &k);
@@ -316,8 +308,7 @@ static void claim_copies(const made *k, double scale, lw_rng *rng, made copy[COP
  * better in all. */
 TEST(the_same_mechanism_is_one_row)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 15);
+    lw_rng rng = check_rng(15);
     int differ = 0;
     for (int trial = 0; trial < 12; trial++) {
         const bool smaller = trial % 2;
@@ -342,8 +333,7 @@ TEST(the_same_mechanism_is_one_row)
 /* Of two linkages that are alike but for their size, the larger without error comes first; of a target known to its noise only, the smaller. */
 TEST(errors_below_the_noise_do_not_count)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 17);
+    lw_rng rng = check_rng(17);
     for (int trial = 0; trial < 12; trial++) {
         made k, smaller;
         OWN(lw_fit_results) found = { 0 };
@@ -368,8 +358,7 @@ TEST(errors_below_the_noise_do_not_count)
 /* Beside errors of manufacture, a thousandth of the target, half of that costs less than two thirds more size; ten times as much does not. */
 TEST(errors_below_those_of_manufacture_cost_little)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 18);
+    lw_rng rng = check_rng(18);
     for (int trial = 0; trial < 2; trial++) {
         OWN(made) k = { 0 };
         OWN(lw_fit_results) found = { 0 };
@@ -414,8 +403,7 @@ static void make_four_and_six(lw_rng *rng, double off_of_six, double off_of_four
 /* A four-bar that misses the target by 1/500 comes before six links that meet it, one that misses it by 1/200 after them. */
 TEST(two_links_more_cost_as_much_as_a_small_error)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 21);
+    lw_rng rng = check_rng(21);
     for (int trial = 0; trial < 2; trial++) {
         four_and_six p;
         OWN(lw_fit_results) found = { 0 };
@@ -431,8 +419,7 @@ TEST(two_links_more_cost_as_much_as_a_small_error)
  * them by.  For a search that may go on, only a four-bar that meets them is as near. */
 TEST(few_stations_are_missed_by_their_errors)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 20);
+    lw_rng rng = check_rng(20);
     OWN(made) k = { 0 };
     make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
     lw_fit_report r = report_of(&k);
@@ -450,8 +437,7 @@ TEST(few_stations_are_missed_by_their_errors)
 /* A four-bar that leaves the target by 8 % of its diagonal is no row beside six links that follow it, unless it alone turns fully. */
 TEST(rows_far_from_the_target_end_where_another_is_near)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 19);
+    lw_rng rng = check_rng(19);
     for (int trial = 0; trial < 3; trial++) {
         four_and_six p;
         OWN(lw_fit_results) found = { 0 };
@@ -471,8 +457,7 @@ TEST(rows_of_a_function_end_where_one_is_fine)
 {
     OWN(made) k = { 0 };
     OWN(lw_fit_results) found = { 0 };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 20);
+    lw_rng rng = check_rng(20);
     make("crank-rocker", 1, LW_TASK_FUNCTION, 0, &rng, &k);
     lw_fit_spec_set_limits(&k.spec, &k.t, 0);
     lw_candidate c[3];
@@ -506,8 +491,7 @@ static void measures_of(const lw_fit_report *r, double m[ROW_MEASURES])
  * stray or error, or 5 degrees more. */
 TEST(rows_earn_their_place)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 16);
+    lw_rng rng = check_rng(16);
     int rows = 0;
     for (int trial = 0; trial < 40; trial++) {
         made k, copy[COPIES];
@@ -551,8 +535,7 @@ TEST(rows_earn_their_place)
 
 TEST(what_was_tampered_with_is_not_verified)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 6);
+    lw_rng rng = check_rng(6);
     for (int trial = 0; trial < 40; trial++) {
         OWN(made) k = { 0 };
         make(trial % 2 ? "crank-rocker" : "slider-crank", 1, (lw_task)(trial % 4 == 3 ? 2 : 0), 0.1, &rng, &k);
@@ -576,8 +559,7 @@ TEST(what_was_tampered_with_is_not_verified)
 /* Positions that the independent simulation does not find. */
 TEST(positions_that_disagree_are_not_verified)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 7);
+    lw_rng rng = check_rng(7);
     static const double by[] = { 0, 1e-8, 1e-3, NAN };
     for (int trial = 0; trial < 4; trial++) {
         OWN(made) k = { 0 };
@@ -628,8 +610,7 @@ static bool make_swing(lw_rng *rng, double side, made *k)
 
 TEST(a_circuit_through_both_assemblies_is_verified)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 8);
+    lw_rng rng = check_rng(8);
     int seen = 0;
     for (int trial = 0; trial < 40; trial++) {
         OWN(made) k = { 0 };
@@ -647,8 +628,7 @@ TEST(a_circuit_through_both_assemblies_is_verified)
 /* Every station lies on the curve, but two of them are met in the wrong order. */
 TEST(stations_out_of_order_are_refused)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 18);
+    lw_rng rng = check_rng(18);
     int seen = 0;
     for (int trial = 0; trial < 20; trial++) {
         made k;
@@ -679,8 +659,7 @@ TEST(stations_out_of_order_are_refused)
 /* A crank-rocker has two circuits, one an assembly: nobody gets from one to the other. */
 TEST(stations_in_two_circuits_are_refused)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 9);
+    lw_rng rng = check_rng(9);
     for (int trial = 0; trial < 10; trial++) {
         OWN(made) k = { 0 };
         make(trial % 2 ? "crank-rocker" : "slider-crank", 1, LW_TASK_PATH, 0.1, &rng, &k);
@@ -698,8 +677,7 @@ TEST(stations_in_two_circuits_are_refused)
 /* A double rocker of Grashof's kind: in one assembly its input has two ranges with a gap between. */
 TEST(stations_beyond_a_gap_are_refused)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 10);
+    lw_rng rng = check_rng(10);
     static const double r[4] = { 3, 2.5, 1, 2.6 };        /* the coupler is the shortest          */
     OWN(made) k = { 0 };
     make("any four-bar", 1, LW_TASK_PATH, 0, &rng, &k);
@@ -723,8 +701,7 @@ TEST(stations_beyond_a_gap_are_refused)
 
 TEST(what_does_not_close_says_so)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 11);
+    lw_rng rng = check_rng(11);
     OWN(made) k = { 0 };
     make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
     k.c.dim[0] *= 100;
@@ -737,8 +714,7 @@ TEST(what_does_not_close_says_so)
 TEST(far_small_and_large_results_are_verified)
 {
     static const double size[] = { 1e9, 1e-9, 1, 1e6 }, away[] = { 0, 3, 1e6, -2 };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 12);
+    lw_rng rng = check_rng(12);
     for (int trial = 0; trial < 48; trial++) {
         static const char *const family[] = { "crank-rocker", "slider-crank", "any four-bar", "trammel" };
         double z = size[trial % 4], far = away[trial/4 % 4]*z;
@@ -846,9 +822,8 @@ static int check_reversals(const lw_plan *plan, const lw_candidate *c, const dou
 TEST(limits_and_dead_points_are_where_samples_change_sign)
 {
     static const char *const family[] = { "crank-rocker", "drag-link", "any four-bar" };
-    lw_rng rng;
     int found = 0;
-    lw_rng_seed(&rng, check_seed(), 17);
+    lw_rng rng = check_rng(17);
     for (int trial = 0; trial < 45; trial++) {
         OWN(made) k = { 0 };
         make(family[trial % 3], trial % 2 ? 1 : -1, LW_TASK_PATH, 0.05, &rng, &k);

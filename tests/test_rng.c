@@ -45,8 +45,7 @@ TEST(moments_of_uniform_and_normal)
 {
     enum { n = 200000 };
     double u1 = 0, u2 = 0, n1 = 0, n2 = 0, n4 = 0, uu = 0, last = 0.5;
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 0);
+    lw_rng r = check_rng(0);
     for (int i = 0; i < n; i++) {
         double u = lw_rng_uniform(&r), z = lw_rng_normal(&r);
         CHECK(u >= 0 && u < 1);
@@ -70,8 +69,7 @@ TEST(range_stays_inside)
 {
     static const double ends[][2] = { { 0, 1 }, { -3, 5 }, { 1, 1 + 0x1p-52 }, { -1e308, 1e308 },
                                       { 1e9, 1e9 + 1 }, { -2, -1 }, { 5e-324, 1e-323 }, { 4, 4 } };
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     for (size_t k = 0; k < sizeof ends/sizeof *ends; k++)
         for (int i = 0; i < 2000; i++) {
             double lo = ends[k][0], hi = ends[k][1], v = lw_rng_range(&r, lo, hi);

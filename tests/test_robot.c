@@ -4,7 +4,6 @@
 #include "mbs/analysis/held.h"
 
 #include "base/file.h"
-#include "base/rng.h"
 #include "base/vec3.h"
 #include "mbs/dynamics/modes.h"
 #include "mbs/space/space_adjust.h"
@@ -52,13 +51,12 @@ TEST(delta_poses)
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
-    lw_rng rng;
     if (!make("examples/space/delta.json", &m, &r))
         return;
     CHECK_NEAR(closed_angle(0, home)*180/LW_PI, 13.60812855, 5e-9, 0);
     CHECK_NEAR(closed_angle(0, lw_v3(0.2, 0, -0.65))*180/LW_PI, -6.282352804, 5e-10, 0);
     CHECK_NEAR(closed_angle(1, lw_v3(0.2, 0, -0.65))*180/LW_PI, 29.88751143, 5e-9, 0);
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int n = 0; n < 200; n++) {
         lw_vec3 at = n == 0 ? lw_v3(0.2, 0, -0.65) : random_place(&rng);
         CHECK_INT(lw_robot_move(&r, at, NULL, &e), LW_OK);
@@ -234,8 +232,7 @@ static bool make_delta(const proportions *d, lw_spatial *m, lw_robot *r)
 /* A way ends where the three bars lie in one plane, also if the robot could be assembled beyond: DELTA robots of any proportions. */
 TEST(tools_that_their_drives_lose)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     int lost = 0, made = 0;
     while (made < 8) {
         OWN(lw_spatial) m = { 0 };
@@ -414,8 +411,7 @@ static double rods_apart(const five_bar *g, lw_vec3 p)
 
 TEST(five_bars_in_closed_form)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int n = 0; n < 12;) {
         five_bar g;
         lw_vec3 knee[2], at = lw_v3(lw_rng_range(&rng, -0.2, 0.2), lw_rng_range(&rng, 0.1, 0.5), 0);
@@ -503,8 +499,7 @@ static void against_differences(const char *file, double stroke)
     lw_robot_pose p, plus, minus;
     lw_error e = { 0 };
     double value[LW_ROBOT_DRIVES], h = 1e-5;
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     if (!make(file, &m, &r))
         return;
     lw_space_follow_values(&r.follow, value);
@@ -570,12 +565,11 @@ static bool make_planar(const char *file, lw_spatial *m, lw_robot *r)
  * its ends have the same part along it.  Straight down from the middle the first leg is stretched at 0.25. */
 TEST(three_rrr)
 {
-    lw_rng rng;
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
     lw_error e = { 0 };
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     bool good = make_planar("examples/3-rrr.json", &m, &r);
     CHECK(good);
     for (int trial = 0; good && trial < 20; trial++) {
@@ -942,8 +936,7 @@ static bool make_wrist(lw_rng *rng, wrist *g, lw_spatial *m, lw_robot *r)
 
 TEST(a_wrist_turns_about_its_centre)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int n = 0; n < 20; n++) {
         wrist g;
         OWN(lw_spatial) m = { 0 };
@@ -1015,8 +1008,7 @@ static lw_vec3 rounded(lw_vec3 v) { return lw_v3(round(1e4*v.x)/1e4, round(1e4*v
 /* Axes with four digits do not meet in one point any more: the linkage would be rigid.  It is adjusted to its three freedoms. */
 TEST(rounded_wrists_are_adjusted)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int n = 0; n < 10; n++) {
         wrist g;
         OWN(lw_spatial) m = { 0 };

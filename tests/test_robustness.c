@@ -2,7 +2,6 @@
  * against the linear figure where tolerances are small, and against a Monte Carlo of the test's own where they are
  * not. */
 #include "optimise/report/robustness.h"
-#include "base/rng.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

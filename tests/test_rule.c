@@ -78,8 +78,7 @@ static lw_production random_step(lw_rng *rng, const lw_sentence *s)
  * sentence says the same as the step done on links and joints. */
 TEST(every_step_keeps_its_promises)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 300; trial++) {
         lw_sentence s = trial % 2 ? planted(1, "rr") : planted(2, "rtrr");
         lw_mechanism m, same;

@@ -1,6 +1,5 @@
 /* Scenes: links stay rigid and joined in every frame, curves are where the tracer goes, limits are the
  * four-bar's own, motion is followed through them, size does not matter. */
-#include "base/rng.h"
 #include "catalogues/draw/scene.h"
 #include "catalogues/draw/walk.h"
 #include "grammar/model/model.h"
@@ -270,8 +269,7 @@ TEST(crank_turns_once)
  * through the limits where the input has them, back where it began. */
 TEST(walks_end_at_the_limits_of_the_four_bar)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 3);
+    lw_rng r = check_rng(3);
     int n_turning = 0, n_limited = 0;
     for (int trial = 0; trial < 300; trial++) {
         double d[9] = { 0, 0, 0, 0, 0.5, 0.7, 1, 2, 0.4 }, t = lw_rng_range(&r, 0, 2*LW_PI);

@@ -33,11 +33,10 @@ TEST(watt_as_printed)
 
 TEST(random_chains_read_back)
 {
-    lw_rng rng;
     static lw_sentence s, again;
     static char text[LW_SENTENCE_SIZE];
     int n_basis = 0;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 1500; trial++) {
         lw_mechanism m = random_topology(&rng, 2 + trial % 15, trial % 17, "rtpg"), back;
         CHECK_INT(lw_sentence_from_mechanism(&m, &s), LW_OK);

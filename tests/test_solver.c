@@ -1,7 +1,6 @@
 /* The rows of the table on real linkages: a four-bar from near its dimensions, one held at a bound, one
  * held at a transmission angle, one that need not turn. */
 #include "base/parallel.h"
-#include "base/rng.h"
 #include "optimise/problem/family.h"
 #include "optimise/solvers/record.h"
 #include "tests/check.h"
@@ -53,8 +52,7 @@ static void make_problem(held how, lw_problem *p, double *x)
 
 static void perturb(const lw_problem *p, double by, uint64_t stream, double *x)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), stream);
+    lw_rng rng = check_rng(stream);
     for (int i = 0; i < p->n_var; i++)
         x[i] += by*lw_rng_normal(&rng);
 }

@@ -13,7 +13,6 @@
  *     Sarrus, Bennett's own example files: test_spatial.c */
 #include <string.h>
 
-#include "base/rng.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/statics.h"
 #include "mbs/space/space_adjust.h"
@@ -117,10 +116,9 @@ static void check_rounded(int n, const axis *exact, double by)
     OWN(lw_space_adjusted) adjusted = { 0 };
     OWN(lw_space_mobility) got = { 0 };
     lw_error e = { 0 };
-    lw_rng rng;
     lw_vec3 place[2][ROWS];
     axis a[16];
-    lw_rng_seed(&rng, check_seed(), (uint64_t)n);
+    lw_rng rng = check_rng((uint64_t)n);
     make_traced(n, exact, exact[2].f.at, &m);
     lw_vec3 *to = place[0];
     lw_space_trace t = { .from = -0.2, .to = 0, .intervals = ROWS - 1 };
@@ -493,10 +491,9 @@ static void check_octahedron(octahedron *o)
 
 TEST(flexible_octahedra)
 {
-    lw_rng rng;
     octahedron o = { .vertex = { { 0.1, 0.5, 0.49 }, { 0.73, -0.43, 0.93 }, { 0.13, 0.49, 0.51 } } };
     int rows = 0;
-    lw_rng_seed(&rng, check_seed(), 6);
+    lw_rng rng = check_rng(6);
     for (int n = 0; n < 40; n++) {
         for (int i = 0; i < 3; i++) {
             lw_vec3 *v = o.vertex + i;
@@ -674,9 +671,8 @@ static lw_vec3 random_direction(lw_rng *rng)
  * A + B cos u + C sin u for the turn u of the input. */
 TEST(rccc_is_traced_between_limits_where_links_slide_away)
 {
-    lw_rng rng;
     int limits = 0, turning = 0;
-    lw_rng_seed(&rng, check_seed(), 7);
+    lw_rng rng = check_rng(7);
     for (int trial = 0; trial < 30; trial++) {
         frame f[4];
         axis a[4];

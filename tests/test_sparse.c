@@ -1,6 +1,5 @@
 /* base/sparse: random systems against their own products, the order of elimination against known fill, factors of rows against
  * solutions that are known. */
-#include "base/rng.h"
 #include "base/sparse.h"
 #include "tests/check.h"
 

@@ -1,6 +1,5 @@
 /* Spatial models: what is read and refused, postures along inputs, mobility of linkages whose answer is known. */
 #include <unistd.h>
-#include "base/rng.h"
 #include "mbs/space/space_mobility.h"
 #include "mbs/space/space_trace.h"
 #include "tests/spatial_models.h"
@@ -188,8 +187,7 @@ TEST(mass_of_meshes)
 /* A tensor in a turned frame is R I R^T; the principal values come back, whatever the frame. */
 TEST(tensors_turn_with_their_frame)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int k = 0; k < 100; k++) {
         double value[3], got[3], tensor[6];
         lw_mat3 r, axes;

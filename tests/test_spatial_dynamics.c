@@ -1,7 +1,6 @@
 /* Spatial models in time: reference values worked out by independent prototypes (published problems of IFToMM's
  * library of benchmarks, Euler's free body, the heavy top, a DELTA robot), invariants, a planar model written in
  * space. */
-#include "base/rng.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/modes.h"
 #include "mbs/dynamics/statics.h"
@@ -1135,9 +1134,8 @@ TEST(a_weight_comes_to_rest)
     OWN(lw_space) s = { 0 };
     OWN(lw_space_forces) f = { 0 };
     lw_error e;
-    lw_rng rng;
     lw_space_frame frame[2];
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
     CHECK_INT(lw_space_forces_make(&s, &f, &e), LW_OK);
     for (int i = 0; i < 100; i++) {          /* turned a little about the ball: the potential is greater */
@@ -1397,14 +1395,13 @@ TEST(derivatives_of_forces_and_rows)
     OWN(lw_space) s = { 0 };
     OWN(lw_space_forces) f = { 0 };
     lw_error e = { 0 };
-    lw_rng rng;
     enum { N = 18, ALL = 19, ROWS = 40 };
     double by_q[ALL*ALL] = { 0 }, by_v[ALL*ALL] = { 0 }, q[21], v[N], force[2][ALL], phi[ROWS], jac[2][ROWS*LW_SPACE_ROW], h = 1e-5;
     lw_space_frame frame[4];
     lw_space_bend bend[4*LW_SPACE_BENDS];
     double sum[2], of_sum[2][24], turns[6] = { 0 };
     read_spatial(text, "derivatives", &m);
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
     CHECK_INT(lw_space_forces_make(&s, &f, &e), LW_OK);
     CHECK(s.n_v == N && s.n_row <= ROWS);

@@ -44,8 +44,7 @@ static void make_case(const char *family, lw_timing timing, lw_task task, lw_rng
 
 TEST(the_right_shape_gives_the_right_linkage)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 20*N_FAMILY; trial++) {
         OWN(lw_problem) p = { 0 };
         double u[LW_START_DRAWS], x[LW_VAR_MAX];
@@ -64,8 +63,7 @@ TEST(the_right_shape_gives_the_right_linkage)
  * and inputs does better. */
 TEST(no_other_place_size_or_tracer_is_better)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 60; trial++) {
         OWN(lw_problem) p = { 0 };
         double u[LW_START_DRAWS], x[LW_VAR_MAX], grad[LW_VAR_MAX], by_size = 0;
@@ -93,8 +91,7 @@ TEST(no_other_place_size_or_tracer_is_better)
 TEST(starts_are_what_they_say)
 {
     static const lw_timing timing[] = { LW_TIMING_FREE, LW_TIMING_PRESCRIBED, LW_TIMING_NONE };
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (const lw_family *f = lw_family_table; f->name; f++)
         for (int k = 0; k < 3; k++) {
             enum { DRAWS = 100 };
@@ -140,8 +137,7 @@ TEST(starts_are_what_they_say)
  * there. (Not always: an assignment in order may cost more than the guess.) */
 TEST(full_starts_mostly_improve_on_the_glance)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 4);
+    lw_rng rng = check_rng(4);
     int better = 0, all = 0;
     for (int trial = 0; trial < 300; trial++) {
         OWN(lw_problem) p = { 0 };

@@ -1,13 +1,11 @@
 /* tests/test_sum.c - sums that nearly vanish, against integers. */
 #include "base/sum.h"
-#include "base/rng.h"
 #include "tests/check.h"
 
 /* Multiples of 2^-60 below 2^62 units: their sum is exact in 64-bit integers, rounded once at the end. */
 TEST(one_rounding_only)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 100000; trial++) {
         int64_t k[4], sum = 0;
         double x[4];

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/rng.h"
 #include "mbs/constraints/motion_curve.h"
 #include "optimise/search/fit.h"
 #include "optimise/search/random_linkage.h"
@@ -95,9 +94,8 @@ static void place(const lw_problem *p, const journey *way, double first, lw_work
 
 TEST(the_true_dimensions_have_no_error)
 {
-    lw_rng rng;
     int seen[N_NET] = { 0 }, many = 0, other = 0, settled = 0;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 90; trial++) {
         lw_linkage k = random_net(&net[trial % N_NET], &rng);
         lw_family f = { .name = net[trial % N_NET].name, .linkage = &k, .posture = true, .links = 6 };
@@ -137,9 +135,8 @@ static bool at_rest(const lw_problem *p, const double *x, double f, lw_work *w)
 
 TEST(derivatives_hold_over_limits)
 {
-    lw_rng rng;
     int checked = 0, rough = 0, idle = 0;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 24; trial++) {
         lw_linkage k = random_net(&net[trial % N_NET], &rng);
         lw_family f = { .name = net[trial % N_NET].name, .linkage = &k, .posture = true, .links = 6 };

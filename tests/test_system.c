@@ -1,6 +1,5 @@
 /* tests/test_system.c - rows, derivatives and series against differences, sums and exact gear trains. */
 #include "mbs/constraints/system.h"
-#include "base/rng.h"
 #include "tests/check.h"
 #include "tests/kept_system.h"
 #include "tests/mbs_linkage.h"
@@ -56,8 +55,7 @@ static void draw_q(lw_rng *r, const lw_system *s, double *q)
 
 TEST(the_posture_satisfies_its_rows)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     for (int trial = 0; trial < 500; trial++) {
         lw_linkage k;
         double q[LW_SYSTEM_Q_MAX], phi[LW_SYSTEM_ROW_MAX];
@@ -79,9 +77,8 @@ TEST(the_posture_satisfies_its_rows)
 /* Derivatives of rows and of what joints count against central differences away from the posture. */
 TEST(derivatives_agree_with_differences)
 {
-    lw_rng r;
     const double h = 1e-5;
-    lw_rng_seed(&r, check_seed(), 2);
+    lw_rng r = check_rng(2);
     for (int trial = 0; trial < 300; trial++) {
         lw_linkage k;
         static double jac[LW_SYSTEM_ROW_MAX*LW_SYSTEM_Q_MAX], row[LW_JOINT_MAX][LW_SYSTEM_Q_MAX];
@@ -127,9 +124,8 @@ TEST(derivatives_agree_with_differences)
 TEST(series_sum_to_the_rows)
 {
     enum { K = LW_SYSTEM_ORDER_MAX };
-    lw_rng r;
     const double t = 0.01;
-    lw_rng_seed(&r, check_seed(), 3);
+    lw_rng r = check_rng(3);
     for (int trial = 0; trial < 100; trial++) {
         lw_linkage k;
         static double q[(K + 1)*LW_SYSTEM_Q_MAX], phi[(K + 1)*LW_SYSTEM_ROW_MAX];
@@ -292,8 +288,7 @@ TEST(the_carrier_is_found)
 /* A moved linkage written down is a posture of a system again, whose input counts on. */
 TEST(a_written_posture_closes)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 4);
+    lw_rng r = check_rng(4);
     for (int trial = 0; trial < 50; trial++) {
         lw_linkage k, moved;
         double q[9], phi[9];

@@ -1,6 +1,5 @@
 /* Targets from CSV: what is read, and that every fault names its place, the reason and the remedy. */
 #include "base/file.h"
-#include "base/rng.h"
 #include "base/vec2.h"
 #include "optimise/task/read_file.h"
 #include "tests/check.h"
@@ -355,8 +354,7 @@ static double whole_turns(double a) { return floor(a/360)*360; }
 /* Any sequence that a slow search finds to be cyclic within one turn, or to go on throughout, is read, and no other. */
 TEST(order_against_brute_force)
 {
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 0);
+    lw_rng r = check_rng(0);
     for (int trial = 0; trial < 5000; trial++) {
         int n = 2 + (int)(lw_rng_bits(&r)%5), ok = 0;
         double a[8], x[8], y[8], rad[8];
@@ -713,8 +711,7 @@ TEST(any_bytes_are_survived)
 {
     static const char good[] = "# units: mm deg\n# closed: yes\nx,y_mm,theta,theta_in_deg,weight\n1,2,3,4,1\n"
                                "2.5e1,-.5,6,7,0.25\r\n\n3,\"3\",3,9,1 # c\n";
-    lw_rng r;
-    lw_rng_seed(&r, check_seed(), 1);
+    lw_rng r = check_rng(1);
     check_reads(good, 3);
     for (int trial = 0; trial < 50000; trial++) {
         char text[sizeof good];

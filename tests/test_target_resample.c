@@ -2,7 +2,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/rng.h"
 #include "optimise/task/target_outline_internal.h"
 #include "tests/check.h"
 
@@ -28,8 +27,7 @@ static double off_polygon(lw_vec2 q, const lw_vec2 *p, size_t n, bool closed)
 
 TEST(stations_lie_on_the_path)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int trial = 0; trial < 200; trial++) {
         lw_vec2 p[200], out[300];
         size_t from[300], n = draw(&rng, p), m = 2 + (size_t)(lw_rng_uniform(&rng)*298);
@@ -84,8 +82,7 @@ static void noisy_circle(lw_rng *rng, size_t n, double noise, double *x, double 
 TEST(noise_goes)
 {
     double all_before = 0, all_after = 0;
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 50; trial++) {
         double x[300], y[300], from[2][300], rms, most, noise = 0.01, before = 0, after = 0, worst = 0;
         size_t n = 100 + 4*(size_t)trial;
@@ -112,8 +109,7 @@ TEST(noise_goes)
 TEST(noise_is_estimated)
 {
     double all = 0;
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 5);
+    lw_rng rng = check_rng(5);
     for (int trial = 0; trial < 60; trial++) {
         double x[300], y[300], work[300], noise = pow(10, lw_rng_range(&rng, -3.5, -1.5)), turn = trial % 2 ? 2*LW_PI : 4;
         size_t n = 60 + 4*(size_t)trial;
@@ -137,8 +133,7 @@ TEST(noise_is_estimated)
 /* Neither the place of the first point of a closed curve, nor the direction, nor a turn of the plane matters. */
 TEST(smoothing_is_invariant)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 50; trial++) {
         double x[60], y[60], u[60], v[60], rms, most, again, c = cos(trial), s = sin(trial);
         size_t n = 6 + (size_t)trial, shift = (size_t)(lw_rng_uniform(&rng)*(double)n);
@@ -196,8 +191,7 @@ static double energy(const double *h, const double *z, size_t n, bool closed)
 /* At the least of |z - p|^2 + lambda energy(z), the gradient of the energy is proportional to what the points moved. */
 TEST(smoothing_is_least)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 20; trial++) {
         double x[40], y[40], from[2][40], h[40], rms, most, lambda = 0, greatest = 0;
         size_t n = 8 + (size_t)trial;

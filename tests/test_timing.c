@@ -42,8 +42,7 @@ static double isotonic(size_t n, const double *v, const double *w, size_t i)
 
 TEST(order_is_isotonic_regression)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 400; trial++) {
         enum { MOST = 9 };
         double v[MOST], w[MOST], got[MOST], scratch[3*MOST];
@@ -65,8 +64,7 @@ TEST(order_is_isotonic_regression)
  * of many further ones (the problem is convex). */
 TEST(order_goes_round_at_most_once)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 8);
+    lw_rng rng = check_rng(8);
     int over = 0;
     for (int trial = 0; trial < 300; trial++) {
         enum { MOST = 6 };
@@ -136,8 +134,7 @@ static void check_costs(const lw_problem *p, const lw_work *w)
 
 TEST(programme_finds_the_cheapest_sequence)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 60; trial++) {
         OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX], cheapest = INFINITY, over_all = INFINITY, got = INFINITY;
@@ -199,8 +196,7 @@ static void check_blocks(const lw_problem *p, const double *x, const lw_work *w)
 
 TEST(refined_stations_stand_at_their_feet)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 120; trial++) {
         OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX];
@@ -260,8 +256,7 @@ static void check_elimination(const lw_problem *p, const double *x, lw_work *w, 
 
 TEST(inputs_are_eliminated_alone_and_in_blocks)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 8);
+    lw_rng rng = check_rng(8);
     size_t blocks = 0;
     for (int trial = 0; trial < 20; trial++) {
         OWN(lw_problem) p = { 0 };
@@ -283,8 +278,7 @@ TEST(inputs_are_eliminated_alone_and_in_blocks)
  * far branches as near as anywhere. */
 TEST(nearest_points_are_the_nearest)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 4);
+    lw_rng rng = check_rng(4);
     int elsewhere = 0;
     for (int trial = 0; trial < 30; trial++) {
         OWN(lw_problem) p = { 0 };
@@ -308,8 +302,7 @@ TEST(nearest_points_are_the_nearest)
 /* Stations of the linkage itself go home, in either sense; those given twice share their input. */
 TEST(own_stations_go_home)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 5);
+    lw_rng rng = check_rng(5);
     for (int trial = 0; trial < 60; trial++) {
         member m;
         stations st, twice;
@@ -345,8 +338,7 @@ TEST(own_stations_go_home)
 
 TEST(feet_on_the_polygon_are_the_nearest)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 6);
+    lw_rng rng = check_rng(6);
     for (int trial = 0; trial < 20; trial++) {
         OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX];
@@ -372,9 +364,8 @@ TEST(feet_on_the_polygon_are_the_nearest)
 /* An open target: samples between the first and the last station count, the others do not. */
 TEST(only_the_covered_piece_counts)
 {
-    lw_rng rng;
     int n_home = 0;
-    lw_rng_seed(&rng, check_seed(), 7);
+    lw_rng rng = check_rng(7);
     for (int trial = 0; trial < 30; trial++) {
         member m;
         stations st;

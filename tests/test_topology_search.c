@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "base/real.h"
-#include "base/rng.h"
 #include "mbs/constraints/newton.h"
 #include "optimise/topology/mechanism_set.h"
 #include "optimise/topology/topology_search.h"
@@ -137,8 +136,7 @@ static void best_rows(const lw_fit_results *r, double best[5])
  * rows are twins. */
 TEST(rows_are_never_worse_than_those_of_cranks)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 0);
+    lw_rng rng = check_rng(0);
     for (int trial = 0; trial < 2; trial++) {
         OWN(lw_target) t = random_target(&rng, trial % 2 == 0);
         double best[2][5];

@@ -99,8 +99,7 @@ static void check_found(const machine *m, const lw_target *t, const lw_fit_optio
 
 TEST(known_linkages_are_found_again)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
+    lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 4; trial++) {
         machine m;
         rows r;
@@ -123,8 +122,7 @@ TEST(known_linkages_are_found_again)
  * linkage that drew the target, the start is that linkage. */
 TEST(start_solves_for_every_tracer)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 2);
+    lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 40; trial++) {
         machine m;
         rows r;
@@ -201,8 +199,7 @@ static number value_by_hand(const lw_problem *p, const number *x, double side)
 
 TEST(gradient_is_that_of_complex_steps)
 {
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 3);
+    lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 60; trial++) {
         machine m;
         rows r;
@@ -270,9 +267,8 @@ static void shaken_six_bar(lw_linkage *k, bool timed, lw_rng *rng, lw_target *t)
 /* Inputs of free stations are eliminated from the derivatives of all points together. */
 TEST(gradient_of_a_six_bar_is_that_of_differences)
 {
-    lw_rng rng;
     int smooth = 0, all = 0;
-    lw_rng_seed(&rng, check_seed(), 4);
+    lw_rng rng = check_rng(4);
     for (int trial = 0; trial < 24; trial++) {
         lw_linkage k;
         OWN(lw_target) t = { 0 };

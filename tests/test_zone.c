@@ -97,12 +97,11 @@ TEST(nothing_enters_a_circle)
 TEST(a_small_zone_is_not_stepped_over)
 {
     member m;
-    lw_rng rng;
     lw_problem p;
     lw_target t;
     stations st;
     double x[LW_VAR_MAX], g[4*LW_CURVE_SAMPLES + LW_LINEAR_MAX];
-    lw_rng_seed(&rng, check_seed(), 4);
+    lw_rng rng = check_rng(4);
     draw_member("crank-rocker", 1, false, &rng, &m);
     trace_member(&m, 12, &st);
     for (int k = 0; k < 60; k++) {
