@@ -20,6 +20,7 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "linkwright.h"
 
 static int check_failed_here, check_n_passed, check_n_failed, check_n_shown;
 
@@ -63,6 +64,13 @@ static inline int check_fail(const char *file, int line)
     do { long long g_ = (long long)(got), w_ = (long long)(want); \
          if (g_ != w_ && check_fail(__FILE__, __LINE__)) \
              fprintf(stderr, "%s = %lld, want %s = %lld\n", #got, g_, #want, w_); } while (0)
+
+/* The call returns LW_OK; one that takes an lw_error gets &check_error, whose text is shown if it does not. */
+static lw_error check_error __attribute__((unused));
+#define CHECK_OK(call) \
+    do { check_error.text[0] = '\0'; lw_status s_ = (call); \
+         if (s_ != LW_OK && check_fail(__FILE__, __LINE__)) \
+             fprintf(stderr, "%s = %d: %s\n", #call, (int)s_, check_error.text); } while (0)
 
 #define CHECK_TEXT(got, want) \
     do { const char *g_ = (got), *w_ = (want); \

@@ -71,8 +71,7 @@ static inline void drun_read(drun *d, const char *file)
 {
     char *text = NULL;
     size_t size;
-    lw_error e = { 0 };
-    CHECK_INT(lw_file_read(file, &text, &size, &e), LW_OK);
+    CHECK_OK(lw_file_read(file, &text, &size, &check_error));
     if (text)
         drun_read_json(d, text);
     free(text);

@@ -113,9 +113,8 @@ static lw_status look(void *context, const lw_adams_statement *s, lw_error *e)
 static void move_alike(const lw_linkage *a, const lw_linkage *b)
 {
     lw_newton *s[2] = { NULL, NULL };
-    lw_error e = { 0 };
-    CHECK_INT(lw_newton_create(a, &s[0], &e), LW_OK);
-    CHECK_INT(lw_newton_create(b, &s[1], &e), LW_OK);
+    CHECK_OK(lw_newton_create(a, &s[0], &check_error));
+    CHECK_OK(lw_newton_create(b, &s[1], &check_error));
     for (int i = 0; s[0] && s[1] && i <= 10; i++) {
         double way = (a->joint[a->input[0].joint].kind == LW_JOINT_SLIDER ? 0.01*lw_export_size(LW_VIEW(a)) : 0.05)*i;
         CHECK_INT(lw_newton_move(s[0], a->input[0].value + way, NULL), LW_OK);

@@ -17,9 +17,8 @@ static lw_atlas_tree tree[2];          /* closed, open */
 static lw_store *open_store(bool write)
 {
     lw_store *s;
-    lw_error e = { 0 };
     lw_store_options o = { .write = write, .create = write };
-    CHECK_INT(lw_store_open(path, &o, &s, &e), LW_OK);
+    CHECK_OK(lw_store_open(path, &o, &s, &check_error));
     return s;
 }
 
@@ -74,20 +73,19 @@ TEST(blocks)
 
 TEST(into_the_store)
 {
-    lw_error e = { 0 };
     lw_store *s = open_store(true);
     lw_store_run run = { "curves", "test", "test", 7 };
     lw_atlas_sweep sweep = { .families = lw_curve_maker_families(maker), .kinds = LW_ATLAS_BOTH, .seed = 7 };
-    CHECK_INT(lw_store_begin(s, &e), LW_OK);
-    CHECK_INT(lw_store_run_begin(s, &run, &e), LW_OK);
-    CHECK_INT(lw_store_sweep_begin(s, &sweep, &e), LW_OK);
+    CHECK_OK(lw_store_begin(s, &check_error));
+    CHECK_OK(lw_store_run_begin(s, &run, &check_error));
+    CHECK_OK(lw_store_sweep_begin(s, &sweep, &check_error));
     CHECK_INT(sweep.samples, 0);
-    CHECK_INT(lw_store_put_segment(s, tree, SAMPLES, &e), LW_OK);
-    CHECK_INT(lw_store_sweep_begin(s, &sweep, &e), LW_OK);
+    CHECK_OK(lw_store_put_segment(s, tree, SAMPLES, &check_error));
+    CHECK_OK(lw_store_sweep_begin(s, &sweep, &check_error));
     CHECK_INT(sweep.samples, SAMPLES);
     CHECK_INT(sweep.segments, 1);
-    CHECK_INT(lw_store_commit(s, &e), LW_OK);
-    CHECK_INT(lw_store_verify(s, &e), LW_OK);
+    CHECK_OK(lw_store_commit(s, &check_error));
+    CHECK_OK(lw_store_verify(s, &check_error));
     lw_store_close(s);
 }
 
@@ -111,10 +109,9 @@ static uint64_t hash_curves(lw_store *s)
         "SELECT * FROM sweep ORDER BY id", "SELECT * FROM curve_block ORDER BY id",
         "SELECT id, sweep, number, closed, n, first_block, boxes FROM curve_segment ORDER BY id" };
     uint64_t hash = 14695981039346656037u;
-    lw_error e = { 0 };
     for (size_t i = 0; i < 3; i++) {
         lw_store_query q = { .sql = sql[i], .row = hash_row, .context = &hash };
-        CHECK_INT(lw_store_ask(s, &q, &e), LW_OK);
+        CHECK_OK(lw_store_ask(s, &q, &check_error));
     }
     return hash;
 }
@@ -123,9 +120,8 @@ static lw_store *store_at(const char *name, bool write)
 {
     char file[400];
     lw_store *s = NULL;
-    lw_error e = { 0 };
     snprintf(file, sizeof file, "%s-%s", path, name);
-    CHECK_INT(lw_store_open(file, &(lw_store_options){ .write = write, .create = write }, &s, &e), LW_OK);
+    CHECK_OK(lw_store_open(file, &(lw_store_options){ .write = write, .create = write }, &s, &check_error));
     return s;
 }
 
@@ -189,7 +185,6 @@ static void finds_itself(const lw_atlas_tree *t, size_t which, lw_store *s)
     lw_vec2 p[LW_CURVE_POINTS];
     lw_atlas_hit hit[5];
     lw_atlas_search count;
-    lw_error e = { 0 };
     int n;
     lw_curve_work *work = NULL;
     CHECK_INT(lw_curve_work_create(maker, &work), LW_OK);
@@ -197,7 +192,7 @@ static void finds_itself(const lw_atlas_tree *t, size_t which, lw_store *s)
     lw_curve_work_free(work);
     for (int i = 0; i < LW_CURVE_POINTS; i++)
         p[i] = lw_v2_add(lw_v2(100, -50), lw_v2_turn(lw_v2(p[i].x, which%2 ? -p[i].y : p[i].y), lw_v2_polar(3, 0.5)));
-    CHECK_INT(lw_store_nearest(s, p, LW_CURVE_POINTS, t->closed, NULL, 5, hit, &n, &count, &e), LW_OK);
+    CHECK_OK(lw_store_nearest(s, p, LW_CURVE_POINTS, t->closed, NULL, 5, hit, &n, &count, &check_error));
     CHECK_INT(n, 5);
     CHECK_INT(count.n_curve, t->n);
     CHECK_NEAR(hit[0].distance, 0, 1e-6, 0);
@@ -210,7 +205,7 @@ static void finds_itself(const lw_atlas_tree *t, size_t which, lw_store *s)
     double worst = 0;
     o.n_curve_point = 3000;
     CHECK_INT(lw_descriptor_make(p, LW_CURVE_POINTS, t->closed, &d), LW_OK);
-    CHECK_INT(lw_scene_make(&hit[0].linkage, NULL, &o, &scene, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&hit[0].linkage, NULL, &o, &scene, &check_error));
     const lw_curve *c = scene.curve;                           /* of an open curve the matched part */
     while (c && c + 1 < scene.curve + scene.n_curve && !c->shown_branch)
         c++;
@@ -292,7 +287,6 @@ TEST(as_by_force)
 {
     lw_store *s = open_store(false);
     lw_atlas_hit *hit = malloc(500*sizeof *hit);
-    lw_error e;
     lw_rng rng = check_rng(4);
     for (int trial = 0; trial < 6; trial++) {
         bool closed = trial%3 != 2;
@@ -304,7 +298,7 @@ TEST(as_by_force)
             memcpy(q, p, sizeof q);
             if (count == 20)
                 disguise(&rng, closed, p, q);
-            CHECK_INT(lw_store_nearest(s, q, 200, closed, NULL, count, hit, &n, NULL, &e), LW_OK);
+            CHECK_OK(lw_store_nearest(s, q, 200, closed, NULL, count, hit, &n, NULL, &check_error));
             CHECK_INT(n, count);
             for (int i = 0; i < n; i++)
                 CHECK_NEAR(hit[i].distance, d[i], 1e-9, 0);
@@ -399,15 +393,14 @@ TEST(few_points_from_any_start)
     lw_store *s = open_store(false);
     lw_vec2 p[7], q[7];
     lw_atlas_hit hit[5], again[5];
-    lw_error e;
     int n;
     for (int i = 0; i < 7; i++)
         p[i] = lw_v2(3*cos(0.9*i), sin(0.9*i) + 0.4*cos(2.0*i));
-    CHECK_INT(lw_store_nearest(s, p, 7, true, NULL, 5, hit, &n, NULL, &e), LW_OK);
+    CHECK_OK(lw_store_nearest(s, p, 7, true, NULL, 5, hit, &n, NULL, &check_error));
     for (int start = 1; start < 7; start++) {
         for (int i = 0; i < 7; i++)
             q[i] = p[(start + (start%2 ? i : 7 - i))%7];
-        CHECK_INT(lw_store_nearest(s, q, 7, true, NULL, 5, again, &n, NULL, &e), LW_OK);
+        CHECK_OK(lw_store_nearest(s, q, 7, true, NULL, 5, again, &n, NULL, &check_error));
         for (int i = 0; i < n; i++)
             CHECK_NEAR(again[i].distance, hit[i].distance, 1e-9, 0);
     }

@@ -30,7 +30,6 @@ static void put_chain(lw_store *s, const lw_chain *c, int loops, const char *evi
     m[1] = m[0];
     m[1].kinds = "rrrt";
     m[1].n_slider = 1;
-    lw_error e;
     lw_graph6_print(c, graph6, sizeof graph6);
     lw_chain_assortment(c, n_with);
     for (int i = 0; i < c->n_link; i++) {
@@ -43,15 +42,14 @@ static void put_chain(lw_store *s, const lw_chain *c, int loops, const char *evi
         .loops = loops, .n_with = n_with + 2, .assortment = evil ? evil : "4 4", .symmetry = 2, .planar = true,
         .n_ground = c->n_link, .ground = ground, .alike = alike, .n_mechanism = c->n_link == 4 ? 2 : 1, .mechanism = m,
     };
-    CHECK_INT(lw_store_put_chain(s, &row, &e), LW_OK);
+    CHECK_OK(lw_store_put_chain(s, &row, &check_error));
 }
 
 static lw_store *open_store(bool write)
 {
     lw_store_options o = { .write = write, .create = write, .wait = 1, .command = "test" };
     lw_store *s = NULL;
-    lw_error e = { 0 };
-    CHECK_INT(lw_store_open(temporary_file("a.db"), &o, &s, &e), LW_OK);
+    CHECK_OK(lw_store_open(temporary_file("a.db"), &o, &s, &check_error));
     return s;
 }
 
@@ -59,19 +57,18 @@ static void make_store(void)
 {
     lw_store *s = open_store(true);
     lw_store_run run = { "build", "test", "test", 1 };
-    lw_error e;
-    CHECK_INT(lw_store_begin(s, &e), LW_OK);
-    CHECK_INT(lw_store_run_begin(s, &run, &e), LW_OK);
+    CHECK_OK(lw_store_begin(s, &check_error));
+    CHECK_OK(lw_store_run_begin(s, &run, &check_error));
     for (int links = 4; links <= 8; links += 2) {
         chain_list list = all_chains(links, 1);
         for (int i = 0; i < list.n; i++)
             put_chain(s, &list.chain[i], (links - 2)/2, links == 6 && i == 0 ? hostile : NULL);
         free(list.chain);
     }
-    CHECK_INT(lw_store_run_end(s, &e), LW_OK);
-    CHECK_INT(lw_store_commit(s, &e), LW_OK);
+    CHECK_OK(lw_store_run_end(s, &check_error));
+    CHECK_OK(lw_store_commit(s, &check_error));
     lw_build_counts counts;
-    CHECK_INT(lw_build_multiple(s, 6, 1, &(lw_build_control){ .jobs = 1 }, &counts, &e), LW_OK);
+    CHECK_OK(lw_build_multiple(s, 6, 1, &(lw_build_control){ .jobs = 1 }, &counts, &check_error));
     CHECK_INT(counts.done, 2);
     lw_store_close(s);
 }
@@ -186,10 +183,9 @@ TEST(pages)
 {
     lw_atlas_html_options o = lw_atlas_html_options_default();
     size_t n_page, n_byte, size = 0;
-    lw_error e = { 0 };
     int n = 0;
     o.title = hostile;
-    CHECK_INT(write_atlas(temporary_file("atlas"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK_OK(write_atlas(temporary_file("atlas"), &o, &n_page, &n_byte, &check_error));
     CHECK_INT(n_page, 1 + 1 + 2 + 16 + 2 + 1 + 2);     /* the last: the slider-crank, multiple joints */
     DIR *d = opendir(temporary_file("atlas"));
     for (struct dirent *f; d && (f = readdir(d)) != NULL;) {
@@ -252,16 +248,15 @@ TEST(first_chains)
     lw_atlas_html_options o = lw_atlas_html_options_default();
     size_t n_page, n_byte, n_chain = 0;
     double bytes = 0;
-    lw_error e = { 0 };
     lw_store *s = open_store(false);
-    CHECK_INT(lw_atlas_html_expect(s, &o, &n_chain, &bytes, &e), LW_OK);
+    CHECK_OK(lw_atlas_html_expect(s, &o, &n_chain, &bytes, &check_error));
     CHECK_INT(n_chain, 21);
     o.links = 8;
     o.limit = 5;
-    CHECK_INT(lw_atlas_html_expect(s, &o, &n_chain, &bytes, &e), LW_OK);
+    CHECK_OK(lw_atlas_html_expect(s, &o, &n_chain, &bytes, &check_error));
     CHECK_INT(n_chain, 5);
     lw_store_close(s);
-    CHECK_INT(write_atlas(temporary_file("five"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK_OK(write_atlas(temporary_file("five"), &o, &n_page, &n_byte, &check_error));
     CHECK(n_page >= 6 && n_page <= 7 && access(temporary_file("five/chain-8-1-5.html"), F_OK) == 0);
     CHECK(access(temporary_file("five/chain-8-1-6.html"), F_OK) != 0);
     CHECK_NEAR((double)n_byte, bytes, 40000, 0.25);
@@ -278,10 +273,9 @@ TEST(large_families)
 {
     lw_atlas_html_options o = lw_atlas_html_options_default();
     size_t n_page, n_byte, size;
-    lw_error e = { 0 };
     char *text = NULL;
     o.single_pages = 1;
-    CHECK_INT(write_atlas(temporary_file("blocks"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK_OK(write_atlas(temporary_file("blocks"), &o, &n_page, &n_byte, &check_error));
     CHECK_INT(n_page, 1 + 2 + 2 + 1 + 3);     /* overview, four-bar and its sliders, linkages, chain.html, three blocks */
     CHECK(access(temporary_file("blocks/chain-4-1-1.html"), F_OK) == 0);
     CHECK(access(temporary_file("blocks/chain-6-1-1.html"), F_OK) != 0);

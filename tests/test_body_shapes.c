@@ -66,10 +66,9 @@ TEST(teeth_mesh)
 {
     OWN(lw_scene) s = { 0 };
     lw_linkage k;
-    lw_error e;
     lw_wheel w[2];
     k = example("geared-five-bar");
-    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
     check_mesh(&s, 5);
     CHECK(lw_body_shapes_gear(&s, 5, w));
     CHECK_NEAR(w[0].radius, 0.02, 1e-12, 0);
@@ -123,13 +122,12 @@ TEST(welds_join_their_links)
 /* Of both cylinders of the loader, in every frame: the rod's pin stands outside of the tube, the piston inside. */
 TEST(pistons_stay_in_their_tubes)
 {
-    lw_error e;
     OWN(lw_scene) s = { 0 };
     OWN(lw_model) m = { 0 };
     lw_scene_options o = lw_scene_options_default();
     load_planar("examples/loader.json", &m);
     o.model = &m;
-    CHECK_INT(lw_scene_make(m.small, NULL, &o, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(m.small, NULL, &o, &s, &check_error));
     for (int j = 2; j <= 6; j += 4) {
         lw_cylinder c;
         CHECK(lw_body_shapes_cylinder(&s, j, &c));

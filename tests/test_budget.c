@@ -58,13 +58,12 @@ TEST(joints_that_are_moved)
         OWN(lw_spatial) m = { 0 };
         OWN(lw_robot) r = { 0 };
         OWN(lw_budget) b = { 0 };
-        lw_error e = { 0 };
         lw_budget_options o = { .clearance = gap };
         load_spatial(file[f], &m);
-        CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+        CHECK_OK(lw_robot_make(&m, NULL, &r, &check_error));
         if (f == 0)
-            CHECK_INT(lw_robot_move(&r, lw_v3(0.2, 0, -0.65), NULL, &e), LW_OK);
-        CHECK_INT(lw_budget_make(&r, NULL, &o, &b, &e), LW_OK);
+            CHECK_OK(lw_robot_move(&r, lw_v3(0.2, 0, -0.65), NULL, &check_error));
+        CHECK_OK(lw_budget_make(&r, NULL, &o, &b, &check_error));
         lw_vec3 home = tool_of(&r, r.follow.q), off[32];
         double squares = 0, n_trial = f ? 100 : 400;
         for (int trial = 0; trial < n_trial; trial++) {
@@ -106,13 +105,12 @@ TEST(drives_that_are_turned)
     OWN(lw_robot) r = { 0 };
     OWN(lw_budget) b = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     lw_budget_options o = { .play = { 1e-5, 1e-5 } };
     load_spatial("delta", &m);
-    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
-    CHECK_INT(lw_robot_move(&r, lw_v3(-0.1, 0.2, -0.7), NULL, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
-    CHECK_INT(lw_budget_make(&r, NULL, &o, &b, &e), LW_OK);
+    CHECK_OK(lw_robot_make(&m, NULL, &r, &check_error));
+    CHECK_OK(lw_robot_move(&r, lw_v3(-0.1, 0.2, -0.7), NULL, &check_error));
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
+    CHECK_OK(lw_budget_make(&r, NULL, &o, &b, &check_error));
     CHECK_INT(b.n, 3);
     double worst = 0;
     for (int k = 0; k < 8; k++) {
@@ -120,8 +118,8 @@ TEST(drives_that_are_turned)
         lw_robot_pose at;
         for (int i = 0; i < 3; i++)
             value[i] = p.drive[i] + (k >> i & 1 ? 1e-5 : -1e-5);
-        CHECK_INT(lw_robot_drive(&r, value, &e), LW_OK);
-        CHECK_INT(lw_robot_measure(&r, &at, &e), LW_OK);
+        CHECK_OK(lw_robot_drive(&r, value, &check_error));
+        CHECK_OK(lw_robot_measure(&r, &at, &check_error));
         worst = fmax(worst, lw_v3_norm(lw_v3_sub(at.place, p.place)));
     }
     CHECK_NEAR(b.worst, worst, 0, 1e-4);
@@ -145,11 +143,10 @@ static lw_vec3 tool_at_rest(lw_spatial *m, bool rigid)
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_dynamics_report q;
     lw_rest at;
-    lw_error e = { 0 };
     rest r = { NULL, { 0, 0, 0 } };
     o.analysis = LW_ANALYSIS_STATIC, o.hold_inputs = true, o.rigid = rigid, o.intervals = 1;
-    CHECK_INT(lw_dynamics_make_spatial(m, &o, &r.d, &e), LW_OK);
-    CHECK_INT(lw_dynamics_analyse(r.d, keep_tool, &r, &q, &at, &e), LW_OK);
+    CHECK_OK(lw_dynamics_make_spatial(m, &o, &r.d, &check_error));
+    CHECK_OK(lw_dynamics_analyse(r.d, keep_tool, &r, &q, &at, &check_error));
     lw_dynamics_free(r.d);
     return r.tool;
 }
@@ -159,20 +156,19 @@ TEST(links_that_bend)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     OWN(lw_budget) b = { 0 };
-    lw_error e = { 0 };
     OWN(lw_budget_stiffness) s = { 0 };
     lw_budget_options o = { .load = { 3, -2, -5 }, .weight = true };
     load_spatial("delta-elastic", &m);
-    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
-    CHECK_INT(lw_budget_stiffness_make(&m, &o, &s, &e), LW_OK);
-    CHECK_INT(lw_budget_make(&r, &s, &o, &b, &e), LW_OK);
+    CHECK_OK(lw_robot_make(&m, NULL, &r, &check_error));
+    CHECK_OK(lw_budget_stiffness_make(&m, &o, &s, &check_error));
+    CHECK_OK(lw_budget_make(&r, &s, &o, &b, &check_error));
     CHECK_INT(b.n, 9);
     lw_vec3 home = tool_of(&r, r.follow.q);
     lw_spatial_force force = { .link = m.tracer[0].link, .at = m.tracer[0].at };
     for (int i = 0; i < 3; i++) {
         lw_expression_words words = { .context = NULL };
         const char *const text[] = { "3", "-2", "-5" };
-        CHECK_INT(lw_expression_parse_words(text[i], strlen(text[i]), &words, &force.force[i], &e), LW_OK);
+        CHECK_OK(lw_expression_parse_words(text[i], strlen(text[i]), &words, &force.force[i], &check_error));
     }
     lw_spatial_force *own = m.force;
     m.force = &force, m.n_force = 1;

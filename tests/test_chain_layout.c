@@ -117,11 +117,10 @@ typedef struct worst { int n, n_planar, n_cross; double angle, gap; } worst;
 static void look_at(const lw_mechanism *m, worst *w)
 {
     lw_chain_layout l;
-    lw_error e;
     uint32_t mask[LW_LINK_MAX] = { 0 };
     lw_chain c;
     bool planar;
-    CHECK_INT(lw_chain_layout_make(m, &l, &e), LW_OK);
+    CHECK_OK(lw_chain_layout_make(m, &l, &check_error));
     lw_mechanism_chain(m, &c);
     for (int i = 0; i < m->n_link; i++)
         mask[i] = lw_chain_neighbours(&c, i);
@@ -302,9 +301,8 @@ TEST(anything_connected)
         int n = 2 + (int)lw_rng_range(&rng, 0, trial % 10 ? 9 : 14);
         lw_mechanism m = random_topology(&rng, n, (int)lw_rng_range(&rng, 0, 5), "rtpg");
         lw_chain_layout l;
-        lw_error e;
         m.ground = trial % 2 ? (int)lw_rng_range(&rng, 0, n) : LW_NONE;
-        CHECK_INT(lw_chain_layout_make(&m, &l, &e), LW_OK);
+        CHECK_OK(lw_chain_layout_make(&m, &l, &check_error));
         CHECK(isfinite(l.least_angle) && l.least_gap > 1e-3);
         if (l.planar)
             CHECK_INT(l.n_cross, 0);
@@ -351,14 +349,13 @@ static lw_status look_at_pins(void *context, const lw_multiple *pins)
     pins_seen *seen = context;
     lw_mechanism m;
     lw_chain_layout l;
-    lw_error e;
     uint32_t axes;
     static lw_embedding map[CAPACITY];
     int n_map = 0, most = 1;
     CHECK_INT(lw_multiple_mechanism(pins, &m, &axes), LW_OK);
     if (seen->grounded)
         m.ground = seen->n%pins->n_link;
-    CHECK_INT(lw_axes_layout_make(&m, axes, &l, &e), LW_OK);
+    CHECK_OK(lw_axes_layout_make(&m, axes, &l, &check_error));
     CHECK_INT(l.n_cross, !l.planar);
     CHECK(l.least_gap > 0.1 && l.least_angle > 0.1);
     check_rings(&m, &l);

@@ -12,8 +12,7 @@
 static lw_chains *chains_of(int n_link, int dof)
 {
     lw_chains *chains = NULL;
-    lw_error e;
-    CHECK_INT(lw_chains_create(n_link, dof, 1, &chains, &e), LW_OK);
+    CHECK_OK(lw_chains_create(n_link, dof, 1, &chains, &check_error));
     return chains;
 }
 

@@ -11,9 +11,8 @@ static int circuits(const lw_linkage *k, uint64_t seed)
 {
     KEPT_SYSTEM s = { 0 };
     OWN(lw_circuits) c = { 0 };
-    lw_error e = { 0 };
-    CHECK_INT(lw_system_make(k, NULL, 0, &s, &e), LW_OK);
-    CHECK_INT(lw_circuits_find(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, 40, seed, &c, &e), LW_OK);
+    CHECK_OK(lw_system_make(k, NULL, 0, &s, &check_error));
+    CHECK_OK(lw_circuits_find(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, 40, seed, &c, &check_error));
     CHECK(c.since == 40 && !c.late && c.closed <= c.draws);
     for (int i = 0; i < c.n; i++)
         CHECK(lw_motion_curve_worst(c.curve[i]) <= 1e-12*s.unit);
@@ -71,10 +70,9 @@ TEST(both_branches_at_a_change_point)
     lw_linkage l;
     KEPT_SYSTEM s = { 0 };
     OWN(lw_circuits) c = { 0 };
-    lw_error e = { 0 };
     fourbar_linkage(&l, k, 1, 0.5);
-    CHECK_INT(lw_system_make(&l, NULL, 0, &s, &e), LW_OK);
-    CHECK_INT(lw_circuits_find(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, 30, 1, &c, &e), LW_OK);
+    CHECK_OK(lw_system_make(&l, NULL, 0, &s, &check_error));
+    CHECK_OK(lw_circuits_find(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, 30, 1, &c, &check_error));
     CHECK_INT(c.n, 2);
     for (int i = 0; i < c.n; i++) {
         int n, crossings = 0;
@@ -108,7 +106,6 @@ static int modes_found(int more)
     OWN(lw_model) m = { 0 };
     KEPT_SYSTEM s = { 0 };
     OWN(lw_circuits) c = { 0 };
-    lw_error e = { 0 };
     lw_vec2 b = lw_v2_polar(1, 1);
     int seen = 0;
     put(&t, "{'linkwright': 1, 'links': ['ground', 'crank'");
@@ -134,9 +131,9 @@ static int modes_found(int more)
         put(&t, ", {'joint': 'M%d'}", i);
     put(&t, "]}");
     read_text(&t, &m);
-    CHECK_INT(lw_system_assemble(&m.linkage, NULL, 0, &s, &e), LW_OK);
+    CHECK_OK(lw_system_assemble(&m.linkage, NULL, 0, &s, &check_error));
     CHECK(more == 0 || s.n_q > LW_SYSTEM_Q_MAX);
-    CHECK_INT(lw_circuits_find(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, 100, 1, &c, &e), LW_OK);
+    CHECK_OK(lw_circuits_find(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, 100, 1, &c, &check_error));
     double *q = malloc((size_t)s.n_q*sizeof *q);
     for (int i = 0; i < c.n; i++) {
         lw_vec2 p[3];

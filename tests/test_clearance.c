@@ -36,8 +36,7 @@ TEST(threshold_of_paper_c)
         { "in", 0.0254, -0.7, true, 1e-9 } };
     for (size_t i = 0; i < sizeof row/sizeof *row; i++) {
         OWN(lw_model) m = { 0 };
-        lw_error e = { 0 };
-        CHECK_INT(paper_c(row[i].unit, row[i].metre, row[i].turn, row[i].mirrored, &m, &e), LW_OK);
+        CHECK_OK(paper_c(row[i].unit, row[i].metre, row[i].turn, row[i].mirrored, &m, &check_error));
         for (int lost = 0; lost < 2; lost++) {
             lw_clearance_options o = lw_clearance_options_default();
             o.tolerance = row[i].tolerance;
@@ -58,8 +57,7 @@ TEST(limits_of_the_models)
         { LW_CLEARANCE_IMPACT, 1e7, 94, 97 }, { LW_CLEARANCE_IMPACT, 1e6, 99, 102 }, { LW_CLEARANCE_MLSD, 1e8, 93, 97 },
         { LW_CLEARANCE_MLSD, 1e7, 95, 98 }, { LW_CLEARANCE_LINK, 1e8, 90, 100 } };
     OWN(lw_model) m = { 0 };
-    lw_error e = { 0 };
-    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    CHECK_OK(paper_c("m", 1, 0, false, &m, &check_error));
     for (size_t i = 0; i < sizeof row/sizeof *row; i++)
         for (int lost = 0; lost < 2; lost++) {
             lw_clearance_options o = lw_clearance_options_default();
@@ -148,8 +146,7 @@ TEST(energy_is_kept)
 TEST(damping_takes_energy)
 {
     OWN(lw_model) m = { 0 };
-    lw_error e = { 0 };
-    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    CHECK_OK(paper_c("m", 1, 0, false, &m, &check_error));
     for (int i = 0; i < 24; i++) {
         lw_clearance_options o = lw_clearance_options_default();
         o.time = 0.3, o.settle = 0.0, o.tolerance = 1e-8;
@@ -169,8 +166,7 @@ TEST(every_tolerance)
 {
     static const double speed[] = { 94, 250, -333 };
     OWN(lw_model) m = { 0 };
-    lw_error e = { 0 };
-    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    CHECK_OK(paper_c("m", 1, 0, false, &m, &check_error));
     for (int i = 0; i < 27; i++) {
         lw_clearance_options o = lw_clearance_options_default();
         o.time = 1.25, o.tolerance = pow(10.0, -4.0 - i/3), o.speed = speed[i%3]*rpm;
@@ -194,8 +190,7 @@ static void record(const lw_model *m, lw_clearance_options o, track *t)
 TEST(link_is_a_stiff_spring)
 {
     OWN(lw_model) m = { 0 };
-    lw_error e = { 0 };
-    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    CHECK_OK(paper_c("m", 1, 0, false, &m, &check_error));
     lw_clearance_options o = lw_clearance_options_default();
     o.time = 0.2, o.settle = 0.1, o.every = 0.01, o.tolerance = 1e-11, o.speed = 85*rpm;
     track link, spring;
@@ -227,8 +222,7 @@ TEST(link_is_a_stiff_spring)
 TEST(reaction_without_clearance)
 {
     OWN(lw_model) m = { 0 };
-    lw_error e = { 0 };
-    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    CHECK_OK(paper_c("m", 1, 0, false, &m, &check_error));
     lw_clearance_options o = lw_clearance_options_default();
     o.time = 0.5, o.settle = 0.05, o.every = 0.01, o.speed = 60*rpm, o.start = LW_CLEARANCE_SEATED;
     track zero, impact;

@@ -82,8 +82,7 @@ static void give_friction(lw_model *m, double mu, double radius, double speed)
 TEST(friction_without_gap)
 {
     OWN(lw_model) m = { 0 };
-    lw_error e = { 0 };
-    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    CHECK_OK(paper_c("m", 1, 0, false, &m, &check_error));
     m.clearance[2].model = LW_CLEARANCE_ZERO;
     m.clearance[2].friction = 0;
     give_friction(&m, 0.2, 0.02, 0.05);
@@ -282,16 +281,15 @@ TEST(passes)
 {
     OWN(lw_model) m = { 0 };
     track k = { 0 };
-    lw_error e = { 0 };
     lw_clearance_scene *scene;
     lw_clearance_result r;
     read_planar(slider_crank, "text", &m);
     m.clearance[2].model = LW_CLEARANCE_IMPACT;
-    CHECK_INT(lw_model_drive(&m, 0, "pi/2 - 40*t", &e), LW_OK);
+    CHECK_OK(lw_model_drive(&m, 0, "pi/2 - 40*t", &check_error));
     lw_clearance_options o = lw_clearance_options_default();
     o.time = 1, o.settle = 0, o.strobe = keep, o.context = &k;
-    CHECK_INT(lw_clearance_make(&m, &scene, &e), LW_OK);
-    CHECK_INT(lw_clearance_run(scene, &o, &r, &e), LW_OK);
+    CHECK_OK(lw_clearance_make(&m, &scene, &check_error));
+    CHECK_OK(lw_clearance_run(scene, &o, &r, &check_error));
     CHECK_INT(k.n, 6);
     for (int i = 0; i < k.n; i++)
         CHECK_NEAR(k.s[i].t, 2*LW_PI*(i + 1)/40, 1e-9, 0);

@@ -191,8 +191,7 @@ static void compare_with_the_plane(double friction)
     OWN(lw_model) p = { 0 };
     char text[4096];
     size_t n = 0;
-    lw_error e = { 0 };
-    CHECK_INT(paper_c("m", 1, 0, false, &p, &e), LW_OK);
+    CHECK_OK(paper_c("m", 1, 0, false, &p, &check_error));
     int joint = 2;
     p.clearance[joint].friction = friction, p.clearance[joint].friction_speed = 0.05, p.friction[joint].radius = radius;
     const lw_assembly *a = &p.linkage;
@@ -226,10 +225,10 @@ static void compare_with_the_plane(double friction)
     lw_clearance_scene *scene;
     lw_clearance_result r;
     lw_clearance_options o = lw_clearance_options_default();
-    CHECK_INT(lw_clearance_make(&p, &scene, &e), LW_OK);
+    CHECK_OK(lw_clearance_make(&p, &scene, &check_error));
     plane_run plane = { 0 };
     o.time = seconds, o.settle = 0, o.tolerance = 1e-12, o.speed = 9, o.every = seconds/10, o.sink = keep_plane, o.context = &plane;
-    CHECK_INT(lw_clearance_run(scene, &o, &r, &e), LW_OK);
+    CHECK_OK(lw_clearance_run(scene, &o, &r, &check_error));
     for (int i = 0; i < plane.n && i < k.n; i++) {
         CHECK_NEAR(k.at[i].turn, plane.at[i].input, 1e-8, 0);
         CHECK_NEAR(k.at[i].distance, lw_v2_norm(plane.at[i].point[0].pin), 1e-8, 0);
@@ -291,13 +290,12 @@ TEST(derivatives_of_friction)
     lw_spatial m, open;
     OWN(lw_space) s = { 0 };
     OWN(lw_space_forces) f = { 0 };
-    lw_error e;
     lw_space_frame frame[3];
     lw_rng r = check_rng(0);
     read_spatial(text, "friction", &m);
-    CHECK_INT(lw_spatial_open(&m, &open, &e), LW_OK);
-    CHECK_INT(lw_space_make(&open, &s, &e), LW_OK);
-    CHECK_INT(lw_space_forces_make(&s, &f, &e), LW_OK);
+    CHECK_OK(lw_spatial_open(&m, &open, &check_error));
+    CHECK_OK(lw_space_make(&open, &s, &check_error));
+    CHECK_OK(lw_space_forces_make(&s, &f, &check_error));
     f.contact[0].phase = LW_CONTACT_FULL, f.contact[0].struck = 0.5;
     for (int trial = 0; trial < 6; trial++) {
         double q[14], at[14], by[12], v[12], force[2][12], power, work = 0, most = 0, off = 0;

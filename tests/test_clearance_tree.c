@@ -228,11 +228,10 @@ TEST(accelerations_of_all_bodies)
 TEST(rate_of_reaction)
 {
     OWN(lw_model) m = { 0 };
-    lw_error e = { 0 };
     lw_clearance_scene *c;
     OWN(lw_clearance_work) w = { 0 };
     lw_clearance_options o = lw_clearance_options_default();
-    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    CHECK_OK(paper_c("m", 1, 0, false, &m, &check_error));
     m.clearance[2].model = LW_CLEARANCE_ZERO;
     CHECK_INT(lw_clearance_make(&m, &c, NULL), LW_OK);
     CHECK_INT(lw_clearance_work_make(c, &o, &w), LW_OK);

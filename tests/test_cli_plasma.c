@@ -48,7 +48,6 @@ static void check_motion(const char *text, const char *model)
     static row rows[401];
     static lw_linkage k;
     lw_newton *s = NULL;
-    lw_error e = { 0 };
     CHECK_INT(read_rows(text, rows, 401), 401);
     double fast = 0, hard = 0, h = 2.0/400;
     for (int i = 0; i < 401; i++) {
@@ -65,9 +64,9 @@ static void check_motion(const char *text, const char *model)
     }
     OWN(ran) r = run_with("cat $D/%s", model);
     OWN(lw_assembly) parts = { 0 };
-    CHECK_INT(lw_adams_read(r.out, strlen(r.out), "t", &parts, &e), LW_OK);
-    CHECK_INT(lw_assembly_linkage(&parts, &k, &e), LW_OK);
-    CHECK_INT(lw_newton_create(&k, &s, &e), LW_OK);
+    CHECK_OK(lw_adams_read(r.out, strlen(r.out), "t", &parts, &check_error));
+    CHECK_OK(lw_assembly_linkage(&parts, &k, &check_error));
+    CHECK_OK(lw_newton_create(&k, &s, &check_error));
     lw_export_law law;
     CHECK_INT(lw_export_law_of(LW_VIEW(&k), NULL, 0, &law), LW_OK);
     for (int i = 0; s && i < 401; i += 8) {

@@ -13,7 +13,6 @@ static bool make_case(const char *family, lw_timing timing, double transmission,
 {
     stations st;
     OWN(lw_target) t = { 0 };
-    lw_error e;
     lw_fit_spec spec = lw_fit_spec_default();
     spec.timing = timing;
     spec.min_transmission = transmission;
@@ -23,7 +22,7 @@ static bool make_case(const char *family, lw_timing timing, double transmission,
     trace_member(m, 9, &st);
     spec.max_acceleration = spec.max_slide_acceleration = acceleration;
     target_of(&st, &spec, &t);
-    CHECK_INT(lw_problem_make(&t, &spec, m->family, 1, 1, p, &e), LW_OK);
+    CHECK_OK(lw_problem_make(&t, &spec, m->family, 1, 1, p, &check_error));
     variables_of(p, m, x);
     return true;
 }

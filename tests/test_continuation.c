@@ -71,10 +71,9 @@ TEST(the_bound_holds)
         OWN(lw_continuation) f = { 0 };
         double q[LW_SYSTEM_Q_MAX];
         int all[LW_INPUT_MAX] = { 0 };
-        lw_error e = { 0 };
         bool plane = trial%2;
         draw_linkage(&r, &k);
-        CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_OK);
+        CHECK_OK(lw_system_make(&k, NULL, 0, &s, &check_error));
         CHECK_INT(s.n_q - s.n_row, 1);
         CHECK(lw_continuation_create(&s, all, plane ? 0 : 1, plane, &f));
         lw_system_posture(&s, q);

@@ -19,9 +19,8 @@ static void check_against_scene(const lw_linkage *k, const lw_vec2 *p, bool clos
 {
     OWN(lw_scene) scene = { 0 };
     lw_scene_options o = lw_scene_options_default();
-    lw_error e = { 0 };
     o.n_curve_point = 8000;
-    CHECK_INT(lw_scene_make(k, NULL, &o, &scene, &e), LW_OK);
+    CHECK_OK(lw_scene_make(k, NULL, &o, &scene, &check_error));
     CHECK(scene.n_curve > 0);
     double worst = 0;
     for (int i = 0; i < LW_CURVE_POINTS && scene.n_curve > 0; i += 5)
@@ -31,7 +30,6 @@ static void check_against_scene(const lw_linkage *k, const lw_vec2 *p, bool clos
 
 static void draws(lw_curve_maker *m, size_t n)
 {
-    lw_error e = { 0 };
     int n_made[2] = { 0, 0 };
     static double u[400*LW_CURVE_DRAWS];
     lw_curve_work *work = NULL;
@@ -52,7 +50,7 @@ static void draws(lw_curve_maker *m, size_t n)
         n_made[closed]++;
         if (lw_curve_linkage(m, &row, closed, work, &k) != LW_OK)
             continue;
-        CHECK_INT(lw_linkage_check(&k, &e), LW_OK);
+        CHECK_OK(lw_linkage_check(&k, &check_error));
         if (i%8 < 2)
             check_against_scene(&k, p, closed && row.mode != 0, d.size);
     }
@@ -201,19 +199,18 @@ TEST(laid_elsewhere)
     for (size_t t = 0; t < 2*sizeof types/sizeof *types; t++) {
         lw_linkage k, laid;
         OWN(lw_scene) a = { 0 }, b = { 0 };
-        lw_error e;
         bool mirrored = t%2;
         double turn = lw_rng_range(&rng, -3, 3), size = exp(lw_rng_range(&rng, -2, 2));
         lw_vec2 shift = lw_v2(lw_rng_range(&rng, -5, 5), 2);
         lw_type_linkage(lw_type_find(types[t/2]), &k);
         laid = k;
         lw_linkage_lay(&laid, mirrored, turn, size, shift);
-        CHECK_INT(lw_linkage_check(&laid, &e), LW_OK);
+        CHECK_OK(lw_linkage_check(&laid, &check_error));
         if (laid.joint[laid.input[0].joint].kind == LW_JOINT_REVOLUTE)
             CHECK_NEAR(remainder(laid.input[0].value - lw_linkage_posture_input(&laid, laid.input[0].joint), 2*LW_PI),
                        0, 1e-12, 0);
-        CHECK_INT(lw_scene_make(&k, NULL, NULL, &a, &e), LW_OK);
-        CHECK_INT(lw_scene_make(&laid, NULL, NULL, &b, &e), LW_OK);
+        CHECK_OK(lw_scene_make(&k, NULL, NULL, &a, &check_error));
+        CHECK_OK(lw_scene_make(&laid, NULL, NULL, &b, &check_error));
         CHECK(a.n_curve > 0 && b.n_curve > 0);
         for (size_t i = 0; i < a.curve[0].n; i += 9) {
             lw_vec2 p = a.curve[0].p[i];

@@ -207,14 +207,13 @@ TEST(mixed_agree)
         }
         kept k;                                  /* reactions are not unique: only the motion is compared */
         lw_dynamics_report r;
-        lw_error e = { 0 };
-        CHECK_INT(run(&m, 0.5, 1e-11, &k, &r, &e), LW_OK);
+        CHECK_OK(run(&m, 0.5, 1e-11, &k, &r, &check_error));
         double turn = k.q[2];
         CHECK_INT(r.redundant, 1);
         free(k.q);
         free(m.small);
         m.small = NULL;
-        CHECK_INT(run(&m, 0.5, 1e-11, &k, &r, &e), LW_OK);
+        CHECK_OK(run(&m, 0.5, 1e-11, &k, &r, &check_error));
         CHECK_INT(r.redundant, 1);
         CHECK_NEAR(k.q[2], turn, 1e-9, 0);
         CHECK(k.off < 1e-12);
@@ -248,12 +247,11 @@ TEST(many_links_on_one_pin)
     OWN(lw_model) m = { 0 };
     kept explicit, implicit;
     lw_dynamics_report r;
-    lw_error e = { 0 };
     read_star(40, &m);
-    CHECK_INT(run(&m, 0.5, 1e-11, &explicit, &r, &e), LW_OK);
+    CHECK_OK(run(&m, 0.5, 1e-11, &explicit, &r, &check_error));
     CHECK(explicit.off < 1e-13);
     CHECK_NEAR(explicit.energy[1] - explicit.energy[0], 0, 1e-9*r.energy_scale, 0);
-    CHECK_INT(run_by(LW_FORMULATION_GGL, &m, 0.5, 1e-9, &implicit, &r, &e), LW_OK);
+    CHECK_OK(run_by(LW_FORMULATION_GGL, &m, 0.5, 1e-9, &implicit, &r, &check_error));
     for (int i = 0; i < explicit.n_q; i++)
         CHECK_NEAR(implicit.q[i], explicit.q[i], 1e-6, 0);
     CHECK_POINT(implicit.joint.force, explicit.joint.force.x, explicit.joint.force.y, 1e-3, 1e-4);
@@ -282,12 +280,11 @@ TEST(many_redundant_pins_on_one_link)
     OWN(lw_model) m = { 0 };
     kept many, two;
     lw_dynamics_report r;
-    lw_error e = { 0 };
     read_plate(2, &m);
-    CHECK_INT(run(&m, 0.7, 1e-11, &two, &r, &e), LW_OK);
+    CHECK_OK(run(&m, 0.7, 1e-11, &two, &r, &check_error));
     lw_model_free(&m);
     read_plate(N, &m);
-    CHECK_INT(run(&m, 0.7, 1e-11, &many, &r, &e), LW_OK);
+    CHECK_OK(run(&m, 0.7, 1e-11, &many, &r, &check_error));
     CHECK_INT(r.redundant, N - 2);
     CHECK(many.off < 1e-12);
     for (int k = 0; k < 3; k++)
@@ -347,12 +344,11 @@ TEST(callers_force_keeps_the_implicit_method)
     OWN(lw_model) m = { 0 };
     double q[2][3*6];
     lw_dynamics_report r[2];
-    lw_error e = { 0 };
     read_chain(6, 1, &m);
     m.gravity = lw_v2(0, 0);
-    CHECK_INT(run_with(&m, LW_FORMULATION_AUTO, q[0], &r[0], &e), LW_OK);
+    CHECK_OK(run_with(&m, LW_FORMULATION_AUTO, q[0], &r[0], &check_error));
     CHECK_INT(r[0].formulation, LW_FORMULATION_RADAU);
-    CHECK_INT(run_with(&m, LW_FORMULATION_INDEX1, q[1], &r[1], &e), LW_OK);
+    CHECK_OK(run_with(&m, LW_FORMULATION_INDEX1, q[1], &r[1], &check_error));
     CHECK(r[0].steps < r[1].steps/10);
     for (int i = 0; i < 3*6; i++)
         CHECK_NEAR(q[0][i], q[1][i], 1e-7, 0);
@@ -360,8 +356,8 @@ TEST(callers_force_keeps_the_implicit_method)
     read_chain(40, 0.1, &m);
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_stepping *s = NULL;
-    CHECK_INT(lw_stepping_make(&m, &o, &s, &e), LW_OK);
-    CHECK_INT(lw_stepping_advance(s, 0.1, NULL, NULL, &r[0], &e), LW_OK);
+    CHECK_OK(lw_stepping_make(&m, &o, &s, &check_error));
+    CHECK_OK(lw_stepping_advance(s, 0.1, NULL, NULL, &r[0], &check_error));
     CHECK_INT(r[0].formulation, LW_FORMULATION_RADAU);
     lw_stepping_free(s);
 }
@@ -374,7 +370,6 @@ TEST(a_row_passes_flat_postures_at_a_tight_tolerance)
     OWN(lw_model) m = { 0 };
     kept k;
     lw_dynamics_report r;
-    lw_error e = { 0 };
     double by = 9.81*(0.5*(N + 1) + N)/((N + 1)/3. + N), h = 5./STEPS, turn = LW_PI/2, rate = 1;
     for (int i = 0; i < STEPS; i++) {                        /* by Runge and Kutta */
         double a = -by*cos(turn), b = -by*cos(turn + 0.5*h*rate), c = -by*cos(turn + 0.5*h*rate + 0.25*h*h*a);
@@ -383,7 +378,7 @@ TEST(a_row_passes_flat_postures_at_a_tight_tolerance)
         rate += h/6*(a + 2*b + 2*c + d);
     }
     read_row(N, &m);
-    CHECK_INT(run(&m, 5, 1e-11, &k, &r, &e), LW_OK);
+    CHECK_OK(run(&m, 5, 1e-11, &k, &r, &check_error));
     CHECK_NEAR(k.q[2], turn - LW_PI/2, 1e-8, 0);
     CHECK(k.off < 1e-12);
     CHECK(r.steps < 400);
@@ -398,10 +393,9 @@ TEST(a_row_beside_a_flat_posture_is_solved_by_its_rows)
     lw_model m;
     lw_dynamics *d;
     lw_dynamics_options o = lw_dynamics_options_default();
-    lw_error e = { 0 };
     read_row(N, &m);
     o.formulation = LW_FORMULATION_INDEX1;
-    CHECK_INT(lw_dynamics_make(&m, &o, &d, &e), LW_OK);
+    CHECK_OK(lw_dynamics_make(&m, &o, &d, &check_error));
     const lw_system *sys = lw_dynamics_system(d);
     int n = sys->n_q;
     double *q = calloc(6*(size_t)n, sizeof *q), *v = q + n, *start = v + n, *a = start + 2*n, *l = a + n;
@@ -495,13 +489,12 @@ TEST(driven_agree_with_certified_steps)
         { "geared-five-bar", "%.17g + 2*t^2" }, { "andrews", "%.17g + 6.3*t" }, { "trammel", "%.17g - 0.05*t" },
         { "loader", NULL }, { "five-bar", NULL }, { "tied-five-bar", "%.17g + t" } };
     lw_model m;
-    lw_error e = { 0 };
     for (size_t i = 0; i < sizeof example/sizeof *example; i++) {
         char law[100];
         read_example(example[i].name, &m);
         if (example[i].motion) {
             snprintf(law, sizeof law, example[i].motion, m.linkage.input[0].value);
-            CHECK_INT(lw_model_drive(&m, 0, law, &e), LW_OK);
+            CHECK_OK(lw_model_drive(&m, 0, law, &check_error));
         }
         driven_agree(&m, i%2 ? LW_ANALYSIS_QUASISTATIC : LW_ANALYSIS_KINEMATIC, 1, 1e-8);
         lw_model_free(&m);
@@ -510,7 +503,7 @@ TEST(driven_agree_with_certified_steps)
         static const char *const motion[] = { "1.5707963267948966 + 3.1415926535897931*t", "1.5707963267948966 + 3.1406*t",
                                               "1.5707963267948966 - 5.9*t" };
         read_row(4, &m);
-        CHECK_INT(lw_model_drive(&m, 0, motion[grid], &e), LW_OK);
+        CHECK_OK(lw_model_drive(&m, 0, motion[grid], &check_error));
         driven_agree(&m, LW_ANALYSIS_KINEMATIC, 1, 2e-6);
         lw_model_free(&m);
     }
@@ -593,14 +586,13 @@ TEST(mobility_agrees)
     static const char *const name[] = { "slider-crank", "jansen", "klann", "geared-five-bar", "andrews", "trammel", "loader",
                                         "five-bar", "tied-five-bar", "chebyshev", "mobility/focal", "two-four-bars", "pendulum" };
     lw_model m;
-    lw_error e = { 0 };
     lw_freedoms f;
     static lw_mobility want;
     for (size_t i = 0; i < sizeof name/sizeof *name; i++) {
         read_example(name[i], &m);
         lw_mobility_options o = lw_mobility_options_default();
-        CHECK_INT(lw_mobility_find(m.small, &o, &want, &e), LW_OK);
-        CHECK_INT(lw_freedoms_find(&m, o.tolerance, 1, &f, &e), LW_OK);
+        CHECK_OK(lw_mobility_find(m.small, &o, &want, &check_error));
+        CHECK_OK(lw_freedoms_find(&m, o.tolerance, 1, &f, &check_error));
         CHECK_INT(f.kind, want.kind);
         CHECK_INT(f.count, want.count);
         CHECK_INT(f.freedom, want.freedom);
@@ -626,8 +618,8 @@ TEST(mobility_agrees)
         text t = { .at = strdup(special[i]), .n = strlen(special[i]) };
         read_text(&t, &m);
         lw_mobility_options o = lw_mobility_options_default();
-        CHECK_INT(lw_mobility_find(m.small, &o, &want, &e), LW_OK);
-        CHECK_INT(lw_freedoms_find(&m, o.tolerance, 1, &f, &e), LW_OK);
+        CHECK_OK(lw_mobility_find(m.small, &o, &want, &check_error));
+        CHECK_OK(lw_freedoms_find(&m, o.tolerance, 1, &f, &check_error));
         CHECK_INT(f.kind, want.kind);
         CHECK_INT(f.freedom, want.freedom);
         CHECK_INT(f.instant, want.instant);
@@ -635,7 +627,7 @@ TEST(mobility_agrees)
         lw_model_free(&m);
     }
     read_row(400, &m);
-    CHECK_INT(lw_freedoms_find(&m, 1e-12, 1, &f, &e), LW_OK);
+    CHECK_OK(lw_freedoms_find(&m, 1e-12, 1, &f, &check_error));
     CHECK_INT(f.freedom, 1);
     CHECK_INT(f.driven, 1);
     for (int l = 0; l < m.linkage.n_link; l++)
@@ -651,17 +643,16 @@ TEST(damped_ropes)
     OWN(lw_model) m = { 0 };
     kept k[2];
     lw_dynamics_report r;
-    lw_error e = { 0 };
     read_chain(60, 1e-3, &m);
-    CHECK_INT(run(&m, 0.1, 1e-10, &k[0], &r, &e), LW_OK);
-    CHECK_INT(run_by(LW_FORMULATION_GGL, &m, 0.1, 1e-9, &k[1], &r, &e), LW_OK);
+    CHECK_OK(run(&m, 0.1, 1e-10, &k[0], &r, &check_error));
+    CHECK_OK(run_by(LW_FORMULATION_GGL, &m, 0.1, 1e-9, &k[1], &r, &check_error));
     for (int i = 0; i < k[0].n_q; i++)
         CHECK_NEAR(k[1].q[i], k[0].q[i], 1e-6, 0);
     for (int i = 0; i < 60; i++)
         m.joint_spring[i].damping = 10;
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_dynamics *d;
-    CHECK_INT(lw_dynamics_make(&m, &o, &d, &e), LW_OK);
+    CHECK_OK(lw_dynamics_make(&m, &o, &d, &check_error));
     CHECK_INT(lw_dynamics_choice(d)->formulation, LW_FORMULATION_RADAU);
     lw_dynamics_free(d);
     for (int i = 0; i < 2; i++)
@@ -729,9 +720,8 @@ TEST(rows_of_loops_at_loose_tolerances)
         OWN(lw_model) m = { 0 };
         kept k;
         lw_dynamics_report r;
-        lw_error e = { 0 };
         read_row((int)n, &m);
-        CHECK_INT(run(&m, 10, tolerance[t], &k, &r, &e), LW_OK);
+        CHECK_OK(run(&m, 10, tolerance[t], &k, &r, &check_error));
         for (int i = 0; i <= n; i++)
             CHECK_NEAR(k.q[3*i + 2], y[0], 1e3*tolerance[t], 0);
         free(k.q);
@@ -744,21 +734,20 @@ TEST(rope_at_rest)
 {
     OWN(lw_model) m = { 0 };
     lw_dynamics *d;
-    lw_error e = { 0 };
     lw_rest rest;
     OWN(lw_modes) modes = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
     read_chain(60, 0, &m);
     o.analysis = LW_ANALYSIS_STATIC;
-    CHECK_INT(lw_dynamics_make(&m, &o, &d, &e), LW_OK);
+    CHECK_OK(lw_dynamics_make(&m, &o, &d, &check_error));
     double *q = calloc(180, sizeof *q);
-    CHECK_INT(lw_statics_rest(d, 0, q, &rest, &e), LW_OK);
+    CHECK_OK(lw_statics_rest(d, 0, q, &rest, &check_error));
     CHECK(rest.stable);
     for (int b = 0; b < 60; b++) {
         lw_vec2 at = lw_system_point(lw_dynamics_system(d), b, lw_v2(0, 0), q);
         CHECK_POINT(at, 0, -(b + 0.5)/60, 1e-9, 0);
     }
-    CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ 0 }, 3, 0, q, &modes, &e), LW_OK);
+    CHECK_OK(lw_modes_find_large(d, &(lw_modes_options){ 0 }, 3, 0, q, &modes, &check_error));
     static const double zero[] = { 2.404825558, 5.520078110, 8.653727913 };
     for (int i = 0; i < 3; i++)
         CHECK_NEAR(modes.mode[i].im, zero[i]/2*sqrt(9.81), 0, 2e-3);
@@ -916,12 +905,11 @@ TEST(friction_in_passes)
     lw_model m;
     kept one, all;
     lw_dynamics_report report;
-    lw_error e = { 0 };
     read_rising_row(8, 0.05, &m);
     for (int j = 0; j < m.linkage.n_joint; j++)
         m.friction[j] = (lw_friction){ .coefficient = 0.3, .radius = 0.05, .speed = 0.02 };
-    CHECK_INT(run_by(LW_FORMULATION_GGL, &m, 0.3, 1e-10, &one, &report, &e), LW_OK);
-    CHECK_INT(run(&m, 0.3, 1e-11, &all, &report, &e), LW_OK);
+    CHECK_OK(run_by(LW_FORMULATION_GGL, &m, 0.3, 1e-10, &one, &report, &check_error));
+    CHECK_OK(run(&m, 0.3, 1e-11, &all, &report, &check_error));
     CHECK(one.n_q == all.n_q && fabs(all.q[2] - LW_PI/2) > 0.01);
     for (int i = 0; i < one.n_q; i++)
         CHECK_NEAR(all.q[i], one.q[i], 1e-8, 0);
@@ -933,8 +921,8 @@ TEST(friction_in_passes)
         lw_dynamics *d;
         read_copies(100, wide ? 0.6 : 0.02, &m);
         o.to = 0.01, o.intervals = 1, o.formulation = LW_FORMULATION_INDEX1;
-        CHECK_INT(lw_dynamics_make(&m, &o, &d, &e), LW_OK);
-        CHECK_INT(lw_dynamics_run(d, NULL, NULL, &report, &e), LW_OK);
+        CHECK_OK(lw_dynamics_make(&m, &o, &d, &check_error));
+        CHECK_OK(lw_dynamics_run(d, NULL, NULL, &report, &check_error));
         CHECK((d->response != NULL) == wide);
         lw_dynamics_free(d);
         lw_model_free(&m);
@@ -956,13 +944,12 @@ static void run_rates(const lw_model *m, lw_formulation f, double tolerance, dou
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_dynamics_report report;
     lw_dynamics *d;
-    lw_error e = { 0 };
     o.formulation = f;
     o.to = to, o.intervals = rows, o.relative = o.absolute = tolerance;
-    CHECK_INT(lw_dynamics_make(m, &o, &d, &e), LW_OK);
+    CHECK_OK(lw_dynamics_make(m, &o, &d, &check_error));
     *r = (rates){ .n = lw_dynamics_system(d)->n_q };
     r->v = calloc((size_t)(r->n*(rows + 1)), sizeof *r->v);
-    CHECK_INT(lw_dynamics_run(d, keep_rates, r, &report, &e), LW_OK);
+    CHECK_OK(lw_dynamics_run(d, keep_rates, r, &report, &check_error));
     CHECK_INT(r->rows, rows + 1);
     lw_dynamics_free(d);
 }

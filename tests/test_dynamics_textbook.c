@@ -195,7 +195,6 @@ static double lowest(int n, int mode)
     OWN(lw_system) s = { 0 };
     OWN(lw_forces) f = { 0 };
     double q[LW_SYSTEM_Q_MAX];
-    lw_error e = { 0 };
     int at = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground'");
     for (int k = 0; k < n; k++)
         at += snprintf(text + at, sizeof text - at, ",{'name': 'b%d', 'mass': %.17g, 'centre': [%.17g, 0],"
@@ -211,10 +210,10 @@ static double lowest(int n, int mode)
     snprintf(text + at, sizeof text - at, "]}");
     json_quotes(text);
     drun_read_text(&d, text);
-    CHECK_INT(lw_forces_system(&d.model, false, &s, &e), LW_OK);
-    CHECK_INT(lw_forces_make(&d.model, &s, NULL, &f, &e), LW_OK);
+    CHECK_OK(lw_forces_system(&d.model, false, &s, &check_error));
+    CHECK_OK(lw_forces_make(&d.model, &s, NULL, &f, &check_error));
     lw_system_posture(&s, q);
-    CHECK_INT(lw_modes_find(&f, &(lw_modes_options){ 0 }, 0, q, &modes, &e), LW_OK);
+    CHECK_OK(lw_modes_find(&f, &(lw_modes_options){ 0 }, 0, q, &modes, &check_error));
     CHECK_INT(modes.n_mode, n);
     double rate = modes.mode[mode].im;
     lw_modes_free(&modes);

@@ -101,7 +101,6 @@ TEST(cantilever)
     lw_rng rng = check_rng(0);
     for (int k = 0; k < 2; k++) {
         lw_spatial m;
-        lw_error e;
         double f[9], l = known[k].length, u[3], size = 0;
         for (int i = 0; i < 3; i++) {
             u[i] = lw_rng_range(&rng, -1, 1);
@@ -109,10 +108,10 @@ TEST(cantilever)
         }
         for (int i = 0; i < 3; i++)
             u[i] *= l/sqrt(size);
-        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': " SQUARE ", 'material': "
-                            STEEL ", 'segments': 8, 'mass': 'consistent'}}], 'joints': [{'name': 'A', 'kind': 'fixed', 'links': "
-                            "['ground', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [%.17g, %.17g, %.17g]}]}",
-                            u[0], u[1], u[2]), LW_OK);
+        CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': " SQUARE ", 'material': "
+                           STEEL ", 'segments': 8, 'mass': 'consistent'}}], 'joints': [{'name': 'A', 'kind': 'fixed', 'links': "
+                           "['ground', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [%.17g, %.17g, %.17g]}]}",
+                           u[0], u[1], u[2]));
         const lw_elastic *p = &m.elastic[1];
         double torsion = sqrt(p->material.g*p->section.it/(p->material.density*(p->section.iy + p->section.iz)))/(4*l);
         double stretch = sqrt(p->material.e/p->material.density)/(4*l);
@@ -157,14 +156,13 @@ TEST(height)
     double z[3];
     for (int k = 0; k < 3; k++) {
         lw_spatial m;
-        lw_error e;
         lw_dynamics_options o = lw_dynamics_options_default();
         o.analysis = LW_ANALYSIS_STATIC;
-        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'rectangle', "
-                            "'height': 0.1, 'width': 0.05}, 'material': " STEEL ", 'segments': 4, 'height': %s, 'axis': %s}}], 'joints': "
-                            "[{'name': 'A', 'kind': 'fixed', 'links': ['ground', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', "
-                            "'link': 'bar', 'at': [2, 0, 0]}], 'forces': [{'link': 'bar', 'at': [2, 0, 0], 'fz': -1}]}", height[k],
-                            k == 2 ? "[[2, 0, 0], [0, 0, 0]]" : "[[0, 0, 0], [2, 0, 0]]"), LW_OK);
+        CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'rectangle', "
+                           "'height': 0.1, 'width': 0.05}, 'material': " STEEL ", 'segments': 4, 'height': %s, 'axis': %s}}], 'joints': "
+                           "[{'name': 'A', 'kind': 'fixed', 'links': ['ground', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', "
+                           "'link': 'bar', 'at': [2, 0, 0]}], 'forces': [{'link': 'bar', 'at': [2, 0, 0], 'fz': -1}]}", height[k],
+                           k == 2 ? "[[2, 0, 0], [0, 0, 0]]" : "[[0, 0, 0], [2, 0, 0]]"));
         const lw_section q = m.elastic[1].section;
         double i = k == 1 ? q.iy : q.iz, zeta = k == 1 ? q.zeta_z : q.zeta_y;
         double exact = -8/(3*210e9*i) - 2*zeta*2.6/(210e9*q.area), stress = k == 1 ? 2*q.z/q.iy : 2*q.y/q.iz;
@@ -201,26 +199,25 @@ static void swing_as_in_the_plane(const char *flat_more, const char *more)
     flat_record flat = { 0 };
     lw_dynamics_report report;
     lw_dynamics_options o = lw_dynamics_options_default();
-    lw_error e = { 0 };
     OWN(lw_model) f = { 0 };
     lw_spatial m;
     lw_rng rng = check_rng(1);
     o.intervals = 20;
     o.relative = o.absolute = 1e-8;
     read_planar(planar, "test", &f);
-    CHECK_INT(lw_dynamics_make(&f, &o, &flat.d, &e), LW_OK);
-    CHECK_INT(lw_dynamics_run(flat.d, keep_flat, &flat, &report, &e), LW_OK);
+    CHECK_OK(lw_dynamics_make(&f, &o, &flat.d, &check_error));
+    CHECK_OK(lw_dynamics_run(flat.d, keep_flat, &flat, &report, &check_error));
     lw_dynamics_free(flat.d);
     lw_mat3 t = lw_quaternion_matrix(lw_quaternion_of_vector(lw_v3(lw_rng_range(&rng, -2, 2), lw_rng_range(&rng, -2, 2),
                                                                    lw_rng_range(&rng, -2, 2))));
     lw_vec3 b = lw_m3_column(&t, 0), c = lw_m3_apply(&t, lw_v3(1, -0.2, 0)), z = lw_m3_column(&t, 2);
     lw_vec3 g = lw_m3_apply(&t, lw_v3(0, -9.81, 0));
-    CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'gravity': [%.17g, %.17g, %.17g], 'links': ['ground', {'name': 'bar', 'elastic': " SOFT_WITH("%s")
-                        "}, {'name': 'bob', 'mass': 3, 'centre': [%.17g, %.17g, %.17g], 'inertia': [0.05, 0.05, 0.05]}], 'joints': "
-                        "[{'name': 'A', 'kind': 'revolute', 'links': ['ground', 'bar'], 'at': [0, 0, 0], 'axis': [%.17g, %.17g, %.17g]}, "
-                        "{'name': 'B', 'kind': 'revolute', 'links': ['bar', 'bob'], 'at': [%.17g, %.17g, %.17g], 'axis': [%.17g, %.17g, "
-                        "%.17g]}], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [%.17g, %.17g, %.17g]}]}", g.x, g.y, g.z, more, c.x, c.y, c.z,
-                        z.x, z.y, z.z, b.x, b.y, b.z, z.x, z.y, z.z, c.x, c.y, c.z), LW_OK);
+    CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'gravity': [%.17g, %.17g, %.17g], 'links': ['ground', {'name': 'bar', 'elastic': " SOFT_WITH("%s")
+                       "}, {'name': 'bob', 'mass': 3, 'centre': [%.17g, %.17g, %.17g], 'inertia': [0.05, 0.05, 0.05]}], 'joints': "
+                       "[{'name': 'A', 'kind': 'revolute', 'links': ['ground', 'bar'], 'at': [0, 0, 0], 'axis': [%.17g, %.17g, %.17g]}, "
+                       "{'name': 'B', 'kind': 'revolute', 'links': ['bar', 'bob'], 'at': [%.17g, %.17g, %.17g], 'axis': [%.17g, %.17g, "
+                       "%.17g]}], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [%.17g, %.17g, %.17g]}]}", g.x, g.y, g.z, more, c.x, c.y, c.z,
+                       z.x, z.y, z.z, b.x, b.y, b.z, z.x, z.y, z.z, c.x, c.y, c.z));
     run(&m, o, &r);
     CHECK_INT(r.n, 21);
     CHECK_INT(flat.n, 21);
@@ -250,14 +247,13 @@ TEST(bend)
         snprintf(axis + strlen(axis), sizeof axis - strlen(axis), ", [%.17g, %.17g, 0]", end.x, end.y);
     }
     lw_spatial m;
-    lw_error e;
     lw_dynamics_options o = lw_dynamics_options_default();
     o.analysis = LW_ANALYSIS_STATIC;
-    CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'arc', 'elastic': {'section': {'shape': 'general', 'area': 1, "
-                        "'Iy': 0.083333333333333329, 'Iz': 0.083333333333333329, 'It': 0.140577, 'zeta': 1.2}, 'material': {'E': 1e7, "
-                        "'G': 5e6, 'density': 1}, 'segments': 8, 'axis': %s]}}], 'joints': [{'name': 'A', 'kind': 'fixed', 'links': "
-                        "['ground', 'arc'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'arc', 'at': [%.17g, %.17g, 0]}], "
-                        "'forces': [{'link': 'arc', 'at': [%.17g, %.17g, 0], 'fz': 600}]}", axis, end.x, end.y, end.x, end.y), LW_OK);
+    CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'arc', 'elastic': {'section': {'shape': 'general', 'area': 1, "
+                       "'Iy': 0.083333333333333329, 'Iz': 0.083333333333333329, 'It': 0.140577, 'zeta': 1.2}, 'material': {'E': 1e7, "
+                       "'G': 5e6, 'density': 1}, 'segments': 8, 'axis': %s]}}], 'joints': [{'name': 'A', 'kind': 'fixed', 'links': "
+                       "['ground', 'arc'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'arc', 'at': [%.17g, %.17g, 0]}], "
+                       "'forces': [{'link': 'arc', 'at': [%.17g, %.17g, 0], 'fz': 600}]}", axis, end.x, end.y, end.x, end.y));
     run(&m, o, &r);
     CHECK_NEAR(r.at[0].y, 15.8, 0.3, 0);
     CHECK_NEAR(r.at[0].x, 47.2, 0.3, 0);
@@ -278,14 +274,13 @@ TEST(princeton)
         double c = cos(known[k].angle*LW_PI/180), n = sin(known[k].angle*LW_PI/180), load = known[k].load, tip[2][3];
         for (int fine = 0; fine < 2; fine++) {
             lw_spatial m;
-            lw_error e;
             lw_dynamics_options o = lw_dynamics_options_default();
             o.analysis = LW_ANALYSIS_STATIC;
-            CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'rectangle', "
-                                "'width': 0.0032024, 'height': 0.01277}, 'material': {'E': 71.7e9, 'nu': 0.31, 'density': 2800}, 'segments': %d, "
-                                "'axis': [[0, 0, 0], [0.508, 0, 0]], 'height': [0, %.17g, %.17g]}}], 'joints': [{'name': 'A', 'kind': 'fixed', "
-                                "'links': ['ground', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [0.508, 0, 0]}], "
-                                "'forces': [{'link': 'bar', 'at': [0.508, 0, 0], 'fz': %g}]}", fine ? 32 : 16, n, c, -load), LW_OK);
+            CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'rectangle', "
+                               "'width': 0.0032024, 'height': 0.01277}, 'material': {'E': 71.7e9, 'nu': 0.31, 'density': 2800}, 'segments': %d, "
+                               "'axis': [[0, 0, 0], [0.508, 0, 0]], 'height': [0, %.17g, %.17g]}}], 'joints': [{'name': 'A', 'kind': 'fixed', "
+                               "'links': ['ground', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [0.508, 0, 0]}], "
+                               "'forces': [{'link': 'bar', 'at': [0.508, 0, 0], 'fz': %g}]}", fine ? 32 : 16, n, c, -load));
             run(&m, o, &r);
             const lw_space_inner *root = &r.inner[0];
             lw_vec3 at = r.at[0];
@@ -313,7 +308,6 @@ TEST(generalised_alpha)
     static record exact, r;
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_spatial m;
-    lw_error e;
     o.to = 0.5, o.intervals = 5;
     double lost[3];
     for (int i = 0; i < 5; i++) {
@@ -321,9 +315,9 @@ TEST(generalised_alpha)
         o.formulation = i == 4 ? LW_FORMULATION_GGL : LW_FORMULATION_AUTO;       /* whose orders above 2 would not be stable */
         o.relative = o.absolute = tolerance[i];
         o.rho = i == 3 ? 0 : 1;
-        CHECK_INT(read_text(&m, &e, text), LW_OK);
+        CHECK_OK(read_text(&m, &check_error, text));
         lw_dynamics *d;
-        CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
+        CHECK_OK(lw_dynamics_make_spatial(&m, &o, &d, &check_error));
         CHECK_INT(lw_dynamics_choice(d)->formulation, i == 4 ? LW_FORMULATION_GGL : i ? LW_FORMULATION_ALPHA : LW_FORMULATION_RADAU);
         lw_dynamics_free(d);
         run(&m, o, i ? &r : &exact);
@@ -340,16 +334,15 @@ TEST(tumbles)
 {
     static record r;
     lw_spatial m;
-    lw_error e;
     lw_dynamics_options o = lw_dynamics_options_default();
     o.to = 100, o.intervals = 100;
     o.relative = o.absolute = 1e-12;
     o.formulation = LW_FORMULATION_INDEX1;
-    CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'hub', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [0.02, 0.03, "
-                        "0.04], 'angular_velocity': [0.6, 0, 6.283185307179586], 'velocity': [0.1, 0, -0.2]}, {'name': 'bar', 'elastic': "
-                        "{'section': " SQUARE ", 'material': {'E': 2e6, 'nu': 0.3, 'density': 1000}, 'segments': 2}}], 'joints': [{'name': 'F', 'kind': "
-                        "'free', 'links': ['ground', 'hub'], 'at': [0, 0, 0]}, {'name': 'W', 'kind': 'fixed', 'links': ['hub', 'bar'], 'at': [0, 0, 0]}], "
-                        "'tracers': [{'name': 'P', 'link': 'bar', 'at': [0.5, 0, 0]}, {'name': 'Q', 'link': 'bar', 'at': [-0.5, 0, 0]}]}"), LW_OK);
+    CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'hub', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [0.02, 0.03, "
+                       "0.04], 'angular_velocity': [0.6, 0, 6.283185307179586], 'velocity': [0.1, 0, -0.2]}, {'name': 'bar', 'elastic': "
+                       "{'section': " SQUARE ", 'material': {'E': 2e6, 'nu': 0.3, 'density': 1000}, 'segments': 2}}], 'joints': [{'name': 'F', 'kind': "
+                       "'free', 'links': ['ground', 'hub'], 'at': [0, 0, 0]}, {'name': 'W', 'kind': 'fixed', 'links': ['hub', 'bar'], 'at': [0, 0, 0]}], "
+                       "'tracers': [{'name': 'P', 'link': 'bar', 'at': [0.5, 0, 0]}, {'name': 'Q', 'link': 'bar', 'at': [-0.5, 0, 0]}]}"));
     run(&m, o, &r);
     CHECK_INT(r.n, 101);
     double most = 0;
@@ -424,11 +417,10 @@ TEST(table_of_delta)
 TEST(rigid)
 {
     lw_spatial m, rigid;
-    lw_error e;
-    CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'frame', 'elastic': {'section': {'shape': 'rectangle', 'height': 0.06, "
-                        "'width': 0.02}, 'height': [0, 1, 0], 'material': {'E': 1e9, 'nu': 0.3, 'density': 1000}, 'segments': 3, 'axis': [[0, 0, 0], [2, "
-                        "0, 0], [2, 0, 1]]}}], 'joints': [{'name': 'A', 'kind': 'spherical', 'links': ['ground', 'frame'], 'at': [0, 0, 0]}]}"), LW_OK);
-    CHECK_INT(lw_spatial_rigid(&m, &rigid, &e), LW_OK);
+    CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'frame', 'elastic': {'section': {'shape': 'rectangle', 'height': 0.06, "
+                       "'width': 0.02}, 'height': [0, 1, 0], 'material': {'E': 1e9, 'nu': 0.3, 'density': 1000}, 'segments': 3, 'axis': [[0, 0, 0], [2, "
+                       "0, 0], [2, 0, 1]]}}], 'joints': [{'name': 'A', 'kind': 'spherical', 'links': ['ground', 'frame'], 'at': [0, 0, 0]}]}"));
+    CHECK_OK(lw_spatial_rigid(&m, &rigid, &check_error));
     const lw_spatial_body *b = &rigid.body[1];
     CHECK_NEAR(b->mass, 3.6, 1e-12, 0);
     CHECK_NEAR(b->centre.x, (2.4*1 + 1.2*2)/3.6, 1e-12, 0);
@@ -670,7 +662,6 @@ TEST(condensed)
 {
     double whole = sag(BAR ", 'segments': 20", -0.1, -1), f[3][4], before = INFINITY;
     lw_spatial m;
-    lw_error e;
     CHECK(whole < -1e-6);
     read_bar(&m, BAR ", 'segments': 20", 0, 0);
     frequencies(&m, false, 4, f[0]);
@@ -693,7 +684,7 @@ TEST(condensed)
     }
     OWN(lw_spatial_expansion) x = { 0 };
     read_bar(&m, BAR ", 'segments': 20, 'superelements': 1", 0, 0);
-    CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
+    CHECK_OK(lw_spatial_expand(&m, false, &x, &check_error));
     lw_superelement *p = x.model.super;
     char path[2][300], text[1000];
     for (int i = 0; i < 2; i++)
@@ -820,18 +811,16 @@ TEST(lumps_have_too_much_inertia)
     for (int n = 1; n <= 16; n *= 2) {
         OWN(lw_spatial) m = { 0 };
         OWN(lw_spatial_expansion) x = { 0 };
-        lw_error e;
         char text[300];
         snprintf(text, sizeof text, "'section': {'shape': 'round', 'diameter': 0.002}, 'material': " STEEL ", 'axis': [[0, 0, 0], [2, 0, 0]], 'segments': %d", n);
         read_bar(&m, text, 0, 0);
-        CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
+        CHECK_OK(lw_spatial_expand(&m, false, &x, &check_error));
         CHECK_NEAR(x.chain[0].too_much, 2.0/n/n, 1e-5, 0);
     }
     OWN(lw_spatial) m = { 0 };
     OWN(lw_spatial_expansion) x = { 0 };
-    lw_error e;
     read_bar(&m, BAR ", 'segments': 20, 'superelements': 1", 0, 0);
-    CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
+    CHECK_OK(lw_spatial_expand(&m, false, &x, &check_error));
     CHECK_NEAR(x.chain[0].too_much, 0, 0, 0);        /* superelements move with their whole mass */
 }
 
@@ -950,12 +939,11 @@ TEST(condensed_swing)
     static record whole, r;
     for (int k = 0; k < (int)(sizeof row/sizeof *row); k++) {
         lw_spatial m;
-        lw_error e;
         lw_dynamics_options o = lw_dynamics_options_default();
-        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'round', 'diameter': "
-                            "0.02}, 'material': " STEEL ", 'axis': [[0, 0, 0], [2, 0, 0]], 'segments': 20%s}}], 'joints': [{'name': 'A', 'kind': "
-                            "'revolute', 'links': ['ground', 'bar'], 'at': [0, 0, 0], 'axis': [0, 1, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', "
-                            "'at': [2, 0, 0]}], 'gravity': [0, 0, -9.81]}", row[k].more), LW_OK);
+        CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'round', 'diameter': "
+                           "0.02}, 'material': " STEEL ", 'axis': [[0, 0, 0], [2, 0, 0]], 'segments': 20%s}}], 'joints': [{'name': 'A', 'kind': "
+                           "'revolute', 'links': ['ground', 'bar'], 'at': [0, 0, 0], 'axis': [0, 1, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', "
+                           "'at': [2, 0, 0]}], 'gravity': [0, 0, -9.81]}", row[k].more));
         o.to = 0.3;
         o.intervals = 60;
         o.relative = o.absolute = 1e-8;
@@ -981,12 +969,11 @@ TEST(consistent_swing)
     static record r;
     for (int lumped = 0; lumped < 2; lumped++) {
         lw_spatial m;
-        lw_error e;
         lw_dynamics_options o = lw_dynamics_options_default();
-        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'rectangle', 'width': 0.1, 'height': "
-                            "0.1}, 'material': " STEEL ", 'axis': [[0, 0, 0], [1, 0, 0]], 'segments': 4, 'mass': '%s'}}], 'joints': [{'name': 'A', 'kind': "
-                            "'revolute', 'links': ['ground', 'bar'], 'at': [0, 0, 0], 'axis': [0, 1, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', "
-                            "'at': [1, 0, 0]}], 'gravity': [0, 0, -9.81]}", lumped ? "lumped" : "consistent"), LW_OK);
+        CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'rectangle', 'width': 0.1, 'height': "
+                           "0.1}, 'material': " STEEL ", 'axis': [[0, 0, 0], [1, 0, 0]], 'segments': 4, 'mass': '%s'}}], 'joints': [{'name': 'A', 'kind': "
+                           "'revolute', 'links': ['ground', 'bar'], 'at': [0, 0, 0], 'axis': [0, 1, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', "
+                           "'at': [1, 0, 0]}], 'gravity': [0, 0, -9.81]}", lumped ? "lumped" : "consistent"));
         o.to = 0.4;
         o.intervals = 20;
         run(&m, o, &r);
@@ -1012,17 +999,16 @@ TEST(condensed_tumbles)
     static record r[2];
     for (int k = 0; k < 2; k++) {
         lw_spatial m;
-        lw_error e;
         lw_dynamics_options o = lw_dynamics_options_default();
         o.to = 0.1, o.intervals = 20;
         o.relative = o.absolute = k ? 1e-10 : 1e-12;
         o.formulation = k ? LW_FORMULATION_INDEX1 : LW_FORMULATION_RADAU;
-        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'hub', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [0.02, 0.03, "
-                            "0.04], 'angular_velocity': [0.6, 0, 6.283185307179586], 'velocity': [0.1, 0, -0.2]}, {'name': 'bar', 'elastic': "
-                            "{'section': {'shape': 'rectangle', 'width': 0.1, 'height': 0.05}, 'height': [0, 0, 1], 'material': {'E': 2e7, 'nu': 0.3, "
-                            "'density': 1000}, 'axis': [[0, 0, 0], [0.5, 0.1, 0]], 'segments': 10, 'superelements': 1, 'modes': 6}}], 'joints': "
-                            "[{'name': 'F', 'kind': 'free', 'links': ['ground', 'hub'], 'at': [0, 0, 0]}, {'name': 'W', 'kind': 'fixed', 'links': "
-                            "['hub', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [0.5, 0.1, 0]}]}"), LW_OK);
+        CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'hub', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [0.02, 0.03, "
+                           "0.04], 'angular_velocity': [0.6, 0, 6.283185307179586], 'velocity': [0.1, 0, -0.2]}, {'name': 'bar', 'elastic': "
+                           "{'section': {'shape': 'rectangle', 'width': 0.1, 'height': 0.05}, 'height': [0, 0, 1], 'material': {'E': 2e7, 'nu': 0.3, "
+                           "'density': 1000}, 'axis': [[0, 0, 0], [0.5, 0.1, 0]], 'segments': 10, 'superelements': 1, 'modes': 6}}], 'joints': "
+                           "[{'name': 'F', 'kind': 'free', 'links': ['ground', 'hub'], 'at': [0, 0, 0]}, {'name': 'W', 'kind': 'fixed', 'links': "
+                           "['hub', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [0.5, 0.1, 0]}]}"));
         run(&m, o, &r[k]);
         CHECK_INT(r[k].n, 21);
         for (int i = 0; i < r[k].n; i++) {
@@ -1043,15 +1029,14 @@ TEST(condensed_spin_up)
     for (int pieces = 4; pieces <= 16; pieces *= 2) {
         static const double want[] = { -.571, -.559, -.3625 }, t[] = { 7, 7.5, 10 };
         lw_spatial m;
-        lw_error e;
         lw_dynamics_options o = lw_dynamics_options_default();
         o.to = 10, o.intervals = 20;
         o.relative = o.absolute = 1e-5;
-        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'elastic': {'section': {'shape': 'general', 'area': 1, 'Iz': "
-                            "5e-4, 'Iy': 5e-4, 'It': 1e-3, 'zeta': 1}, 'material': {'E': 2.8e7, 'G': 1e7, 'density': 1.2}, 'axis': [[0, 0, 0], [10, 0, "
-                            "0]], 'segments': 32, 'superelements': %d}}], 'joints': [{'name': 'A', 'kind': 'revolute', 'links': ['ground', 'arm'], "
-                            "'at': [0, 0, 0], 'axis': [0, 0, 1]}], 'input': {'joint': 'A', 'motion': '0.4*(t^2/2 + (7.5/pi)^2*(cos(2*pi*t/15) - 1))'}, "
-                            "'gravity': [0, 0, 0], 'tracers': [{'name': 'P', 'link': 'arm', 'at': [10, 0, 0]}]}", pieces), LW_OK);
+        CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'elastic': {'section': {'shape': 'general', 'area': 1, 'Iz': "
+                           "5e-4, 'Iy': 5e-4, 'It': 1e-3, 'zeta': 1}, 'material': {'E': 2.8e7, 'G': 1e7, 'density': 1.2}, 'axis': [[0, 0, 0], [10, 0, "
+                           "0]], 'segments': 32, 'superelements': %d}}], 'joints': [{'name': 'A', 'kind': 'revolute', 'links': ['ground', 'arm'], "
+                           "'at': [0, 0, 0], 'axis': [0, 0, 1]}], 'input': {'joint': 'A', 'motion': '0.4*(t^2/2 + (7.5/pi)^2*(cos(2*pi*t/15) - 1))'}, "
+                           "'gravity': [0, 0, 0], 'tracers': [{'name': 'P', 'link': 'arm', 'at': [10, 0, 0]}]}", pieces));
         run(&m, o, &r);
         double off = 0;
         for (int k = 0; k < 3 && r.n == 21; k++) {
@@ -1072,12 +1057,11 @@ TEST(condensed_swung)
     static record r[2];
     for (int k = 0; k < 2; k++) {
         lw_spatial m;
-        lw_error e;
         lw_dynamics_options o = lw_dynamics_options_default();
-        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'rectangle', 'width': 0.01, "
-                            "'height': 0.02}, 'height': [0, 0, 1], 'material': " STEEL ", 'axis': [[0, 0, 0], [1, 0, 0]], 'segments': 40%s}}], 'joints': "
-                            "[{'name': 'A', 'kind': 'revolute', 'links': ['ground', 'bar'], 'at': [0, 0, 0], 'axis': [0, 0, 1]}], 'input': {'joint': 'A', "
-                            "'motion': '0.3*sin(6*t)'}, 'tracers': [{'name': 'P', 'link': 'bar', 'at': [1, 0, 0]}]}", k ? ", 'superelements': 4" : ""), LW_OK);
+        CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'rectangle', 'width': 0.01, "
+                           "'height': 0.02}, 'height': [0, 0, 1], 'material': " STEEL ", 'axis': [[0, 0, 0], [1, 0, 0]], 'segments': 40%s}}], 'joints': "
+                           "[{'name': 'A', 'kind': 'revolute', 'links': ['ground', 'bar'], 'at': [0, 0, 0], 'axis': [0, 0, 1]}], 'input': {'joint': 'A', "
+                           "'motion': '0.3*sin(6*t)'}, 'tracers': [{'name': 'P', 'link': 'bar', 'at': [1, 0, 0]}]}", k ? ", 'superelements': 4" : ""));
         o.to = 0.3, o.intervals = 60;
         o.relative = o.absolute = 1e-7;
         run(&m, o, &r[k]);
@@ -1121,13 +1105,12 @@ TEST(condensed_frame)
     for (int i = 0; i < 3; i++) {
         static const char *const more[] = { "", ", 'superelements': 1", ", 'superelements': 1, 'modes': 12" };
         lw_spatial m;
-        lw_error e;
         lw_dynamics_options o = lw_dynamics_options_default();
         o.analysis = LW_ANALYSIS_STATIC;
-        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'box', 'width': 0.05, "
-                            "'height': 0.08, 'wall': 0.004}, 'height': [0.1, 1, 0.3], 'material': " STEEL ", 'axis': [[0, 0, 0], [0.2, 0.3, 1], "
-                            "[2, 0, 1]], 'segments': 20%s}}], 'joints': [{'name': 'A', 'kind': 'fixed', 'links': ['ground', 'bar'], 'at': [0, 0, "
-                            "0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [2, 0, 1]}], 'gravity': [0.02, 0.03, -0.05]}", more[i]), LW_OK);
+        CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'box', 'width': 0.05, "
+                           "'height': 0.08, 'wall': 0.004}, 'height': [0.1, 1, 0.3], 'material': " STEEL ", 'axis': [[0, 0, 0], [0.2, 0.3, 1], "
+                           "[2, 0, 1]], 'segments': 20%s}}], 'joints': [{'name': 'A', 'kind': 'fixed', 'links': ['ground', 'bar'], 'at': [0, 0, "
+                           "0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [2, 0, 1]}], 'gravity': [0.02, 0.03, -0.05]}", more[i]));
         run(&m, o, &r[i]);
         lw_vec3 off = lw_v3_sub(r[i].at[0], r[0].at[0]), sag = lw_v3_sub(r[0].at[0], lw_v3(2, 0, 1));
         CHECK(lw_v3_norm(off) < 1e-4*lw_v3_norm(sag));
@@ -1393,13 +1376,12 @@ TEST(a_thin_strip)
 {
     static record r;
     lw_spatial m;
-    lw_error e;
     lw_dynamics_options o = lw_dynamics_options_default();
     o.analysis = LW_ANALYSIS_STATIC;
-    CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'elastic': {'section': {'shape': 'rectangle', 'width': 1e-5, "
-                        "'height': 1e-5}, 'material': 'steel', 'height': [0, 1, 0], 'segments': 16}}], 'joints': [{'name': 'A', 'kind': 'fixed', "
-                        "'links': ['ground', 'b'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'b', 'at': [1, 0, 0]}], 'forces': [{"
-                        "'link': 'b', 'at': [1, 0, 0], 'fy': %.17g}]}", 210e9*1e-20/12), LW_OK);
+    CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'elastic': {'section': {'shape': 'rectangle', 'width': 1e-5, "
+                       "'height': 1e-5}, 'material': 'steel', 'height': [0, 1, 0], 'segments': 16}}], 'joints': [{'name': 'A', 'kind': 'fixed', "
+                       "'links': ['ground', 'b'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'b', 'at': [1, 0, 0]}], 'forces': [{"
+                       "'link': 'b', 'at': [1, 0, 0], 'fy': %.17g}]}", 210e9*1e-20/12));
     run(&m, o, &r);
     CHECK(r.rest.stable);
     CHECK_NEAR(r.at[0].y, 0.301720774, 1e-4, 0);
@@ -1418,18 +1400,17 @@ TEST(a_strut_buckles)
         double euler = LW_PI*LW_PI/4*210e9*pow(0.02, 4)*(square ? 1./12 : LW_PI/64), first[2];
         for (int i = 0; i < 5; i++) {
             lw_spatial m;
-            lw_error e;
             lw_dynamics_options o = lw_dynamics_options_default();
             lw_dynamics *p;
             lw_modes modes = { 0 };
             double load = -known[i].part*euler;
             o.analysis = LW_ANALYSIS_STATIC;
             for (int statics = 0; statics < 2; statics++) {
-                CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'c', 'elastic': {'section': {'shape': %s}, 'material': "
-                                    "{'E': 210e9, 'G': 81e9, 'density': 7850}, 'axis': [[0, 0, 0], [0.48, 0.64, 0.6]], 'height': [0.6, -0.8, 0.1], "
-                                    "'segments': 32}}], 'joints': [{'name': 'W', 'kind': 'fixed', 'links': ['ground', 'c'], 'at': [0, 0, 0]}], "
-                                    "'tracers': [{'name': 'T', 'link': 'c', 'at': [0.48, 0.64, 0.6]}], 'forces': [{'link': 'c', 'at': [0.48, 0.64, "
-                                    "0.6], 'fx': %.17g, 'fy': %.17g, 'fz': %.17g}]}", shape[square], 0.48*load, 0.64*load, 0.6*load), LW_OK);
+                CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'c', 'elastic': {'section': {'shape': %s}, 'material': "
+                                   "{'E': 210e9, 'G': 81e9, 'density': 7850}, 'axis': [[0, 0, 0], [0.48, 0.64, 0.6]], 'height': [0.6, -0.8, 0.1], "
+                                   "'segments': 32}}], 'joints': [{'name': 'W', 'kind': 'fixed', 'links': ['ground', 'c'], 'at': [0, 0, 0]}], "
+                                   "'tracers': [{'name': 'T', 'link': 'c', 'at': [0.48, 0.64, 0.6]}], 'forces': [{'link': 'c', 'at': [0.48, 0.64, "
+                                   "0.6], 'fx': %.17g, 'fy': %.17g, 'fz': %.17g}]}", shape[square], 0.48*load, 0.64*load, 0.6*load));
                 if (statics) {
                     run(&m, o, &r);
                     CHECK(i < 2 ? r.rest.stable && !r.rest.neutral : r.rest.neutral && !r.rest.stable);
@@ -1437,10 +1418,10 @@ TEST(a_strut_buckles)
                     CHECK_NEAR(lw_v3_norm(lw_v3_cross(u, r.at[0])), known[i].aside, 2e-3, 0);
                     continue;
                 }
-                CHECK_INT(lw_dynamics_make_spatial(&m, &o, &p, &e), LW_OK);
+                CHECK_OK(lw_dynamics_make_spatial(&m, &o, &p, &check_error));
                 double *q = calloc((size_t)lw_dynamics_space(p)->n_q + (size_t)lw_dynamics_space(p)->n_v, sizeof *q);
                 lw_dynamics_start(p, q, q + lw_dynamics_space(p)->n_q);
-                CHECK_INT(lw_modes_find_large(p, &(lw_modes_options){ .rest = true }, 2, 0, q, &modes, &e), LW_OK);
+                CHECK_OK(lw_modes_find_large(p, &(lw_modes_options){ .rest = true }, 2, 0, q, &modes, &check_error));
                 if (i < 2) {
                     first[i] = modes.mode[0].frequency*modes.mode[0].frequency;
                     CHECK_NEAR(modes.mode[1].frequency, modes.mode[0].frequency, 0, 1e-6);
@@ -1462,15 +1443,14 @@ TEST(a_strut_nearly_square)
 {
     static record r;
     lw_spatial m;
-    lw_error e;
     lw_dynamics_options o = lw_dynamics_options_default();
     o.analysis = LW_ANALYSIS_STATIC;
     for (int square = 0; square < 2; square++) {
-        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'c', 'elastic': {'section': {'shape': 'rectangle', 'width': 0.02, "
-                            "'height': %.17g}, 'material': {'E': 210e9, 'G': 81e9, 'density': 7850}, 'height': [0, 1, 0], 'segments': 8}}], 'joints': "
-                            "[{'name': 'W', 'kind': 'fixed', 'links': ['ground', 'c'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'T', 'link': 'c', 'at': "
-                            "[1, 0, 0]}], 'forces': [{'link': 'c', 'at': [1, 0, 0], 'fx': %.17g}]}", square ? 0.02 : 0.02*(1 + 1e-6),
-                            -1.2938*LW_PI*LW_PI/4*210e9*pow(0.02, 4)/12), LW_OK);
+        CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'c', 'elastic': {'section': {'shape': 'rectangle', 'width': 0.02, "
+                           "'height': %.17g}, 'material': {'E': 210e9, 'G': 81e9, 'density': 7850}, 'height': [0, 1, 0], 'segments': 8}}], 'joints': "
+                           "[{'name': 'W', 'kind': 'fixed', 'links': ['ground', 'c'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'T', 'link': 'c', 'at': "
+                           "[1, 0, 0]}], 'forces': [{'link': 'c', 'at': [1, 0, 0], 'fx': %.17g}]}", square ? 0.02 : 0.02*(1 + 1e-6),
+                           -1.2938*LW_PI*LW_PI/4*210e9*pow(0.02, 4)/12));
         run(&m, o, &r);
         CHECK(r.rest.stable == !square && r.rest.neutral == square);
     }
@@ -1480,13 +1460,12 @@ TEST(a_strut_nearly_square)
 static double lowest_square(const lw_spatial *m)
 {
     lw_dynamics *p;
-    lw_error e;
     OWN(lw_modes) modes = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
-    CHECK_INT(lw_dynamics_make_spatial(m, &o, &p, &e), LW_OK);
+    CHECK_OK(lw_dynamics_make_spatial(m, &o, &p, &check_error));
     double *q = calloc((size_t)lw_dynamics_space(p)->n_q + (size_t)lw_dynamics_space(p)->n_v, sizeof *q);
     lw_dynamics_start(p, q, q + lw_dynamics_space(p)->n_q);
-    CHECK_INT(lw_modes_find_large(p, &(lw_modes_options){ .rest = true }, 2, 0, q, &modes, &e), LW_OK);
+    CHECK_OK(lw_modes_find_large(p, &(lw_modes_options){ .rest = true }, 2, 0, q, &modes, &check_error));
     double square = modes.n_mode ? modes.mode[0].frequency*modes.mode[0].frequency : NAN;
     free(q);
     lw_dynamics_free(p);
@@ -1505,20 +1484,19 @@ TEST(deep_bars_buckle_sideways)
         double square[2], part[2] = { known[i].near, 0.2*known[i].near + 0.8*known[i].load };
         for (int k = 0; k < 2; k++) {
             OWN(lw_spatial) m = { 0 };
-            lw_error e;
             if (known[i].frame)
-                CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'elastic': {'section': {'shape': 'general', 'area': 18, 'Iz': "
-                    "1350, 'Iy': 0.54, 'It': 2.16, 'height': 30, 'width': 0.6}, 'material': {'E': 71240, 'nu': 0.31, 'density': 1e-6}, 'axis': [[0, 0, 0], "
-                    "[240, 0, 0]], 'segments': 10, 'height': [0, 1, 0]}}, {'name': 'b', 'elastic': {'section': {'shape': 'general', 'area': 18, 'Iz': 1350, "
-                    "'Iy': 0.54, 'It': 2.16, 'height': 30, 'width': 0.6}, 'material': {'E': 71240, 'nu': 0.31, 'density': 1e-6}, 'axis': [[240, 0, 0], "
-                    "[240, -240, 0]], 'segments': 10, 'height': [1, 0, 0]}}], 'joints': [{'name': 'F', 'kind': 'fixed', 'links': ['ground', 'a'], 'at': "
-                    "[0, 0, 0]}, {'name': 'W', 'kind': 'fixed', 'links': ['a', 'b'], 'at': [240, 0, 0]}], 'forces': [{'link': 'b', 'at': [240, -240, 0], "
-                    "'fx': %.17g}]}", part[k]), LW_OK);
+                CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'elastic': {'section': {'shape': 'general', 'area': 18, 'Iz': "
+                   "1350, 'Iy': 0.54, 'It': 2.16, 'height': 30, 'width': 0.6}, 'material': {'E': 71240, 'nu': 0.31, 'density': 1e-6}, 'axis': [[0, 0, 0], "
+                   "[240, 0, 0]], 'segments': 10, 'height': [0, 1, 0]}}, {'name': 'b', 'elastic': {'section': {'shape': 'general', 'area': 18, 'Iz': 1350, "
+                   "'Iy': 0.54, 'It': 2.16, 'height': 30, 'width': 0.6}, 'material': {'E': 71240, 'nu': 0.31, 'density': 1e-6}, 'axis': [[240, 0, 0], "
+                   "[240, -240, 0]], 'segments': 10, 'height': [1, 0, 0]}}], 'joints': [{'name': 'F', 'kind': 'fixed', 'links': ['ground', 'a'], 'at': "
+                   "[0, 0, 0]}, {'name': 'W', 'kind': 'fixed', 'links': ['a', 'b'], 'at': [240, 0, 0]}], 'forces': [{'link': 'b', 'at': [240, -240, 0], "
+                   "'fx': %.17g}]}", part[k]));
             else
-                CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'elastic': {'section': {'shape': 'rectangle', 'width': 0.002, "
-                    "'height': 0.06}, 'material': {'E': 210e9, 'nu': 0.3, 'density': 7850}, 'axis': [[0, 0, 0], [1, 0, 0]], 'segments': 16, 'height': "
-                    "[0, 0, 1]}}], 'joints': [{'name': 'F', 'kind': 'fixed', 'links': ['ground', 'b'], 'at': [0, 0, 0]}], 'forces': [{'link': 'b', 'at': "
-                    "[1, 0, 0], 'fz': %.17g}]}", -part[k]*strip), LW_OK);
+                CHECK_OK(read_text(&m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'b', 'elastic': {'section': {'shape': 'rectangle', 'width': 0.002, "
+                   "'height': 0.06}, 'material': {'E': 210e9, 'nu': 0.3, 'density': 7850}, 'axis': [[0, 0, 0], [1, 0, 0]], 'segments': 16, 'height': "
+                   "[0, 0, 1]}}], 'joints': [{'name': 'F', 'kind': 'fixed', 'links': ['ground', 'b'], 'at': [0, 0, 0]}], 'forces': [{'link': 'b', 'at': "
+                   "[1, 0, 0], 'fz': %.17g}]}", -part[k]*strip));
             square[k] = lowest_square(&m);
         }
         CHECK_NEAR((part[0] + (part[1] - part[0])*square[0]/(square[0] - square[1]))/known[i].load, 1, 3e-3, 0);

@@ -227,14 +227,13 @@ static lw_exact solve(const lw_target *t, lw_task task, int results, int jobs)
 {
     lw_fit_options o = lw_fit_options_default();
     lw_exact x;
-    lw_error e = { 0 };
     o.spec.task = task;
     o.spec.timing = task == LW_TASK_FUNCTION ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
     o.types = NULL;
     o.n_result = results;
     o.max_rounds = 1;
     o.jobs = jobs;
-    CHECK_INT(lw_exact_run(t, &o, &x, &e), LW_OK);
+    CHECK_OK(lw_exact_run(t, &o, &x, &check_error));
     return x;
 }
 

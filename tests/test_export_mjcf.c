@@ -54,9 +54,8 @@ static void sdf_has_all_joints(void)
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         lw_linkage k = example(rows[i].name);
         OWN(lw_bytes) b = { 0 };
-        lw_error e = { 0 };
         int links = 0, joints = 0;
-        CHECK_INT(lw_export_sdf(LW_VIEW(&k), NULL, &b, &e), LW_OK);
+        CHECK_OK(lw_export_sdf(LW_VIEW(&k), NULL, &b, &check_error));
         for (const char *c = b.data; (c = strstr(c, "<link name=")); c++)
             links++;
         for (const char *c = b.data; (c = strstr(c, "<joint name=")); c++)

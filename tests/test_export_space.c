@@ -149,12 +149,11 @@ TEST(mujoco_runs_the_examples_alike)
     };
     for (size_t i = 0; have_mujoco() && i < sizeof rows/sizeof *rows; i++) {
         OWN(lw_spatial) m = { 0 };
-        lw_error e = { 0 };
         load_spatial(rows[i].name, &m);
         for (int j = 0; j < m.n_joint; j++)
             m.joint[j].stop = (lw_joint_stop){ .has_least = false };       /* those of the arm give way */
         for (int k = 0; k < 3 && rows[i].motion[k]; k++)
-            CHECK_INT(lw_spatial_set_motion(&m, k, rows[i].motion[k], &e), LW_OK);
+            CHECK_OK(lw_spatial_set_motion(&m, k, rows[i].motion[k], &check_error));
         CHECK_NEAR(apart(&m, rows[i].to), 0, 1e-3, 0);
     }
 }

@@ -379,8 +379,7 @@ TEST(every_type_of_linkage_is_searched)
     lw_target t;
     lw_fit_options o;
     lw_fit fit;
-    lw_error e;
-    CHECK_INT(fit_points(&p, "all", 1, 0, &t, &o, &fit, &e), LW_OK);
+    CHECK_OK(fit_points(&p, "all", 1, 0, &t, &o, &fit, &check_error));
     CHECK(fit.n > 3);
     bool other_type = false;                             /* the best of each goes on                */
     for (int i = 0; i + 1 < fit.n; i++) {
@@ -392,7 +391,7 @@ TEST(every_type_of_linkage_is_searched)
     lw_target_free(&t);
     static const char *const one[] = { "slidercrank", "RRPR", "PRRP", "slottedcrank,trammel" };
     for (int k = 0; k < 4; k++) {
-        CHECK_INT(fit_points(&p, one[k], 1, 0, &t, &o, &fit, &e), LW_OK);
+        CHECK_OK(fit_points(&p, one[k], 1, 0, &t, &o, &fit, &check_error));
         for (int i = 0; i < fit.n; i++) {
             const lw_type *type = lw_type_find(fit.candidate[i].family->type);
             CHECK(strstr(one[k], type->name) || strstr(one[k], type->letters));

@@ -233,15 +233,14 @@ TEST(as_in_the_plane)
         snprintf(deep + d, sizeof deep - (size_t)d, "], 'input': {'joint': 'J0', 'speed': 3}, 'gravity': [%.17g, %.17g, %.17g]}",
                  g.x, g.y, g.z);
         OWN(lw_model) m = { 0 };
-        lw_error e = { 0 };
         lw_dynamics *p;
         lw_dynamics_report r;
         lw_dynamics_options o = lw_dynamics_options_default();
         o.intervals = 20, o.to = 2, o.relative = o.absolute = 1e-11;
         read_planar(flat, "plane", &m);
         n_plane = 0;
-        CHECK_INT(lw_dynamics_make(&m, &o, &p, &e), LW_OK);
-        CHECK_INT(lw_dynamics_run(p, keep_plane, p, &r, &e), LW_OK);
+        CHECK_OK(lw_dynamics_make(&m, &o, &p, &check_error));
+        CHECK_OK(lw_dynamics_run(p, keep_plane, p, &r, &check_error));
         CHECK_INT(r.formulation, LW_FORMULATION_REDUCED);
         lw_dynamics_free(p);
         run(deep, LW_FORMULATION_INDEX1, 2, 20, 1e-11);
@@ -318,7 +317,6 @@ TEST(elastic_links_rub)
         for (int s = 0; s < 11; s++)
             CHECK_NEAR(lw_v3_norm(lw_v3_sub(k.tracer[s][0], explicit_one[s])), 0, 1e-7, 0);
         OWN(lw_model) m = { 0 };
-        lw_error e = { 0 };
         lw_dynamics *p;
         lw_dynamics_report r;
         lw_dynamics_options o = lw_dynamics_options_default();
@@ -329,8 +327,8 @@ TEST(elastic_links_rub)
                  "[0, -9.81], 'tracers': [{'name': 'P', 'link': 'A', 'at': [0.5, 0]}]}", in_plane[i]);
         n_plane = 0;
         read_planar(text, "plane", &m);
-        CHECK_INT(lw_dynamics_make(&m, &o, &p, &e), LW_OK);
-        CHECK_INT(lw_dynamics_run(p, keep_end, p, &r, &e), LW_OK);
+        CHECK_OK(lw_dynamics_make(&m, &o, &p, &check_error));
+        CHECK_OK(lw_dynamics_run(p, keep_end, p, &r, &check_error));
         CHECK_INT(n_plane, k.n);
         for (int s = 0; s < k.n && s < n_plane; s++)
             CHECK_NEAR(hypot(k.tracer[s][0].x - flat_end[s].x, k.tracer[s][0].z - flat_end[s].y), 0, 1e-8, 0);

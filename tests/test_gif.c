@@ -41,10 +41,9 @@ TEST(frames_loop_and_size)
 {
     OWN(lw_scene) s = { 0 };
     OWN(lw_bytes) b = { 0 };
-    lw_error e;
     CHECK_INT(model_scene("Crank-rocker", 10, &s), LW_OK);
     lw_gif_options o = { .width = 320, .height = 240, .n_frame = 40, .delay = 7 };
-    CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_OK);
+    CHECK_OK(lw_gif_write(&s, &o, &b, &check_error));
     GifFileType *gif = read_back(&b);
     CHECK_INT(gif->SWidth, 320);
     CHECK_INT(gif->SHeight, 240);
@@ -103,10 +102,9 @@ TEST(viewer_sees_what_was_drawn)
 {
     OWN(lw_scene) s = { 0 };
     OWN(lw_bytes) b = { 0 };
-    lw_error e;
     CHECK_INT(model_scene("Crank-rocker", 10, &s), LW_OK);
     lw_gif_options o = { .width = 320, .height = 240, .n_frame = 12, .delay = 5 };
-    CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_OK);
+    CHECK_OK(lw_gif_write(&s, &o, &b, &check_error));
     GifFileType *gif = read_back(&b);
     lw_diagram_options drawn = lw_diagram_options_default();
     drawn.width = 320;
@@ -114,11 +112,11 @@ TEST(viewer_sees_what_was_drawn)
     drawn.whole_motion = true;
     drawn.length_labels = false;
     OWN(lw_drawing) d = { 0 };
-    CHECK_INT(lw_diagram_draw(&s, &drawn, &d, &e), LW_OK);
+    CHECK_OK(lw_diagram_draw(&s, &drawn, &d, &check_error));
     uint32_t *screen = calloc(320*240, sizeof *screen), *want = calloc(320*240, sizeof *want);
     for (int i = 0; i < gif->ImageCount; i++) {
         compose(gif, i, screen);
-        CHECK_INT(lw_picture_pixels(&d, &s, (size_t)i*s.n_frame/12, want, &e), LW_OK);
+        CHECK_OK(lw_picture_pixels(&d, &s, (size_t)i*s.n_frame/12, want, &check_error));
         long far = 0, sum = 0;
         for (int p = 0; p < 320*240; p++) {
             int distance = channel_distance(screen[p], want[p]);
@@ -140,10 +138,9 @@ TEST(there_and_back_when_it_cannot_go_round)
     k.input[0].last = k.input[0].value + 1;
     OWN(lw_scene) s = { 0 };
     OWN(lw_bytes) b = { 0 };
-    lw_error e;
-    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
     lw_gif_options o = { .width = 200, .height = 150, .n_frame = 20, .delay = 5 };
-    CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_OK);
+    CHECK_OK(lw_gif_write(&s, &o, &b, &check_error));
     GifFileType *gif = read_back(&b);
     CHECK_INT(gif->ImageCount, 20);                                 /* 11 there, 9 between back */
     uint32_t *screen = calloc(200*150, sizeof *screen), *seen[20];
@@ -167,9 +164,8 @@ TEST(a_still_scene_is_one_frame)
     k.n_input = 0;
     OWN(lw_scene) s = { 0 };
     OWN(lw_bytes) b = { 0 };
-    lw_error e;
-    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
-    CHECK_INT(lw_gif_write(&s, NULL, &b, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
+    CHECK_OK(lw_gif_write(&s, NULL, &b, &check_error));
     GifFileType *gif = read_back(&b);
     CHECK_INT(gif->ImageCount, 1);
     DGifCloseFile(gif, NULL);
@@ -194,7 +190,6 @@ TEST(bars_bend)
 {
     OWN(lw_scene) s = { 0 };
     OWN(lw_bytes) straight = { 0 }, bent = { 0 };
-    lw_error e;
     lw_gif_options o = { .width = 160, .height = 120, .n_frame = 2, .delay = 5 };
     lw_vec2 *p;
     CHECK_INT(model_scene("Crank-rocker", 10, &s), LW_OK);
@@ -205,10 +200,10 @@ TEST(bars_bend)
     for (size_t f = 0; f < s.n_frame; f++)
         for (size_t i = 0; i < 3; i++)
             p[3*f + i] = lw_v2_add(j[0].at, lw_v2(i == 1 ? 0.01 : 0, 0));
-    CHECK_INT(lw_gif_write(&s, &o, &straight, &e), LW_OK);
+    CHECK_OK(lw_gif_write(&s, &o, &straight, &check_error));
     s.bend = &bar;
     s.n_bend = 1;
-    CHECK_INT(lw_gif_write(&s, &o, &bent, &e), LW_OK);
+    CHECK_OK(lw_gif_write(&s, &o, &bent, &check_error));
     CHECK(straight.size != bent.size || memcmp(straight.data, bent.data, bent.size) != 0);
     free(p);
 }
@@ -217,12 +212,11 @@ TEST(a_stopped_animation_is_readable)
 {
     OWN(lw_scene) s = { 0 };
     OWN(lw_bytes) b = { 0 };
-    lw_error e;
     lw_gif_options o = { .width = 160, .height = 120, .n_frame = 8, .delay = 5 };
     const volatile sig_atomic_t now = 1;
     CHECK_INT(model_scene("Crank-rocker", 10, &s), LW_OK);
     s.stop = &now;
-    CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_OK);
+    CHECK_OK(lw_gif_write(&s, &o, &b, &check_error));
     GifFileType *gif = read_back(&b);
     CHECK_INT(gif->ImageCount, 1);
     int code;

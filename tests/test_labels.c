@@ -18,8 +18,7 @@ TEST(crowds_do_not_overlap)
     lw_rng r = check_rng(4);
     for (int trial = 0; trial < 40; trial++) {
         OWN(lw_label_map) m = { 0 };
-        lw_error e;
-        CHECK_INT(lw_label_map_make(&m, 500, 400, &e), LW_OK);
+        CHECK_OK(lw_label_map_make(&m, 500, 400, &check_error));
         for (int i = 0; i < 20; i++)
             lw_label_map_line(&m, lw_v2(lw_rng_range(&r, 0, 500), lw_rng_range(&r, 0, 400)),
                               lw_v2(lw_rng_range(&r, 0, 500), lw_rng_range(&r, 0, 400)), 1);
@@ -46,8 +45,7 @@ TEST(the_free_side_is_taken)
 {
     for (int side = 0; side < 4; side++) {
         OWN(lw_label_map) m = { 0 };
-        lw_error e;
-        CHECK_INT(lw_label_map_make(&m, 200, 200, &e), LW_OK);
+        CHECK_OK(lw_label_map_make(&m, 200, 200, &check_error));
         lw_vec2 c = { 100, 100 }, at;
         for (int k = 0; k < 4; k++) {
             lw_vec2 u = lw_v2_polar(1, k*LW_PI/2), p = lw_v2_perp(u);
@@ -65,9 +63,8 @@ TEST(the_free_side_is_taken)
 TEST(no_room_is_said)
 {
     OWN(lw_label_map) m = { 0 };
-    lw_error e;
     lw_vec2 at, c = { 50, 50 };
-    CHECK_INT(lw_label_map_make(&m, 100, 100, &e), LW_OK);
+    CHECK_OK(lw_label_map_make(&m, 100, 100, &check_error));
     lw_label_map_take(&m, (lw_box){ 0, 0, 100, 100 });
     CHECK(!lw_label_map_place(&m, "A", 12, c, c, 8, (lw_box){ 0, 0, 100, 100 }, &at));
     CHECK(!lw_label_map_place(&m, "a text wider than the page", 12, c, c, 8, (lw_box){ 0, 0, 100, 100 }, &at));

@@ -348,8 +348,7 @@ TEST(a_resting_leg_is_a_point)
     both.tracer[both.n_tracer++] = (lw_tracer){ .name = "second", .link = both.tracer[0].link + n - 1, .at = { 5, 0 } };
     both.input[both.n_input++] = (lw_input){ .joint = both.input[0].joint + joints, .value = both.input[0].value };
     OWN(lw_scene) s = { 0 };
-    lw_error e = { 0 };
-    CHECK_INT(lw_scene_make(&both, NULL, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&both, NULL, NULL, &s, &check_error));
     CHECK_INT(s.n_curve, 2);
     CHECK(s.n_curve == 2 && s.curve[0].n < 5000 && s.curve[1].n < 5000);
 }

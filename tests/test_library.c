@@ -7,9 +7,8 @@ typedef double of_number(double);
 TEST(calls_what_it_loaded)
 {
     of_number *sine = NULL, *root = NULL;
-    lw_error e = { 0 };
     const lw_library_call call[] = { { "sin", &sine }, { "cbrt", &root } };
-    CHECK_INT(lw_library_load("libm.so.6", "libc6", call, 2, &e), LW_OK);
+    CHECK_OK(lw_library_load("libm.so.6", "libc6", call, 2, &check_error));
     if (!sine || !root) {
         CHECK(!"pointers are filled");
         return;

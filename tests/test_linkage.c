@@ -57,15 +57,14 @@ TEST(mobility_of_known_chains)
 TEST(good_linkages_pass)
 {
     lw_linkage k = four_bar();
-    lw_error e = { 0 };
-    CHECK_INT(lw_linkage_check(&k, &e), LW_OK);
+    CHECK_OK(lw_linkage_check(&k, &check_error));
     CHECK_INT(lw_linkage_check(&k, NULL), LW_OK);
     k.n_input = k.n_tracer = 0;
-    CHECK_INT(lw_linkage_check(&k, &e), LW_OK);
+    CHECK_OK(lw_linkage_check(&k, &check_error));
     add_link(&k, "wheel");
     add_joint(&k, LW_JOINT_GEAR, 0, 4, 5, 5);
     add_joint(&k, LW_JOINT_SLOT, 3, 4, 5, 6);
-    CHECK_INT(lw_linkage_check(&k, &e), LW_OK);
+    CHECK_OK(lw_linkage_check(&k, &check_error));
 }
 
 /* One fault a function; the text must name what is wrong. */

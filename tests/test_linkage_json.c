@@ -37,8 +37,7 @@ static lw_status read(const char *text, lw_linkage *k, lw_error *e)
 TEST(the_example)
 {
     lw_linkage k;
-    lw_error e;
-    CHECK_INT(read(example, &k, &e), LW_OK);
+    CHECK_OK(read(example, &k, &check_error));
     CHECK_TEXT(k.name, "offset slider-crank");
     CHECK_INT(k.n_link, 4);
     CHECK_INT(k.n_joint, 4);
@@ -59,8 +58,7 @@ TEST(the_example)
 TEST(the_example_is_written_as_it_was)
 {
     lw_linkage k;
-    lw_error e;
-    CHECK_INT(read(example, &k, &e), LW_OK);
+    CHECK_OK(read(example, &k, &check_error));
     char *text = lw_linkage_write(&k, 2);
     CHECK_TEXT(text, example);
     free(text);
@@ -96,10 +94,9 @@ TEST(what_may_be_left_out)
 TEST(links_without_a_list_follow_the_joints)
 {
     lw_linkage k;
-    lw_error e;
-    CHECK_INT(read("{\"linkwright\":1,\"ground\":\"frame\",\"joints\":["
-                   "{\"name\":\"A\",\"links\":[\"a\",\"b\"],\"at\":[1,2]},"
-                   "{\"name\":\"B\",\"links\":[\"frame\",\"a\"],\"at\":[1,2]}]}", &k, &e), LW_OK);
+    CHECK_OK(read("{\"linkwright\":1,\"ground\":\"frame\",\"joints\":["
+                  "{\"name\":\"A\",\"links\":[\"a\",\"b\"],\"at\":[1,2]},"
+                  "{\"name\":\"B\",\"links\":[\"frame\",\"a\"],\"at\":[1,2]}]}", &k, &check_error));
     CHECK_TEXT(k.link_name[0], "frame");
     CHECK_TEXT(k.link_name[1], "a");
     CHECK_TEXT(k.link_name[2], "b");
@@ -109,9 +106,8 @@ TEST(links_without_a_list_follow_the_joints)
 TEST(links_may_be_objects)
 {
     lw_linkage k;
-    lw_error e;
-    CHECK_INT(read("{\"linkwright\":1,\"links\":[{\"name\":\"a\",\"x-mass\":2},\"ground\"],\"joints\":["
-                   "{\"name\":\"A\",\"links\":[\"a\",\"ground\"],\"at\":[1,2]}]}", &k, &e), LW_OK);
+    CHECK_OK(read("{\"linkwright\":1,\"links\":[{\"name\":\"a\",\"x-mass\":2},\"ground\"],\"joints\":["
+                  "{\"name\":\"A\",\"links\":[\"a\",\"ground\"],\"at\":[1,2]}]}", &k, &check_error));
     CHECK_TEXT(k.link_name[0], "a");
     CHECK_INT(k.ground, 1);
 }

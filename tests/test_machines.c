@@ -97,8 +97,7 @@ TEST(the_printed_program)
                                      { 0.82, -0.7 },
                                       { 0.935, -0.35 }, { 1.05, 0 } };
     lw_spatial *m = variant(GANTRY, "dynamic", (const char *const[]){ NULL });
-    lw_error e = { 0 };
-    CHECK_INT(lw_spatial_set_motion(m, number_of(m, 'i', "x"), motion, &e), LW_OK);
+    CHECK_OK(lw_spatial_set_motion(m, number_of(m, 'i', "x"), motion, &check_error));
     link_seen = number_of(m, 'l', "bridge");
     simulate(m, "kinematic", 1.07, 10700, keep);
     for (size_t i = 0; i < sizeof want/sizeof *want; i++)
@@ -112,7 +111,7 @@ TEST(the_printed_program)
     CHECK(peak(r.a, 0, 0.53) < before);
     CHECK_NEAR(peak(r.a, 0.53, 0.825), 85.5, 0.06, 0);         /* it still rises at 0.825 s */
     CHECK_NEAR(peak(r.a, 0.825, 1.07), 86.1, 0.05, 0);
-    CHECK_INT(lw_spatial_set_motion(m, number_of(m, 'i', "x"), "0.001*havsin(t, 0.55, 250, 0.82, -700)", &e), LW_OK);
+    CHECK_OK(lw_spatial_set_motion(m, number_of(m, 'i', "x"), "0.001*havsin(t, 0.55, 250, 0.82, -700)", &check_error));
     simulate(m, "kinematic", 1.07, 1070, keep);
     CHECK_NEAR(peak(r.a, 0.55, 0.82), 64.3, 0.05, 0);          /* the second move without its windows */
     lw_spatial_destroy(m);
@@ -163,11 +162,10 @@ TEST(a_move_without_swing)
     const char *set[] = { "ramp", "limits", "lift", "0", "lower", "0", "damping", "0", "swing", NULL, NULL };
     double left[2];
     char hertz[40];
-    lw_error e = { 0 };
     set[8] = NULL;
     lw_spatial *m = variant(GANTRY, "elastic", set);
     n_found = 0;
-    CHECK_INT(lw_spatial_vibrations(m, true, true, keep_frequency, NULL, &e), LW_OK);
+    CHECK_OK(lw_spatial_vibrations(m, true, true, keep_frequency, NULL, &check_error));
     lw_spatial_destroy(m);
     snprintf(hertz, sizeof hertz, "%.9f", found[0]);
     for (int shaped = 0; shaped < 2; shaped++) {

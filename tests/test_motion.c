@@ -11,8 +11,7 @@
 static lw_plan plan_of(const lw_linkage *k)
 {
     lw_plan plan;
-    lw_error e = { 0 };
-    CHECK_INT(lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, &e), LW_OK);
+    CHECK_OK(lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, &check_error));
     return plan;
 }
 

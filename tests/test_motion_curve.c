@@ -499,11 +499,10 @@ TEST(a_row_of_parallelograms_turns_as_one)
     OWN(lw_model) m = { 0 };
     KEPT_SYSTEM s = { 0 };
     lw_motion_curve *b;
-    lw_error e = { 0 };
     read_row(N, &m);
-    CHECK_INT(lw_system_assemble(&m.linkage, NULL, 0, &s, &e), LW_OK);
+    CHECK_OK(lw_system_assemble(&m.linkage, NULL, 0, &s, &check_error));
     CHECK(s.n_q > LW_SYSTEM_Q_MAX);
-    CHECK_INT(lw_motion_curve_create(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, &b, &e), LW_OK);
+    CHECK_OK(lw_motion_curve_create(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, &b, &check_error));
     CHECK_INT(lw_motion_curve_ended(b), LW_MOTION_CURVE_CLOSED);
     CHECK_INT(lw_motion_curve_turns(b, -1), 1);
     CHECK(lw_motion_curve_worst(b) < 1e-12);

@@ -9,10 +9,9 @@
 static void setup(const char *type, lw_linkage *k, lw_plan *plan, double *dim, double *mode)
 {
     double input;
-    lw_error e;
     lw_type_linkage(lw_type_find(type), k);
-    CHECK_INT(lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true }, plan, &e), LW_OK);
-    CHECK_INT(lw_plan_read(plan, k, dim, mode, &input, &e), LW_OK);
+    CHECK_OK(lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true }, plan, &check_error));
+    CHECK_OK(lw_plan_read(plan, k, dim, mode, &input, &check_error));
 }
 
 static void set(const lw_plan *plan, double *dim, const char *name, double v)

@@ -26,8 +26,7 @@ static lw_bytes write_page(const lw_scene *s, int n_scene, const char *text)
                             { .name = "second", .n_result = 1, .result = r } };
     lw_page p = { .title = text, .about = text, .n_target = 2, .target = t };
     lw_bytes b;
-    lw_error e;
-    CHECK_INT(lw_page_write(&p, &b, &e), LW_OK);
+    CHECK_OK(lw_page_write(&p, &b, &check_error));
     return b;
 }
 
@@ -84,8 +83,7 @@ TEST(hostile_texts_stay_texts)
     lw_scene_options o = lw_scene_options_default();
     o.title = hostile;
     OWN(lw_scene) s = { 0 };
-    lw_error e;
-    CHECK_INT(lw_scene_make(&k, NULL, &o, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, &o, &s, &check_error));
     OWN(lw_bytes) b = write_page(&s, 1, hostile);
     CHECK_INT(occurrences(b.data, "<script"), 2);
     CHECK_INT(occurrences(b.data, "</script>"), 2);

@@ -53,8 +53,7 @@ static found read_back(const lw_drawing *d)
 {
     found f = { 0 };
     OWN(lw_bytes) b = { 0 };
-    lw_error e;
-    CHECK_INT(lw_svg_write(d, &b, &e), LW_OK);
+    CHECK_OK(lw_svg_write(d, &b, &check_error));
     CHECK(xml_scan(b.data, count, &f) > 10);
     return f;
 }
@@ -173,9 +172,8 @@ TEST(labels_do_not_overlap)
     for (size_t i = 0; i < MODEL_FILES; i++) {
         lw_linkage k;
         OWN(lw_scene) s = { 0 };
-        lw_error e;
         k = example(model_files[i]);
-        CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+        CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
         for (int q = 0; q < 3; q++) {
             OWN(lw_drawing) d = draw(&s, size[q][0], size[q][1]);
             check_texts(&d, model_files[i]);
@@ -195,9 +193,8 @@ TEST(nothing_goes_without_its_label)
     for (size_t i = 0; i < MODEL_FILES; i++) {
         lw_linkage k;
         OWN(lw_scene) s = { 0 };
-        lw_error e;
         k = example(model_files[i]);
-        CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+        CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
         OWN(lw_drawing) d = draw(&s, 1000, 750);
         int n_joint = 0, n_length = 0, n_want = 0;
         for (size_t q = 0; q < d.n_shape; q++) {
@@ -236,10 +233,9 @@ TEST(png_shows_it)
 {
     OWN(lw_scene) s = { 0 };
     OWN(lw_bytes) b = { 0 };
-    lw_error e;
     CHECK_INT(model_scene("Crank-rocker", 9, &s), LW_OK);
     OWN(lw_drawing) d = draw(&s, 900, 600);
-    CHECK_INT(lw_picture_png(&d, &b, &e), LW_OK);
+    CHECK_OK(lw_picture_png(&d, &b, &check_error));
     reader r = { b.data, b.size };
     cairo_surface_t *p = cairo_image_surface_create_from_png_stream(take, &r);
     CHECK_INT(cairo_image_surface_get_width(p), 900);
@@ -260,14 +256,13 @@ TEST(png_shows_it)
 TEST(frames_move_the_links)
 {
     OWN(lw_scene) s = { 0 };
-    lw_error e;
     CHECK_INT(model_scene("Crank-rocker", 0, &s), LW_OK);
     lw_diagram_options o = { .width = 400, .height = 300, .zoom = 1, .whole_motion = true };
     OWN(lw_drawing) d = { 0 };
-    CHECK_INT(lw_diagram_draw(&s, &o, &d, &e), LW_OK);
+    CHECK_OK(lw_diagram_draw(&s, &o, &d, &check_error));
     uint32_t *pixel = malloc(400*300*sizeof *pixel);
     for (size_t f = 0; f < s.n_frame; f += 17) {
-        CHECK_INT(lw_picture_pixels(&d, &s, f, pixel, &e), LW_OK);
+        CHECK_OK(lw_picture_pixels(&d, &s, f, pixel, &check_error));
         for (int i = 1; i < 3; i++) {
             const lw_joint *j = &s.linkage.joint[i];
             for (int side = 0; side < 2; side++) {
@@ -286,14 +281,13 @@ TEST(frames_move_the_links)
 TEST(same_input_same_bytes)
 {
     OWN(lw_scene) s = { 0 };
-    lw_error e;
     CHECK_INT(model_scene("Crank-rocker", 9, &s), LW_OK);
     lw_bytes b[2][3];
     for (int i = 0; i < 2; i++) {
         OWN(lw_drawing) d = draw(&s, 800, 600);
-        CHECK_INT(lw_svg_write(&d, &b[i][0], &e), LW_OK);
-        CHECK_INT(lw_picture_png(&d, &b[i][1], &e), LW_OK);
-        CHECK_INT(lw_picture_pdf(&d, &b[i][2], &e), LW_OK);
+        CHECK_OK(lw_svg_write(&d, &b[i][0], &check_error));
+        CHECK_OK(lw_picture_png(&d, &b[i][1], &check_error));
+        CHECK_OK(lw_picture_pdf(&d, &b[i][2], &check_error));
     }
     for (int k = 0; k < 3; k++)
         CHECK(b[0][k].size == b[1][k].size && memcmp(b[0][k].data, b[1][k].data, b[0][k].size) == 0);
@@ -307,7 +301,6 @@ TEST(same_input_same_bytes)
 TEST(size_does_not_matter)
 {
     OWN(lw_bytes) want = { 0 };
-    lw_error e;
     for (int i = 0; i < 3; i++) {
         double by = ldexp(1, i == 0 ? 0 : i == 1 ? 30 : -30), r[9];
         for (int k = 0; k < 9; k++)
@@ -315,10 +308,10 @@ TEST(size_does_not_matter)
         lw_linkage k = model_four_bar(r, 1, 1);
         k.units.metre = by;
         OWN(lw_scene) s = { 0 };
-        CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+        CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
         OWN(lw_drawing) d = draw(&s, 1000, 750);
         lw_bytes b;
-        CHECK_INT(lw_svg_write(&d, &b, &e), LW_OK);
+        CHECK_OK(lw_svg_write(&d, &b, &check_error));
         if (i == 0)
             want = b;
         else {
@@ -335,8 +328,7 @@ TEST(specks_get_their_own_panel)
         const double r[9] = { ratio, 1, ratio + 0.3, 2.4, 1.5, 1.2, 0, 0, 0.2 };
         lw_linkage k = model_four_bar(r, 1, 1);
         OWN(lw_scene) s = { 0 };
-        lw_error e;
-        CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+        CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
         s.n_station = 5;
         s.station = calloc(5, sizeof *s.station);
         for (size_t i = 0; i < 5; i++)
@@ -362,7 +354,6 @@ TEST(strange_coordinates_are_drawn)
 {
     static const lw_vec2 wild[] = { { NAN, 0 }, { INFINITY, 1 }, { 1, -INFINITY } };
     OWN(lw_scene) s = { 0 };
-    lw_error e;
     CHECK_INT(model_scene("Wild", 3, &s), LW_OK);
     memcpy(s.station, wild, sizeof wild);
     OWN(lw_drawing) d = draw(&s, 300, 200);
@@ -379,7 +370,7 @@ TEST(strange_coordinates_are_drawn)
     strcpy(k.link_name[0], "ground");
     strcpy(k.link_name[1], "link");
     k.joint[0] = (lw_joint){ .name = "A", .kind = LW_JOINT_REVOLUTE, .link = { 0, 1 }, .at = { 5, 5 } };
-    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
     d = draw(&s, 300, 200);
     CHECK_INT(read_back(&d).joints, 1);
 }
@@ -392,18 +383,17 @@ TEST(hostile_names_stay_text)
     lw_scene_options o = lw_scene_options_default();
     o.title = "<svg onload=alert(1)> ]]> \xc3\xa9 \xe2\x80";
     OWN(lw_scene) s = { 0 };
-    lw_error e;
-    CHECK_INT(lw_scene_make(&k, NULL, &o, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, &o, &s, &check_error));
     OWN(lw_drawing) d = draw(&s, 1000, 750);
     found f = read_back(&d);
     CHECK_INT(f.joints, 4);
     OWN(lw_bytes) b = { 0 };
-    CHECK_INT(lw_svg_write(&d, &b, &e), LW_OK);
+    CHECK_OK(lw_svg_write(&d, &b, &check_error));
     CHECK(!strstr(b.data, "<script") && !strstr(b.data, "<svg onload"));
     lw_bytes_free(&b);
-    CHECK_INT(lw_picture_png(&d, &b, &e), LW_OK);
+    CHECK_OK(lw_picture_png(&d, &b, &check_error));
     lw_bytes_free(&b);
-    CHECK_INT(lw_picture_pdf(&d, &b, &e), LW_OK);
+    CHECK_OK(lw_picture_pdf(&d, &b, &check_error));
 }
 
 /* Slots and gears, which have no plan yet, are drawn in the posture given. */
@@ -415,8 +405,7 @@ TEST(every_kind_of_joint_is_drawn)
     k.joint[k.n_joint++] = (lw_joint){ .name = "G", .kind = LW_JOINT_GEAR, .link = { 1, 3 },
                                        .at = { 1.2, 0 }, .ratio = -1 };
     OWN(lw_scene) s = { 0 };
-    lw_error e;
-    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
     OWN(lw_drawing) d = draw(&s, 1000, 750);
     CHECK_INT(read_back(&d).joints, 4);
     int guides = 0;
@@ -430,9 +419,8 @@ TEST(guides_cover_the_travel)
 {
     lw_linkage k;
     OWN(lw_scene) s = { 0 };
-    lw_error e;
     k = example("trammel");
-    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
     for (int j = 0; j < k.n_joint; j++) {
         if (k.joint[j].kind != LW_JOINT_SLIDER)
             continue;
@@ -452,11 +440,10 @@ static parts parts_of(const char *path)
     OWN(lw_model) m = { 0 };
     OWN(lw_scene) s = { 0 };
     lw_scene_options o = lw_scene_options_default();
-    lw_error e;
     parts n = { .lowest = -1 };
     o.model = &m;
     load_planar(path, &m);
-    CHECK_INT(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &check_error));
     OWN(lw_drawing) d = draw(&s, 1000, 750);
     for (size_t i = 0; i < d.n_shape; i++) {
         n.guides += d.shape[i].role == LW_ROLE_GUIDE;
@@ -483,10 +470,9 @@ TEST(legends_are_free_of_curves)
 {
     lw_linkage k;
     OWN(lw_scene) s = { 0 };
-    lw_error e;
     double lowest = 0, legend = INFINITY;
     k = example("gallery/evans");
-    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
     OWN(lw_drawing) d = draw(&s, 1000, 750);
     CHECK_INT(d.n_view, 2);
     for (size_t i = 0; i < d.n_shape; i++) {

@@ -44,9 +44,8 @@ TEST(points_lie_where_their_numbers_say)
     for (int kind = 0; kind < 4; kind++) {
         lines l;
         OWN(lw_drawing) d = { 0 };
-        lw_error e;
         make(&l, kind & 1, kind & 2);
-        CHECK_INT(lw_plot_draw(&l.p, &d, &e), LW_OK);
+        CHECK_OK(lw_plot_draw(&l.p, &d, &check_error));
         CHECK_INT(n_of(&d, LW_ROLE_MARKER), N);
         CHECK_INT(n_of(&d, LW_ROLE_LEVEL), 2);
         CHECK(n_of(&d, LW_ROLE_SERIES) == 1);
@@ -57,7 +56,7 @@ TEST(points_lie_where_their_numbers_say)
             CHECK_POINT(s, step.x, step.y, 1e-9, 0);
         }
         OWN(lw_bytes) b = { 0 };
-        CHECK_INT(lw_svg_write(&d, &b, &e), LW_OK);
+        CHECK_OK(lw_svg_write(&d, &b, &check_error));
         CHECK(xml_scan(b.data, NULL, NULL) > 40);
     }
 }
@@ -75,9 +74,8 @@ TEST(ticks_are_round_numbers)
 {
     lines l;
     OWN(lw_drawing) d = { 0 };
-    lw_error e;
     make(&l, true, true);
-    CHECK_INT(lw_plot_draw(&l.p, &d, &e), LW_OK);
+    CHECK_OK(lw_plot_draw(&l.p, &d, &check_error));
     static const char *const decades[] = { "1", "10", "100", "1000", "10000" };
     for (int i = 0; i < 5; i++)
         CHECK(has_text(&d, LW_ROLE_TICK, decades[i]));
@@ -86,7 +84,7 @@ TEST(ticks_are_round_numbers)
     CHECK(has_text(&d, LW_ROLE_LEGEND, "a series"));
     lw_drawing_free(&d);
     make(&l, false, false);
-    CHECK_INT(lw_plot_draw(&l.p, &d, &e), LW_OK);
+    CHECK_OK(lw_plot_draw(&l.p, &d, &check_error));
     CHECK(has_text(&d, LW_ROLE_TICK, "60"));
     CHECK(has_text(&d, LW_ROLE_TICK, "0"));
 }
@@ -98,13 +96,12 @@ TEST(degrees_are_parts_of_a_turn)
     lw_series s = { .name = "a", .n = 2, .x = x, .y = y };
     lw_plot p = { .x_label = "input [deg]", .y_label = "angle [deg]", .n_series = 1, .series = &s };
     OWN(lw_drawing) d = { 0 };
-    lw_error e;
-    CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
+    CHECK_OK(lw_plot_draw(&p, &d, &check_error));
     CHECK(has_text(&d, LW_ROLE_TICK, "90") && has_text(&d, LW_ROLE_TICK, "270") && has_text(&d, LW_ROLE_TICK, "360") && has_text(&d, LW_ROLE_TICK, "0.2"));
     CHECK(!has_text(&d, LW_ROLE_TICK, "100"));
     lw_drawing_free(&d);
     lw_plot two[] = { { .y_label = "place [m]", .n_series = 1, .series = &s }, p };
-    CHECK_INT(lw_plot_draw_stack(2, two, &d, &e), LW_OK);
+    CHECK_OK(lw_plot_draw_stack(2, two, &d, &check_error));
     CHECK(!has_text(&d, LW_ROLE_TICK, "100"));                /* the panel above has the same axis */
 }
 
@@ -129,8 +126,7 @@ TEST(any_range_has_ticks)
                 lw_series s = { "s", 2, x, y, true };
                 lw_plot p = { .log_x = log, .log_y = log, .n_series = 1, .series = &s };
                 OWN(lw_drawing) d = { 0 };
-                lw_error e;
-                CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
+                CHECK_OK(lw_plot_draw(&p, &d, &check_error));
                 int n = n_of(&d, LW_ROLE_TICK);
                 CHECK(n >= 2 && n <= 40);
                 check_ticks_differ(&d);
@@ -174,8 +170,7 @@ TEST(long_series_are_unbroken)
         lw_series s = { "s", LONG, x, y, steps };
         lw_plot p = { .n_series = 1, .series = &s };
         OWN(lw_drawing) d = { 0 };
-        lw_error e;
-        CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
+        CHECK_OK(lw_plot_draw(&p, &d, &check_error));
         CHECK_INT(n_of(&d, LW_ROLE_MARKER), 0);
         lw_vec2 end = { NAN, NAN };
         size_t n = 0;
@@ -232,8 +227,7 @@ TEST(circles_stay_round)
         lw_series s = { "circle", N, x, y, wide ? LW_SERIES_POINTS : LW_SERIES_LINE };
         lw_plot p = { .width = wide ? 1200 : 500, .height = 500, .n_series = 1, .series = &s, .equal = true };
         OWN(lw_drawing) d = { 0 };
-        lw_error e;
-        CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
+        CHECK_OK(lw_plot_draw(&p, &d, &check_error));
         double width = fabs(marker_at(&d, 0).x - marker_at(&d, N/2).x);
         double height = fabs(marker_at(&d, N/4).y - marker_at(&d, 3*N/4).y);
         CHECK_NEAR(height, width, 1e-9, 0);
@@ -249,12 +243,11 @@ TEST(rounding_is_zero)
     for (int k = 0; k < 2; k++) {
         lines l;
         OWN(lw_drawing) d = { 0 };
-        lw_error e;
         make(&l, false, false);
         l.p.n_level = 0;
         for (int i = 0; i < N; i++)
             l.y[i] = (k ? 1e-12 : 3e-17)*(i % 3 - 1);
-        CHECK_INT(lw_plot_draw(&l.p, &d, &e), LW_OK);
+        CHECK_OK(lw_plot_draw(&l.p, &d, &check_error));
         CHECK_INT(n_of(&d, LW_ROLE_NOTE), !k);
         CHECK((fabs(marker_at(&d, 0).y - marker_at(&d, 1).y) > 100) == k);
     }

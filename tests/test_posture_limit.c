@@ -18,10 +18,9 @@ TEST(finite_around_every_limit)
     static lw_plan plan;
     static lw_posture posture;
     double dim[LW_DIM_MAX], file_mode[LW_MODE_MAX], file_input;
-    lw_error e;
     load_linkage("examples/jansen.json", &k);
-    CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, &e), LW_OK);
-    CHECK_INT(lw_plan_read(&plan, &k, dim, file_mode, &file_input, &e), LW_OK);
+    CHECK_OK(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, &check_error));
+    CHECK_OK(lw_plan_read(&plan, &k, dim, file_mode, &file_input, &check_error));
     int n_limit = 0;
     for (int set = 0; set < 1 << plan.n_dyad; set++) {
         double mode[LW_MODE_MAX];

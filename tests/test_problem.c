@@ -147,7 +147,6 @@ TEST(value_is_equation_17)
         stations st, moved;
         OWN(lw_target) t = { 0 };
         OWN(lw_problem) p = { 0 };
-        lw_error e;
         lw_fit_spec spec = spec_of(settings[trial % 4 == 3 ? 3 : trial % 2 ? 2 : 0]);
         double x[LW_VAR_MAX] = { 0 }, weight[STATION_MAX], want = 0;
         bool function = spec.task == LW_TASK_FUNCTION;
@@ -163,9 +162,9 @@ TEST(value_is_equation_17)
             want += function ? 0 : spec.a*weight[k]*(dx*dx + dy*dy);
             want += spec.task == LW_TASK_PATH ? 0 : spec.b*weight[k]*turn*turn;
         }
-        CHECK_INT(lw_target_make(st.n, function ? NULL : moved.x, function ? NULL : moved.y, moved.theta,
-                                 st.input, weight, 0, &t, &e), LW_OK);
-        CHECK_INT(lw_problem_make(&t, &spec, m.family, 1, 1, &p, &e), LW_OK);
+        CHECK_OK(lw_target_make(st.n, function ? NULL : moved.x, function ? NULL : moved.y, moved.theta,
+                                st.input, weight, 0, &t, &check_error));
+        CHECK_OK(lw_problem_make(&t, &spec, m.family, 1, 1, &p, &check_error));
         variables_of(&p, &m, x);
         void *work = new_work(&p);
         CHECK_NEAR(lw_problem_value(&p, x, NULL, work)*p.scale, want, 0, 1e-11);
@@ -263,7 +262,6 @@ TEST(bounds_are_those_of_the_user)
     lw_fit_spec s = lw_fit_spec_default();
     OWN(lw_target) t = square(false, false);
     lw_problem p;
-    lw_error e;
     double lo[LW_DIM_MAX], hi[LW_DIM_MAX];
     s.length_lo = 0.5;
     s.length_hi = 4;
@@ -273,7 +271,7 @@ TEST(bounds_are_those_of_the_user)
     s.bound[0] = (lw_bound){ "r2", 0.25, 0.75 };
     s.bound[1] = (lw_bound){ "theta0", -1, 2 };
     s.bound[2] = (lw_bound){ "x0", 2, 2 };
-    CHECK_INT(make(&t, &s, "crank-rocker", &p, &e), LW_OK);
+    CHECK_OK(make(&t, &s, "crank-rocker", &p, &check_error));
     lw_problem_to_dims(&p, p.lo, lo);
     lw_problem_to_dims(&p, p.hi, hi);
     /* r1 r2 r3 r4 cx cy x0 y0 theta0 */
@@ -351,12 +349,11 @@ TEST(lengths_of_a_function_keep_their_range)
     lw_fit_spec s = lw_fit_spec_default();
     OWN(lw_target) t = { 0 };
     lw_problem p;
-    lw_error e;
-    CHECK_INT(lw_target_make(3, NULL, NULL, angle, angle, NULL, 0, &t, &e), LW_OK);
+    CHECK_OK(lw_target_make(3, NULL, NULL, angle, angle, NULL, 0, &t, &check_error));
     s.task = LW_TASK_FUNCTION;
     s.length_lo = 5;
     s.length_hi = 50;
-    CHECK_INT(make(&t, &s, "crank-rocker", &p, &e), LW_OK);
+    CHECK_OK(make(&t, &s, "crank-rocker", &p, &check_error));
     for (int i = 0; i < 4; i++)
         CHECK(p.lo[i] >= 5 && p.hi[i] <= 50 && p.lo[i] <= p.hi[i]);
 }

@@ -118,8 +118,7 @@ TEST(random_states_keep_their_limits)
         lw_axis_state from, to;
         lw_axis_limits l = random_case(&r, &from, &to);
         lw_profile p;
-        lw_error e = { 0 };
-        CHECK_INT(lw_profile_make(from, to, &l, 0, &p, &e), LW_OK);
+        CHECK_OK(lw_profile_make(from, to, &l, 0, &p, &check_error));
         check_motion(&p, from, to, &l);
     }
 }

@@ -55,8 +55,7 @@ TEST(counts_that_are_given_up)
         "simple-joint,2,9,3,all chains,40,s,x\n" "contracted graph,,,5,total,118,s,x\n" "multiple-joint,1,6,2,chains with at least one multiple joint,2,s,x\n"
         "lower+higher pairs,1,5,,chains with 9 higher pairs,1,s,x\n" "R/P labelled,1,6,2,valid labelled chains with 3 P joints,19,s,x\n";
     lw_published_table t;
-    lw_error e = { 0 };
-    CHECK_INT(lw_published_read(rows, strlen(rows), NULL, &t, &e), LW_OK);
+    CHECK_OK(lw_published_read(rows, strlen(rows), NULL, &t, &check_error));
     for (size_t i = 0; i < t.n; i++) {
         lw_recount_result result = { .verdict = LW_TOO_LONG };
         long n_given_up = 0;

@@ -24,8 +24,7 @@ static const char *at(const char *folder, const char *name)
 static char *read_whole(const char *folder, const char *name, size_t *size)
 {
     char *text = NULL;
-    lw_error e = { 0 };
-    CHECK_INT(lw_file_read(at(folder, name), &text, size, &e), LW_OK);
+    CHECK_OK(lw_file_read(at(folder, name), &text, size, &check_error));
     return text;
 }
 
@@ -77,8 +76,7 @@ TEST(same_as_kept)
 {
     size_t n, m;
     char *sums = read_whole("one", "SHA256SUMS", &n), *kept = NULL;
-    lw_error e = { 0 };
-    CHECK_INT(lw_file_read("tests/data/release-9.sha256", &kept, &m, &e), LW_OK);
+    CHECK_OK(lw_file_read("tests/data/release-9.sha256", &kept, &m, &check_error));
     int lines = 0;
     for (char *line = kept ? strtok(kept, "\n") : NULL; line; line = strtok(NULL, "\n"), lines++)
         CHECK_HAS(sums, line);

@@ -50,7 +50,6 @@ TEST(delta_poses)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     if (!make("examples/space/delta.json", &m, &r))
         return;
     CHECK_NEAR(closed_angle(0, home)*180/LW_PI, 13.60812855, 5e-9, 0);
@@ -59,8 +58,8 @@ TEST(delta_poses)
     lw_rng rng = check_rng(0);
     for (int n = 0; n < 200; n++) {
         lw_vec3 at = n == 0 ? lw_v3(0.2, 0, -0.65) : random_place(&rng);
-        CHECK_INT(lw_robot_move(&r, at, NULL, &e), LW_OK);
-        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_OK(lw_robot_move(&r, at, NULL, &check_error));
+        CHECK_OK(lw_robot_measure(&r, &p, &check_error));
         CHECK_NEAR(lw_v3_norm(lw_v3_sub(p.place, at)), 0, 1e-14, 0);
         double level = lw_v3_norm(lw_quaternion_vector(p.turn));
         CHECK_NEAR(level, 0, 1e-14, 0);                                  /* the plate does not turn */
@@ -82,9 +81,9 @@ TEST(delta_poses)
                 CHECK_NEAR(sum[j], i == j, 1e-7, 0);
         }
         if (n % 20 == 0) {                                               /* forwards again */
-            CHECK_INT(lw_robot_move(&r, home, NULL, &e), LW_OK);
-            CHECK_INT(lw_robot_drive(&r, angle, &e), LW_OK);
-            CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+            CHECK_OK(lw_robot_move(&r, home, NULL, &check_error));
+            CHECK_OK(lw_robot_drive(&r, angle, &check_error));
+            CHECK_OK(lw_robot_measure(&r, &p, &check_error));
             CHECK_NEAR(lw_v3_norm(lw_v3_sub(p.place, at)), 0, 1e-14, 0);
         }
     }
@@ -96,25 +95,24 @@ TEST(delta_jacobian)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     if (!make("examples/space/delta.json", &m, &r))
         return;
-    CHECK_INT(lw_robot_move(&r, home, NULL, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_move(&r, home, NULL, &check_error));
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     CHECK_NEAR(p.singular[0], 0.388889893, 5e-10, 0);
     CHECK_NEAR(p.singular[1], 0.388889893, 5e-10, 0);
     CHECK_NEAR(p.singular[2], 0.237454472, 5e-10, 0);
     CHECK_NEAR(p.condition, 1.637745080, 5e-10, 0);
-    CHECK_INT(lw_robot_move(&r, lw_v3(0.2, 0, -0.65), NULL, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_move(&r, lw_v3(0.2, 0, -0.65), NULL, &check_error));
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     CHECK_NEAR(p.singular[0], 0.433671173, 5e-10, 0);
     CHECK_NEAR(p.singular[1], 0.376908018, 5e-10, 0);
     CHECK_NEAR(p.singular[2], 0.236663863, 5e-10, 0);
     CHECK_NEAR(p.condition, 1.832435114, 5e-10, 0);
     double least = INFINITY, at = 0;                                     /* the best height on the axis */
     for (double z = -0.50; z > -0.62; z -= 0.002) {
-        CHECK_INT(lw_robot_move(&r, lw_v3(0, 0, z), NULL, &e), LW_OK);
-        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_OK(lw_robot_move(&r, lw_v3(0, 0, z), NULL, &check_error));
+        CHECK_OK(lw_robot_measure(&r, &p, &check_error));
         if (p.condition < least)
             least = p.condition, at = z;
     }
@@ -122,8 +120,8 @@ TEST(delta_jacobian)
     CHECK_NEAR(at, -0.56, 5e-3, 0);
     static const double far[][2] = { { 0.45, 2.72 }, { 0.5, 3.20 } };    /* towards arm 1 to "almost three" (Makkonen 1999) */
     for (int i = 0; i < 2; i++) {
-        CHECK_INT(lw_robot_move(&r, lw_v3(far[i][0], 0, -0.65), NULL, &e), LW_OK);
-        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_OK(lw_robot_move(&r, lw_v3(far[i][0], 0, -0.65), NULL, &check_error));
+        CHECK_OK(lw_robot_measure(&r, &p, &check_error));
         CHECK_NEAR(p.condition, far[i][1], 5e-3, 0);
     }
     CHECK_NEAR(p.singular[0], 0.63, 5e-3, 0);                            /* from 0.389: the source says that it hardly varies */
@@ -136,20 +134,19 @@ TEST(delta_workspace)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     double far, area = 0, first = 0, before = 0;
     enum { RAYS = 90 };
     if (!make("examples/space/delta.json", &m, &r))
         return;
     r.free = true;
-    CHECK_INT(lw_robot_move(&r, home, NULL, &e), LW_OK);
-    CHECK_INT(lw_robot_reach(&r, lw_v3(0, 0, -1), 2, &far, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_move(&r, home, NULL, &check_error));
+    CHECK_OK(lw_robot_reach(&r, lw_v3(0, 0, -1), 2, &far, &check_error));
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     CHECK_NEAR(p.place.z, -1.0897247, 2e-7, 0);
     for (int i = 0; i <= RAYS; i++) {
         double a = 2*LW_PI*i/RAYS;
         lw_robot_reset(&r);
-        CHECK_INT(lw_robot_reach(&r, lw_v3(cos(a), sin(a), 0), 2, &far, &e), LW_OK);
+        CHECK_OK(lw_robot_reach(&r, lw_v3(cos(a), sin(a), 0), 2, &far, &check_error));
         double least = 0.6, most = 0.8, middle;                /* the closed form along the same ray */
         while (most - least > 1e-9) {
             middle = 0.5*(least + most);
@@ -237,7 +234,6 @@ TEST(tools_that_their_drives_lose)
     while (made < 8) {
         OWN(lw_spatial) m = { 0 };
         OWN(lw_robot) r = { 0 };
-        lw_error e = { 0 };
         proportions d = { lw_rng_range(&rng, 0.1, 0.5), lw_rng_range(&rng, 0.05, 0.3), lw_rng_range(&rng, 0.2, 0.5), lw_rng_range(&rng, 0.4, 0.9),
                           lw_rng_range(&rng, -0.9, -0.2), 0, 0 };
         double first = bars_apart(&d, lw_v3(0, 0, d.z));
@@ -249,7 +245,7 @@ TEST(tools_that_their_drives_lose)
         for (int ray = 0; good && ray < 5; ray++) {
             double a = 1.2*ray + made, far, least = 0, step = 2e-4;
             lw_robot_reset(&r);
-            CHECK_INT(lw_robot_reach(&r, lw_v3(cos(a), sin(a), 0), 3, &far, &e), LW_OK);
+            CHECK_OK(lw_robot_reach(&r, lw_v3(cos(a), sin(a), 0), 3, &far, &check_error));
             while (bars_apart(&d, lw_v3((least + step)*cos(a), (least + step)*sin(a), d.z))*first > 0)
                 least += step;
             if (plate_held(&d, lw_v3(least*cos(a), least*sin(a), d.z)) < 0.02)
@@ -273,15 +269,14 @@ TEST(singular_postures_are_met_to_their_digits)
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         OWN(lw_spatial) m = { 0 };
         OWN(lw_robot) r = { 0 };
-        lw_error e = { 0 };
         double a = known[i].azimuth*LW_PI/180, b = known[i].elevation*LW_PI/180, far;
         if (!make(known[i].file, &m, &r))
             continue;
-        CHECK_INT(lw_robot_move(&r, lw_v3(0, 0, known[i].z), NULL, &e), LW_OK);
+        CHECK_OK(lw_robot_move(&r, lw_v3(0, 0, known[i].z), NULL, &check_error));
         if (known[i].tilts)
-            CHECK_INT(lw_robot_tilt(&r, lw_v3(-sin(a), cos(a), 0), 3, &far, &e), LW_OK);
+            CHECK_OK(lw_robot_tilt(&r, lw_v3(-sin(a), cos(a), 0), 3, &far, &check_error));
         else
-            CHECK_INT(lw_robot_reach(&r, lw_v3(cos(a)*cos(b), sin(a)*cos(b), sin(b)), 3, &far, &e), LW_OK);
+            CHECK_OK(lw_robot_reach(&r, lw_v3(cos(a)*cos(b), sin(a)*cos(b), sin(b)), 3, &far, &check_error));
         CHECK_NEAR(known[i].tilts ? far*180/LW_PI : far, known[i].far, known[i].tilts ? 2e-6 : 2e-8, 0);     /* the last step is shorter than 1e-8 of the size */
     }
 }
@@ -364,12 +359,11 @@ TEST(a_five_bar_is_stretched)
     OWN(lw_model) p = { 0 };
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
-    lw_error e = { 0 };
     double far, least = 0, first = 0;
     read_planar(text, "five-bar", &p);
-    CHECK_INT(lw_spatial_of_planar(&p, &m, &e), LW_OK);
-    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
-    CHECK_INT(lw_robot_reach(&r, way, 2, &far, &e), LW_OK);
+    CHECK_OK(lw_spatial_of_planar(&p, &m, &check_error));
+    CHECK_OK(lw_robot_make(&m, NULL, &r, &check_error));
+    CHECK_OK(lw_robot_reach(&r, way, 2, &far, &check_error));
     for (double step = 1e-5; least < 1; least += step) {             /* the rods by intersecting circles */
         lw_vec3 place = lw_v3_add(at, lw_v3_scale(way, least)), rod[2];
         for (int i = 0; i < 2; i++) {
@@ -435,10 +429,9 @@ TEST(five_bars_in_closed_form)
         OWN(lw_model) p = { 0 };
         OWN(lw_spatial) m = { 0 };
         OWN(lw_robot) r = { 0 };
-        lw_error e = { 0 };
         read_planar(text, "five-bar", &p);
-        CHECK_INT(lw_spatial_of_planar(&p, &m, &e), LW_OK);
-        CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+        CHECK_OK(lw_spatial_of_planar(&p, &m, &check_error));
+        CHECK_OK(lw_robot_make(&m, NULL, &r, &check_error));
         for (int i = 0; i < 12; i++) {                     /* one after the other: none begins with what the end of another left */
             lw_vec3 way = lw_v3(cos(LW_PI*i/6), sin(LW_PI*i/6), 0);
             double far, least = 0, most, step = 2e-4;
@@ -449,7 +442,7 @@ TEST(five_bars_in_closed_form)
                 *(rods_apart(&g, lw_v3_add(at, lw_v3_scale(way, middle)))*begin > 0 ? &least : &most) = middle;
             }
             lw_robot_reset(&r);
-            CHECK_INT(lw_robot_reach(&r, way, 3, &far, &e), LW_OK);
+            CHECK_OK(lw_robot_reach(&r, way, 3, &far, &check_error));
             CHECK_NEAR(far, least, 1e-6, 0);       /* the Jacobian is not known nearer to a posture in which the drives lose the tool */
         }
     }
@@ -462,10 +455,9 @@ static void unit_forces(const char *file)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     if (!make(file, &m, &r))
         return;
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     lw_space_follow *f = &r.follow;
     int n_v = r.space.n_v, body = r.space.tracer[r.tool].body;
     double *force = calloc((size_t)n_v, sizeof *force), *l = calloc((size_t)f->z.n_row, sizeof *l);
@@ -497,7 +489,6 @@ static void against_differences(const char *file, double stroke)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p, plus, minus;
-    lw_error e = { 0 };
     double value[LW_ROBOT_DRIVES], h = 1e-5;
     lw_rng rng = check_rng(0);
     if (!make(file, &m, &r))
@@ -508,15 +499,15 @@ static void against_differences(const char *file, double stroke)
     if (!m.n_drive)
         for (int i = 0; i < r.n_drive; i++)
             value[i] += lw_spatial_offset(&m.input[i]);
-    CHECK_INT(lw_robot_drive(&r, value, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_drive(&r, value, &check_error));
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     for (int i = 0; i < r.n_drive; i++) {
         value[i] += h;
-        CHECK_INT(lw_robot_drive(&r, value, &e), LW_OK);
-        CHECK_INT(lw_robot_measure(&r, &plus, &e), LW_OK);
+        CHECK_OK(lw_robot_drive(&r, value, &check_error));
+        CHECK_OK(lw_robot_measure(&r, &plus, &check_error));
         value[i] -= 2*h;
-        CHECK_INT(lw_robot_drive(&r, value, &e), LW_OK);
-        CHECK_INT(lw_robot_measure(&r, &minus, &e), LW_OK);
+        CHECK_OK(lw_robot_drive(&r, value, &check_error));
+        CHECK_OK(lw_robot_measure(&r, &minus, &check_error));
         value[i] += h;
         lw_vec3 v = lw_v3_scale(lw_v3_sub(plus.place, minus.place), 1/(2*h));
         lw_vec3 w = lw_v3_scale(lw_quaternion_vector(lw_quaternion_times(plus.turn, lw_quaternion_inverse(minus.turn))),
@@ -526,8 +517,8 @@ static void against_differences(const char *file, double stroke)
             CHECK_NEAR(p.jacobian[k][i], of[k], 1e-8*fmax(1, r.space.unit), 1e-7);
     }
     lw_robot_reset(&r);                                       /* there by the tool's pose */
-    CHECK_INT(lw_robot_move(&r, p.place, &p.turn, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &plus, &e), LW_OK);
+    CHECK_OK(lw_robot_move(&r, p.place, &p.turn, &check_error));
+    CHECK_OK(lw_robot_measure(&r, &plus, &check_error));
     CHECK_NEAR(lw_v3_norm(lw_v3_sub(plus.place, p.place)), 0, 1e-10*r.space.unit, 0);
     if (r.turns)
         CHECK_NEAR(lw_v3_norm(lw_quaternion_vector(lw_quaternion_times(plus.turn, lw_quaternion_inverse(p.turn)))), 0,
@@ -568,14 +559,13 @@ TEST(three_rrr)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     lw_rng rng = check_rng(1);
     bool good = make_planar("examples/3-rrr.json", &m, &r);
     CHECK(good);
     for (int trial = 0; good && trial < 20; trial++) {
         lw_vec3 at = lw_v3(lw_rng_range(&rng, -0.1, 0.1), lw_rng_range(&rng, -0.1, 0.1), 0);
-        CHECK_INT(lw_robot_move(&r, at, NULL, &e), LW_OK);
-        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_OK(lw_robot_move(&r, at, NULL, &check_error));
+        CHECK_OK(lw_robot_measure(&r, &p, &check_error));
         CHECK_NEAR(lw_v3_norm(lw_v3_sub(p.place, at)), 0, 1e-8, 0);
         CHECK_NEAR(p.turn.z, 0, 1e-8, 0);
         for (int i = 0; i < 3; i++) {
@@ -593,8 +583,8 @@ TEST(three_rrr)
         }
     }
     double far;
-    CHECK_INT(lw_robot_move(&r, lw_v3(0, 0, 0), NULL, &e), LW_OK);
-    CHECK_INT(lw_robot_reach(&r, lw_v3(0, -1, 0), 1, &far, &e), LW_OK);
+    CHECK_OK(lw_robot_move(&r, lw_v3(0, 0, 0), NULL, &check_error));
+    CHECK_OK(lw_robot_reach(&r, lw_v3(0, -1, 0), 1, &far, &check_error));
     CHECK_NEAR(far, 0.25, 0, 1e-6);
 }
 
@@ -604,20 +594,19 @@ TEST(scara)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     bool good = make_planar("examples/scara.json", &m, &r);
     CHECK(good);
     if (!good)
         return;
-    CHECK_INT(lw_robot_move(&r, lw_v3(0.2, 0.35, 0), NULL, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_move(&r, lw_v3(0.2, 0.35, 0), NULL, &check_error));
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     CHECK_NEAR(2*atan2(p.turn.z, p.turn.w), 1, 1e-8, 0);
     /* an input is the angle of the first link from x, then of the next against the one before */
     double drawn[3] = { 0.3, 1.2, -0.5 }, length[3] = { 0.4, 0.3, 0.1 }, turn = 0;
     lw_vec3 joint[4] = { { 0, 0, 0 } };
     lw_robot_pose begin;
     lw_robot_reset(&r);
-    CHECK_INT(lw_robot_measure(&r, &begin, &e), LW_OK);
+    CHECK_OK(lw_robot_measure(&r, &begin, &check_error));
     for (int k = 0; k < 3; k++) {
         turn += drawn[k] + p.drive[k] - begin.drive[k];
         joint[k + 1] = lw_v3_add(joint[k], lw_v3(length[k]*cos(turn), length[k]*sin(turn), 0));
@@ -637,17 +626,16 @@ TEST(slots_in_space)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     bool good = make_planar("examples/gallery/scotch-yoke.json", &m, &r);
     CHECK(good);
     if (!good)
         return;
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     double first = p.place.x, from = p.drive[0], at[3];
     for (int k = 0; k < 3; k++) {
         double value = from + 0.4*(k + 1);
-        CHECK_INT(lw_robot_drive(&r, &value, &e), LW_OK);
-        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_OK(lw_robot_drive(&r, &value, &check_error));
+        CHECK_OK(lw_robot_measure(&r, &p, &check_error));
         at[k] = p.place.x - first;
     }
     /* x = c cos(from + s) + d: the second differences of equal steps are in the ratio of the cosines */
@@ -734,13 +722,12 @@ TEST(elastic_links_as_rigid_bars)
 {
     static const char *const file[] = { "examples/space/delta.json", "examples/space/delta-elastic.json" };
     lw_robot_pose pose[2];
-    lw_error e = { 0 };
     for (int k = 0; k < 2; k++) {
         OWN(lw_spatial) m = { 0 };
         OWN(lw_robot) r = { 0 };
         if (!make(file[k], &m, &r))
             return;
-        CHECK_INT(lw_robot_measure(&r, &pose[k], &e), LW_OK);
+        CHECK_OK(lw_robot_measure(&r, &pose[k], &check_error));
     }
     for (int i = 0; i < 3; i++)
         CHECK_NEAR(pose[1].mass[i], pose[0].mass[i], 0, 3e-3);
@@ -834,11 +821,10 @@ TEST(drives_turn_many_times)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     read_spatial(text, "screws", &m);
-    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
-    CHECK_INT(lw_robot_move(&r, lw_v3(to[0], to[1], to[2]), NULL, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_make(&m, NULL, &r, &check_error));
+    CHECK_OK(lw_robot_move(&r, lw_v3(to[0], to[1], to[2]), NULL, &check_error));
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     for (int i = 0; i < 3; i++)
         CHECK_NEAR(p.drive[i], -2*LW_PI*to[i]/lead[i], 1e-9, 0);
 }
@@ -852,7 +838,6 @@ TEST(a_plate_that_tilts_at_home)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     n += snprintf(text + n, sizeof text - (size_t)n, "{'linkwright': 1, 'links': ['ground', {'name': 'plate'}");
     for (int i = 0; i < 3; i++)
         n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 's%d'}, {'name': 'l%d'}", i, i);
@@ -867,8 +852,8 @@ TEST(a_plate_that_tilts_at_home)
     n += snprintf(text + n, sizeof text - (size_t)n, "], 'drives': [{'joint': 'P0'}, {'joint': 'P1'}, {'joint': 'P2'}], 'tracers': "
                     "[{'name': 'T', 'link': 'plate', 'at': [0, 0, 0]}]}");
     read_spatial(text, "3-PRS", &m);
-    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_make(&m, NULL, &r, &check_error));
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     CHECK(isinf(p.condition));
     CHECK_INT(p.freedoms, 3);
     CHECK_INT(r.freedoms, 3);
@@ -942,13 +927,12 @@ TEST(a_wrist_turns_about_its_centre)
         OWN(lw_spatial) m = { 0 };
         OWN(lw_robot) r = { 0 };
         lw_robot_pose p;
-        lw_error e = { 0 };
         if (!make_wrist(&rng, &g, &m, &r))
             return;
         CHECK(r.only_turns && r.turns);
         lw_quaternion turn = lw_quaternion_of_vector(lw_v3(lw_rng_range(&rng, -0.2, 0.2), lw_rng_range(&rng, -0.2, 0.2), lw_rng_range(&rng, -0.2, 0.2)));
-        CHECK_INT(lw_robot_move(&r, lw_v3(0, 0, 0), &turn, &e), LW_OK);
-        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_OK(lw_robot_move(&r, lw_v3(0, 0, 0), &turn, &check_error));
+        CHECK_OK(lw_robot_measure(&r, &p, &check_error));
         lw_mat3 plate = lw_quaternion_matrix(turn);
         double j[3][3];
         for (int i = 0; i < 3; i++) {
@@ -1157,10 +1141,9 @@ TEST(masses_in_a_plane)
         OWN(lw_spatial) m = { 0 };
         OWN(lw_robot) r = { 0 };
         lw_robot_pose p;
-        lw_error e = { 0 };
         read_spatial(text[k], "robot", &m);
-        CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
-        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_OK(lw_robot_make(&m, NULL, &r, &check_error));
+        CHECK_OK(lw_robot_measure(&r, &p, &check_error));
         CHECK_INT(p.rank, 2);
         CHECK_NEAR(p.mass[0], mass[k][0], 1e-12, 0);
         CHECK_NEAR(p.mass[1], mass[k][1], 1e-12, 0);

@@ -63,9 +63,8 @@ TEST(examples_move_as_one)
     for (size_t i = 0; i < MODEL_FILES; i++) {
         lw_linkage k;
         OWN(lw_scene) s = { 0 };
-        lw_error e;
         k = example(model_files[i]);
-        CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+        CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
         CHECK_TEXT(s.note, "");
         CHECK_INT(s.n_frame, 120);
         check_joined(&s, 0.2, 1e-9);
@@ -85,9 +84,8 @@ TEST(what_is_not_made_of_dyads_moves)
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         lw_linkage k;
         OWN(lw_scene) s = { 0 };
-        lw_error e;
         k = example(known[i].name);
-        CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+        CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
         CHECK_TEXT(s.note, "");
         CHECK_INT(s.n_frame, 120);
         CHECK_INT(s.loops, known[i].loops);
@@ -114,13 +112,12 @@ TEST(drafts_lie_on_the_whole_curves)
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         lw_linkage k;
         OWN(lw_scene) whole = { 0 }, s = { 0 };
-        lw_error e;
         lw_scene_options o = { .n_frame = 60, .n_curve_point = 600 };
         k = example(known[i].name);
-        CHECK_INT(lw_scene_make(&k, NULL, &o, &whole, &e), LW_OK);
+        CHECK_OK(lw_scene_make(&k, NULL, &o, &whole, &check_error));
         check_joined(&whole, known[i].size, 1e-5);
         o.draft = true;
-        CHECK_INT(lw_scene_make(&k, NULL, &o, &s, &e), LW_OK);
+        CHECK_OK(lw_scene_make(&k, NULL, &o, &s, &check_error));
         CHECK(s.note[0] == 0 && s.n_frame >= 59 && s.n_frame <= 61 && s.n_curve >= k.n_tracer);
         check_joined(&s, known[i].size, 1e-5);
         check_on_curve(&s, known[i].size);
@@ -143,9 +140,8 @@ TEST(gears_turn_against_each_other)
 {
     lw_linkage k;
     OWN(lw_scene) s = { 0 };
-    lw_error e;
     k = example("geared-five-bar");
-    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
     double before[2] = { 0, 0 }, sum[2] = { 0, 0 };
     for (size_t f = 1; f < s.n_frame; f++) {
         for (int i = 0; i < 2; i++) {
@@ -167,7 +163,6 @@ TEST(wanted_range_of_a_curve)
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         lw_linkage k;
         OWN(lw_scene) s = { 0 };
-        lw_error e;
         k = example(known[i].name);
         k.n_input = 1;
         if (i == 1) {                                               /* the other cylinder is shut */
@@ -177,7 +172,7 @@ TEST(wanted_range_of_a_curve)
         double now = k.input[0].value;
         k.input[0].first = now + known[i].first;
         k.input[0].last = now + known[i].last;
-        CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+        CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
         CHECK_TEXT(s.note, "");
         CHECK(!s.loops);
         CHECK_NEAR(s.input[0], now + known[i].first, 1e-9, 0);
@@ -230,13 +225,12 @@ TEST(ranges_of_several_inputs)
 {
     lw_linkage k;
     OWN(lw_scene) s = { 0 };
-    lw_error e;
     k = example("five-bar");
     for (int i = 0; i < 2; i++) {
         k.input[i].first = k.input[i].value;
         k.input[i].last = k.input[i].value + (i ? -0.2 : 0.3);
     }
-    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
     CHECK_TEXT(s.note, "");
     CHECK_NEAR(s.input[s.n_frame - 1] - s.input[0], 0.3, 1e-12, 0);
     check_joined(&s, 0.2, 1e-9);
@@ -244,7 +238,7 @@ TEST(ranges_of_several_inputs)
     k.joint[1].at.x += 0.03;                                /* stretched, the cranks pull the rods straight */
     k.input[0].last = k.input[0].value + 0.9273;
     k.input[1].last = k.input[1].value - 1.5708;
-    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
     CHECK_HAS(s.note, "Shown in part");
     CHECK(s.n_frame == 120 && s.input[119] - s.input[0] < 0.92);
     check_joined(&s, 0.2, 1e-9);
@@ -311,8 +305,7 @@ TEST(motion_through_limits_is_smooth)
     const double d[9] = { 3, 2.5, 1.2, 2, 0.6, 0.5, 0, 0, 0 }; /* the crank cannot turn fully */
     lw_linkage k = model_four_bar(d, 0.9, 1);
     OWN(lw_scene) s = { 0 };
-    lw_error e;
-    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
     CHECK(s.loops && s.curve[0].closed);
     for (size_t f = 0; f < s.n_frame; f++)
         for (int i = 0; i < k.n_joint; i++) {
@@ -331,8 +324,7 @@ TEST(wanted_range_only)
     k.input[0].first = k.input[0].value - 0.25;
     k.input[0].last = k.input[0].value + 0.75;
     OWN(lw_scene) s = { 0 };
-    lw_error e;
-    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
     CHECK(!s.loops);
     CHECK_INT(s.n_curve, 2);                                    /* what is wanted, and the rest */
     CHECK(!s.curve[0].shown_branch && s.curve[1].shown_branch && !s.curve[1].closed);
@@ -351,9 +343,8 @@ TEST(size_does_not_matter)
             d[i] = model_crank_rocker[i]*(i < 8 ? by : 1);
         lw_linkage k = model_four_bar(model_crank_rocker, 1, 1), big = model_four_bar(d, 1, 1);
         OWN(lw_scene) s = { 0 }, t = { 0 };
-        lw_error e;
-        CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
-        CHECK_INT(lw_scene_make(&big, NULL, NULL, &t, &e), LW_OK);
+        CHECK_OK(lw_scene_make(&k, NULL, NULL, &s, &check_error));
+        CHECK_OK(lw_scene_make(&big, NULL, NULL, &t, &check_error));
         CHECK_INT(t.curve[0].n, s.curve[0].n);
         for (size_t i = 0; i < s.curve[0].n; i++)
             CHECK_POINT(t.curve[0].p[i], by*s.curve[0].p[i].x, by*s.curve[0].p[i].y, 1e-14*by, 1e-13);
@@ -366,16 +357,15 @@ TEST(target_points_are_kept)
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
     OWN(lw_target) t = { 0 };
     OWN(lw_scene) s = { 0 };
-    lw_error e;
-    CHECK_INT(lw_target_make(3, x, y, NULL, angle, NULL, 1, &t, &e), LW_OK);
-    CHECK_INT(lw_scene_make(&k, &t, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_target_make(3, x, y, NULL, angle, NULL, 1, &t, &check_error));
+    CHECK_OK(lw_scene_make(&k, &t, NULL, &s, &check_error));
     CHECK_INT(s.n_station, 3);
     CHECK(s.station_closed);
     CHECK(s.station[2].x == 3 && s.station[2].y == 7);
     lw_scene_free(&s);
     lw_target_free(&t);
-    CHECK_INT(lw_target_make(3, NULL, NULL, y, angle, NULL, 0, &t, &e), LW_OK);      /* a function */
-    CHECK_INT(lw_scene_make(&k, &t, NULL, &s, &e), LW_OK);
+    CHECK_OK(lw_target_make(3, NULL, NULL, y, angle, NULL, 0, &t, &check_error));      /* a function */
+    CHECK_OK(lw_scene_make(&k, &t, NULL, &s, &check_error));
     CHECK_INT(s.n_station, 0);
 }
 
@@ -410,8 +400,7 @@ TEST(other_circuits_are_found)
         lw_scene_options o = lw_scene_options_default();
         o.other_branches = true;
         OWN(lw_scene) s = { 0 };
-        lw_error e;
-        CHECK_INT(lw_scene_make(&k, NULL, &o, &s, &e), LW_OK);
+        CHECK_OK(lw_scene_make(&k, NULL, &o, &s, &check_error));
         CHECK_INT(s.n_curve, known[i].n_curve);
         int n_shown = 0;
         for (int c = 0; c < s.n_curve; c++) {
@@ -433,10 +422,9 @@ TEST(asymptotes_leave_no_line)
     lw_linkage k;
     lw_scene_options o = lw_scene_options_default();
     OWN(lw_scene) s = { 0 };
-    lw_error e;
     lw_type_linkage(lw_type_find("RPRP"), &k);
     o.other_branches = true;
-    CHECK_INT(lw_scene_make(&k, NULL, &o, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make(&k, NULL, &o, &s, &check_error));
     for (int q = 0; q < s.n_curve; q++) {
         const lw_curve *c = &s.curve[q];
         CHECK(c->n < 20000);
@@ -465,7 +453,6 @@ TEST(each_of_forty_inputs_moves)
     text t = { 0 };
     OWN(lw_model) m = { 0 };
     OWN(lw_scene) s = { 0 };
-    lw_error e = { 0 };
     lw_scene_options o = lw_scene_options_default();
     put(&t, "{'linkwright': 1, 'joints': [");
     for (int i = 0; i < N; i++)
@@ -475,7 +462,7 @@ TEST(each_of_forty_inputs_moves)
         put(&t, "%s{'joint': 'A%d', 'motion': '%.1f*sin(2*pi*t/0.5)'}", i ? "," : "", i, 0.1*i);
     put(&t, "]}");
     read_text(&t, &m);
-    CHECK_INT(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &check_error));
     CHECK(s.n_frame > 10);
     CHECK_NEAR(s.input[s.n_frame - 1], 0.5, 0.5/(double)o.n_frame, 0);
     for (size_t f = 0; f < s.n_frame; f++)
@@ -486,7 +473,7 @@ TEST(each_of_forty_inputs_moves)
     lw_scene_free(&s);
     const volatile sig_atomic_t now = 1;
     o.stop = &now;
-    CHECK_INT(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &e), LW_OK);
+    CHECK_OK(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &check_error));
     CHECK_INT((int)s.n_frame, 1);
     CHECK_HAS(s.note, "stopped");
 }

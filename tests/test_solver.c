@@ -28,7 +28,6 @@ static void make_problem(held how, lw_problem *p, double *x)
     double px[N_STATION], py[N_STATION], angle[N_STATION];
     lw_fit_spec spec = lw_fit_spec_default();
     OWN(lw_target) t = { 0 };
-    lw_error e;
     spec.timing = LW_TIMING_PRESCRIBED;
     if (how == BOUND) {
         spec.n_bound = 1;
@@ -44,8 +43,8 @@ static void make_problem(held how, lw_problem *p, double *x)
     const lw_family *f = lw_family_table;
     while (strcmp(f->name, how == NO_TURN ? "any four-bar" : "crank-rocker") != 0)
         f++;
-    CHECK_INT(lw_target_make(N_STATION, px, py, NULL, angle, NULL, 1, &t, &e), LW_OK);
-    CHECK_INT(lw_problem_make(&t, &spec, f, 1, 1, p, &e), LW_OK);
+    CHECK_OK(lw_target_make(N_STATION, px, py, NULL, angle, NULL, 1, &t, &check_error));
+    CHECK_OK(lw_problem_make(&t, &spec, f, 1, 1, p, &check_error));
     lw_problem_from_dims(p, dims, x);
     x[p->i_input0] = 0;
 }

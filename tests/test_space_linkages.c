@@ -150,9 +150,8 @@ static void check_mobility(int n, const axis *a, int count, int redundant)
 {
     OWN(lw_spatial) m = { 0 };
     OWN(lw_space_mobility) got = { 0 };
-    lw_error e;
     make_model(n, a, false, &m);
-    CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
+    CHECK_OK(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &check_error));
     CHECK_INT(got.count, count);
     CHECK_INT(got.freedom, 1);
     CHECK_INT(got.n_redundant, redundant);
@@ -523,7 +522,6 @@ TEST(wren)
     FILE *f = open_memstream(&text, &size);
     OWN(lw_spatial) m = { 0 };
     OWN(lw_space_mobility) got = { 0 };
-    lw_error e;
     fputs("{'linkwright': 1, 'links': ['ground', 'platform'", f);
     for (int i = 0; i < 6; i++)
         fprintf(f, ", 'l%d'", i);
@@ -535,7 +533,7 @@ TEST(wren)
     fclose(f);
     read_spatial(text, "wren", &m);
     free(text);
-    CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
+    CHECK_OK(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &check_error));
     CHECK_INT(got.idle, 6);
     CHECK_INT(got.freedom, 7);
     CHECK_INT(got.instant, 9);
@@ -570,9 +568,8 @@ typedef struct push { int seen, empty; double crossed; lw_dynamics *d; } push;
 static lw_status see_push(void *context, const lw_moment *m)
 {
     push *p = context;
-    lw_error e;
     lw_space_moment out;
-    CHECK_INT(lw_dynamics_space_moment(p->d, m, &out, &e), LW_OK);
+    CHECK_OK(lw_dynamics_space_moment(p->d, m, &out, &check_error));
     CHECK_NEAR(out.drive[0], -2*9.81*sin(2*m->t), 1e-8, 0);
     double beside = fabs(cos(2*m->t)), x = out.joint[0].force.x;
     p->empty += !isfinite(x);
@@ -677,7 +674,6 @@ TEST(rccc_is_traced_between_limits_where_links_slide_away)
         frame f[4];
         axis a[4];
         OWN(lw_spatial) m = { 0 };
-        lw_error e = { 0 };
         int rows = 0;
         for (int i = 0; i < 4; i++) {
             f[i] = (frame){ .at = random_direction(&rng), .z = random_direction(&rng) };
@@ -697,7 +693,7 @@ TEST(rccc_is_traced_between_limits_where_links_slide_away)
         bool turns = to[0] > 9;
         make_model(4, a, false, &m);
         lw_space_trace o = { .whole = true, .intervals = 12 };
-        CHECK_INT(lw_space_trace_run(&m, &o, see_row, &rows, &e), LW_OK);
+        CHECK_OK(lw_space_trace_run(&m, &o, see_row, &rows, &check_error));
         CHECK_INT(rows, 13);
         CHECK_INT(o.limit[1], !turns);
         if (turns)

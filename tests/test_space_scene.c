@@ -24,9 +24,8 @@ enum { PATH_STEPS = 4 };                 /* points of a path from frame to frame
 static lw_space_scene make_scene(const lw_spatial *m, double until)
 {
     lw_space_scene s;
-    lw_error e = { 0 };
     lw_space_scene_options o = { .n_frame = 24, .until = until };
-    CHECK_INT(lw_space_scene_make(m, &o, &s, &e), LW_OK);
+    CHECK_OK(lw_space_scene_make(m, &o, &s, &check_error));
     return s;
 }
 
@@ -72,8 +71,7 @@ TEST(paths_between_frames)
     load_spatial_file("examples/space/bennett.json", &m);
     lw_space_scene_options fine = { .n_frame = PATH_STEPS*24 };
     lw_space_scene s = make_scene(&m, 0), many;
-    lw_error e = { 0 };
-    CHECK_INT(lw_space_scene_make(&m, &fine, &many, &e), LW_OK);
+    CHECK_OK(lw_space_scene_make(&m, &fine, &many, &check_error));
     CHECK_INT(s.n_path, PATH_STEPS*s.n_frame);
     CHECK_INT(s.n_path, many.n_frame);
     for (size_t i = 0; i < s.n_path && i < many.n_frame; i++)
@@ -101,7 +99,6 @@ TEST(projection)
         lw_space_view view = { .azimuth = 0.37*i, .elevation = -1.5707 + 0.08*i };
         lw_vec3 a[3];
         OWN(lw_drawing) d = { 0 };
-        lw_error e = { 0 };
         lw_space_view_axes(&s, view, a);
         for (int p = 0; p < 3; p++) {
             CHECK_NEAR(lw_v3_dot(a[p], a[p]), 1, 1e-14, 0);
@@ -109,7 +106,7 @@ TEST(projection)
         }
         CHECK_NEAR(lw_v3_dot(lw_v3_cross(a[0], a[1]), a[2]), 1, 1e-14, 0);
         CHECK_NEAR(lw_v3_dot(s.up, a[2]), sin(view.elevation), 1e-14, 0);
-        CHECK_INT(lw_space_draw(&s, (size_t)i % s.n_frame, view, 400, 300, &d, &e), LW_OK);
+        CHECK_OK(lw_space_draw(&s, (size_t)i % s.n_frame, view, 400, 300, &d, &check_error));
         for (size_t k = 0; k < d.n_shape; k++)
             for (size_t p = 0; d.shape[k].kind == LW_SHAPE_PATH && p < d.shape[k].n; p++) {
                 lw_vec2 at = d.point[d.shape[k].first + p];
@@ -128,8 +125,7 @@ TEST(pictures_are_filled)
         lw_box all = { INFINITY, INFINITY, -INFINITY, -INFINITY };
         for (size_t f = 0; f < s.n_frame; f++) {
             OWN(lw_drawing) d = { 0 };
-            lw_error e = { 0 };
-            CHECK_INT(lw_space_draw(&s, f, (lw_space_view){ .azimuth = 0.9*i, .elevation = 0.3*i }, 400, 300, &d, &e), LW_OK);
+            CHECK_OK(lw_space_draw(&s, f, (lw_space_view){ .azimuth = 0.9*i, .elevation = 0.3*i }, 400, 300, &d, &check_error));
             for (size_t k = 0; k < d.n_shape; k++) {
                 const lw_shape *shape = &d.shape[k];
                 bool path = shape->kind == LW_SHAPE_PATH;
@@ -153,11 +149,10 @@ TEST(motions_in_time_are_shown_to_their_end)
     static const struct { const char *motion; double seconds; bool loops; } of[] = {
         { "0.5*step(t, 0, 0, 3, 1)", 5, false }, { "0.5*sin(pi*t)", 2, true }, { "t", 1, false } };
     lw_spatial m;
-    lw_error e = { 0 };
     for (int i = 0; i < 3; i++) {
         load_spatial("arm", &m);
         for (int k = 0; k < m.n_input; k++)
-            CHECK_INT(lw_spatial_set_motion(&m, k, of[i].motion, &e), LW_OK);
+            CHECK_OK(lw_spatial_set_motion(&m, k, of[i].motion, &check_error));
         OWN(lw_space_scene) s = make_scene(&m, 0);
         CHECK_NEAR(s.seconds, of[i].seconds, 1e-12, 0);
         CHECK_INT(s.loops, of[i].loops);
@@ -179,14 +174,13 @@ TEST(scale_and_names)
     for (int named = 0; named < 2; named++) {
         lw_space_view view = { .azimuth = 1, .elevation = 0.4, .names = named };
         OWN(lw_drawing) d = { 0 };
-        lw_error e = { 0 };
         lw_vec3 axis[3];
         lw_box name[64];
         lw_vec2 from[2] = { { 0, 0 } };                 /* place on the page and in the plane of the picture, of the first ball */
         double pixels = 0, length = 0;
         int n_name = 0, n_ball = 0;
         lw_space_view_axes(&s, view, axis);
-        CHECK_INT(lw_space_draw(&s, 0, view, 1000, 750, &d, &e), LW_OK);
+        CHECK_OK(lw_space_draw(&s, 0, view, 1000, 750, &d, &check_error));
         for (size_t k = 0; k < d.n_shape; k++) {
             const lw_shape *shape = &d.shape[k];
             if (shape->role == LW_ROLE_SCALE && shape->kind == LW_SHAPE_PATH)
@@ -221,9 +215,8 @@ TEST(elastic_links_bend)
 {
     OWN(lw_spatial) m = { 0 };
     OWN(lw_spatial_expansion) x = { 0 };
-    lw_error e = { 0 };
     load_spatial("delta-elastic", &m);
-    CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
+    CHECK_OK(lw_spatial_expand(&m, false, &x, &check_error));
     size_t links = (size_t)x.model.n_link;
     lw_vec3 *origin = calloc(links, sizeof *origin), *path = calloc((size_t)m.n_tracer + 1, sizeof *path);
     lw_space_pose *pose = calloc(links, sizeof *pose);
@@ -235,7 +228,7 @@ TEST(elastic_links_bend)
     }
     lw_space_scene_options o = { .n_frame = 1, .pose = pose, .path = path, .origin = origin, .until = 1 };
     OWN(lw_space_scene) s = { 0 };
-    CHECK_INT(lw_space_scene_make(&x.model, &o, &s, &e), LW_OK);
+    CHECK_OK(lw_space_scene_make(&x.model, &o, &s, &check_error));
     for (int i = 0; i < s.n_shape; i++)
         for (int k = 0; s.shape[i].to >= 0 && k < 2; k++) {
             bool of_node = (k ? s.shape[i].to : s.shape[i].link) == moved;
@@ -275,8 +268,7 @@ TEST(files)
     };
     for (size_t i = 0; i < sizeof file/sizeof *file; i++) {
         OWN(lw_bytes) out = { 0 };
-        lw_error e = { 0 };
-        CHECK_INT(lw_draw_space(&s, lw_space_view_default(), file[i].kind, 200, 150, &out, &e), LW_OK);
+        CHECK_OK(lw_draw_space(&s, lw_space_view_default(), file[i].kind, 200, 150, &out, &check_error));
         CHECK(out.size > 500 && memcmp(out.data, file[i].begin, strlen(file[i].begin)) == 0);
         if (file[i].kind == LW_DRAW_HTML && out.data) {
             const char *from = strstr(out.data, "id=\"data\">"), *to = from ? strstr(from, "</script>") : NULL;

@@ -228,9 +228,8 @@ TEST(mobility_is_real)
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         OWN(lw_spatial) m = { 0 };
         OWN(lw_space_mobility) got = { 0 };
-        lw_error e;
         load_spatial(known[i].file, &m);
-        CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
+        CHECK_OK(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &check_error));
         CHECK_INT(got.count, known[i].count);
         CHECK_INT(got.freedom, known[i].freedom);
         CHECK_INT(got.idle, known[i].idle);
@@ -270,10 +269,9 @@ TEST(long_rows_of_loops_move)
     for (int i = 0; i < 6; i++) {
         OWN(lw_spatial) m = { 0 };
         OWN(lw_space_mobility) got = { 0 };
-        lw_error e = { 0 };
         int n = size[i/2], pins = i % 2;
         read_space_row(n, pins, &m);
-        CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
+        CHECK_OK(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &check_error));
         CHECK_INT(got.count, 1 - 3*n*pins);
         CHECK_INT(got.freedom, 1);
         CHECK_INT(got.n_redundant, 3*n*pins);
@@ -286,10 +284,9 @@ TEST(a_long_row_with_a_skew_pin_is_rigid)
 {
     OWN(lw_spatial) m = { 0 };
     OWN(lw_space_mobility) got = { 0 };
-    lw_error e = { 0 };
     read_space_row(200, true, &m);
     m.joint[401].axis = lw_v3(1e-2, sqrt(1 - 1e-4), 0);
-    CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
+    CHECK_OK(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &check_error));
     CHECK_INT(got.freedom, 0);
     CHECK_INT(got.instant, 0);
 }
@@ -299,11 +296,10 @@ TEST(a_broken_bennett_is_rigid)
 {
     OWN(lw_spatial) m = { 0 };
     OWN(lw_space_mobility) got = { 0 };
-    lw_error e;
     load_spatial("bennett", &m);
     m.joint[2].axis = lw_v3_add(m.joint[2].axis, lw_v3(1e-3, 0, 0));
     m.joint[2].axis = lw_v3_scale(m.joint[2].axis, 1/lw_v3_norm(m.joint[2].axis));
-    CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
+    CHECK_OK(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &check_error));
     CHECK_INT(got.freedom, 0);
 }
 
@@ -337,13 +333,12 @@ TEST(cranks_of_long_rows_turn_alike)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_space) s = { 0 };
     OWN(lw_space_follow) f = { 0 };
-    lw_error e = { 0 };
     read_space_row(LOOPS, false, &m);
-    CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
-    CHECK_INT(lw_space_follow_make(&s, &(lw_spatial_measure){ LW_OF_TURN, 0 }, 1, false, &f, &e), LW_OK);
+    CHECK_OK(lw_space_make(&m, &s, &check_error));
+    CHECK_OK(lw_space_follow_make(&s, &(lw_spatial_measure){ LW_OF_TURN, 0 }, 1, false, &f, &check_error));
     for (size_t k = 0; k < sizeof place/sizeof *place; k++) {
         double off[2] = { 0, 0 };
-        CHECK_INT(lw_space_follow_to(&f, itself, NULL, place[k], &e), LW_OK);
+        CHECK_OK(lw_space_follow_to(&f, itself, NULL, place[k], &check_error));
         lw_space_follow_second(&f);
         for (int b = 0; b < s.n_body; b++) {
             const double *w = f.v + 6*b + 3, *a = f.a + 6*b + 3;
@@ -407,15 +402,14 @@ TEST(motions_from_rest_to_rest_take_few_steps)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_space) s = { 0 };
     OWN(lw_space_follow) f = { 0 };
-    lw_error e = { 0 };
     lw_spatial_measure tool[3] = { { LW_OF_X, 0 }, { LW_OF_Y, 0 }, { LW_OF_Z, 0 } };
     int steps = 0, rows = 20;
     load_spatial("delta", &m);
-    CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
-    CHECK_INT(lw_space_follow_make(&s, tool, 3, false, &f, &e), LW_OK);
+    CHECK_OK(lw_space_make(&m, &s, &check_error));
+    CHECK_OK(lw_space_follow_make(&s, tool, 3, false, &f, &check_error));
     f.passed = count, f.passed_by = &steps;
     for (int k = 1; k <= rows; k++)
-        CHECK_INT(lw_space_follow_to(&f, rest_to_rest, NULL, (double)k/rows, &e), LW_OK);
+        CHECK_OK(lw_space_follow_to(&f, rest_to_rest, NULL, (double)k/rows, &check_error));
     CHECK(steps >= rows && steps <= rows + 5);
     CHECK_NEAR(13.60812855 + turn_of(&f, m.drive[0].index)*180/LW_PI, -6.282352804, 2e-8, 0);
 }
@@ -437,13 +431,12 @@ TEST(rates_are_derivatives)
     static const char *const files[] = { "slider-crank", "bricard", "bennett", "sarrus", "delta", "stewart", "arm" };
     for (size_t k = 0; k < sizeof files/sizeof *files; k++) {
         OWN(lw_spatial) m = { 0 };
-        lw_error e = { 0 };
         series got = { 0 };
         load_spatial(files[k], &m);
         bool in_time = m.input[0].motion != NULL;
         double from = in_time ? 0.004 : 0.1, h = 1e-3;
         lw_space_trace o = { .in_time = in_time, .from = from, .to = from + 40*h, .intervals = 40 };
-        CHECK_INT(lw_space_trace_run(&m, &o, collect, &got, &e), LW_OK);
+        CHECK_OK(lw_space_trace_run(&m, &o, collect, &got, &check_error));
         for (int i = 2; i + 2 < got.n; i++) {
             lw_vec3 v = lw_v3_scale(lw_v3_sub(lw_v3_scale(lw_v3_sub(got.place[i + 1], got.place[i - 1]), 8),
                                               lw_v3_sub(got.place[i + 2], got.place[i - 2])), 1/(12*h));
@@ -459,11 +452,10 @@ TEST(rates_are_derivatives)
 TEST(bricard_has_limits)
 {
     OWN(lw_spatial) m = { 0 };
-    lw_error e = { 0 };
     series got = { 0 };
     load_spatial("bricard", &m);
     lw_space_trace o = { .whole = true, .intervals = 12 };
-    CHECK_INT(lw_space_trace_run(&m, &o, collect, &got, &e), LW_OK);
+    CHECK_OK(lw_space_trace_run(&m, &o, collect, &got, &check_error));
     CHECK(o.limit[0] && o.limit[1]);
     CHECK_NEAR(o.from, -LW_PI/6, 1e-12, 0);
     CHECK_NEAR(o.to, 7*LW_PI/6, 1e-12, 0);

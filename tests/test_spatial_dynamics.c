@@ -329,8 +329,7 @@ TEST(delta_torques)
     CHECK_NEAR(sqrt(sum[1]), 15.2444, 5e-5, 0);
     for (int i = 0; i < 3; i++) {
         char still[] = "0";
-        lw_error e;
-        CHECK_INT(lw_spatial_set_motion(&m, i, i < 2 ? still : "-0.65", &e), LW_OK);
+        CHECK_OK(lw_spatial_set_motion(&m, i, i < 2 ? still : "-0.65", &check_error));
     }
     run(&m, LW_ANALYSIS_TRANSIENT, 1, 1, 1e-10);
     for (int d = 0; d < 3; d++)
@@ -445,18 +444,17 @@ TEST(modes_of_slender_rods)
         OWN(lw_spatial) m = { 0 };
         lw_dynamics *d;
         OWN(lw_modes) modes = { 0 };
-        lw_error e = { 0 };
         lw_dynamics_options o = lw_dynamics_options_default();
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': 3, 'centre': [0, 0, -1], 'inertia': [1, 1, 0]}], 'joints': [{'name': 'A', "
                  "%s, 'links': ['ground', 'rod'], 'at': [0, 0, 0]}], 'gravity': [0, 0, -9.81]}", ball ? "'kind': 'b'" : "'axis': [0, 1, 0]");
         read_spatial(text, "rod", &m);
         o.analysis = LW_ANALYSIS_STATIC;
-        CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
+        CHECK_OK(lw_dynamics_make_spatial(&m, &o, &d, &check_error));
         CHECK_TEXT(lw_dynamics_massless(d) ? lw_dynamics_massless(d) : "", ball ? "rod" : "");
         double q[64] = { 0 };
         lw_dynamics_start(d, q, q + lw_dynamics_space(d)->n_q);
         if (!ball) {
-            CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ .rest = false }, 3, 0, q, &modes, &e), LW_OK);
+            CHECK_OK(lw_modes_find_large(d, &(lw_modes_options){ .rest = false }, 3, 0, q, &modes, &check_error));
             CHECK_INT(modes.n_mode, 1);
             CHECK_NEAR(modes.mode[0].frequency, sqrt(9.81*3/4)/(2*LW_PI), 0, 1e-12);
         }
@@ -639,10 +637,9 @@ TEST(recursive_and_bodies_agree)
     for (int i = 0; i < 16; i++) {
         OWN(lw_spatial) m = { 0 };
         sample by[2];
-        lw_error e;
         make_kinds(closing[i/2], i%2, &m);
         if ((i/2 + i)%2)
-            CHECK_INT(lw_spatial_set_motion(&m, 0, "t + 0.3*sin(2*t)", &e), LW_OK);
+            CHECK_OK(lw_spatial_set_motion(&m, 0, "t + 0.3*sin(2*t)", &check_error));
         for (int f = 0; f < 2; f++) {
             formulation = f ? LW_FORMULATION_RECURSIVE : LW_FORMULATION_INDEX1;
             lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 0.3, 1, 1e-11);
@@ -675,15 +672,14 @@ TEST(eight_states_at_once)
         OWN(lw_spatial_scene) c = { 0 };
         OWN(lw_recursive) r = { 0 };
         OWN(lw_tree_stages) s = { 0 };
-        lw_error e;
         lw_rng rng;
         lw_rng_seed(&rng, 7, (uint64_t)i);
         make_kinds(closing[i/2], i%2, &m);
         m.n_joint_spring = 0;
         for (int j = 0; j < m.n_spring; j++)
             m.spring[j].damping = 3;
-        CHECK_INT(lw_spatial_scene_make(&m, &c, &e), LW_OK);
-        CHECK_INT(lw_recursive_make(&c.s, c.mass, NULL, 0, &r, &e), LW_OK);
+        CHECK_OK(lw_spatial_scene_make(&m, &c, &check_error));
+        CHECK_OK(lw_recursive_make(&c.s, c.mass, NULL, 0, &r, &check_error));
         CHECK_INT(lw_tree_stages_make(&r, &c.f, true, &s), LW_OK);
         const int n = r.n_x + r.n_u;
         double y[8*64], dy[8*64], again[8*64], x[64], dx[64], q[64], v[64], force[64], power;
@@ -854,8 +850,7 @@ TEST(turns_are_counted)
     run(&m, LW_ANALYSIS_TRANSIENT, LW_PI, 2, 1e-12);
     CHECK_NEAR(k.at[1].input, 200*LW_PI, 1e-7, 0);
     CHECK_NEAR(k.at[2].input, 0, 1e-7, 0);
-    lw_error e;
-    CHECK_INT(lw_spatial_set_motion(&m, 0, "1 + 628.3185307179586*t", &e), LW_OK);
+    CHECK_OK(lw_spatial_set_motion(&m, 0, "1 + 628.3185307179586*t", &check_error));
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 1, 2, 1e-10);          /* driven, 50 turns from sample to sample */
     CHECK_INT(q.formulation, LW_FORMULATION_DRIVEN);
     for (int i = 0; i < 3; i++) {
@@ -863,7 +858,7 @@ TEST(turns_are_counted)
         CHECK_NEAR(k.at[i].drive[0], k.at[i].input, 1e-9, 0);                    /* holds the spring */
     }
     /* 6000 turns from sample to sample: rounding of the angle is above 1e-11 */
-    CHECK_INT(lw_spatial_set_motion(&m, 0, "1 + 75398.22368615503*t", &e), LW_OK);
+    CHECK_OK(lw_spatial_set_motion(&m, 0, "1 + 75398.22368615503*t", &check_error));
     run(&m, LW_ANALYSIS_TRANSIENT, 1, 2, 1e-10);
     for (int i = 0; i < 3; i++)
         CHECK_NEAR(k.at[i].input, 1 + 12000*LW_PI*i, 1e-9, 0);
@@ -879,10 +874,9 @@ TEST(a_gantry_on_two_belts)
 {
     static const double r = 0.008, head = 0.4, both = 1.6, pulley = 8e-5;
     OWN(lw_spatial) m = { 0 };
-    lw_error e = { 0 };
     load_spatial("corexy", &m);
-    CHECK_INT(lw_spatial_set_motion(&m, 0, "0.1*sin(5*t)", &e), LW_OK);
-    CHECK_INT(lw_spatial_set_motion(&m, 1, "0.2*t^2 - 0.05*t", &e), LW_OK);
+    CHECK_OK(lw_spatial_set_motion(&m, 0, "0.1*sin(5*t)", &check_error));
+    CHECK_OK(lw_spatial_set_motion(&m, 1, "0.2*t^2 - 0.05*t", &check_error));
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 1, 10, 1e-10);
     CHECK_INT(q.formulation, LW_FORMULATION_DRIVEN);
     for (int i = 0; i < k.n; i++) {
@@ -982,11 +976,10 @@ TEST(couplings_count_turns)
         "0.73714159}, {'joint': 'B', 'factor': 1}]}], 'input': {'joint': 'A', 'speed': 200}}";
     for (int way = 0; way < 3; way++) {
         OWN(lw_spatial) m = { 0 };
-        lw_error e = { 0 };
         read_spatial(text, "belt", &m);
         formulation = way == 1 ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO;
         if (way == 2)
-            CHECK_INT(lw_spatial_set_motion(&m, 0, "200*t", &e), LW_OK);
+            CHECK_OK(lw_spatial_set_motion(&m, 0, "200*t", &check_error));
         lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 10, 5, 1e-11);
         CHECK_INT(q.formulation, way == 0 ? LW_FORMULATION_RECURSIVE : way == 1 ? LW_FORMULATION_INDEX1 : LW_FORMULATION_DRIVEN);
         for (int i = 0; i < k.n; i++) {
@@ -1074,15 +1067,14 @@ static lw_status crane_rate(void *context, double t, const double *y, double *dy
 TEST(a_crane_turns_and_hoists)
 {
     OWN(lw_spatial) m = { 0 };
-    lw_error e = { 0 };
     load_spatial("crane", &m);
     for (int i = 3; i <= 5; i++) {           /* rope and block become massless beside the load, and the load a point */
         m.body[i].mass = i < 5 ? 1e-4 : 800;
         for (int c = 0; c < 3; c++)
             m.body[i].inertia[c] = 1e-4;
     }
-    CHECK_INT(lw_spatial_set_motion(&m, 0, "0.1*t^2", &e), LW_OK);
-    CHECK_INT(lw_spatial_set_motion(&m, 1, "t^2", &e), LW_OK);
+    CHECK_OK(lw_spatial_set_motion(&m, 0, "0.1*t^2", &check_error));
+    CHECK_OK(lw_spatial_set_motion(&m, 1, "t^2", &check_error));
     double y[6] = { 6, 0, 3 }, dy[6], pull;
     run(&m, LW_ANALYSIS_TRANSIENT, 3, 6, 1e-10);
     for (int i = 1; i < k.n; i++) {
@@ -1133,11 +1125,10 @@ TEST(a_weight_comes_to_rest)
     sample rest = k.at[0];
     OWN(lw_space) s = { 0 };
     OWN(lw_space_forces) f = { 0 };
-    lw_error e;
     lw_space_frame frame[2];
     lw_rng rng = check_rng(0);
-    CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
-    CHECK_INT(lw_space_forces_make(&s, &f, &e), LW_OK);
+    CHECK_OK(lw_space_make(&m, &s, &check_error));
+    CHECK_OK(lw_space_forces_make(&s, &f, &check_error));
     for (int i = 0; i < 100; i++) {          /* turned a little about the ball: the potential is greater */
         double q[7], by[6] = { 0 };
         memcpy(q, rest.q, sizeof q);
@@ -1272,7 +1263,6 @@ TEST(a_pendulum_bounces)
     OWN(lw_model) p = { 0 };
     lw_dynamics *d;
     lw_dynamics_report report;
-    lw_error e = { 0 };
     read_spatial(space, "space", &m);
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 2, 100, 1e-12);
     CHECK(q.n_event_seen > 5 && q.event[0].impact);
@@ -1282,8 +1272,8 @@ TEST(a_pendulum_bounces)
     lw_dynamics_options o = lw_dynamics_options_default();
     o.to = 2;
     o.relative = o.absolute = 1e-12;
-    CHECK_INT(lw_dynamics_make(&p, &o, &d, &e), LW_OK);
-    CHECK_INT(lw_dynamics_run(d, keep_bounce, NULL, &report, &e), LW_OK);
+    CHECK_OK(lw_dynamics_make(&p, &o, &d, &check_error));
+    CHECK_OK(lw_dynamics_run(d, keep_bounce, NULL, &report, &check_error));
     CHECK_INT(q.n_event_seen, report.n_event_seen);
     for (int i = 0; i < k.n && i < n_bounce; i++) {
         double turn = 2*atan2(k.at[i].q[6], k.at[i].q[3]);
@@ -1394,7 +1384,6 @@ TEST(derivatives_of_forces_and_rows)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_space) s = { 0 };
     OWN(lw_space_forces) f = { 0 };
-    lw_error e = { 0 };
     enum { N = 18, ALL = 19, ROWS = 40 };
     double by_q[ALL*ALL] = { 0 }, by_v[ALL*ALL] = { 0 }, q[21], v[N], force[2][ALL], phi[ROWS], jac[2][ROWS*LW_SPACE_ROW], h = 1e-5;
     lw_space_frame frame[4];
@@ -1402,8 +1391,8 @@ TEST(derivatives_of_forces_and_rows)
     double sum[2], of_sum[2][24], turns[6] = { 0 };
     read_spatial(text, "derivatives", &m);
     lw_rng rng = check_rng(0);
-    CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
-    CHECK_INT(lw_space_forces_make(&s, &f, &e), LW_OK);
+    CHECK_OK(lw_space_make(&m, &s, &check_error));
+    CHECK_OK(lw_space_forces_make(&s, &f, &check_error));
     CHECK(s.n_v == N && s.n_row <= ROWS);
     double by[N];
     lw_vec3 turn = lw_v3_scale(m.joint[0].axis, 0.5);
@@ -1515,13 +1504,12 @@ TEST(modes_of_a_hanging_body)
     OWN(lw_spatial) m = { 0 };
     lw_dynamics *d;
     OWN(lw_modes) modes = { 0 };
-    lw_error e = { 0 };
     double q[7];
     lw_dynamics_options o = lw_dynamics_options_default();
     o.analysis = LW_ANALYSIS_STATIC;
     read_spatial(text, "hanging", &m);
-    CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
-    CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ .rest = true }, 20, 0, q, &modes, &e), LW_OK);
+    CHECK_OK(lw_dynamics_make_spatial(&m, &o, &d, &check_error));
+    CHECK_OK(lw_modes_find_large(d, &(lw_modes_options){ .rest = true }, 20, 0, q, &modes, &check_error));
     CHECK_INT(modes.n_mode, 2);
     CHECK_NEAR(2*LW_PI*modes.mode[0].frequency, sqrt(9.81/.8), 1e-10, 0);
     CHECK_NEAR(2*LW_PI*modes.mode[1].frequency, sqrt((9.81 + 7.5)/.7), 1e-10, 0);
@@ -1543,14 +1531,13 @@ TEST(modes_with_inputs_held)
         OWN(lw_spatial) m = { 0 };
         lw_dynamics *d;
         OWN(lw_modes) modes = { 0 };
-        lw_error e = { 0 };
         double q[14];
         lw_dynamics_options o = lw_dynamics_options_default();
         o.analysis = LW_ANALYSIS_STATIC;
         o.hold_inputs = true;
         read_spatial(i ? height : slide, "held", &m);
-        CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
-        CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ .rest = true }, 20, 0, q, &modes, &e), LW_OK);
+        CHECK_OK(lw_dynamics_make_spatial(&m, &o, &d, &check_error));
+        CHECK_OK(lw_modes_find_large(d, &(lw_modes_options){ .rest = true }, 20, 0, q, &modes, &check_error));
         CHECK_INT(modes.n_mode, 1);
         double want = i ? sqrt(2*9.81*0.5/(0.4 + 0.5)) : sqrt(9.81*2/(0.1 + 0.01 + 4));
         CHECK_NEAR(2*LW_PI*modes.mode[0].frequency, want, 1e-9, 0);
@@ -1572,15 +1559,14 @@ TEST(modes_of_points_of_mass)
         OWN(lw_spatial) m = { 0 };
         lw_dynamics *d;
         OWN(lw_modes) modes = { 0 };
-        lw_error e = { 0 };
         char all[2000];
         double a = i ? 1e-12 : 1e-9, b = i ? 1e-14 : 1e-10;
         snprintf(all, sizeof all, text, a, a, 1.5*a, b, b, 1.5*b);
         read_spatial(all, "points", &m);
         lw_dynamics_options o = lw_dynamics_options_default();
         o.analysis = LW_ANALYSIS_STATIC;
-        CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
-        CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ .rest = true }, 20, 0, q, &modes, &e), LW_OK);
+        CHECK_OK(lw_dynamics_make_spatial(&m, &o, &d, &check_error));
+        CHECK_OK(lw_modes_find_large(d, &(lw_modes_options){ .rest = true }, 20, 0, q, &modes, &check_error));
         CHECK_INT(modes.n_mode, 4);
         for (int j = 0; j < 4 && j < modes.n_mode; j++)
             slow[i][j] = modes.mode[j].frequency;

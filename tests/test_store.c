@@ -50,18 +50,17 @@ static long long count(lw_store *s, const char *table)
 
 static void put_four_bar(lw_store *s)
 {
-    lw_error e;
     uint64_t done;
     bool complete;
     lw_store_chain c = four_bar();
     lw_store_run r = { "build", "links 4", "the test", 1 };
-    CHECK_INT(lw_store_begin(s, &e), LW_OK);
-    CHECK_INT(lw_store_run_begin(s, &r, &e), LW_OK);
-    CHECK_INT(lw_store_build_begin(s, 4, 1, "r", &done, &complete, &e), LW_OK);
-    CHECK_INT(lw_store_put_chain(s, &c, &e), LW_OK);
-    CHECK_INT(lw_store_put_chain(s, &c, &e), LW_OK);
-    CHECK_INT(lw_store_build_done(s, 1, true, &e), LW_OK);
-    CHECK_INT(lw_store_run_end(s, &e), LW_OK);
+    CHECK_OK(lw_store_begin(s, &check_error));
+    CHECK_OK(lw_store_run_begin(s, &r, &check_error));
+    CHECK_OK(lw_store_build_begin(s, 4, 1, "r", &done, &complete, &check_error));
+    CHECK_OK(lw_store_put_chain(s, &c, &check_error));
+    CHECK_OK(lw_store_put_chain(s, &c, &check_error));
+    CHECK_OK(lw_store_build_done(s, 1, true, &check_error));
+    CHECK_OK(lw_store_run_end(s, &check_error));
 }
 
 TEST(keeps_what_was_committed)

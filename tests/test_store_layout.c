@@ -21,10 +21,9 @@ TEST(there_and_back)
         lw_mechanism m;
         lw_chain_layout l;
         OWN(lw_bytes) bytes = { 0 };
-        lw_error e;
-        CHECK_INT(lw_graph6_read(chains[i], strlen(chains[i]), NULL, &c, &e), LW_OK);
+        CHECK_OK(lw_graph6_read(chains[i], strlen(chains[i]), NULL, &c, &check_error));
         CHECK_INT(lw_mechanism_from_chain(&c, &m), LW_OK);
-        CHECK_INT(lw_chain_layout_make(&m, &l, &e), LW_OK);
+        CHECK_OK(lw_chain_layout_make(&m, &l, &check_error));
         lw_layout_pack(&l, m.n_link, &bytes);
         const char *b = bytes.data, *ring = b + 14 + m.n_link, *at = ring + l.first[m.n_link];
         CHECK(b[0] == 1 && b[1] == m.n_link && b[2] == l.n_joint && b[3] == l.planar && b[4] == l.n_cross);

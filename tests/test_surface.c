@@ -25,8 +25,7 @@ static lw_linkage *four_bar(void)
     static const lw_input_info input = { .joint = 0, .value = NAN };
     static const lw_tracer_info tracer = { .name = "P", .link = 2, .at = { 4, 4 } };
     lw_linkage *k = NULL;
-    lw_error e;
-    CHECK_INT(lw_linkage_create(4, 0, 4, joint, 1, &input, 1, &tracer, &k, &e), LW_OK);
+    CHECK_OK(lw_linkage_create(4, 0, 4, joint, 1, &input, 1, &tracer, &k, &check_error));
     return k;
 }
 
@@ -254,14 +253,13 @@ TEST(counterweights)
         "{\"name\": \"S\", \"kind\": \"t\", \"links\": [\"ground\", \"slider\"], \"at\": [2, 0], \"along\": [1, 0]}], \"inputs\": [{\"joint\": \"O\", \"motion\": \"6.283185307179586*t\"}]}";
     lw_model *m;
     lw_simulation *run;
-    lw_error e;
     lw_counterweight weight = { 0 };
     double before, after;
     lw_simulation_options o = lw_simulation_options_default();
     o.intervals = 36;
-    CHECK_INT(lw_model_parse(text, sizeof text - 1, NULL, &m, &e), LW_OK);
-    CHECK_INT(lw_simulation_create(m, &o, &run, &e), LW_OK);
-    CHECK_INT(lw_simulation_balance(run, take_weight, &weight, &before, &after, &e), LW_OK);
+    CHECK_OK(lw_model_parse(text, sizeof text - 1, NULL, &m, &check_error));
+    CHECK_OK(lw_simulation_create(m, &o, &run, &check_error));
+    CHECK_OK(lw_simulation_balance(run, take_weight, &weight, &before, &after, &check_error));
     CHECK_NEAR(weight.product, 0.6, 1e-9, 0);
     CHECK_POINT(weight.at, -0.5, 0, 1e-9, 0);
     CHECK_NEAR(weight.mass, 1.2, 1e-9, 0);
@@ -339,7 +337,6 @@ TEST(the_page_of_a_function)
     double angle[7], theta[7];
     lw_target *t = NULL;
     lw_results *r = NULL;
-    lw_error e;
     char *page = NULL;
     size_t size = 0;
     lw_fit_request o = lw_fit_request_default();
@@ -350,10 +347,10 @@ TEST(the_page_of_a_function)
         angle[i] = 0.2*i;
         theta[i] = 0.1*i + 0.05*i*i;
     }
-    CHECK_INT(lw_target_create(7, NULL, NULL, theta, angle, NULL, 0, &t, &e), LW_OK);
-    CHECK_INT(lw_fit_target(t, &o, &r, &e), LW_OK);
+    CHECK_OK(lw_target_create(7, NULL, NULL, theta, angle, NULL, 0, &t, &check_error));
+    CHECK_OK(lw_fit_target(t, &o, &r, &check_error));
     lw_target_destroy(t);
-    CHECK_INT(lw_results_page(r, "test", &page, &size, &e), LW_OK);
+    CHECK_OK(lw_results_page(r, "test", &page, &size, &check_error));
     CHECK_HAS(page, " input0=");
     CHECK_HAS(page, " tool0=");
     CHECK_HAS(page, "class=\"curves\"");
@@ -607,7 +604,6 @@ TEST(mechanisms_are_made_asked_and_drawn)
     lw_mechanism *m = NULL, *turned = NULL, *back = NULL;
     lw_linkage *k = NULL;
     lw_picture *picture = NULL;
-    lw_error e;
     char *text = NULL, *svg = NULL, why[200];
     size_t size = 0;
     int link[2], input = 0;
@@ -624,21 +620,21 @@ TEST(mechanisms_are_made_asked_and_drawn)
     CHECK_INT(lw_mechanism_choose(turned, 1, 1, &input, 3), LW_OK);      /* the ground no longer carries the slide */
     f.want = m;
     CHECK(compare(&f, m) == LW_OK && compare(&f, turned) == LW_OK && f.same == 1);
-    CHECK_INT(lw_mechanism_to_text(m, "json", &text, &e), LW_OK);
-    CHECK_INT(lw_mechanism_from_text(text, strlen(text), NULL, &back, &e), LW_OK);
+    CHECK_OK(lw_mechanism_to_text(m, "json", &text, &check_error));
+    CHECK_OK(lw_mechanism_from_text(text, strlen(text), NULL, &back, &check_error));
     CHECK(compare(&f, back) == LW_OK && f.same == 2);
     char twice[2000];
     snprintf(twice, sizeof twice, "%s\n%s\n", text, text);
-    CHECK_INT(lw_mechanism_read_all(twice, strlen(twice), NULL, compare, &f, &e), LW_OK);
+    CHECK_OK(lw_mechanism_read_all(twice, strlen(twice), NULL, compare, &f, &check_error));
     CHECK(f.n == 5 && f.same == 4);
     lw_free(text);
-    CHECK_INT(lw_mechanism_derivation(m, &text, &e), LW_OK);
+    CHECK_OK(lw_mechanism_derivation(m, &text, &check_error));
     CHECK(text && *text);
-    CHECK_INT(lw_picture_of_mechanisms(1, (const lw_mechanism *const *)&m, NULL, 1, "four", &picture, &e), LW_OK);
-    CHECK_INT(lw_picture_write(picture, "svg", 0, 0, &svg, &size, &e), LW_OK);
+    CHECK_OK(lw_picture_of_mechanisms(1, (const lw_mechanism *const *)&m, NULL, 1, "four", &picture, &check_error));
+    CHECK_OK(lw_picture_write(picture, "svg", 0, 0, &svg, &size, &check_error));
     CHECK_HAS(svg, "<svg");
     CHECK(size == strlen(svg));
-    CHECK_INT(lw_linkage_of_mechanism(m, 7, &k, &e), LW_OK);
+    CHECK_OK(lw_linkage_of_mechanism(m, 7, &k, &check_error));
     CHECK(lw_linkage_n_link(k) == 4 && lw_linkage_mobility(k) == 1);
     /* from four links by the published rules: pins alone make the four-bar, once */
     lw_mechanism_destroy(back);
@@ -646,7 +642,7 @@ TEST(mechanisms_are_made_asked_and_drawn)
     for (int i = 0; i < 4; i++)
         CHECK_INT(lw_mechanism_join(back, i, (i + 1)%4, 'r'), LW_OK);
     f = (four_links){ back, 0, 0 };
-    CHECK_INT(lw_enumerate_grammar(4, "1234", "r", true, compare, &f, &e), LW_OK);
+    CHECK_OK(lw_enumerate_grammar(4, "1234", "r", true, compare, &f, &check_error));
     CHECK(f.n >= 1);
     lw_linkage_destroy(k);
     lw_picture_destroy(picture);
@@ -664,7 +660,6 @@ TEST(parts_of_a_linkage)
     lw_joint_info j;
     lw_input_info in;
     lw_tracer_info p;
-    lw_error e;
     char path[300];
     snprintf(path, sizeof path, "%s/four.json", temporary_folder());
     lw_linkage_set_name(k, "four");
@@ -678,11 +673,11 @@ TEST(parts_of_a_linkage)
     CHECK(lw_linkage_joint(copy, 4, &j) == LW_E_ARG && lw_linkage_input(copy, 1, &in) == LW_E_ARG
           && lw_linkage_tracer(copy, 1, &p) == LW_E_ARG);
     p.at = (lw_vec2){ 3, 5 };
-    CHECK_INT(lw_linkage_set_tracer(copy, 0, &p, &e), LW_OK);
-    CHECK_INT(lw_linkage_save(copy, NULL, path, &e), LW_OK);
-    CHECK_INT(lw_linkage_load(path, &saved, &e), LW_OK);
+    CHECK_OK(lw_linkage_set_tracer(copy, 0, &p, &check_error));
+    CHECK_OK(lw_linkage_save(copy, NULL, path, &check_error));
+    CHECK_OK(lw_linkage_load(path, &saved, &check_error));
     CHECK(lw_linkage_tracer(saved, 0, &p) == LW_OK && p.at.x == 3 && p.at.y == 5);
-    CHECK_INT(lw_kinematics_create(k, &z, &e), LW_OK);
+    CHECK_OK(lw_kinematics_create(k, &z, &check_error));
     CHECK_INT(lw_kinematics_turns(z), 1);
     int n = lw_kinematics_n_dimension(z);
     CHECK(n >= 6);
@@ -762,18 +757,17 @@ static lw_status count_row(void *n, const lw_sweep_result *r)
 TEST(clearances_run_alone_and_in_a_sweep)
 {
     lw_model *m = NULL;
-    lw_error e;
     lw_clearance_outcome one;
     lw_clearance_settings o = lw_clearance_settings_default();
     double speed[] = { 8, 9 };
     lw_sweep_request request = { .n_speed = 2, .speed = speed, .jobs = 1 };
     int n = 0, rows = 0;
     CHECK(o.time == 1.25 && o.settle == 0.4 && isnan(o.speed));
-    CHECK_INT(lw_model_load("examples/clearance-four-bar.json", &m, &e), LW_OK);
+    CHECK_OK(lw_model_load("examples/clearance-four-bar.json", &m, &check_error));
     o.time = 0.02, o.settle = 0.01, o.speed = 8;
-    CHECK_INT(lw_simulate_clearance(m, &o, NULL, NULL, &one, 1, &n, &e), LW_OK);
+    CHECK_OK(lw_simulate_clearance(m, &o, NULL, NULL, &one, 1, &n, &check_error));
     CHECK(n == 1 && one.force_most >= 0);
-    CHECK_INT(lw_sweep_clearance(m, &o, &request, count_row, NULL, &rows, &e), LW_OK);
+    CHECK_OK(lw_sweep_clearance(m, &o, &request, count_row, NULL, &rows, &check_error));
     CHECK_INT(rows, 2);
     CHECK_INT(lw_model_set_speed(m, 9, 1), LW_E_ARG);
     lw_model_destroy(m);
@@ -790,31 +784,30 @@ TEST(centres_double_points_and_motion_curves)
     lw_picture *picture = NULL;
     lw_instant_motion about;
     lw_double_point twice[4];
-    lw_error e;
     char *text = NULL, path[300];
     double x[361], y[361], input[90], px[90], py[90];
-    CHECK_INT(lw_kinematics_create(k, &z, &e), LW_OK);
+    CHECK_OK(lw_kinematics_create(k, &z, &check_error));
     CHECK_INT(lw_kinematics_instant(z, lw_kinematics_input(z), 1, 0, &about), LW_OK);
     CHECK_NEAR(about.turn, 1, 1e-12, 0);
     CHECK_NEAR(hypot(about.centre.x, about.centre.y), 0, 1e-12, 0);
     CHECK_INT(lw_kinematics_instant(z, 0, 9, 0, &about), LW_E_ARG);
     CHECK_INT(lw_kinematics_explain(z, &text), LW_OK);
     CHECK(text && *text);
-    CHECK_INT(lw_kinematics_linkage(z, lw_kinematics_input(z) + 0.5, &there, &e), LW_OK);
+    CHECK_OK(lw_kinematics_linkage(z, lw_kinematics_input(z) + 0.5, &there, &check_error));
     for (int i = 0; i < 361; i++) {
         double a = i*3.14159265358979323846/180;
         x[i] = cos(a), y[i] = sin(2*a);
     }
     CHECK_INT(lw_path_double_points(361, x, y, twice, 4), 1);
     CHECK_NEAR(hypot(twice[0].at.x, twice[0].at.y), 0, 1e-9, 0);
-    CHECK_INT(lw_motion_curves_create(k, 4, 1, &curves, &e), LW_OK);
+    CHECK_OK(lw_motion_curves_create(k, 4, 1, &curves, &check_error));
     CHECK_INT(lw_motion_curves_trace(curves, 0, 0, 90, input, px, py), LW_OK);
     for (int i = 0; i < 90; i++)                     /* the tracer keeps its distance from the pin of the crank */
         CHECK_NEAR(hypot(px[i] - cos(input[i]), py[i] - sin(input[i])), 5, 1e-9, 0);
     CHECK_INT(lw_motion_curves_trace(curves, 99, 0, 90, input, px, py), LW_E_ARG);
     snprintf(path, sizeof path, "%s/four.svg", temporary_folder());
-    CHECK_INT(lw_picture_of_linkage(there, NULL, NULL, &picture, &e), LW_OK);
-    CHECK_INT(lw_picture_save(picture, path, 0, 0, &e), LW_OK);
+    CHECK_OK(lw_picture_of_linkage(there, NULL, NULL, &picture, &check_error));
+    CHECK_OK(lw_picture_save(picture, path, 0, 0, &check_error));
     CHECK_INT(unlink(path), 0);
     lw_picture_destroy(picture);
     lw_motion_curves_destroy(curves);

@@ -82,10 +82,9 @@ TEST(published_names_of_columns)
 TEST(further_points)
 {
     OWN(lw_target) t = { 0 };
-    lw_error e;
-    CHECK_INT(read("# closed: yes\n# units: mm "
-                   "deg\nx,y2,x2,y,theta3,weight3,angle\n0,5,100,0,90,1,0\n3,5,103,0,180,2,10\n3,9,103,4,0,0,20\n",
-                   &t, &e), LW_OK);
+    CHECK_OK(read("# closed: yes\n# units: mm "
+                  "deg\nx,y2,x2,y,theta3,weight3,angle\n0,5,100,0,90,1,0\n3,5,103,0,180,2,10\n3,9,103,4,0,0,20\n",
+                  &t, &check_error));
     CHECK_INT(t.n_also, 2);
     CHECK(t.also[0].x && t.also[0].y && !t.also[0].theta && t.also[0].weight == t.weight);
     CHECK(!t.also[1].x && !t.also[1].y && t.also[1].theta && t.also[1].weight != t.weight);
@@ -98,10 +97,10 @@ TEST(further_points)
     CHECK_NEAR(t.size, 0.005, 0, 1e-14);
     CHECK_NEAR(t.extent, hypot(0.103, 0.009), 0, 1e-14);
     lw_target_free(&t);
-    CHECK_INT(read("angle,theta,theta2\n0,1,2\n1,2,3\n", &t, &e), LW_OK);
+    CHECK_OK(read("angle,theta,theta2\n0,1,2\n1,2,3\n", &t, &check_error));
     CHECK(t.n_also == 1 && !t.x && t.also[0].theta[1] == 3);
     lw_target_free(&t);
-    CHECK_INT(read("x1,y1,x2,y2\n0,1,2,3\n1,2,3,4\n", &t, &e), LW_OK);        /* the first may bear its number */
+    CHECK_OK(read("x1,y1,x2,y2\n0,1,2,3\n1,2,3,4\n", &t, &check_error));        /* the first may bear its number */
     CHECK(t.n_also == 1 && t.y[1] == 2);
 }
 
@@ -148,15 +147,14 @@ TEST(parts_are_joined_row_by_row)
 TEST(length_and_size)
 {
     OWN(lw_target) t = { 0 };
-    lw_error e;
-    CHECK_INT(read("x,y\n0,0\n3,0\n3,2\n3,4\n", &t, &e), LW_OK);
+    CHECK_OK(read("x,y\n0,0\n3,0\n3,2\n3,4\n", &t, &check_error));
     CHECK(!t.closed);                                         /* gap 5 > 1.5 * 3 */
     lw_target_free(&t);
-    CHECK_INT(read("# closed: yes\nx,y\n0,0\n3,0\n3,4\n", &t, &e), LW_OK);
+    CHECK_OK(read("# closed: yes\nx,y\n0,0\n3,0\n3,4\n", &t, &check_error));
     CHECK_NEAR(t.length, 12, 0, 0);
     CHECK_NEAR(t.size, 5, 0, 0);
     lw_target_free(&t);
-    CHECK_INT(read("# closed: no\nx,y\n0,0\n3,0\n3,4\n", &t, &e), LW_OK);
+    CHECK_OK(read("# closed: no\nx,y\n0,0\n3,0\n3,4\n", &t, &check_error));
     CHECK(!t.closed);
     CHECK_NEAR(t.length, 7, 0, 0);
     lw_target_free(&t);
@@ -176,11 +174,10 @@ TEST(the_example_of_the_manual)
     char *manual = NULL;
     size_t size;
     OWN(lw_target) t = { 0 };
-    lw_error e;
     CHECK_INT(lw_file_read("docs/notation.md", &manual, &size, NULL), LW_OK);
     CHECK_HAS(manual, example);
     free(manual);
-    CHECK_INT(read(example, &t, &e), LW_OK);
+    CHECK_OK(read(example, &t, &check_error));
     CHECK(t.n == 3 && !t.closed && t.weight[2] == 0.5);
     CHECK_NEAR(t.y[1], 0.015142, 0, 1e-15);
     CHECK_NEAR(t.theta[2], 12*LW_PI/180, 0, 1e-15);
@@ -250,12 +247,11 @@ TEST(options_overrule_comments)
 TEST(columns_in_any_order)
 {
     OWN(lw_target) t = { 0 };
-    lw_error e;
-    CHECK_INT(read("weight,theta,y,angle,x\n0.5,1,2,3,4\n0,1,2,4,4\n", &t, &e), LW_OK);
+    CHECK_OK(read("weight,theta,y,angle,x\n0.5,1,2,3,4\n0,1,2,4,4\n", &t, &check_error));
     CHECK(t.weight[0] == 0.5 && t.theta[0] == 1 && t.y[0] == 2 && t.angle[0] == 3 && t.x[0] == 4);
     CHECK(t.weight[1] == 0);
     lw_target_free(&t);
-    CHECK_INT(read("x,y\n1,2\n", &t, &e), LW_OK);
+    CHECK_OK(read("x,y\n1,2\n", &t, &check_error));
     CHECK(t.weight[0] == 1);
     CHECK_TEXT(t.units.length, "");
 }
@@ -290,8 +286,7 @@ TEST(few_stations_and_repeated_points)
     check_reads("x,y\n0,0\n0,0\n0,0\n", 3);
     check_reads("x,y\n-0,1e-9\n1e9,1E9\n", 2);
     OWN(lw_target) t = { 0 };
-    lw_error e;
-    CHECK_INT(read("x,y\n5,5\n5,5\n5,5\n", &t, &e), LW_OK);
+    CHECK_OK(read("x,y\n5,5\n5,5\n5,5\n", &t, &check_error));
     CHECK(!t.closed && t.size == 0 && t.length == 0);
 }
 
@@ -312,9 +307,8 @@ TEST(the_first_station_repeated_at_the_end)
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         OWN(lw_target) t = { 0 }, whole = { 0 };
-        lw_error e;
-        CHECK_INT(lw_target_read_text(rows[i].text, strlen(rows[i].text), "path.csv", NULL, &t, &e), LW_OK);
-        CHECK_INT(lw_target_read(rows[i].text, strlen(rows[i].text), "path.csv", NULL, &whole, &e), LW_OK);
+        CHECK_OK(lw_target_read_text(rows[i].text, strlen(rows[i].text), "path.csv", NULL, &t, &check_error));
+        CHECK_OK(lw_target_read(rows[i].text, strlen(rows[i].text), "path.csv", NULL, &whole, &check_error));
         CHECK_INT(t.n, rows[i].n);
         CHECK_INT(t.closed, whole.closed);
         CHECK_NEAR(t.length, whole.length, 0, 0);
@@ -741,8 +735,7 @@ TEST(assumed_units)
     };
     for (size_t i = 0; i < sizeof row/sizeof *row; i++) {
         OWN(lw_target) t = { 0 };
-        lw_error e = { 0 };
-        CHECK_INT(lw_target_read(row[i].text, strlen(row[i].text), "f.csv", NULL, &t, &e), LW_OK);
+        CHECK_OK(lw_target_read(row[i].text, strlen(row[i].text), "f.csv", NULL, &t, &check_error));
         CHECK_INT(strstr(t.note, "lengths have no unit") != NULL, row[i].length);
         CHECK_INT(strstr(t.note, "count as rad") != NULL, row[i].angle);
         CHECK_INT(t.note[0] != 0, row[i].length || row[i].angle);

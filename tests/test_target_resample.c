@@ -33,8 +33,7 @@ TEST(stations_lie_on_the_path)
         size_t from[300], n = draw(&rng, p), m = 2 + (size_t)(lw_rng_uniform(&rng)*298);
         bool closed = trial % 2, by_curvature = trial % 4 < 2;
         double length = 0, longest = 0;
-        lw_error e;
-        CHECK_INT(lw_resample(p, n, closed, by_curvature, m, out, from, &e), LW_OK);
+        CHECK_OK(lw_resample(p, n, closed, by_curvature, m, out, from, &check_error));
         for (size_t i = 0; i + !closed < n; i++)
             length += lw_v2_norm(lw_v2_sub(p[(i + 1) % n], p[i]));
         for (size_t i = 0; i < m; i++) {
@@ -55,12 +54,11 @@ TEST(stations_lie_on_the_path)
 TEST(corners_are_kept)
 {
     static const lw_vec2 square[] = { { 0, 0 }, { 3, 0 }, { 3, 1 }, { 0, 1 } };
-    lw_error e;
     for (size_t m = 9; m < 100; m++) {
         lw_vec2 out[100];
         size_t from[100];
         int found = 0;
-        CHECK_INT(lw_resample(square, 4, true, true, m, out, from, &e), LW_OK);
+        CHECK_OK(lw_resample(square, 4, true, true, m, out, from, &check_error));
         for (size_t i = 0; i < m; i++)
             for (int k = 0; k < 4; k++)
                 found += out[i].x == square[k].x && out[i].y == square[k].y;
@@ -86,11 +84,10 @@ TEST(noise_goes)
     for (int trial = 0; trial < 50; trial++) {
         double x[300], y[300], from[2][300], rms, most, noise = 0.01, before = 0, after = 0, worst = 0;
         size_t n = 100 + 4*(size_t)trial;
-        lw_error e;
         noisy_circle(&rng, n, noise, x, y);
         memcpy(from[0], x, sizeof x);
         memcpy(from[1], y, sizeof y);
-        CHECK_INT(lw_smooth(x, y, n, trial % 2, 1.2*noise, &rms, &most, &e), LW_OK);
+        CHECK_OK(lw_smooth(x, y, n, trial % 2, 1.2*noise, &rms, &most, &check_error));
         for (size_t i = 0; i < n; i++) {
             double d = hypot(x[i] - from[0][i], y[i] - from[1][i]);
             worst = fmax(worst, d);
@@ -138,15 +135,14 @@ TEST(smoothing_is_invariant)
         double x[60], y[60], u[60], v[60], rms, most, again, c = cos(trial), s = sin(trial);
         size_t n = 6 + (size_t)trial, shift = (size_t)(lw_rng_uniform(&rng)*(double)n);
         bool closed = trial % 3, back = trial % 2;
-        lw_error e;
         noisy_circle(&rng, n, 0.05, x, y);
         for (size_t i = 0; i < n; i++) {
             size_t k = ((back ? n - 1 - i : i) + (closed ? shift : 0)) % n;
             u[i] = c*x[k] - s*y[k] + 7;
             v[i] = s*x[k] + c*y[k] - 3;
         }
-        CHECK_INT(lw_smooth(x, y, n, closed, 0.04, &rms, &most, &e), LW_OK);
-        CHECK_INT(lw_smooth(u, v, n, closed, 0.04, &rms, &again, &e), LW_OK);
+        CHECK_OK(lw_smooth(x, y, n, closed, 0.04, &rms, &most, &check_error));
+        CHECK_OK(lw_smooth(u, v, n, closed, 0.04, &rms, &again, &check_error));
         CHECK_NEAR(most, again, 1e-7, 0);
         for (size_t i = 0; i < n; i++) {
             size_t k = ((back ? n - 1 - i : i) + (closed ? shift : 0)) % n;
@@ -196,13 +192,12 @@ TEST(smoothing_is_least)
         double x[40], y[40], from[2][40], h[40], rms, most, lambda = 0, greatest = 0;
         size_t n = 8 + (size_t)trial;
         bool closed = trial % 2;
-        lw_error e;
         noisy_circle(&rng, n, 0.05, x, y);
         memcpy(from[0], x, sizeof x);
         memcpy(from[1], y, sizeof y);
         for (size_t i = 0; i < n; i++)
             h[i] = hypot(x[(i + 1) % n] - x[i], y[(i + 1) % n] - y[i]);
-        CHECK_INT(lw_smooth(x, y, n, closed, 0.03, &rms, &most, &e), LW_OK);
+        CHECK_OK(lw_smooth(x, y, n, closed, 0.03, &rms, &most, &check_error));
         for (int round = 0; round < 2; round++)
             for (size_t i = 0; i < n; i++) {
                 double step = 1e-4, kept = x[i];
@@ -224,13 +219,12 @@ TEST(smoothing_is_least)
 TEST(smoothing_leaves_lines)
 {
     double x[50], y[50], rms, most;
-    lw_error e;
     for (int i = 0; i < 50; i++) {
         x[i] = i + 0.2*sin(i);
         y[i] = 3*x[i] - 1;
     }
-    CHECK_INT(lw_smooth(x, y, 50, false, 0.1, &rms, &most, &e), LW_OK);
+    CHECK_OK(lw_smooth(x, y, 50, false, 0.1, &rms, &most, &check_error));
     CHECK_NEAR(most, 0, 1e-9, 0);
-    CHECK_INT(lw_smooth(x, y, 4, true, 0.1, &rms, &most, &e), LW_OK);      /* too few to be smoothed */
+    CHECK_OK(lw_smooth(x, y, 4, true, 0.1, &rms, &most, &check_error));      /* too few to be smoothed */
     CHECK_NEAR(most, 0, 0, 0);
 }

@@ -21,8 +21,7 @@ TEST(everything_is_read)
         "'forbidden':[{'circle':[[9,8],2]},{'box':[[20,30],[40,50]]}],"
         "'max_size':3,'class_margin':0,'through_limits':true,'tolerance':0.2,'smooth':1.5,'resample':40}";
     OWN(lw_task_file) b = { 0 };
-    lw_error e;
-    CHECK_INT(read(text, &b, &e), LW_OK);
+    CHECK_OK(read(text, &b, &check_error));
     CHECK_TEXT(b.name, "n");
     CHECK_TEXT(b.target, "p.csv");
     CHECK_TEXT(b.topology, "watt1");
@@ -115,8 +114,7 @@ TEST(what_can_be_done_is_no_contradiction)
     };
     for (size_t i = 0; i < sizeof good/sizeof *good; i++) {
         OWN(lw_task_file) b = { 0 };
-        lw_error e;
-        CHECK_INT(read(good[i], &b, &e), LW_OK);
+        CHECK_OK(read(good[i], &b, &check_error));
     }
 }
 

@@ -10,14 +10,13 @@ static void scatter(size_t n, lw_timing timing, double shake, int sense, lw_rng 
     member m;
     stations st;
     OWN(lw_target) t = { 0 };
-    lw_error e;
     lw_fit_spec spec = lw_fit_spec_default();
     spec.timing = timing;
     draw_member("crank-rocker", 1, false, rng, &m);
     trace_member(&m, n, &st);
     shake_stations(&st, shake, rng);
     target_of(&st, &spec, &t);
-    CHECK_INT(lw_problem_make(&t, &spec, m.family, 1, sense, p, &e), LW_OK);
+    CHECK_OK(lw_problem_make(&t, &spec, m.family, 1, sense, p, &check_error));
     variables_of(p, &m, x);
 }
 
@@ -308,7 +307,6 @@ TEST(own_stations_go_home)
         stations st, twice;
         OWN(lw_target) t = { 0 };
         OWN(lw_problem) p = { 0 };
-        lw_error e;
         double x[LW_VAR_MAX];
         lw_fit_spec spec = lw_fit_spec_default();
         int sense = trial % 2 ? 1 : -1;
@@ -322,7 +320,7 @@ TEST(own_stations_go_home)
             twice.y[i] = st.y[from];
         }
         target_of(&twice, &spec, &t);
-        CHECK_INT(lw_problem_make(&t, &spec, m.family, 1, sense, &p, &e), LW_OK);
+        CHECK_OK(lw_problem_make(&t, &spec, m.family, 1, sense, &p, &check_error));
         variables_of(&p, &m, x);
         lw_work *w = new_work(&p);
         CHECK(lw_problem_value(&p, x, NULL, w) < 1e-24);
@@ -371,7 +369,6 @@ TEST(only_the_covered_piece_counts)
         stations st;
         OWN(lw_target) t = { 0 };
         OWN(lw_problem) p = { 0 };
-        lw_error e;
         double x[LW_VAR_MAX];
         lw_fit_spec spec = lw_fit_spec_default();
         draw_member("crank-rocker", 1, false, &rng, &m);
@@ -381,7 +378,7 @@ TEST(only_the_covered_piece_counts)
         st.closed = false;
         spec.timing = LW_TIMING_NONE;
         target_of(&st, &spec, &t);
-        CHECK_INT(lw_problem_make(&t, &spec, m.family, 1, 1, &p, &e), LW_OK);
+        CHECK_OK(lw_problem_make(&t, &spec, m.family, 1, 1, &p, &check_error));
         variables_of(&p, &m, x);
         lw_work *w = new_work(&p);
         lw_problem_value(&p, x, NULL, w);

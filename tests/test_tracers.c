@@ -74,10 +74,9 @@ static lw_target target_rows(rows *r, bool timed)
 
 static void check_found(const machine *m, const lw_target *t, const lw_fit_options *o, const lw_fit *fit)
 {
-    lw_error e;
     lw_fit_report *r = malloc(sizeof *r);
     const lw_candidate *c = &fit->candidate[0];
-    CHECK_INT(lw_fit_report_make(t, &o->spec, c, r, &e), LW_OK);
+    CHECK_OK(lw_fit_report_make(t, &o->spec, c, r, &check_error));
     CHECK(r->verified);
     CHECK_NEAR(c->objective, 0, 1e-22, 0);
     for (int i = 0; i < N_NAME; i++) {

@@ -62,13 +62,12 @@ TEST(postures_are_sound)
         lw_linkage k;
         lw_plan p;
         lw_posture posture;
-        lw_error e;
         double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
         lw_type_linkage(t, &k);
-        CHECK_INT(lw_linkage_check(&k, &e), LW_OK);
+        CHECK_OK(lw_linkage_check(&k, &check_error));
         CHECK_INT(lw_linkage_mobility(&k), 1);
-        CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &p, &e), LW_OK);
-        CHECK_INT(lw_plan_read(&p, &k, dim, mode, &input, &e), LW_OK);
+        CHECK_OK(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &p, &check_error));
+        CHECK_OK(lw_plan_read(&p, &k, dim, mode, &input, &check_error));
         CHECK_INT(p.input_is_slider, t->input_is_slider);
         CHECK_NEAR(k.input[0].value, input, 1e-15, 0);
         CHECK_INT(lw_posture_solve(&p, dim, mode, input, 0, &posture), LW_OK);
