@@ -65,12 +65,13 @@ static inline int check_fail(const char *file, int line)
          if (g_ != w_ && check_fail(__FILE__, __LINE__)) \
              fprintf(stderr, "%s = %lld, want %s = %lld\n", #got, g_, #want, w_); } while (0)
 
-/* The call returns LW_OK; one that takes an lw_error gets &check_error, whose text is shown if it does not. */
+/* The call, or a status that was kept, is LW_OK; calls that take an lw_error get &check_error, whose text is shown if not. */
 static lw_error check_error __attribute__((unused));
 #define CHECK_OK(call) \
-    do { check_error.text[0] = '\0'; lw_status s_ = (call); \
+    do { lw_status s_ = (call); \
          if (s_ != LW_OK && check_fail(__FILE__, __LINE__)) \
-             fprintf(stderr, "%s = %d: %s\n", #call, (int)s_, check_error.text); } while (0)
+             fprintf(stderr, "%s = %d: %s\n", #call, (int)s_, check_error.text); \
+         check_error.text[0] = '\0'; } while (0)
 
 #define CHECK_TEXT(got, want) \
     do { const char *g_ = (got), *w_ = (want); \

@@ -127,11 +127,10 @@ static inline void drun_exact(const lw_ode *ode, double from, double *y, double 
     lw_ode_options o = lw_ode_options_default();
     lw_integrator w;
     lw_ode_stop stop = LW_ODE_STEP;
-    lw_error e = { 0 };
     double *work = calloc(lw_integrate_work(ode->n, 0), sizeof *work);
     o.relative = o.absolute = 1e-14;
-    CHECK_INT(lw_integrate_start(&w, ode, &o, work, from, y, &e), LW_OK);
-    while (stop != LW_ODE_END && lw_integrate_step(&w, to, &stop, &e) == LW_OK) {
+    CHECK_OK(lw_integrate_start(&w, ode, &o, work, from, y, &check_error));
+    while (stop != LW_ODE_END && lw_integrate_step(&w, to, &stop, &check_error) == LW_OK) {
     }
     memcpy(y, w.y, (size_t)ode->n*sizeof *y);
     free(work);

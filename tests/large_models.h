@@ -21,10 +21,7 @@ static inline void put(text *t, const char *format, ...)
 /* Read the text with single quotes for double ones. */
 static inline void read_text(text *t, lw_model *m)
 {
-    lw_error e = { 0 };
-    CHECK_INT(lw_model_read(json_quotes(t->at), t->n, "text", m, &e), LW_OK);
-    if (e.text[0])
-        fprintf(stderr, "%s\n", e.text);
+    CHECK_OK(lw_model_read(json_quotes(t->at), t->n, "text", m, &check_error));
     free(t->at);
 }
 

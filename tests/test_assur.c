@@ -51,10 +51,9 @@ TEST(known_mechanisms)
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         lw_mechanism m;
         lw_assur a;
-        lw_error e;
-        CHECK_INT(lw_edges_read(known[i].text, strlen(known[i].text), NULL, &m, &e), LW_OK);
+        CHECK_OK(lw_edges_read(known[i].text, strlen(known[i].text), NULL, &m, &check_error));
         if (known[i].n_group == 0) {
-            CHECK_INT(lw_assur_decompose(&m, &a, &e), LW_E_ARG);
+            CHECK_INT(lw_assur_decompose(&m, &a, &check_error), LW_E_ARG);
             continue;
         }
         a = decompose(&m);

@@ -412,21 +412,19 @@ TEST(refusals)
     lw_store *s = open_store(false);
     lw_vec2 p[3] = { { 1, 1 }, { 1, 1 }, { 1, 1 } };
     lw_atlas_hit hit[3];
-    lw_error e;
     int n;
-    CHECK_INT(lw_store_nearest(s, p, 3, true, NULL, 3, hit, &n, NULL, &e), LW_E_ARG);
-    CHECK_INT(lw_store_nearest(s, p, 0, true, NULL, 3, hit, &n, NULL, &e), LW_E_ARG);
-    CHECK_INT(lw_store_nearest(s, p, 3, true, NULL, 0, hit, &n, NULL, &e), LW_E_ARG);
+    CHECK_INT(lw_store_nearest(s, p, 3, true, NULL, 3, hit, &n, NULL, &check_error), LW_E_ARG);
+    CHECK_INT(lw_store_nearest(s, p, 0, true, NULL, 3, hit, &n, NULL, &check_error), LW_E_ARG);
+    CHECK_INT(lw_store_nearest(s, p, 3, true, NULL, 0, hit, &n, NULL, &check_error), LW_E_ARG);
     p[1].x = 5;
-    CHECK_INT(lw_store_nearest(s, p, 2, false, NULL, 3, hit, &n, NULL, &e), LW_OK);
+    CHECK_OK(lw_store_nearest(s, p, 2, false, NULL, 3, hit, &n, NULL, &check_error));
     lw_store_close(s);
 }
 
 int main(void)
 {
-    lw_error e;
     snprintf(path, sizeof path, "%s/atlas.db", temporary_folder());
-    if (lw_curve_maker_create("all", &maker, &e) != LW_OK)
+    if (lw_curve_maker_create("all", &maker, &check_error) != LW_OK)
         return 1;
     check_run();
     lw_atlas_tree_free(&tree[0]);

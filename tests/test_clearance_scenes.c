@@ -10,15 +10,12 @@ static lw_clearance_result run(const lw_model *m, lw_clearance_options o, track 
 {
     lw_clearance_scene *scene = NULL;
     lw_clearance_result r = { 0 };
-    lw_error e = { 0 };
     t->n = 0;
     o.sink = keep, o.context = t;
-    lw_status s = lw_clearance_make(m, &scene, &e);
+    lw_status s = lw_clearance_make(m, &scene, &check_error);
     if (s == LW_OK)
-        s = lw_clearance_run(scene, &o, &r, &e);
-    if (s != LW_OK)
-        fprintf(stderr, "%s\n", e.text);
-    CHECK_INT(s, LW_OK);
+        s = lw_clearance_run(scene, &o, &r, &check_error);
+    CHECK_OK(s);
     lw_clearance_free(scene);
     return r;
 }
@@ -46,18 +43,15 @@ static long same_motion(const lw_model *m, double time, int samples, double tigh
     track k;
     lw_dynamics *d = NULL;
     lw_dynamics_report r;
-    lw_error e = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
     o.analysis = LW_ANALYSIS_DYNAMIC, o.formulation = LW_FORMULATION_INDEX1;
     o.to = time, o.intervals = samples, o.relative = o.absolute = 1e-11;
-    lw_status s = lw_dynamics_make(m, &o, &d, &e);
+    lw_status s = lw_dynamics_make(m, &o, &d, &check_error);
     if (s == LW_OK) {
         t.s = *lw_dynamics_system(d);        /* as long as d */
-        s = lw_dynamics_run(d, keep_twin, &t, &r, &e);
+        s = lw_dynamics_run(d, keep_twin, &t, &r, &check_error);
     }
-    if (s != LW_OK)
-        fprintf(stderr, "%s\n", e.text);
-    CHECK_INT(s, LW_OK);
+    CHECK_OK(s);
     lw_clearance_options c = lw_clearance_options_default();
     c.time = time, c.settle = 0, c.every = time/samples, c.tolerance = 1e-11;
     long strikes = run(m, c, &k).strikes;

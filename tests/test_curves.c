@@ -91,7 +91,6 @@ TEST(many_families)
 {
     lw_curve_maker *m = NULL, *again = NULL;
     lw_curve_work *work[2];
-    lw_error e = { 0 };
     static double u[200*LW_CURVE_DRAWS];
     int n_made = 0, n_beyond = 0;
     char name[64];
@@ -102,9 +101,9 @@ TEST(many_families)
     size_t n = 0;
     for (int i = 0; i < 600; i++)
         n += (size_t)sprintf(text + n, "%sf%d%s", i ? "," : "", i, three[i%3]);
-    CHECK_INT(lw_curve_maker_of(text, &m, &e), LW_OK);
+    CHECK_OK(lw_curve_maker_of(text, &m, &check_error));
     CHECK_TEXT(lw_curve_maker_families(m), text);
-    CHECK_INT(lw_curve_maker_of(lw_curve_maker_families(m), &again, &e), LW_OK);
+    CHECK_OK(lw_curve_maker_of(lw_curve_maker_families(m), &again, &check_error));
     CHECK_INT(lw_curve_work_create(m, &work[0]), LW_OK);
     CHECK_INT(lw_curve_work_create(again, &work[1]), LW_OK);
     lw_rng rng = check_rng(7);
@@ -135,14 +134,14 @@ TEST(many_families)
     lw_curve_maker_free(m);
     /* a family that is no family is found when it is needed; some of four links are too many */
     memcpy(strstr(text, "f500="), "f500=9", 6);
-    CHECK_INT(lw_curve_maker_of(text, &m, &e), LW_OK);
+    CHECK_OK(lw_curve_maker_of(text, &m, &check_error));
     CHECK_INT(lw_curve_work_create(m, &work[0]), LW_OK);
     u[0] = 500.5/600;
     CHECK(lw_curve_draw(m, u, true, work[0], &(lw_curve_row){ 0 }) < 0);
     lw_curve_work_free(work[0]);
     lw_curve_maker_free(m);
     memcpy(text, "crank-rocker,f=", 15);                             /* "crank-rocker,f=" and the rest of the first two families */
-    CHECK(lw_curve_maker_of(text, &m, &e) < 0);
+    CHECK(lw_curve_maker_of(text, &m, &check_error) < 0);
     free(text);
 }
 
@@ -161,11 +160,10 @@ TEST(topologies_as_text)
         "x=1-99r=g1i1t2", "x=", "x=1-2r.2-3r.3-4r.4-1r", "x=1-2r.2-3r.3-4r.4-1r=g1i1t3x", "x=1-2q.2-3r=g1i1t3",
     };
     lw_curve_maker *m, *again;
-    lw_error e;
     double u[LW_CURVE_DRAWS] = { 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8 };
     lw_curve_row row;
     lw_linkage k, same;
-    CHECK_INT(lw_curve_maker_of(STEPHENSON, &m, &e), LW_OK);
+    CHECK_OK(lw_curve_maker_of(STEPHENSON, &m, &check_error));
     lw_curve_work *work = NULL;
     CHECK_INT(lw_curve_work_create(m, &work), LW_OK);
     while (lw_curve_draw(m, u, true, work, &row) != LW_OK && u[1] < 0.9)
@@ -175,19 +173,19 @@ TEST(topologies_as_text)
     const char *type = "?";
     CHECK(lw_curve_family(m, &row, name, &type) && !type);
     CHECK_TEXT(name, "Stephenson III");
-    CHECK_INT(lw_curve_maker_create(NULL, &again, &e), LW_OK);
+    CHECK_OK(lw_curve_maker_create(NULL, &again, &check_error));
     CHECK_INT(lw_curve_draw(again, u, true, work, &row), LW_OPEN);         /* of no family, no curve */
-    CHECK_INT(lw_curve_maker_add(again, "Stephenson III", &k, &e), LW_OK);
+    CHECK_OK(lw_curve_maker_add(again, "Stephenson III", &k, &check_error));
     CHECK_TEXT(lw_curve_maker_families(again), STEPHENSON);
     CHECK_INT(lw_curve_linkage(again, &row, true, work, &same), LW_OK);
     CHECK_INT(memcmp(&k.joint, &same.joint, sizeof k.joint), 0);
     k.n_input = 2;
-    CHECK_INT(lw_curve_maker_add(again, "two inputs", &k, &e), LW_E_ARG);
+    CHECK_INT(lw_curve_maker_add(again, "two inputs", &k, &check_error), LW_E_ARG);
     lw_curve_work_free(work);
     lw_curve_maker_free(m);
     lw_curve_maker_free(again);
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++)
-        CHECK(lw_curve_maker_of(bad[i], &m, &e) < 0);
+        CHECK(lw_curve_maker_of(bad[i], &m, &check_error) < 0);
 }
 
 

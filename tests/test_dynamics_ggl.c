@@ -90,13 +90,12 @@ TEST(joints_in_space)
 {
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_dynamics_report report = { 0 };
-    lw_error e = { 0 };
     lw_dynamics *made = NULL;
     OWN(lw_spatial) m = { 0 };
     load_spatial("slider-crank", &m);
-    CHECK_INT(lw_dynamics_make_spatial(&m, &o, &made, &e), LW_OK);
+    CHECK_OK(lw_dynamics_make_spatial(&m, &o, &made, &check_error));
     if (made)
-        compare(made, &report, &e);
+        compare(made, &report, &check_error);
 }
 
 TEST(pins)

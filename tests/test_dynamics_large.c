@@ -63,13 +63,10 @@ static void agree(lw_model *m, double to, double tight)
 {
     kept both, sparse;
     lw_dynamics_report r;
-    lw_error e = { 0 };
-    CHECK_INT(run(m, to, 1e-11, &both, &r, &e), LW_OK);
+    CHECK_OK(run(m, to, 1e-11, &both, &r, &check_error));
     free(m->small);
     m->small = NULL;
-    CHECK_INT(run(m, to, 1e-11, &sparse, &r, &e), LW_OK);
-    if (e.text[0])
-        fprintf(stderr, "%s\n", e.text);
+    CHECK_OK(run(m, to, 1e-11, &sparse, &r, &check_error));
     CHECK_INT(sparse.n_q, both.n_q);
     CHECK_INT(sparse.n_sample, both.n_sample);
     for (int i = 0; both.q && sparse.q && i < both.n_q; i++)
@@ -77,7 +74,7 @@ static void agree(lw_model *m, double to, double tight)
     CHECK_POINT(sparse.joint.force, both.joint.force.x, both.joint.force.y, 1e-6, 1e-6);
     CHECK(sparse.off < 1e-12);
     free(sparse.q);
-    lw_status s = run_by(LW_FORMULATION_GGL, m, to, 1e-8, &sparse, &r, &e);      /* sparse derivatives */
+    lw_status s = run_by(LW_FORMULATION_GGL, m, to, 1e-8, &sparse, &r, &check_error);      /* sparse derivatives */
     CHECK(s == LW_OK || s == LW_E_KIND);
     for (int i = 0; s == LW_OK && i < both.n_q; i++)
         CHECK_NEAR(sparse.q[i], both.q[i], 1e-5, 0);
@@ -515,12 +512,9 @@ static void row_turns(int n)
     OWN(lw_model) m = { 0 };
     moments k;
     lw_dynamics_report r;
-    lw_error e = { 0 };
     read_row(n, &m);
-    CHECK_INT(lw_model_drive(&m, 0, "1.5707963267948966 + 6.2831853071795862*t", &e), LW_OK);
-    CHECK_INT(run_driven(&m, LW_ANALYSIS_KINEMATIC, 1, &k, &r, &e), LW_OK);
-    if (e.text[0])
-        fprintf(stderr, "%s\n", e.text);
+    CHECK_OK(lw_model_drive(&m, 0, "1.5707963267948966 + 6.2831853071795862*t", &check_error));
+    CHECK_OK(run_driven(&m, LW_ANALYSIS_KINEMATIC, 1, &k, &r, &check_error));
     int n_q = 3*(2*n + 1), width = 3*n_q + k.n_c;
     for (int s = 0; s < k.n; s++)
         for (int b = 0; b < 2*n + 1; b++)
@@ -878,11 +872,8 @@ TEST(friction_in_any_number_of_joints)
             OWN(lw_model) m = { 0 };
             kept k;
             lw_dynamics_report report;
-            lw_error e = { 0 };
             read_copies(number[i], radius[r], &m);
-            CHECK_INT(run(&m, 0.2, 1e-9, &k, &report, &e), LW_OK);
-            if (e.text[0])
-                fprintf(stderr, "%s\n", e.text);
+            CHECK_OK(run(&m, 0.2, 1e-9, &k, &report, &check_error));
             CHECK_INT(k.n_sample, 5);
             CHECK_INT(k.n_q, 9*number[i]);
             for (int c = 0; k.q && c < number[i]; c++)

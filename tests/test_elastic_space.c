@@ -49,17 +49,14 @@ static lw_status read_text(lw_spatial *m, lw_error *e, const char *format, ...)
 /* Run m, which is freed. */
 static void run(lw_spatial *m, lw_dynamics_options o, record *r)
 {
-    lw_error e = { 0 };
     lw_dynamics_report report;
     r->n = 0;
-    lw_status st = lw_dynamics_make_spatial(m, &o, &r->d, &e);
+    lw_status st = lw_dynamics_make_spatial(m, &o, &r->d, &check_error);
     if (st == LW_OK) {
         r->s = lw_dynamics_space(r->d);
-        st = lw_dynamics_analyse(r->d, keep, r, &report, &r->rest, &e);
+        st = lw_dynamics_analyse(r->d, keep, r, &report, &r->rest, &check_error);
     }
-    if (st != LW_OK)
-        fprintf(stderr, "%s\n", e.text);
-    CHECK_INT(st, LW_OK);
+    CHECK_OK(st);
     lw_dynamics_free(r->d);
     lw_spatial_free(m);
 }
@@ -67,26 +64,23 @@ static void run(lw_spatial *m, lw_dynamics_options o, record *r)
 /* The slowest frequencies about the posture of the file [Hz]. */
 static void frequencies(lw_spatial *m, bool hold, int n, double *out)
 {
-    lw_error e = { 0 };
     OWN(lw_modes) modes = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_dynamics *d;
     o.analysis = LW_ANALYSIS_STATIC;
     o.hold_inputs = hold;
-    lw_status st = lw_dynamics_make_spatial(m, &o, &d, &e);
+    lw_status st = lw_dynamics_make_spatial(m, &o, &d, &check_error);
     memset(out, 0, (size_t)n*sizeof *out);
     if (st == LW_OK) {
         double *q = calloc((size_t)lw_dynamics_space(d)->n_q + (size_t)lw_dynamics_space(d)->n_v, sizeof *q);
         lw_dynamics_start(d, q, q + lw_dynamics_space(d)->n_q);
-        st = lw_modes_find_large(d, &(lw_modes_options){ .hold_inputs = hold }, n, 0, q, &modes, &e);
+        st = lw_modes_find_large(d, &(lw_modes_options){ .hold_inputs = hold }, n, 0, q, &modes, &check_error);
         for (int i = 0; i < n && i < modes.n_mode; i++)
             out[i] = modes.mode[i].frequency;
         CHECK(modes.n_mode >= n);
         free(q);
     }
-    if (st != LW_OK)
-        fprintf(stderr, "%s\n", e.text);
-    CHECK_INT(st, LW_OK);
+    CHECK_OK(st);
     lw_dynamics_free(d);
     lw_spatial_free(m);
 }
@@ -620,13 +614,10 @@ TEST(driven_from_the_start)
 /* A bar of 2 m along x, clamped at 0, with a tracer and a force at its end; `more` belongs to "elastic". */
 static lw_status read_bar(lw_spatial *m, const char *elastic, double gravity, double force)
 {
-    lw_error e;
-    lw_status st = read_text(m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {%s}}], 'joints': [{'name': 'A', 'kind': "
+    lw_status st = read_text(m, &check_error, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {%s}}], 'joints': [{'name': 'A', 'kind': "
                              "'fixed', 'links': ['ground', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [2, 0, "
                              "0]}], 'gravity': [0, 0, %.17g], 'forces': [{'link': 'bar', 'at': [2, 0, 0], 'fz': %.17g}]}", elastic, gravity, force);
-    if (st != LW_OK)
-        fprintf(stderr, "%s\n", e.text);
-    CHECK_INT(st, LW_OK);
+    CHECK_OK(st);
     return st;
 }
 
@@ -720,7 +711,6 @@ TEST(condensed)
 static void hinged_bar(const char *elastic, lw_elastic_expansion *x, double out[4])
 {
     char text[1500];
-    lw_error e = { 0 };
     OWN(lw_model) m = { 0 };
     OWN(lw_modes) modes = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
@@ -730,24 +720,22 @@ static void hinged_bar(const char *elastic, lw_elastic_expansion *x, double out[
              "'links': ['ground', 'bar'], 'at': [0, 0]}, {'name': 'B', 'kind': 't', 'links': ['ground', 'bar'], 'at': [0.6, 0.8], 'along': [0.6, 0.8]}]}", elastic);
     o.analysis = LW_ANALYSIS_STATIC;
     read_planar(text, "test", &m);
-    lw_status st = lw_dynamics_make(&m, &o, &d, &e);
-    if (st != LW_OK)
-        fprintf(stderr, "%s\n", e.text);
-    CHECK_INT(st, LW_OK);
+    lw_status st = lw_dynamics_make(&m, &o, &d, &check_error);
+    CHECK_OK(st);
     if (st == LW_OK) {
         const lw_system *s = lw_dynamics_system(d);
         double *q = calloc(2*(size_t)s->n_q, sizeof *q);
         lw_dynamics_start(d, q, q + s->n_q);
-        CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ 0 }, 3, 0, q, &modes, &e), LW_OK);
+        CHECK_OK(lw_modes_find_large(d, &(lw_modes_options){ 0 }, 3, 0, q, &modes, &check_error));
         for (int i = 0; i < 2; i++)
             out[i] = i < modes.n_mode ? modes.mode[i].frequency : NAN;
-        CHECK_INT(lw_statics_rest(d, 0, q, &rest, &e), LW_OK);
+        CHECK_OK(lw_statics_rest(d, 0, q, &rest, &check_error));
         out[2] = q[2];
         out[3] = lw_forces_strain(lw_dynamics_forces(d), q);
         free(q);
     }
     if (x)
-        CHECK_INT(lw_elastic_expand(&m, false, x, &e), LW_OK);
+        CHECK_OK(lw_elastic_expand(&m, false, x, &check_error));
     lw_dynamics_free(d);
 }
 

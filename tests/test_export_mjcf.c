@@ -215,11 +215,10 @@ static void examples_move_alike(void)
 static double follows(const lw_linkage *k, double way)
 {
     lw_newton *s = NULL;
-    lw_error e = { 0 };
     mjModel *m = load(k);
     double worst = 0;
     int n = lw_linkage_free_inputs(k);
-    if (!m || lw_newton_create(k, &s, &e) != LW_OK)
+    if (!m || lw_newton_create(k, &s, &check_error) != LW_OK)
         return INFINITY;
     mjData *d = mj.make(m);
     CHECK_INT(m->nu, n);

@@ -30,10 +30,9 @@ static int lookup(void *context, const char *word, const char *name, char *why)
 static lw_expression *parse(const char *text)
 {
     lw_expression *x = NULL;
-    lw_error e;
     char buf[256];
-    if (lw_expression_parse(text, strlen(text), lookup, NULL, &x, &e) != LW_OK) {
-        lw_error_print(&e, buf, sizeof buf);
+    if (lw_expression_parse(text, strlen(text), lookup, NULL, &x, &check_error) != LW_OK) {
+        lw_error_print(&check_error, buf, sizeof buf);
         fprintf(stderr, "%s: %s\n", text, buf);
     }
     CHECK(x != NULL);

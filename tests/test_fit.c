@@ -236,11 +236,8 @@ static double best_from(const points *p, int rounds, long starts)
     OWN(lw_target) t = { 0 };
     lw_fit_options o;
     OWN(lw_fit) fit = { 0 };
-    lw_error e;
-    lw_status st = fit_points(p, "fourbar", rounds, starts, &t, &o, &fit, &e);
-    CHECK_INT(st, LW_OK);
-    if (st != LW_OK)
-        fprintf(stderr, "%s\n", e.text);
+    lw_status st = fit_points(p, "fourbar", rounds, starts, &t, &o, &fit, &check_error);
+    CHECK_OK(st);
     double f = fit.n > 0 ? fit.candidate[0].objective/(t.size*t.size) : INFINITY;
     check_list(&t, &o, &fit);
     return f;

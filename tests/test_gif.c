@@ -227,15 +227,14 @@ TEST(same_input_same_bytes)
 {
     OWN(lw_scene) s = { 0 };
     lw_bytes a, b;
-    lw_error e;
     lw_gif_options o = { .width = 160, .height = 120, .n_frame = 8, .delay = 5 };
     CHECK_INT(model_scene("Crank-rocker", 10, &s), LW_OK);
-    CHECK_INT(lw_gif_write(&s, &o, &a, &e), LW_OK);
-    CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_OK);
+    CHECK_OK(lw_gif_write(&s, &o, &a, &check_error));
+    CHECK_OK(lw_gif_write(&s, &o, &b, &check_error));
     CHECK(a.size == b.size && memcmp(a.data, b.data, a.size) == 0);
     lw_bytes_free(&a);
     lw_bytes_free(&b);
     o.width = 20;
-    CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_E_ARG);
+    CHECK_INT(lw_gif_write(&s, &o, &b, &check_error), LW_E_ARG);
     CHECK(b.data == NULL);
 }

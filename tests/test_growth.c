@@ -121,7 +121,6 @@ TEST(kinds_matter)
     lw_mechanism m;
     lw_growth g;
     lw_reach reach;
-    lw_error e = { 0 };
     lw_mechanism_clear(&m, 3);
     lw_mechanism_join(&m, 0, 1, 't');
     lw_mechanism_join(&m, 1, 2, 'p');
@@ -131,13 +130,13 @@ TEST(kinds_matter)
     CHECK_INT(g.step[0].rule, 1);
     check_replay(&m, &g, reach);
     m.kind[0] = 'g';
-    CHECK_INT(lw_growth_find(&m, &g, &reach, NULL, &e), LW_OK);
+    CHECK_OK(lw_growth_find(&m, &g, &reach, NULL, &check_error));
     CHECK_INT(reach, LW_NOT_MOBILITY);
     m.kind[2] = 'r';
-    CHECK_INT(lw_growth_find(&m, &g, &reach, NULL, &e), LW_OK);
+    CHECK_OK(lw_growth_find(&m, &g, &reach, NULL, &check_error));
     CHECK_INT(reach, LW_NOT_GEAR);
     lw_mechanism_clear(&m, 3);
     lw_mechanism_join(&m, 0, 1, 'r');
     lw_mechanism_join(&m, 1, 2, 'r');
-    CHECK_INT(lw_growth_find(&m, &g, &reach, NULL, &e), LW_E_ARG);   /* open ends */
+    CHECK_INT(lw_growth_find(&m, &g, &reach, NULL, &check_error), LW_E_ARG);   /* open ends */
 }

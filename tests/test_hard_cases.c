@@ -22,10 +22,7 @@ static lw_plan plan_of_type(const char *name, lw_linkage *k)
 static lw_newton *newton_of(const lw_linkage *k)
 {
     lw_newton *s = NULL;
-    lw_error e = { 0 };
-    CHECK_INT(lw_newton_create(k, &s, &e), LW_OK);
-    if (!s)
-        fprintf(stderr, "%s\n", e.text);
+    CHECK_OK(lw_newton_create(k, &s, &check_error));
     return s;
 }
 

@@ -22,9 +22,8 @@ static lw_kinematics *make(lw_rng *rng, bool slides, lw_vec2 tracer, lw_vec2 pla
     lw_linkage *k;
     lw_kinematics *m = NULL;
     memcpy(place, (lw_vec2[]){ a0, a, b, b0 }, 4*sizeof *place);
-    lw_error e;
-    CHECK(lw_linkage_create(4, 0, 4, joint, 1, &input, 1, &p, &k, &e) == LW_OK);
-    CHECK(lw_kinematics_create(k, &m, &e) == LW_OK);
+    CHECK(lw_linkage_create(4, 0, 4, joint, 1, &input, 1, &p, &k, &check_error) == LW_OK);
+    CHECK(lw_kinematics_create(k, &m, &check_error) == LW_OK);
     lw_linkage_destroy(k);
     return m;
 }

@@ -314,10 +314,9 @@ TEST(many_legs)
         OWN(lw_assembly) a = legs(row[i].name, row[i].n);
         OWN(lw_scene) s = { 0 };
         OWN(lw_layers) l = { 0 };
-        lw_error e = { 0 };
         const volatile sig_atomic_t stop = 1;
-        CHECK_INT(lw_scene_make_any(&a, NULL, NULL, &(lw_scene_options){ .n_frame = 240 }, &s, &e), LW_OK);
-        CHECK_INT(lw_layers_find(&s, NULL, &l, &e), row[i].layers ? LW_OK : LW_NOTHING);
+        CHECK_OK(lw_scene_make_any(&a, NULL, NULL, &(lw_scene_options){ .n_frame = 240 }, &s, &check_error));
+        CHECK_INT(lw_layers_find(&s, NULL, &l, &check_error), row[i].layers ? LW_OK : LW_NOTHING);
         if (row[i].layers) {
             CHECK_INT(l.n_layer, row[i].layers);
             double seen = room_seen(&s, &l);
@@ -325,7 +324,7 @@ TEST(many_legs)
         }
         lw_layers_free(&l);
         s.stop = &stop;
-        CHECK_INT(lw_layers_find(&s, NULL, &l, &e), LW_STOPPED);
+        CHECK_INT(lw_layers_find(&s, NULL, &l, &check_error), LW_STOPPED);
     }
 }
 

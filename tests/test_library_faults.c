@@ -59,10 +59,9 @@ static lw_status add_vibration(void *context, const lw_vibration_info *v)
 static lw_status vibrations(sum *s)
 {
     lw_model *m = NULL;
-    lw_error e;
-    lw_status st = lw_model_load("examples/pendulum.json", &m, &e);
+    lw_status st = lw_model_load("examples/pendulum.json", &m, &check_error);
     if (st == LW_OK)
-        st = lw_model_vibrations(m, true, false, add_vibration, s, &e);
+        st = lw_model_vibrations(m, true, false, add_vibration, s, &check_error);
     lw_model_destroy(m);
     return st;
 }
@@ -78,14 +77,13 @@ static lw_status simulate(sum *s, const char *path, double to)
     lw_model *m = NULL;
     lw_simulation *run = NULL;
     lw_simulation_options o = lw_simulation_options_default();
-    lw_error e;
     o.to = to;
     o.intervals = 5;
-    lw_status st = lw_model_load(path, &m, &e);
+    lw_status st = lw_model_load(path, &m, &check_error);
     if (st == LW_OK)
-        st = lw_simulation_create(m, &o, &run, &e);
+        st = lw_simulation_create(m, &o, &run, &check_error);
     if (st == LW_OK)
-        st = lw_simulation_run(run, add_sample, s, NULL, &e);
+        st = lw_simulation_run(run, add_sample, s, NULL, &check_error);
     lw_simulation_destroy(run);
     lw_model_destroy(m);
     return st;
@@ -116,12 +114,11 @@ static lw_status space(sum *s)
 {
     lw_spatial *m = NULL;
     lw_mobility_info info = { 0 };
-    lw_error e;
-    lw_status st = lw_spatial_load("examples/space/bricard.json", &m, &e);
+    lw_status st = lw_spatial_load("examples/space/bricard.json", &m, &check_error);
     if (st == LW_OK)
-        st = lw_spatial_analyse_mobility(m, 1e-12, 1, &info, &e);
+        st = lw_spatial_analyse_mobility(m, 1e-12, 1, &info, &check_error);
     if (st == LW_OK)
-        st = lw_spatial_trace(m, false, 0, 0, 3, add_trace, s, &e);
+        st = lw_spatial_trace(m, false, 0, 0, 3, add_trace, s, &check_error);
     add(s, &info.freedom, sizeof info.freedom);
     lw_spatial_destroy(m);
     return st;
@@ -132,12 +129,11 @@ static lw_status open_tree(sum *s)
 {
     lw_spatial *m = NULL;
     lw_simulation_options o = lw_simulation_options_default();
-    lw_error e;
     o.to = 0.01;
     o.intervals = 2;
-    lw_status st = lw_spatial_load("examples/space/governor.json", &m, &e);
+    lw_status st = lw_spatial_load("examples/space/governor.json", &m, &check_error);
     if (st == LW_OK)
-        st = lw_spatial_simulate(m, &o, add_in_space, s, NULL, &e);
+        st = lw_spatial_simulate(m, &o, add_in_space, s, NULL, &check_error);
     lw_spatial_destroy(m);
     return st;
 }
@@ -148,16 +144,15 @@ static lw_status family(sum *s)
     lw_variant *v = NULL;
     char *text = NULL;
     size_t size = 0;
-    lw_error e;
-    lw_status st = lw_master_load("examples/families/loader.json", &m, &e);
+    lw_status st = lw_master_load("examples/families/loader.json", &m, &check_error);
     if (st == LW_OK)
         st = lw_variant_create(m, &v);
     if (st == LW_OK)
-        st = lw_variant_set(v, "reach", "2.5", &e);
+        st = lw_variant_set(v, "reach", "2.5", &check_error);
     if (st == LW_OK)
-        st = lw_variant_hold_checks(v, &e);
+        st = lw_variant_hold_checks(v, &check_error);
     if (st == LW_OK)
-        st = lw_variant_text(v, &text, &size, &e);
+        st = lw_variant_text(v, &text, &size, &check_error);
     add(s, text, text ? size : 0);
     lw_free(text);
     lw_variant_destroy(v);
@@ -177,22 +172,21 @@ static lw_status drives(sum *s)
     lw_servo *servo = NULL;
     lw_servo_options o = lw_servo_options_default();
     lw_servo_report report = { 0 };
-    lw_error e;
     o.to = 0.01;
     o.intervals = 4;
-    lw_status st = lw_model_load("examples/drives/lifting-arm.json", &m, &e);
+    lw_status st = lw_model_load("examples/drives/lifting-arm.json", &m, &check_error);
     if (st == LW_OK)
-        st = lw_model_loads(m, 0, 2.5, 20, &loads, &e);
+        st = lw_model_loads(m, 0, 2.5, 20, &loads, &check_error);
     if (st == LW_OK)
-        st = lw_drive_parts_load("examples/drives/motors.csv", &parts, &e);
+        st = lw_drive_parts_load("examples/drives/motors.csv", &parts, &check_error);
     if (st == LW_OK)
-        st = lw_drive_choose(&loads.load[0], parts, 10, NULL, &n, &choice, &front, &e);
+        st = lw_drive_choose(&loads.load[0], parts, 10, NULL, &n, &choice, &front, &check_error);
     for (size_t i = 0; st == LW_OK && i < n; i++)
         add(s, &choice[i].worst, sizeof choice[i].worst);
     if (st == LW_OK)
-        st = lw_servo_load("examples/drives/servo-axis.json", &servo, &e);
+        st = lw_servo_load("examples/drives/servo-axis.json", &servo, &check_error);
     if (st == LW_OK)
-        st = lw_servo_run(servo, &o, NULL, NULL, &report, &e);
+        st = lw_servo_run(servo, &o, NULL, NULL, &report, &check_error);
     add(s, &report.heat, sizeof report.heat);
     lw_servo_destroy(servo);
     lw_free(choice);
@@ -209,15 +203,14 @@ static lw_status search(sum *s, bool exact)
     lw_target *t = NULL;
     lw_results *r = NULL;
     lw_fit_request o = lw_fit_request_default();
-    lw_error e;
     o.starts = 4;
     o.rounds = o.jobs = 1;
     o.crank_only = !exact;                           /* the default limits, in an eighth of the time */
     o.max_size = exact ? 0 : 1.5;
-    lw_status st = exact ? lw_target_create(5, x, y, NULL, NULL, NULL, false, &t, &e)
-                         : lw_target_load("examples/ellipse.csv", NULL, &t, &e);
+    lw_status st = exact ? lw_target_create(5, x, y, NULL, NULL, NULL, false, &t, &check_error)
+                         : lw_target_load("examples/ellipse.csv", NULL, &t, &check_error);
     if (st == LW_OK)
-        st = (exact ? lw_fit_precision_points : lw_fit_target)(t, &o, &r, &e);
+        st = (exact ? lw_fit_precision_points : lw_fit_target)(t, &o, &r, &check_error);
     int n = r ? lw_results_count(r) : 0;
     add(s, &n, sizeof n);
     lw_results_destroy(r);
@@ -236,7 +229,6 @@ static lw_status short_search(sum *s, const char *solver, int links)
     lw_target *t = NULL;
     lw_results *r = NULL;
     lw_fit_request o = lw_fit_request_default();
-    lw_error e;
     o.starts = o.rounds = o.jobs = o.results = 1;
     o.timing = "prescribed";
     o.solver = solver;
@@ -245,9 +237,9 @@ static lw_status short_search(sum *s, const char *solver, int links)
     o.budget = 1000;
     o.joints = "r";
     o.unlimited = true;
-    lw_status st = lw_target_create(5, x, y, NULL, angle, NULL, false, &t, &e);
+    lw_status st = lw_target_create(5, x, y, NULL, angle, NULL, false, &t, &check_error);
     if (st == LW_OK)
-        st = lw_fit_target(t, &o, &r, &e);
+        st = lw_fit_target(t, &o, &r, &check_error);
     int n = r ? lw_results_count(r) : 0;
     add(s, &n, sizeof n);
     lw_results_destroy(r);
@@ -265,11 +257,10 @@ static lw_status group(sum *s)
 {
     lw_linkage *linkage = NULL;
     lw_kinematics *k = NULL;
-    lw_error e;
     lw_vec2 at[1] = { { 0, 0 } };
-    lw_status st = lw_linkage_load("tests/data/linkages/triad-eight-bar.json", &linkage, &e);
+    lw_status st = lw_linkage_load("tests/data/linkages/triad-eight-bar.json", &linkage, &check_error);
     if (st == LW_OK)
-        st = lw_kinematics_create(linkage, &k, &e);
+        st = lw_kinematics_create(linkage, &k, &check_error);
     for (int i = 0; i < 3 && st == LW_OK; i++) {
         st = lw_kinematics_posture(k, lw_kinematics_input(k) + 0.01*i, 0, NULL, NULL, at, NULL);
         add(s, at, sizeof at);
@@ -284,8 +275,7 @@ static lw_status chain(sum *s)
     lw_chain *c = NULL, *form = NULL;
     char *text = NULL;
     uint64_t order = 0;
-    lw_error e;
-    lw_status st = lw_chain_from_text("Er`G", 4, "graph6", &c, &e);
+    lw_status st = lw_chain_from_text("Er`G", 4, "graph6", &c, &check_error);
     if (st == LW_OK)
         st = lw_chain_copy(c, &form);
     if (st == LW_OK)
@@ -293,7 +283,7 @@ static lw_status chain(sum *s)
     if (st == LW_OK)
         st = lw_chain_symmetries(c, &order);
     if (st == LW_OK)
-        st = lw_chain_to_text(form, "sentence", &text, &e);
+        st = lw_chain_to_text(form, "sentence", &text, &check_error);
     if (st == LW_OK)
         add(s, text, strlen(text));
     add(s, &order, sizeof order);

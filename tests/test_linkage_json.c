@@ -76,9 +76,8 @@ TEST(the_manual_shows_it)
 TEST(what_may_be_left_out)
 {
     lw_linkage k;
-    lw_error e;
     CHECK_INT(read("{\"linkwright\":1,\"joints\":[{\"name\":\"A\",\"links\":[\"bar\",\"ground\"],\"at\":[1,2]}],"
-                   "\"x-mine\":[1,{\"a\":null}],\"fit\":{\"anything\":{\"error\":1e-3}},\"$schema\":\"s\"}", &k, &e),
+                   "\"x-mine\":[1,{\"a\":null}],\"fit\":{\"anything\":{\"error\":1e-3}},\"$schema\":\"s\"}", &k, &check_error),
               LW_OK);
     CHECK_INT(k.n_link, 2);
     CHECK_INT(k.ground, 1);
@@ -115,13 +114,12 @@ TEST(links_may_be_objects)
 TEST(other_kinds_and_several_inputs)
 {
     lw_linkage k;
-    lw_error e;
     CHECK_INT(read("{\"linkwright\":1,\"units\":{\"angle\":\"deg\",\"length\":\"cm\"},\"joints\":["
                    "{\"name\":\"A\",\"links\":[\"ground\",\"a\"],\"at\":[0,0]},"
                    "{\"name\":\"B\",\"kind\":\"p\",\"links\":[\"a\",\"b\"],\"at\":[3,4],\"along\":[3,4]},"
                    "{\"name\":\"C\",\"kind\":\"t\",\"links\":[\"ground\",\"b\"],\"at\":[0,0],\"angle\":90},"
                    "{\"name\":\"D\",\"kind\":\"g\",\"links\":[\"a\",\"b\"],\"at\":[1,1],\"ratio\":-2.5}],"
-                   "\"inputs\":[{\"joint\":\"A\"},{\"joint\":\"C\",\"value\":5,\"first\":-1,\"last\":2}]}", &k, &e),
+                   "\"inputs\":[{\"joint\":\"A\"},{\"joint\":\"C\",\"value\":5,\"first\":-1,\"last\":2}]}", &k, &check_error),
               LW_OK);
     CHECK_POINT(k.joint[1].along, 0.6, 0.8, 0, 0);
     CHECK_NEAR(k.joint[2].along.x, 0, 1e-16, 0);

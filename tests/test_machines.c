@@ -126,10 +126,9 @@ TEST(axes_alone_and_together)
     static const char *const motion[] = { "step(t, 0.3, 0, 0.9, 0.5)", "step(t, 0.3, 0, 0.9, 1)",
                                           "step(t, 0, 0, 0.36, 0.2) - step(t, 0.84, 0, 1.2, 0.8)" };
     static const double from[3][2] = { { 0.3, 0.9 }, { 0.3, 0.9 }, { 0, 0.36 } }, way[3] = { 0.5, 1, 0.2 };
-    lw_error e = { 0 };
     link_seen = number_of(m, 'l', "bridge");
     for (int k = 0; k < 3; k++)
-        CHECK_INT(lw_spatial_set_motion(m, number_of(m, 'i', (const char *const[]){ "x", "y", "z" }[k]), motion[k], &e),
+        CHECK_INT(lw_spatial_set_motion(m, number_of(m, 'i', (const char *const[]){ "x", "y", "z" }[k]), motion[k], &check_error),
                   LW_OK);
     simulate(m, "kinematic", 1.2, 240, keep);
     for (int i = 0; i < r.n; i++)

@@ -25,10 +25,7 @@ static lw_fourbar_class draw_fourbar(lw_rng *rng, bool crank, double margin, dou
 static lw_newton *make(const lw_linkage *k)
 {
     lw_newton *s;
-    lw_error e = { 0 };
-    CHECK_INT(lw_newton_create(k, &s, &e), LW_OK);
-    if (!s)
-        fprintf(stderr, "%s\n", e.text);
+    CHECK_OK(lw_newton_create(k, &s, &check_error));
     return s;
 }
 

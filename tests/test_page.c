@@ -213,19 +213,18 @@ TEST(empty_columns_are_left_out)
     lw_page_target t = { .name = "one", .n_result = 1, .result = &r };
     lw_page p = { .title = "One", .n_target = 1, .target = &t };
     lw_bytes b;
-    lw_error e;
-    CHECK_INT(lw_page_write(&p, &b, &e), LW_OK);
+    CHECK_OK(lw_page_write(&p, &b, &check_error));
     CHECK(!strstr(b.data, "Mean error") && !strstr(b.data, "Objective") && !strstr(b.data, ">Type<"));
     CHECK_HAS(b.data, "% of path");
     CHECK_HAS(b.data, "r4 = 2.4");
     CHECK(!strstr(b.data, "<nav"));
     lw_bytes_free(&b);
     r.scene = NULL;                                              /* a row without a picture */
-    CHECK_INT(lw_page_write(&p, &b, &e), LW_OK);
+    CHECK_OK(lw_page_write(&p, &b, &check_error));
     CHECK(!strstr(b.data, "<figure"));
     lw_bytes_free(&b);
     t.n_result = 0;
-    CHECK_INT(lw_page_write(&p, &b, &e), LW_E_ARG);
+    CHECK_INT(lw_page_write(&p, &b, &check_error), LW_E_ARG);
     CHECK(b.data == NULL);
 }
 

@@ -493,8 +493,7 @@ TEST(unfit_sizes_are_refused)
     for (int i = 0; i < 4; i++) {
         lw_diagram_options o = { .width = size[i][0], .height = size[i][1], .zoom = size[i][2] };
         lw_drawing d;
-        lw_error e;
-        CHECK_INT(lw_diagram_draw(&s, &o, &d, &e), LW_E_ARG);
+        CHECK_INT(lw_diagram_draw(&s, &o, &d, &check_error), LW_E_ARG);
         CHECK(d.shape == NULL);
     }
 }

@@ -142,19 +142,18 @@ TEST(unfit_points_are_left_out)
     lw_series s = { "s", 6, x, y, false };
     lw_plot p = { .log_x = true, .log_y = true, .n_series = 1, .series = &s };
     lw_drawing d;
-    lw_error e;
-    CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
+    CHECK_OK(lw_plot_draw(&p, &d, &check_error));
     CHECK_INT(n_of(&d, LW_ROLE_MARKER), 2);
     lw_drawing_free(&d);
     s.n = 0;
-    CHECK_INT(lw_plot_draw(&p, &d, &e), LW_NOTHING);
+    CHECK_INT(lw_plot_draw(&p, &d, &check_error), LW_NOTHING);
     CHECK(has_text(&d, LW_ROLE_NOTE, "no point to show"));
     lw_drawing_free(&d);
     p.n_series = LW_SERIES_MAX + 1;
-    CHECK_INT(lw_plot_draw(&p, &d, &e), LW_E_ARG);
+    CHECK_INT(lw_plot_draw(&p, &d, &check_error), LW_E_ARG);
     p.n_series = 0;
     p.width = 1e6;
-    CHECK_INT(lw_plot_draw(&p, &d, &e), LW_E_ARG);
+    CHECK_INT(lw_plot_draw(&p, &d, &check_error), LW_E_ARG);
 }
 
 /* Thousands of points: lines in pieces that touch, no markers. */

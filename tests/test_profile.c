@@ -177,14 +177,13 @@ TEST(times_between_are_refused)
     lw_axis_limits l = lw_axis_limits_even(3, 20, 400);
     lw_axis_state from = { 0, -2, 0 }, to = { -0.1, -2, 0 };       /* 0.05 s, or back and forth */
     lw_profile p;
-    lw_error e = { 0 };
     double next = 0;
     CHECK_NEAR(least_time(from, to, l), 0.05, 1e-3, 0);
-    CHECK_INT(lw_profile_make_timed(from, to, &l, 0.2, &p, &next, &e), LW_NOTHING);
+    CHECK_INT(lw_profile_make_timed(from, to, &l, 0.2, &p, &next, &check_error), LW_NOTHING);
     CHECK(next > 0.2);
-    CHECK_INT(lw_profile_make_timed(from, to, &l, next, &p, NULL, &e), LW_OK);
+    CHECK_OK(lw_profile_make_timed(from, to, &l, next, &p, NULL, &check_error));
     check_motion(&p, from, to, &l);
-    CHECK_INT(lw_profile_make_timed(from, to, &l, next + 0.5, &p, NULL, &e), LW_OK);
+    CHECK_OK(lw_profile_make_timed(from, to, &l, next + 0.5, &p, NULL, &check_error));
     check_motion(&p, from, to, &l);
     CHECK_NEAR(p.duration, next + 0.5, 1e-12, 0);
 }
@@ -195,9 +194,8 @@ TEST(axes_arrive_together)
     lw_axis_state to[3] = { { .x = 1 }, { .x = 0.2 }, { .x = 0.8 } };
     lw_axis_limits one = lw_axis_limits_even(3, 20, 400), l[3] = { one, one, one };
     lw_profile p[3];
-    lw_error e = { 0 };
     for (int phase = 0; phase < 2; phase++) {
-        CHECK_INT(lw_profile_make_axes(3, from, to, l, 0, phase, p, &e), LW_OK);
+        CHECK_OK(lw_profile_make_axes(3, from, to, l, 0, phase, p, &check_error));
         for (int i = 0; i < 3; i++) {
             CHECK_NEAR(p[i].duration, 0.533333333, 1e-9, 0);
             check_motion(&p[i], from[i], to[i], &l[i]);
@@ -209,8 +207,8 @@ TEST(axes_arrive_together)
         CHECK_NEAR(lw_profile_at(&p[2], t, NULL).x, 0.8*x, 1e-13, 0);
     }
     to[1].v = 0.5;
-    CHECK_INT(lw_profile_make_axes(3, from, to, l, 0, true, p, &e), LW_NOTHING);
-    CHECK_INT(lw_profile_make_axes(3, from, to, l, 0, false, p, &e), LW_OK);
+    CHECK_INT(lw_profile_make_axes(3, from, to, l, 0, true, p, &check_error), LW_NOTHING);
+    CHECK_OK(lw_profile_make_axes(3, from, to, l, 0, false, p, &check_error));
     CHECK(p[0].duration == p[1].duration || fabs(p[0].duration - p[1].duration) < 1e-11);
 }
 

@@ -742,21 +742,20 @@ TEST(a_straight_arm_is_singular)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     read_spatial(text, "arm", &m);
-    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+    CHECK_OK(lw_robot_make(&m, NULL, &r, &check_error));
     for (int i = 0; i < 2; i++) {
-        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_OK(lw_robot_measure(&r, &p, &check_error));
         CHECK_INT(p.rank, 2);
         CHECK(isinf(p.condition) && p.manipulability == 0);
         CHECK(p.freedoms == 2 && r.freedoms == 2);              /* turn and place: different rates of both drives show */
         CHECK_NEAR(p.singular[0], sqrt(5), 1e-14, 0);
-        CHECK_INT(lw_robot_drive(&r, (const double[]){ 0.3, 0.5 }, &e), LW_OK);
-        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_OK(lw_robot_drive(&r, (const double[]){ 0.3, 0.5 }, &check_error));
+        CHECK_OK(lw_robot_measure(&r, &p, &check_error));
         CHECK_NEAR(p.manipulability, sin(0.5), 1e-12, 0);
-        CHECK_INT(lw_robot_drive(&r, (const double[]){ 0, 0 }, &e), LW_OK);
+        CHECK_OK(lw_robot_drive(&r, (const double[]){ 0, 0 }, &check_error));
     }
-    CHECK_INT(lw_robot_move(&r, lw_v3(2.1, 0, 0), NULL, &e), LW_OPEN);
+    CHECK_INT(lw_robot_move(&r, lw_v3(2.1, 0, 0), NULL, &check_error), LW_OPEN);
 }
 
 /* A head on two belts: r a = x + y, r b = x - y; and a pointer behind a belt of a ratio that no teeth have, which is turned many
@@ -964,7 +963,6 @@ TEST(ways_do_not_depend_on_the_ways_before)
     wrist g = { .bar = LW_PI/2 };
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
-    lw_error e = { 0 };
     for (int i = 0; i < 3; i++) {
         g.u[i] = axis[i], g.v[i] = axis[(i + 1)%3];
         g.w[i] = lw_v3_cross(g.u[i], g.v[i]);
@@ -974,16 +972,16 @@ TEST(ways_do_not_depend_on_the_ways_before)
     for (int k = 0; k < 12; k++) {
         double far, a = LW_PI*k/6, want = k%4 == 0 ? 101.5369590328155 : 180;
         lw_robot_reset(&r);
-        CHECK_INT(lw_robot_tilt(&r, lw_v3_add(lw_v3_scale(ahead, cos(a)), lw_v3_scale(right, -sin(a))), LW_PI*(1 - 1e-9), &far, &e), LW_OK);
+        CHECK_OK(lw_robot_tilt(&r, lw_v3_add(lw_v3_scale(ahead, cos(a)), lw_v3_scale(right, -sin(a))), LW_PI*(1 - 1e-9), &far, &check_error));
         CHECK_NEAR(far*180/LW_PI, want, 0.02, 0);
     }
     /* A drive at a right angle: arm and plate of another leg turn about one axis, so that the drives hold two freedoms of three.  Beyond, they hold all. */
     lw_robot_pose p;
     lw_robot_reset(&r);
-    CHECK_INT(lw_robot_drive(&r, (const double[]){ LW_PI/2, 0, 0 }, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OPEN);
-    CHECK_INT(lw_robot_drive(&r, (const double[]){ LW_PI, 0, 0 }, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_drive(&r, (const double[]){ LW_PI/2, 0, 0 }, &check_error));
+    CHECK_INT(lw_robot_measure(&r, &p, &check_error), LW_OPEN);
+    CHECK_OK(lw_robot_drive(&r, (const double[]){ LW_PI, 0, 0 }, &check_error));
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     CHECK_NEAR(p.condition, 1, 1e-9, 0);
 }
 
@@ -999,18 +997,17 @@ TEST(rounded_wrists_are_adjusted)
         OWN(lw_robot) r = { 0 };
         OWN(lw_space_adjusted) a = { 0 };
         OWN(lw_space_mobility) got = { 0 };
-        lw_error e = { 0 };
         if (!make_wrist(&rng, &g, &m, &r))
             return;
-        CHECK_INT(lw_space_adjust(&m, &a, &e), LW_NOTHING);
+        CHECK_INT(lw_space_adjust(&m, &a, &check_error), LW_NOTHING);
         for (int i = 0; i < m.n_joint; i++) {
             lw_vec3 z = rounded(m.joint[i].axis);
             m.joint[i].at = rounded(m.joint[i].at);
             m.joint[i].axis = lw_v3_scale(z, 1/lw_v3_norm(z));
         }
-        CHECK_INT(lw_space_adjust(&m, &a, &e), LW_OK);
+        CHECK_OK(lw_space_adjust(&m, &a, &check_error));
         CHECK(a.moved > 1e-6 && a.moved < 1e-3 && a.turned > 1e-6 && a.turned < 1e-3);
-        CHECK_INT(lw_space_mobility_find(&a.model, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
+        CHECK_OK(lw_space_mobility_find(&a.model, 1e-12, check_seed(), NULL, &got, &check_error));
         CHECK_INT(got.freedom, 3);
         CHECK(got.residual < 1e-12);
     }
@@ -1027,15 +1024,14 @@ TEST(four_drives_keep_the_hand)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     read_spatial(text, "scara", &m);
-    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+    CHECK_OK(lw_robot_make(&m, NULL, &r, &check_error));
     CHECK(r.turns && !r.only_turns);
     for (int i = 0; i < 24; i++) {
         double a = 2*LW_PI*i/24, far, c = cos(a), s = sin(a);
         lw_robot_reset(&r);
-        CHECK_INT(lw_robot_reach(&r, lw_v3(c, s, 0), 3, &far, &e), LW_OK);
-        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_OK(lw_robot_reach(&r, lw_v3(c, s, 0), 3, &far, &check_error));
+        CHECK_OK(lw_robot_measure(&r, &p, &check_error));
         CHECK_NEAR(lw_v3_norm(lw_quaternion_vector(p.turn)), 0, 1e-9, 0);
         double along = 0.4*c + 0.3*s, across2 = 0.25 - along*along;          /* of the wrist: where its ray meets the circles of 0.1 and 0.7 */
         double in = 0.01 - across2 > 0 && along < 0 ? -along - sqrt(0.01 - across2) : INFINITY;
@@ -1043,12 +1039,12 @@ TEST(four_drives_keep_the_hand)
     }
     lw_robot_reset(&r);
     lw_quaternion turn = lw_quaternion_of_vector(lw_v3(0, 0, 1));
-    CHECK_INT(lw_robot_move(&r, lw_v3(0.45, 0.3, 0.2), &turn, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_move(&r, lw_v3(0.45, 0.3, 0.2), &turn, &check_error));
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     CHECK_NEAR(p.drive[0] + p.drive[1] + p.drive[3], 1, 1e-9, 0);
     CHECK_NEAR(p.drive[2], -0.1, 1e-12, 0);
     turn = lw_quaternion_of_vector(lw_v3(0.1, 0, 0));
-    CHECK_INT(lw_robot_move(&r, lw_v3(0.45, 0.3, 0.2), &turn, &e), LW_OPEN);
+    CHECK_INT(lw_robot_move(&r, lw_v3(0.45, 0.3, 0.2), &turn, &check_error), LW_OPEN);
 }
 
 /* A rod of length 1 between two slides at right angles, x^2 + y^2 = 1: the drive of y loses the tool at x = 0, and reaches no farther than x = 1.  With

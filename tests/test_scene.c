@@ -270,9 +270,8 @@ TEST(walks_end_at_the_limits_of_the_four_bar)
         for (int i = 0; i < 4; i++)
             d[i] = lw_rng_range(&r, 0.5, 3);
         lw_fourbar_class c;
-        lw_error e;
         double reach = sqrt(d[0]*d[0] + d[1]*d[1] - 2*d[0]*d[1]*cos(t));
-        if (lw_fourbar_classify(d, 1e-12, &c, &e) != LW_OK || c.margin < 0.02
+        if (lw_fourbar_classify(d, 1e-12, &c, &check_error) != LW_OK || c.margin < 0.02
             || reach > 0.97*(d[2] + d[3]) || reach < 1.03*fabs(d[2] - d[3]))
             continue;
         lw_linkage k = model_four_bar(d, t, trial & 1 ? 1 : -1);
@@ -280,8 +279,8 @@ TEST(walks_end_at_the_limits_of_the_four_bar)
         double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
         lw_motion m;
         lw_walk w;
-        CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, &e), LW_OK);
-        CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &input, &e), LW_OK);
+        CHECK_OK(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, &check_error));
+        CHECK_OK(lw_plan_read(&plan, &k, dim, mode, &input, &check_error));
         CHECK_INT(lw_motion_find(&plan, dim, &m), LW_OK);
         lw_walk_make(&plan, dim, &m, lw_motion_arc(&plan, &m, mode, input), input, &w);
         CHECK_INT(w.turns, c.crank);

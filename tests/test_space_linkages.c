@@ -115,17 +115,16 @@ static void check_rounded(int n, const axis *exact, double by)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_space_adjusted) adjusted = { 0 };
     OWN(lw_space_mobility) got = { 0 };
-    lw_error e = { 0 };
     lw_vec3 place[2][ROWS];
     axis a[16];
     lw_rng rng = check_rng((uint64_t)n);
     make_traced(n, exact, exact[2].f.at, &m);
     lw_vec3 *to = place[0];
     lw_space_trace t = { .from = -0.2, .to = 0, .intervals = ROWS - 1 };
-    if (lw_space_trace_run(&m, &t, see_place, &to, &e) != LW_OK) {       /* a limit is near on that side */
+    if (lw_space_trace_run(&m, &t, see_place, &to, &check_error) != LW_OK) {       /* a limit is near on that side */
         to = place[0];
         t = (lw_space_trace){ .from = 0, .to = 0.2, .intervals = ROWS - 1 };
-        CHECK_INT(lw_space_trace_run(&m, &t, see_place, &to, &e), LW_OK);
+        CHECK_OK(lw_space_trace_run(&m, &t, see_place, &to, &check_error));
     }
     CHECK(t.moved == 0 && t.turned == 0);
     lw_spatial_free(&m);
@@ -136,13 +135,13 @@ static void check_rounded(int n, const axis *exact, double by)
     }
     make_traced(n, a, exact[2].f.at, &m);
     to = place[1];
-    CHECK_INT(lw_space_trace_run(&m, &t, see_place, &to, &e), LW_OK);
+    CHECK_OK(lw_space_trace_run(&m, &t, see_place, &to, &check_error));
     CHECK(t.open < 1e-12);
     CHECK(t.moved > 0.1*by && t.moved < 2*by && t.turned > 0.1*by && t.turned < 2*by);
     for (int i = 0; i < ROWS; i++)
         CHECK_NEAR(lw_v3_norm(lw_v3_sub(place[0][i], place[1][i])), 0, 20*by, 0);
-    CHECK_INT(lw_space_adjust(&m, &adjusted, &e), LW_OK);
-    CHECK_INT(lw_space_mobility_find(&adjusted.model, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
+    CHECK_OK(lw_space_adjust(&m, &adjusted, &check_error));
+    CHECK_OK(lw_space_mobility_find(&adjusted.model, 1e-12, check_seed(), NULL, &got, &check_error));
     CHECK_INT(got.freedom, 1);
 }
 

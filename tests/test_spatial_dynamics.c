@@ -21,8 +21,7 @@ static lw_status keep(void *context, const lw_moment *moment)
 {
     kept *to = context;
     lw_space_moment all, *o = &all;
-    lw_error e;
-    lw_status st = lw_dynamics_space_moment(to->d, moment, o, &e);
+    lw_status st = lw_dynamics_space_moment(to->d, moment, o, &check_error);
     if (st != LW_OK)
         return st;
     sample *s = &to->at[to->n++];

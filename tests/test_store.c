@@ -65,24 +65,23 @@ static void put_four_bar(lw_store *s)
 
 TEST(keeps_what_was_committed)
 {
-    lw_error e;
-    lw_store *s = open_store("a.db", true, LW_OK, &e);
+    lw_store *s = open_store("a.db", true, LW_OK, &check_error);
     put_four_bar(s);
     lw_store_rollback(s);
     CHECK_INT(count(s, "chain"), 0);
     put_four_bar(s);
-    CHECK_INT(lw_store_commit(s, &e), LW_OK);
+    CHECK_OK(lw_store_commit(s, &check_error));
     CHECK_INT(count(s, "chain"), 1);
     CHECK_INT(count(s, "mechanism"), 1);
     lw_store_close(s);
-    s = open_store("a.db", true, LW_OK, &e);
+    s = open_store("a.db", true, LW_OK, &check_error);
     put_four_bar(s);
     lw_store_close(s);                                      /* not committed: gone, the run too */
-    s = open_store("a.db", false, LW_OK, &e);
+    s = open_store("a.db", false, LW_OK, &check_error);
     CHECK_INT(count(s, "chain"), 1);
     CHECK_INT(count(s, "run"), 1);
-    CHECK_INT(lw_store_verify(s, &e), LW_OK);
-    CHECK_INT(lw_store_begin(s, &e), LW_E_ARG);             /* a store to read cannot be written */
+    CHECK_OK(lw_store_verify(s, &check_error));
+    CHECK_INT(lw_store_begin(s, &check_error), LW_E_ARG);             /* a store to read cannot be written */
     CHECK_INT(lw_store_found_version(s), lw_store_version());
     lw_store_close(s);
     lw_store_close(NULL);
@@ -202,12 +201,11 @@ static lw_status check_names(void *context, int n_column, const char *const *nam
 /* SQLite compiles a statement anew when a pattern is bound to GLOB: the names must be those of the new one. */
 TEST(names_of_columns)
 {
-    lw_error e;
     lw_value pattern = { .kind = LW_VALUE_TEXT, .text = "*", .size = 1 };
-    lw_store *s = open_store("a.db", false, LW_OK, &e);
+    lw_store *s = open_store("a.db", false, LW_OK, &check_error);
     lw_store_query q = { .sql = "SELECT label, links AS number_of_links FROM chain WHERE label GLOB ?1",
                          .value = &pattern, .n_value = 1, .row = check_names };
-    CHECK_INT(lw_store_ask(s, &q, &e), LW_OK);
+    CHECK_OK(lw_store_ask(s, &q, &check_error));
     lw_store_close(s);
 }
 

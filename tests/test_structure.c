@@ -419,7 +419,6 @@ TEST(none_is_missing)
 TEST(stored_sets_are_whole)
 {
     lw_structures *set = NULL, *again = NULL;
-    lw_error e = { 0 };
     char *text = NULL;
     size_t size = 0;
     CHECK_INT(lw_structures_create(6, 1, &set), LW_OK);
@@ -428,7 +427,7 @@ TEST(stored_sets_are_whole)
     fclose(f);
     CHECK_INT(size, 16 + 4*8 + 8*(4 + 17 + 118 + 1198) + 8);
     f = fmemopen(text, size, "rb");
-    CHECK_INT(lw_structures_read(f, "memory", &again, &e), LW_OK);
+    CHECK_OK(lw_structures_read(f, "memory", &again, &check_error));
     fclose(f);
     for (size_t k = 0; again && k < lw_structures_count(set, 6); k++) {
         lw_structure a, b;
@@ -442,7 +441,7 @@ TEST(stored_sets_are_whole)
     for (size_t at = 0; at < size; at += at < 64 ? 1 : 211) {
         text[at] ^= 1;
         f = fmemopen(text, size, "rb");
-        CHECK_INT(lw_structures_read(f, "memory", &again, &e), LW_E_NOTATION);
+        CHECK_INT(lw_structures_read(f, "memory", &again, &check_error), LW_E_NOTATION);
         fclose(f);
         text[at] ^= 1;
     }

@@ -84,16 +84,15 @@ TEST(sentences_grow_by_rules)
 {
     char *four = NULL, *six = NULL;
     lw_chain *c = NULL;
-    lw_error e;
-    CHECK_INT(lw_sentence_derive(NULL, 2, NULL, 0, 0, -1, &four, &e), LW_OK);
-    CHECK_INT(lw_sentence_derive(four, 4, "rrr", 1, 3, -1, &six, &e), LW_OK);
-    CHECK_INT(lw_chain_from_text(six, strlen(six), "sentence", &c, &e), LW_OK);
+    CHECK_OK(lw_sentence_derive(NULL, 2, NULL, 0, 0, -1, &four, &check_error));
+    CHECK_OK(lw_sentence_derive(four, 4, "rrr", 1, 3, -1, &six, &check_error));
+    CHECK_OK(lw_chain_from_text(six, strlen(six), "sentence", &c, &check_error));
     CHECK_INT(lw_chain_n_link(c), 6);
     CHECK_INT(lw_chain_mobility(c), 1);
     lw_chain_destroy(c);
     lw_free(six);
-    CHECK_INT(lw_sentence_derive(four, 4, "rrr", 2, 2, -1, &six, &e), LW_E_ARG);
-    CHECK_INT(lw_sentence_derive(NULL, 3, NULL, 1, 2, -1, &six, &e), LW_E_ARG);
+    CHECK_INT(lw_sentence_derive(four, 4, "rrr", 2, 2, -1, &six, &check_error), LW_E_ARG);
+    CHECK_INT(lw_sentence_derive(NULL, 3, NULL, 1, 2, -1, &six, &check_error), LW_E_ARG);
     CHECK(!six);
     lw_free(four);
 }
@@ -580,21 +579,20 @@ TEST(numbers_structures_and_groups)
 {
     lw_link_numbers of_links, of_loops;
     lw_enumeration_cost cost;
-    lw_error e;
     int n = 0;
-    CHECK_INT(lw_link_numbers_of_links(8, 1, 0, &of_links, &e), LW_OK);
-    CHECK_INT(lw_link_numbers_of_loops(1, 3, 0, &of_loops, &e), LW_OK);
+    CHECK_OK(lw_link_numbers_of_links(8, 1, 0, &of_links, &check_error));
+    CHECK_OK(lw_link_numbers_of_loops(1, 3, 0, &of_loops, &check_error));
     CHECK(of_links.loops == 3 && of_links.joints1 == 10 && of_loops.links == 8 && of_loops.joints1 == 10);
-    CHECK_INT(lw_link_numbers_of_links(5, 1, 0, &of_links, &e), LW_E_ARG);
+    CHECK_INT(lw_link_numbers_of_links(5, 1, 0, &of_links, &check_error), LW_E_ARG);
     CHECK_INT(lw_enumerate_assortments(&of_loops, count_assortment, &n), LW_OK);
     CHECK_INT(n, 3);                                              /* 4-4-0, 5-2-1, 6-0-2 */
     CHECK_INT((n = 0, lw_enumerate_structures(4, 1, count_structure, &n)), LW_OK);
     CHECK_INT(n, 17);
-    CHECK_INT((n = 0, lw_enumerate_groups(4, 1, count_group, &n, &e)), LW_OK);
+    CHECK_OK((n = 0, lw_enumerate_groups(4, 1, count_group, &n, &check_error)));
     CHECK_INT(n, 2);                                              /* of class III and IV */
-    CHECK_INT((n = 0, lw_enumerate_multiple(6, 1, 1, count_text, &n, &e)), LW_OK);
+    CHECK_OK((n = 0, lw_enumerate_multiple(6, 1, 1, count_text, &n, &check_error)));
     CHECK_INT(n, 2);                                              /* published: tests/test_multiple.c */
-    CHECK_INT(lw_enumerate_estimate(14, 1, &cost, &e), LW_OK);
+    CHECK_OK(lw_enumerate_estimate(14, 1, &cost, &check_error));
     CHECK(cost.chains > 0.5*318162 && cost.chains < 2*318162. && cost.bytes > 0 && cost.list_seconds >= cost.count_seconds);
 }
 
@@ -709,20 +707,19 @@ TEST(targets_tasks_and_cycles)
     lw_target *t = NULL;
     lw_task_file *task = NULL;
     lw_work_cycle *c = NULL;
-    lw_error e;
-    CHECK_INT(lw_target_parse(bent, strlen(bent), NULL, NULL, &t, &e), LW_OK);
+    CHECK_OK(lw_target_parse(bent, strlen(bent), NULL, NULL, &t, &check_error));
     lw_target_stations(t, &x, &y, &theta, &angle);
     CHECK(lw_target_n(t) == 4 && !lw_target_closed(t) && !theta && !angle && lw_target_note(t));
     CHECK_NEAR(lw_target_length(t), 10, 0, 1e-15);
     CHECK(x[3] == 6 && y[3] == 4);
     lw_target_destroy(t);
-    CHECK_INT(lw_task_file_load("examples/tasks/walking-foot.json", &task, &t, &e), LW_OK);
+    CHECK_OK(lw_task_file_load("examples/tasks/walking-foot.json", &task, &t, &check_error));
     lw_fit_request asked = lw_task_file_request(task), plain = lw_fit_request_default();
     CHECK(lw_target_n(t) > 3 && memcmp(&asked, &plain, sizeof asked) != 0);
     lw_target_destroy(t);
     lw_task_file_destroy(task);
-    CHECK_INT(lw_task_file_parse("{}", 2, NULL, &task, &t, &e), LW_E_NOTATION);
-    CHECK_INT(lw_work_cycle_load("examples/cycles/gantry.json", &c, &e), LW_OK);
+    CHECK_INT(lw_task_file_parse("{}", 2, NULL, &task, &t, &check_error), LW_E_NOTATION);
+    CHECK_OK(lw_work_cycle_load("examples/cycles/gantry.json", &c, &check_error));
     int axes = lw_work_cycle_count(c, 'a'), moves = lw_work_cycle_count(c, 'm');
     double start, duration, dwell, end = 0;
     CHECK(axes > 0 && moves > 0 && lw_work_cycle_name(c, 'a', 0) && !lw_work_cycle_name(c, 'a', axes));
@@ -735,7 +732,7 @@ TEST(targets_tasks_and_cycles)
     }
     CHECK_NEAR(lw_work_cycle_end(c), end, 1e-12, 1e-12);
     lw_work_cycle_destroy(c);
-    CHECK_INT(lw_work_cycle_parse("{", 1, NULL, &c, &e), LW_E_NOTATION);
+    CHECK_INT(lw_work_cycle_parse("{", 1, NULL, &c, &check_error), LW_E_NOTATION);
     lw_axis_limits power = { { -INFINITY, INFINITY }, { -INFINITY, INFINITY }, { -INFINITY, INFINITY } }, quiet = power;
     lw_profile_limit_power(2, 50, 3, &power);
     CHECK_NEAR(3*power.a[1]*power.v[1], 50, 0, 1e-12);                    /* at the end of the ramp */
@@ -834,27 +831,26 @@ TEST(families_and_vibrations)
     lw_variant *v = NULL;
     lw_spatial *space = NULL;
     lw_model *model = NULL;
-    lw_error e;
     const char *unit = NULL;
     char *text = NULL;
     size_t size = 0;
     double range[2], slowest = NAN;
-    CHECK_INT(lw_master_load("examples/families/loader.json", &m, &e), LW_OK);
+    CHECK_OK(lw_master_load("examples/families/loader.json", &m, &check_error));
     CHECK_TEXT(lw_master_parameter_name(m, 0), "reach");
     CHECK_INT(lw_master_parameter_unit(m, 0, &unit, range), LW_OK);
     CHECK_TEXT(unit, "m");
     CHECK(range[0] == 1.2 && range[1] == 4 && lw_master_parameter_unit(m, 99, &unit, range) == LW_E_ARG);
     CHECK_INT(lw_variant_create(m, &v), LW_OK);
-    CHECK_INT(lw_variant_text(v, &text, &size, &e), LW_OK);
-    CHECK_INT(lw_model_parse(text, size, NULL, &model, &e), LW_OK);
-    CHECK_INT(lw_variant_spatial(v, &space, &e), LW_E_KIND);             /* a planar one */
+    CHECK_OK(lw_variant_text(v, &text, &size, &check_error));
+    CHECK_OK(lw_model_parse(text, size, NULL, &model, &check_error));
+    CHECK_INT(lw_variant_spatial(v, &space, &check_error), LW_E_KIND);             /* a planar one */
     lw_free(text);
     lw_model_destroy(model);
     lw_variant_destroy(v);
     lw_master_destroy(m);
-    CHECK_INT(lw_master_parse("{", 1, NULL, &m, &e), LW_E_NOTATION);
-    CHECK_INT(lw_spatial_parse(pendulum, strlen(pendulum), NULL, &space, &e), LW_OK);
-    CHECK_INT(lw_spatial_vibrations(space, false, false, keep_slowest, &slowest, &e), LW_OK);
+    CHECK_INT(lw_master_parse("{", 1, NULL, &m, &check_error), LW_E_NOTATION);
+    CHECK_OK(lw_spatial_parse(pendulum, strlen(pendulum), NULL, &space, &check_error));
+    CHECK_OK(lw_spatial_vibrations(space, false, false, keep_slowest, &slowest, &check_error));
     CHECK_NEAR(slowest, sqrt(2*9.81*0.5/(0.1 + 2*0.25))/(2*3.14159265358979323846), 0, 1e-9);
     lw_spatial_destroy(space);
 }
@@ -872,7 +868,6 @@ TEST(catalogues_answer_and_are_drawn)
 {
     lw_catalogue *c = NULL;
     lw_linkage *k = four_bar();
-    lw_error e;
     char path[300], page[300], command[700], *json = NULL;
     size_t size;
     uint64_t n = 0;
@@ -880,38 +875,38 @@ TEST(catalogues_answer_and_are_drawn)
     double x[] = { 0, 1, 2 }, y[] = { 0, 1, 4 };
     lw_plot_series series = { "squares", 3, x, y };
     snprintf(path, sizeof path, "%s/six.db", temporary_folder());
-    CHECK_INT(lw_catalogue_open(path, true, 1, &c, &e), LW_OK);
-    CHECK_INT(lw_catalogue_add_chains(c, 6, 1, "r", NULL, &n, &e), LW_OK);
+    CHECK_OK(lw_catalogue_open(path, true, 1, &c, &check_error));
+    CHECK_OK(lw_catalogue_add_chains(c, 6, 1, "r", NULL, &n, &check_error));
     CHECK_INT((int)n, 2);
-    CHECK_INT(lw_catalogue_sql(c, "SELECT count(*) FROM chain", take_number, &chains, &e), LW_OK);
+    CHECK_OK(lw_catalogue_sql(c, "SELECT count(*) FROM chain", take_number, &chains, &check_error));
     CHECK_INT((int)chains, 2);
-    CHECK_INT(lw_catalogue_sql(c, "DELETE FROM chain", take_number, &chains, &e), LW_E_ARG);
-    CHECK_INT(lw_linkage_export(k, "json", &json, &size, &e), LW_OK);
-    CHECK_INT(lw_catalogue_add_linkages(c, json, size, "four.json", &n, &e), LW_OK);
+    CHECK_INT(lw_catalogue_sql(c, "DELETE FROM chain", take_number, &chains, &check_error), LW_E_ARG);
+    CHECK_OK(lw_linkage_export(k, "json", &json, &size, &check_error));
+    CHECK_OK(lw_catalogue_add_linkages(c, json, size, "four.json", &n, &check_error));
     CHECK_INT((int)n, 1);
     snprintf(page, sizeof page, "%s/pages", temporary_folder());
     snprintf(command, sizeof command, "mkdir %s", page);
     CHECK_INT(system(command), 0);
-    CHECK_INT(lw_catalogue_pages(c, page, 0, 0, NULL, &e), LW_OK);
+    CHECK_OK(lw_catalogue_pages(c, page, 0, 0, NULL, &check_error));
     snprintf(command, sizeof command, "test -s %s/index.html", page);
     CHECK_INT(system(command), 0);
     int stop = 1;
     lw_catalogue_work work = { .stop = &stop };
-    CHECK_INT(lw_catalogue_add_curves(c, NULL, 8, 1000, &work, &e), LW_STOPPED);       /* while mechanisms are found */
-    CHECK_INT(lw_catalogue_add_curves(c, "fourbar", 4, 100, &work, &e), LW_STOPPED);
-    CHECK_INT(lw_catalogue_add_chains(c, 8, 1, "r", &work, &n, &e), LW_STOPPED);
+    CHECK_INT(lw_catalogue_add_curves(c, NULL, 8, 1000, &work, &check_error), LW_STOPPED);       /* while mechanisms are found */
+    CHECK_INT(lw_catalogue_add_curves(c, "fourbar", 4, 100, &work, &check_error), LW_STOPPED);
+    CHECK_INT(lw_catalogue_add_chains(c, 8, 1, "r", &work, &n, &check_error), LW_STOPPED);
     stop = 0;
-    CHECK_INT(lw_catalogue_add_curves(c, "fourbar", 4, 100, &work, &e), LW_OK);
-    CHECK_INT(lw_catalogue_check(c, &e), LW_OK);
+    CHECK_OK(lw_catalogue_add_curves(c, "fourbar", 4, 100, &work, &check_error));
+    CHECK_OK(lw_catalogue_check(c, &check_error));
     lw_catalogue_close(c);
     snprintf(path, sizeof path, "%s/release", temporary_folder());
     CHECK_INT(mkdir(path, 0777), 0);
-    CHECK_INT(lw_release(path, 7, &work, &e), LW_OK);
+    CHECK_OK(lw_release(path, 7, &work, &check_error));
     snprintf(command, sizeof command, "cd %s && sha256sum -c --quiet SHA256SUMS", path);
     CHECK_INT(system(command), 0);
     snprintf(path, sizeof path, "%s/plot.svg", temporary_folder());
-    CHECK_INT(lw_plot_save(path, "title", "x", "y", false, false, 1, &series, &e), LW_OK);
-    CHECK_INT(lw_plot_save("plot.nothing", "title", "x", "y", false, false, 1, &series, &e), LW_E_ARG);
+    CHECK_OK(lw_plot_save(path, "title", "x", "y", false, false, 1, &series, &check_error));
+    CHECK_INT(lw_plot_save("plot.nothing", "title", "x", "y", false, false, 1, &series, &check_error), LW_E_ARG);
     snprintf(command, sizeof command, "grep -q squares %s && test -e examples/../README.md", path);
     CHECK_INT(system(command), 0);
     lw_free(json);

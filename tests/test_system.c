@@ -39,10 +39,7 @@ static void draw_linkage(lw_rng *r, lw_linkage *k)
 static lw_system make(const lw_linkage *k)
 {
     lw_system s;
-    lw_error e = { 0 };
-    CHECK_INT(lw_system_make(k, NULL, 0, &s, &e), LW_OK);
-    if (e.text[0])
-        fprintf(stderr, "%s\n", e.text);
+    CHECK_OK(lw_system_make(k, NULL, 0, &s, &check_error));
     return s;
 }
 

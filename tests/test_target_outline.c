@@ -70,15 +70,14 @@ TEST(units_of_drawings)
     CHECK_NEAR(t.x[1], 1e-3, 1e-17, 0);
     CHECK_INT(t.closed, 0);
     lw_target_free(&t);
-    lw_error e;
     static const char text[] = "<svg><path d='M0 0L2 0 2 4'/></svg>";
     lw_target_options o = { .closed = 1, .length_unit = "in", .stations = -1 };
-    CHECK_INT(lw_target_read_svg(text, sizeof text - 1, "t", &o, &t, &e), LW_OK);
+    CHECK_OK(lw_target_read_svg(text, sizeof text - 1, "t", &o, &t, &check_error));
     CHECK_NEAR(t.x[1], 2*0.0254, 1e-17, 0);
     CHECK_INT(t.closed, 1);
     lw_target_free(&t);
     o.length_unit = "ell";
-    CHECK_INT(lw_target_read_svg(text, sizeof text - 1, "t", &o, &t, &e), LW_E_ARG);
+    CHECK_INT(lw_target_read_svg(text, sizeof text - 1, "t", &o, &t, &check_error), LW_E_ARG);
 }
 
 /* Evenly spread stations on a circle, whichever way it is said. */
