@@ -64,18 +64,14 @@ static lw_status structure_every(const lw_structure *s, bool *keep)
 }
 
 const lw_filter lw_filters[] = {
-    { "planar",     "the graph can be drawn without crossings", lw_planar_chain,  structure_planar     },
-    { "non-planar", "the graph cannot",                         chain_not_planar, structure_not_planar },
-    { "asymmetric", "no two links are alike",                   chain_asymmetric, NULL                 },
-    { "no-dyad",    "no two binary links in a row, so rules 1 to 4 of paper F cannot make the chain last",
-                                                                chain_no_dyad,    NULL                 },
-    { "every",      "all chains; counted one by one, without Burnside's lemma",
-                                                                chain_every,      NULL                 },
-    { "distinct",   "all chains; counted one by one, each compared with all others of its structure",
-                                                                chain_every,      NULL                 },
-    { "generating", "all chains; only those with symmetries are counted, generating functions give the others",
-                                                                chain_every,      structure_every      },
-    { NULL, NULL, NULL, NULL }
+    { "planar",     lw_planar_chain,  structure_planar     },    /* the graph can be drawn without crossings */
+    { "non-planar", chain_not_planar, structure_not_planar },
+    { "asymmetric", chain_asymmetric, NULL                 },    /* no two links are alike */
+    { "no-dyad",    chain_no_dyad,    NULL                 },    /* no two binary links in a row: rules 1 to 4 of paper F cannot make it last */
+    { "every",      chain_every,      NULL                 },    /* counted one by one, without Burnside's lemma */
+    { "distinct",   chain_every,      NULL                 },    /* counted one by one, each compared with all others of its structure */
+    { "generating", chain_every,      structure_every      },    /* only chains with symmetries are counted, generating functions give the others */
+    { NULL, NULL, NULL }
 };
 
 const lw_filter *lw_filter_find(const char *name)

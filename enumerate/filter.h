@@ -12,7 +12,7 @@ typedef lw_status lw_filter_chain(const lw_chain *c, bool *keep);
 typedef lw_status lw_filter_structure(const lw_structure *s, bool *keep);
 
 typedef struct lw_filter {
-    const char *name, *text;                        /* "planar", "the graph can be drawn without crossings" */
+    const char *name;
     lw_filter_chain     *chain;
     lw_filter_structure *structure;                 /* NULL, or the answer if it is the same for all chains of a
                                                        structure; then counting needs no listing            */

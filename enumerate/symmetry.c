@@ -38,7 +38,7 @@ lw_status lw_symmetry_of(const lw_mechanism *m, bool kinds, lw_symmetry *s)
 {
     lw_graph g;
     graph_of(m, kinds, &g);
-    *s = (lw_symmetry){ .n_link = m->n_link, .n_joint = m->n_joint };
+    *s = (lw_symmetry){ .n_joint = m->n_joint };
     lw_status status = lw_graph_elements(&g, &s->link, &s->n);
     if (status != LW_OK)
         return status;

@@ -8,7 +8,7 @@
 
 typedef struct lw_symmetry {
     size_t  n;                             /* number of symmetries; number 0 is the identity       */
-    int     n_link, n_joint;
+    int     n_joint;
     uint8_t (*link)[LW_LINK_MAX];          /* (n) link i goes to link[k][i]; owned, see _free      */
     uint8_t (*joint)[LW_JOINT_MAX];        /* (n) the same for joints; owned                       */
 } lw_symmetry;

@@ -62,7 +62,6 @@ lw_status lw_weighting_prepare(lw_weighting *w, const lw_structure *s, int dof)
     if (dof < 0 || dof > LW_DOF_MAX || s->n_circle + n_binary > LW_LINK_MAX)
         return LW_E_ARG;
     w->s = *s;
-    w->dof = dof;
     w->n_binary = n_binary;
     /* F = 1: the whole needs all binary links, which is the same as w_e <= 2 */
     w->most = dof < 2 ? dof + 1 : n_binary;

@@ -12,7 +12,7 @@
 
 struct lw_weighting {
     lw_structure     s;
-    int              dof, n_binary;
+    int              n_binary;
     int              most;                          /* binary links on one line                 */
     bool             parallel[LW_LINE_MAX];         /* to the line before it                    */
     lw_critical_list critical;

@@ -101,10 +101,10 @@ TEST(racks_are_long_enough)
 
 static bool has_node(const lw_scene *s, int link, lw_vec2 at)
 {
-    lw_shape_node node[LW_NODE_MAX];
+    lw_vec2 node[LW_NODE_MAX];
     int n = lw_body_shapes_nodes(s, link, node, LW_NODE_MAX);
     for (int i = 0; i < n; i++)
-        if (lw_v2_norm(lw_v2_sub(node[i].at, at)) < 1e-12)
+        if (lw_v2_norm(lw_v2_sub(node[i], at)) < 1e-12)
             return true;
     return false;
 }

@@ -222,24 +222,24 @@ bool lw_body_shapes_gear(const lw_scene *s, int j, lw_wheel w[2])
 /* ---- links -------------------------------------------------------------------------------------- */
 
 /* Add a node unless one is already there, within rounding of the coordinates. */
-static int add_node(lw_shape_node *node, int room, int n, lw_vec2 at, int joint, int tracer)
+static int add_node(lw_vec2 *node, int room, int n, lw_vec2 at)
 {
     for (int i = 0; i < n; i++)
-        if (lw_v2_norm(lw_v2_sub(node[i].at, at)) <= 1e-12*(fabs(at.x) + fabs(at.y)))
+        if (lw_v2_norm(lw_v2_sub(node[i], at)) <= 1e-12*(fabs(at.x) + fabs(at.y)))
             return n;
     if (n == room)
         return n;
-    node[n] = (lw_shape_node){ at, joint, tracer };
+    node[n] = at;
     return n + 1;
 }
 
-int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node *node, int room)
+int lw_body_shapes_nodes(const lw_scene *s, int link, lw_vec2 *node, int room)
 {
     const lw_assembly *k = &s->linkage;
     int n = 0;
     for (int i = 0; i < k->n_joint; i++)
         if (has_pin(&k->joint[i], link) || is_welded(&k->joint[i], link))
-            n = add_node(node, room, n, k->joint[i].at, i, -1);
+            n = add_node(node, room, n, k->joint[i].at);
     int n_pin = n;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *line = &k->joint[j];
@@ -248,20 +248,20 @@ int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node *node, int r
             continue;
         lw_slide w = lw_body_shapes_slide(s, j);
         if (w.block == link)
-            n = add_node(node, room, n, w.at, -1, -1);
+            n = add_node(node, room, n, w.at);
         else
             for (int i = 0; i < n_pin; i++)
-                n = add_node(node, room, n, foot(line, node[i].at), -1, -1);
+                n = add_node(node, room, n, foot(line, node[i]));
         if (w.guide == link && n_pin == 0 && link != k->ground)       /* a yoke: only slides hold it */
-            n = add_node(node, room, n, w.at, -1, -1);
+            n = add_node(node, room, n, w.at);
     }
     for (int i = 0; i < k->n_tracer; i++)
         if (k->tracer[i].link == link)
-            n = add_node(node, room, n, k->tracer[i].at, -1, i);
+            n = add_node(node, room, n, k->tracer[i].at);
     if (n == 1 && link != k->ground && s->model && s->model->body[link].mass > 0)     /* a pendulum reaches to its mass */
-        n = add_node(node, room, n, s->model->body[link].centre, -1, -1);
+        n = add_node(node, room, n, s->model->body[link].centre);
     for (int i = 0; n == 1 && link != k->ground && s->model && i < s->model->n_shape; i++)     /* or to the wheel that touches others */
         if (s->model->shape[i].link == link && s->model->shape[i].kind == LW_CONTOUR_CIRCLE)
-            n = add_node(node, room, n, s->model->shape[i].at[0], -1, -1);
+            n = add_node(node, room, n, s->model->shape[i].at[0]);
     return n;
 }

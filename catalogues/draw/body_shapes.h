@@ -49,10 +49,8 @@ typedef struct lw_wheel {
  * carrier (a cam, say), or wheels without size. */
 bool lw_body_shapes_gear(const lw_scene *s, int j, lw_wheel wheel[2]);
 
-typedef struct lw_shape_node { lw_vec2 at; int joint, tracer; } lw_shape_node;   /* -1: not that */
-
 /* The points that a link's body must reach, at most `room`: its pins and welds (several at one place count once), tracers, blocks,
  * and for a guide the feet of its pins on the line. Returns their number. */
-int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node *node, int room);
+int lw_body_shapes_nodes(const lw_scene *s, int link, lw_vec2 *node, int room);
 
 #endif

@@ -23,7 +23,7 @@ typedef struct sketch {
     double u;                  /* size of signs and letters: 1 for a page of 1000 by 750           */
     double signs;              /* factor on those of links and joints                              */
     int    room;               /* for the points of a link, in metres and on the page              */
-    lw_shape_node *node;
+    lw_vec2 *node;
     lw_vec2 *corner;
 } sketch;
 
@@ -185,11 +185,11 @@ static void draw_gear(sketch *k, int joint)
 /* Direction on the page from a point of a link to the centre of its other nodes; (0, 0) if there are no others. */
 static lw_vec2 inwards(const sketch *k, int link, lw_vec2 from)
 {
-    const lw_shape_node *node = k->node;
+    const lw_vec2 *node = k->node;
     lw_vec2 sum = { 0, 0 };
     int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
     for (int i = 0; i < n; i++)
-        sum = lw_v2_add(sum, lw_v2_sub(node[i].at, from));
+        sum = lw_v2_add(sum, lw_v2_sub(node[i], from));
     double length = lw_v2_norm(sum);
     return length > 0 ? lw_v2(sum.x/length, -sum.y/length) : lw_v2(0, 0);
 }
@@ -250,7 +250,7 @@ static void draw_elastic(sketch *k, int link, const lw_elastic *e)
     lw_symbol_frame(k->d, b, p, e->n_axis, link_ink(linkage(k), link), k->u);
     int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
     for (int i = 0; i < n; i++) {
-        lw_vec2 at = pixel_of(k, 0, k->node[i].at), best = p[0];
+        lw_vec2 at = pixel_of(k, 0, k->node[i]), best = p[0];
         for (int j = 0; j + 1 < e->n_axis; j++) {
             lw_vec2 along = lw_v2_sub(p[j + 1], p[j]);
             double part = lw_v2_dot(lw_v2_sub(at, p[j]), along)/lw_v2_dot(along, along);
@@ -269,11 +269,11 @@ static void draw_link(sketch *k, int link)
         draw_elastic(k, link, e);
         return;
     }
-    const lw_shape_node *node = k->node;
+    const lw_vec2 *node = k->node;
     lw_vec2 *p = k->corner;
     int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
     for (int i = 0; i < n; i++) {
-        p[i] = pixel_of(k, 0, node[i].at);
+        p[i] = pixel_of(k, 0, node[i]);
         for (int j = n > MANY_CORNERS && i > 0 ? i - 1 : 0; j < i; j++)
             lw_label_map_line(&k->map, p[j], p[i], 1);
     }
@@ -335,11 +335,11 @@ static void draw_pins(sketch *k)
 /* Direction from the input pin to the centre of the driven link's other nodes [rad, page with y up]. */
 static double driven_direction(const sketch *k, int link, lw_vec2 pin)
 {
-    const lw_shape_node *node = k->node;
+    const lw_vec2 *node = k->node;
     lw_vec2 sum = { 0, 0 };
     int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
     for (int i = 0; i < n; i++)
-        sum = lw_v2_add(sum, lw_v2_sub(node[i].at, pin));
+        sum = lw_v2_add(sum, lw_v2_sub(node[i], pin));
     return atan2(sum.y, sum.x);
 }
 
@@ -510,13 +510,13 @@ static void label_points(sketch *k)
 /* Find the two nodes of a link whose distance is `length`: the label of dimension "r<k>" stands between them. */
 static bool find_length(const sketch *k, int link, double length, lw_vec2 *a, lw_vec2 *b)
 {
-    const lw_shape_node *node = k->node;
+    const lw_vec2 *node = k->node;
     int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
     for (int i = 0; i < n; i++)
         for (int j = i + 1; j < n; j++)
-            if (fabs(lw_v2_norm(lw_v2_sub(node[i].at, node[j].at)) - length) <= 1e-6*length) {
-                *a = node[i].at;
-                *b = node[j].at;
+            if (fabs(lw_v2_norm(lw_v2_sub(node[i], node[j])) - length) <= 1e-6*length) {
+                *a = node[i];
+                *b = node[j];
                 return true;
             }
     return false;
@@ -541,10 +541,9 @@ static void label_lengths(sketch *k)
             && find_length(k, s->dim_link[i], s->dim[i], &a, &b))
             label_length(k, s->dim_link[i], s->dim_name[i], s->dim[i], a, b);
     for (int link = 0; s->n_dim == 0 && link < s->linkage.n_link; link++) {
-        const lw_shape_node *node = k->node;
+        const lw_vec2 *node = k->node;
         if (link != s->linkage.ground && lw_body_shapes_nodes(s, link, k->node, k->room) == 2)
-            label_length(k, link, "", lw_v2_norm(lw_v2_sub(node[0].at, node[1].at)), node[0].at,
-                         node[1].at);
+            label_length(k, link, "", lw_v2_norm(lw_v2_sub(node[0], node[1])), node[0], node[1]);
     }
 }
 

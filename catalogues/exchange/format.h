@@ -8,7 +8,7 @@
 #include "catalogues/exchange/export_space.h"
 
 typedef struct lw_format {
-    const char *name, *title;
+    const char *name;
     const char *end;                   /* of a file's name, ".json"; "": none                            */
     bool      (*begins)(const char *text);                       /* does a terminated text look like it?    */
     /* Numbers without a unit of their own count in `units`.  Free the linkage by lw_assembly_free.  NULL: written only. */

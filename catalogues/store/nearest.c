@@ -195,7 +195,6 @@ static void lay_on_target(const search *s, const lw_descriptor *curve, lw_atlas_
     lw_linkage_lay(&hit->linkage, m.mirrored, m.turn, size, lw_v2_sub(s->target.centre, centre));
     hit->distance = m.distance;
     hit->distance_m = m.distance*s->target.size;
-    hit->closed = s->closed;
 }
 
 /* Is the length of every side of a link, and the distance of the tracer from the pins of its link, in the limits? */

@@ -35,7 +35,6 @@ typedef struct lw_atlas_hit {
     char       family[32];            /* "crank-rocker"; "" for a linkage that was added              */
     char       type[8];               /* "RRRR"                                                       */
     long long  id;                    /* of a linkage that was added; 0: of a generated one           */
-    bool       closed;
     int        turns;                 /* the input turns fully: 1, 0, -1 not known                     */
     double     transmission;          /* least transmission angle on the curve [rad]; NaN: not known   */
 } lw_atlas_hit;

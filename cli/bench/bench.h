@@ -19,7 +19,6 @@ typedef struct cli_bench_figures {
     bool        at_origin;               /* x0 = y0 = theta0 = 0                                    */
     struct { const char *who; double error; } published[CLI_PUBLISHED_MAX];
     double      reachable;               /* 0: unknown                                              */
-    const char *note;                    /* NULL, or a remark                                       */
 } cli_bench_figures;
 
 typedef struct cli_bench_problem {

@@ -19,7 +19,7 @@ void lw_flexible_crank_published(lw_flexible_crank *c)
     const double area = width*width, m = density*area*l2, k = young*area/l2, b = area*l2;
     const double bend = pow(pi, 4)*(width/l2)*(width/l2);
     *c = (lw_flexible_crank){
-        .crank = 0.15, .coupler = l2, .m1 = 0.36, .m2 = 0.151104, .m3 = 0.075552, .j1 = 0.002727, .j2 = 0.0045339259,
+        .crank = 0.15, .coupler = l2, .m2 = 0.151104, .m3 = 0.075552, .j1 = 0.002727, .j2 = 0.0045339259,
         .density = density, .speed = 150,
         .mass = { { 0.5*m }, { 0, 0.5*m }, { 0, 0, 8*m, m }, { 0, 0, m, 2*m } },
         .stiffness = { { k*bend/24 }, { 0, k*bend*2/3 }, { 0, 0, k*16/3, -k*8/3 }, { 0, 0, -k*8/3, k*7/3 } },

@@ -15,7 +15,7 @@
 
 typedef struct lw_flexible_crank {
     double crank, coupler;                       /* lengths [m]                                             */
-    double m1, m2, m3, j1, j2;                   /* masses of crank, coupler, slider; inertias [kg m^2]      */
+    double m2, m3, j1, j2;                       /* masses of coupler, slider; inertias of crank, coupler [kg m^2] */
     double density, speed;                       /* of the coupler [kg/m^3]; of the crank [rad/s]            */
     double mass[4][4], stiffness[4][4];          /* of the elastic coordinates                              */
     double b[4][4], c1[4], c2[4], c12[4], c21[4];   /* coupling to the rotation of the coupler               */

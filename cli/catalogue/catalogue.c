@@ -74,7 +74,7 @@ cli_catalogue_watch cli_catalogue_watch_begin(const cli_call *call, const char *
 {
     const cli_catalogue_settings *s = call->settings;
     cli_catalogue_limit(call);
-    return (cli_catalogue_watch){ .call = call, .progress = cli_progress_begin(call, what, unit),
+    return (cli_catalogue_watch){ .progress = cli_progress_begin(call, what, unit),
                                   .start = lw_clock_wall(), .limit = cli_given(&call->parsed, "time") ? s->time : 0 };
 }
 

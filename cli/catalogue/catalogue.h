@@ -42,10 +42,9 @@ lw_status cli_catalogue_list(const cli_call *call, const char *text, lw_query_li
 
 /* Ctrl-C, --time (if given) and the progress line of an action that writes. */
 typedef struct cli_catalogue_watch {
-    const cli_call *call;
-    cli_progress    progress;
-    double          start, limit, total;      /* wall time; limit [s], 0: none; number of items, 0: unknown */
-    bool            over;                     /* --time has passed                                    */
+    cli_progress progress;
+    double       start, limit, total;      /* wall time; limit [s], 0: none; number of items, 0: unknown */
+    bool         over;                        /* --time has passed                                    */
 } cli_catalogue_watch;
 
 cli_catalogue_watch cli_catalogue_watch_begin(const cli_call *call, const char *what, const char *unit);

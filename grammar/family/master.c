@@ -418,7 +418,6 @@ static lw_status read_parameter(lw_symbol *s, lw_template *t, lw_error *e)
     }
     if (st == LW_OK && (s->choices = lw_template_member(t, "choices"))) {
         st = expect(s->choices, LW_JSON_ARRAY, e);
-        s->info.n_choice = s->choices->n;
         for (int i = 0; st == LW_OK && i < s->choices->n; i++)
             if (s->choices->child[i].type != LW_JSON_TEXT && s->choices->child[i].type != LW_JSON_NUMBER)
                 st = lw_json_fault(&s->choices->child[i].json, e, "a text or a number is expected here");
@@ -795,7 +794,7 @@ static lw_status read_settings(const lw_master *m, const lw_template *list, lw_s
             if (strcmp(out[k].name, t->json.key) == 0)      /* a view that every master has */
                 g = &out[k];
         *n += g == &out[*n];
-        *g = (lw_setting){ .name = t->json.key, .node = t, .omit = omit };
+        *g = (lw_setting){ .name = t->json.key, .omit = omit };
         s = expect(t, LW_JSON_OBJECT, e);
         if (s == LW_OK)
             s = lw_json_known_keys(&t->json, known, view ? 3 : 2, e);

@@ -17,7 +17,6 @@ typedef struct lw_parameter {
     lw_amount_kind kind;
     bool        has_range;
     double      least, most;             /* in its unit                                             */
-    int         n_choice;                /* > 0: only these texts or numbers                        */
     bool        whole;                   /* takes whole numbers only                                */
 } lw_parameter;
 

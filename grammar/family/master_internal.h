@@ -91,8 +91,7 @@ typedef struct lw_part {
     lw_use      *use;
 } lw_part;
 
-typedef struct lw_setting { const char *name; int n; struct { int symbol; lw_amount value; } *set; lw_template *node,
-                            *omit; }
+typedef struct lw_setting { const char *name; int n; struct { int symbol; lw_amount value; } *set; lw_template *omit; }
     lw_setting;                        /* a configuration or a view */
 
 typedef struct lw_check { lw_template *node; const char *text; lw_formula *formula; } lw_check;
@@ -101,7 +100,7 @@ struct lw_master {
     char        *text, *file;
     lw_json      json;
     lw_template *root, *model;
-    int          n_template, room;
+    int          n_template;
     lw_template *block;                /* all templates */
     lw_scope     scope;                /* symbol 0 is `view` */
     int          n_parameter, n_let, n_part, n_use, n_configuration, n_view, n_check;

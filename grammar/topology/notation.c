@@ -115,18 +115,14 @@ static lw_status print_graphml(const lw_mechanism *m, char *buf, size_t size, si
 enum { GRAPH6, LAM, SENTENCE, FRANKE, EDGES, JSON, DOT, GRAPHML };
 
 const lw_notation lw_notations[] = {
-    [GRAPH6] = { "graph6", "one word a chain, as nauty's tools read and write it", LW_GRAPH6_SIZE, false, false, false,
-                 read_graph6, print_graph6 },
-    [LAM] = { "lam", "link adjacency matrix, a row a line", LW_LAM_SIZE, true, true, false, read_lam, print_lam },
-    [SENTENCE] = { "sentence", "words of paper F, ((1 r 2 r ...) ...)", LW_SENTENCE_SIZE, false, true, false, read_sentence,
-                   print_sentence },
-    [FRANKE] = { "franke", "circles and lines, (3 3) 1-2:0 1-2:2 1-2:2", LW_FRANKE_SIZE, false, false, false, read_franke,
-                 print_franke },
-    [EDGES] = { "edges", "joints, 1-2! 1-4 2-3 3-4:t @1 >3", LW_EDGES_SIZE, false, true, true, lw_edges_read, print_edges },
-    [JSON] = { "json", "one object a line, with all that was chosen", LW_MECHANISM_JSON_SIZE, false, true, true,
-               lw_mechanism_read, print_json },
-    [DOT] = { "dot", "a drawing for Graphviz", LW_DOT_SIZE, true, true, true, lw_dot_read, print_dot },
-    [GRAPHML] = { "graphml", "a document for graph editors", LW_GRAPHML_SIZE, true, true, true, lw_graphml_read, print_graphml },
+    [GRAPH6] = { "graph6", LW_GRAPH6_SIZE, false, false, false, read_graph6, print_graph6 },
+    [LAM] = { "lam", LW_LAM_SIZE, true, true, false, read_lam, print_lam },
+    [SENTENCE] = { "sentence", LW_SENTENCE_SIZE, false, true, false, read_sentence, print_sentence },
+    [FRANKE] = { "franke", LW_FRANKE_SIZE, false, false, false, read_franke, print_franke },
+    [EDGES] = { "edges", LW_EDGES_SIZE, false, true, true, lw_edges_read, print_edges },
+    [JSON] = { "json", LW_MECHANISM_JSON_SIZE, false, true, true, lw_mechanism_read, print_json },
+    [DOT] = { "dot", LW_DOT_SIZE, true, true, true, lw_dot_read, print_dot },
+    [GRAPHML] = { "graphml", LW_GRAPHML_SIZE, true, true, true, lw_graphml_read, print_graphml },
     { .name = NULL }
 };
 
@@ -276,7 +272,6 @@ lw_status lw_topologies_next(lw_topologies *t, lw_mechanism *m, lw_error *e)
         return t->more ? LW_STOPPED : LW_NOTHING;
     const char *text = t->text + t->at;
     t->notation = lw_notation_of(text, t->size - t->at);
-    t->first = t->at;
     t->first_line = t->line;
     t->length = piece_length(t->notation, text, t->size - t->at);
     if (t->more && t->at + t->length == t->size)

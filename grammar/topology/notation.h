@@ -10,7 +10,7 @@
 #include "grammar/topology/mechanism.h"
 
 typedef struct lw_notation {
-    const char *name, *about;          /* "graph6", one line for a list                                */
+    const char *name;
     size_t      most;                  /* bytes that suffice for the text of any topology              */
     bool        lines;                 /* a text has several lines; else one line without line end     */
     bool        keeps_kinds;           /* joint kinds; else only the freedoms of each joint            */
@@ -41,7 +41,7 @@ typedef struct lw_topologies {
     const char *text, *file;           /* file for messages, may be NULL                               */
     size_t      size, at;              /* at: where reading continues                                  */
     long        line;                  /* of `at`, from 1                                              */
-    size_t      first, length;         /* the piece read last                                          */
+    size_t      length;                /* of the piece read last                                       */
     long        first_line;            /* line on which it begins                                      */
     const lw_notation *notation;       /* and its notation                                             */
     bool        more;                  /* more text follows later: a piece that reaches the end may be

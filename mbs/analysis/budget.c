@@ -54,7 +54,7 @@ static lw_status make_part(const lw_spatial *m, const lw_budget_options *o, int 
 
 lw_status lw_budget_stiffness_make(const lw_spatial *m, const lw_budget_options *o, lw_budget_stiffness *s, lw_error *e)
 {
-    *s = (lw_budget_stiffness){ .model = m };
+    *s = (lw_budget_stiffness){ .n = 0 };
     s->link = calloc((size_t)m->n_elastic + 1, sizeof *s->link);
     s->part = calloc((size_t)m->n_elastic + 1, sizeof *s->part);
     lw_status st = s->link && s->part ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");

@@ -44,7 +44,6 @@ typedef struct lw_budget {
 /* Elastic links one at a time, for budgets of one model in many postures.  The model must outlive s.  LW_E_MEMORY; the errors of
  * lw_dynamics_make_spatial.  s needs lw_budget_stiffness_free, after a failure too. */
 typedef struct lw_budget_stiffness {
-    const lw_spatial *model;
     int      n, *link;           /* (n) elastic links                                                                  */
     struct lw_budget_part *part; /* (n)                                                                                */
 } lw_budget_stiffness;

@@ -117,7 +117,7 @@ static lw_status keep_pass(void *context, const lw_clearance_sample *s)
     }
     const lw_clearance_point *at = &s->point[0];
     double turn = atan2(at->in_bush.y, at->in_bush.x)*180/LW_PI;
-    r->pass[r->n_pass++] = (lw_sweep_pass){ turn, at->force, at->touching };
+    r->pass[r->n_pass++] = (lw_sweep_pass){ turn, at->touching };
     return LW_OK;
 }
 

@@ -36,7 +36,7 @@ typedef struct lw_sweep_law {
 
 /* The pin of the first joint each time the input passes its start. */
 typedef struct lw_sweep_pass {
-    double direction, force;              /* of the pin in its bush [deg], [N] */
+    double direction;                     /* of the pin in its bush [deg] */
     bool   touching;
 } lw_sweep_pass;
 

@@ -117,7 +117,6 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
         st = lw_space_follow_to(&c->follow, motions, d, d->o.from, e);
     if (st != LW_OK)
         return st;
-    c->redundant = c->follow.redundant;
     memcpy(d->start_q, c->follow.q, (size_t)d->n_q*sizeof *d->start_q);
     d->eq.accept(d->eq.context, d->start_q);
     return lw_mbs_arrange(d, d->o.from, d->start_q);

@@ -121,8 +121,6 @@ void lw_beam_space_at(const lw_beam_space *b, const lw_beam_node node[2], bool d
     out->frame = s.t;
     out->energy = 0.5*(lw_v3_dot(e, scaled(k, e)) + lw_v3_dot(s.g, scaled(k + 3, s.g)));
     out->power = -b->damping*(lw_v3_dot(rate.p, scaled(k, rate.p)) + lw_v3_dot(rate.g, scaled(k + 3, rate.g)));
-    out->inner[0] = n.x, out->inner[1] = n.y, out->inner[2] = n.z;
-    out->inner[3] = m.x, out->inner[4] = m.y, out->inner[5] = m.z;
     put(&s.t, n, out->force);
     put(&s.t, lw_v3_sub(h, half), out->force + 3);
     put(&s.t, lw_v3_scale(n, -1), out->force + 6);

@@ -23,8 +23,6 @@ typedef struct lw_beam_node { lw_vec3 at; lw_mat3 turn; lw_vec3 v, omega; } lw_b
 
 typedef struct lw_beam_space_state {
     double  energy;
-    double  inner[6];            /* tension, shear along y and z [N], torque, bending moments about y and z in the middle [N m],
-                                    in the mid frame */
     double  power;               /* of the dampers [W] */
     lw_mat3 frame;               /* the mid frame; columns are its axes */
     double  force[12];           /* force and moment on each node, in ground axes [N] [N m] */

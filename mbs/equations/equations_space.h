@@ -26,7 +26,6 @@ typedef struct lw_spatial_scene {
     double         *mass;                        /* (n_v) with an inertia for each spin that is held */
     lw_space_follow follow;                      /* postures along the inputs that have a motion; memory NULL: not made */
     int             massless;                    /* a body whose mass or inertia was made up, and acts; -1: none */
-    int             redundant;                   /* rows of joints that depend on others */
     bool            has_drives, many_drives;     /* drives carry the forces of the inputs; more of them than freedoms */
     int             n_kink, n_jump;              /* of the equations */
     int             n_rub;                       /* joints whose friction drives carry, too */

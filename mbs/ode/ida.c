@@ -110,7 +110,6 @@ lw_status lw_ida_make(lw_sundials *w, const lw_dae *dae, const lw_ode_options *o
     memcpy(lw_sun_array(s->v[LW_SUN_NOW]), y, sizeof(double)*(size_t)dae->n);
     memcpy(lw_sun_array(s->v[LW_SUN_RATE]), dy, sizeof(double)*(size_t)dae->n);
     w->y = lw_sun_array(s->v[LW_SUN_NOW]);
-    w->dy = lw_sun_array(s->v[LW_SUN_RATE]);
     return set_up(s, t) ? LW_OK : lw_sun_cannot_start(w, e);
 }
 

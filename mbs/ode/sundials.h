@@ -10,7 +10,7 @@
 
 typedef struct lw_sundials {
     double  t, t_old;                /* end and beginning of the last step                          */
-    const double *y, *dy;            /* (n) at t; dy of IDA only                                    */
+    const double *y;                 /* (n) at t                                                    */
     unsigned long long events;       /* bit i: event i happened at t                                */
     long    n_step, n_refused, n_rate, n_jacobian;       /* n_rate: evaluations of f or F           */
     struct lw_sun *own;

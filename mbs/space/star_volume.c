@@ -127,7 +127,7 @@ static lw_status begin(search *x)
 static double sum_up(const search *x, lw_star_volume *out)
 {
     double greatest = 0;
-    *out = (lw_star_volume){ .n_ray = x->n_ray };
+    *out = (lw_star_volume){ .volume = 0 };
     for (int i = 0; i < x->n_face; i++) {
         const face *f = &x->face[i];
         out->volume += f->volume;

@@ -17,7 +17,6 @@ typedef lw_status lw_star_reach(void *context, lw_vec3 direction, double *far);
 typedef struct lw_star_volume {
     double volume;                               /* [m^3]                                                */
     double error;                                /* what the last divisions changed, added up [m^3]      */
-    int    n_ray;
 } lw_star_volume;
 
 /* around: number of first rays along a great circle, rounded up to 16, 32, 64, ...; share: wanted error over the volume; most: once

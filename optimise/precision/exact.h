@@ -34,7 +34,6 @@ typedef struct lw_function_bar {
     double  length[4];             /* frame 1, input, coupler, output [1]                          */
     double  input0, output0;       /* angles of input and output at pair 0, from the frame [rad];
                                     * the output's from its ground pin to the coupler's            */
-    bool    input_free, output_free;
 } lw_function_bar;
 lw_status lw_freudenstein(size_t n, const double *angle, const double *theta,
                           lw_function_bar out[LW_FREUDENSTEIN_MAX], int *n_out, lw_error *e);

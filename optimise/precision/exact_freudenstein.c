@@ -35,8 +35,7 @@ static void add(lw_function_bar bar, lw_function_bar *out, int *n)
 }
 
 /* The coupler as a guide: its fixed pin is on the input link, the moving one on the output. */
-static void add_guide(const lw_guide *g, const double *angle, const double *theta, bool input_free,
-                      bool output_free, lw_function_bar *out, int *n)
+static void add_guide(const lw_guide *g, const double *angle, const double *theta, lw_function_bar *out, int *n)
 {
     if (g->kind != LW_GUIDE_RR)
         return;
@@ -45,8 +44,7 @@ static void add_guide(const lw_guide *g, const double *angle, const double *thet
     lw_function_bar bar = {
         .length = { 1, lw_v2_norm(g->centre), lw_v2_norm(coupler), lw_v2_norm(g->point) },
         .input0 = angle[0] + atan2(g->centre.y, g->centre.x),
-        .output0 = theta[0] + atan2(g->point.y, g->point.x),
-        .input_free = input_free, .output_free = output_free
+        .output0 = theta[0] + atan2(g->point.y, g->point.x)
     };
     add(bar, out, n);
 }
@@ -88,7 +86,7 @@ static void four(const lw_guide_rows *poses, bool input_free, const double *angl
     }                                                                  /* or on the input's               */
     int found = lw_guide_rows_add(&r, row) ? lw_guide_rows_solve(&r, guide) : 0;
     for (int i = 0; i < found; i++)
-        add_guide(&guide[i], angle, theta, input_free, !input_free, out, n);
+        add_guide(&guide[i], angle, theta, out, n);
 }
 
 lw_status lw_freudenstein(size_t n, const double *angle, const double *theta,
@@ -115,6 +113,6 @@ lw_status lw_freudenstein(size_t n, const double *angle, const double *theta,
     }
     int found = lw_guide_rows_solve(&r, guide);
     for (int i = 0; i < found; i++)
-        add_guide(&guide[i], angle, theta, true, true, out, n_out);
+        add_guide(&guide[i], angle, theta, out, n_out);
     return LW_OK;
 }

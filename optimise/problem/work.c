@@ -29,7 +29,6 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     size_t at = (sizeof *w + 63) & ~(size_t)63;
     size_t lanes = lw_problem_lane_count(p), ld = (lanes + 7) & ~(size_t)7, v = sizeof(double);
     size_t m = LW_CURVE_SAMPLES;
-    w->n = p->n;
     w->n_lane = lanes;
     w->ld = ld;
     w->n_row = lw_problem_component_count(p);

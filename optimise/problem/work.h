@@ -34,7 +34,7 @@ typedef struct lw_cycle_point { double c, s, input, rate, around, psi_c, psi_s; 
 typedef struct lw_block { size_t first, count; } lw_block;
 
 typedef struct lw_work {
-    size_t  n, n_lane, ld;       /* stations; lanes (with curve samples for timing none)           */
+    size_t  n_lane, ld;          /* lanes (with curve samples for timing none)           */
     double *phase;               /* phase of each lane on its circuit [rad]; if the input turns fully, the input */
     double *input, *rate;        /* its input [rad] or [m], and the input's derivative by the phase */
     double *mode;                /* modes of each lane, if lanes have their own: mode[dyad*ld + lane] */

@@ -87,7 +87,7 @@ typedef struct lw_fit_report {
     bool     meets;                /* the conditions on its motion and pivots (optimise/task/motion_limits.h)       */
     bool     no_memory;            /* inside lw_fit_report_make, which then fails                   */
     bool     verified;             /* it meets them, and both simulations agree                     */
-    double   verified_objective, verified_mean;
+    double   verified_objective;
     double   difference;           /* largest distance between the two simulations at a station [m] */
     char     fault[256];           /* why it was not verified; "" when it was                       */
 } lw_fit_report;

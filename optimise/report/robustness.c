@@ -87,10 +87,7 @@ static lw_status linearise(spread *p, lw_robustness *out, lw_error *e)
             out->part[d] += part;
         }
         all += here;
-        if (here > out->worst) {
-            out->worst = here;
-            out->worst_posture = k;
-        }
+        out->worst = fmax(out->worst, here);
     }
     out->worst = sqrt(out->worst);
     out->rms = sqrt(all/(double)p->n);

@@ -13,7 +13,6 @@
 typedef struct lw_robustness {
     /* to first order, from exact derivatives: root mean square distance of the point from its place [m] ... */
     double rms, worst;              /* ... over all postures, and in the worst posture                       */
-    size_t worst_posture;           /* its number                                                      */
     /* random linkages */
     int    trials, open;            /* drawn; of these do not close in every posture                      */
     double trial_rms;               /* the same as rms, of those that close [m]                        */

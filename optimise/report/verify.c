@@ -212,15 +212,15 @@ static double turn_error(const replay *v, int point, double angle)
     return remainder(v->now.tracer[point].angle - angle, 2*LW_PI);
 }
 
-/* Eq. 17 at a station; *distance: of the first point. */
-static double square_error(const replay *v, size_t i, double *distance)
+/* Eq. 17 at a station. */
+static double square_error(const replay *v, size_t i)
 {
     const lw_target *t = v->t;
     lw_vec2 p = v->now.tracer[0].at;
     double f = 0, a = v->s->a, b = v->s->b;
     if (lw_task_has_place(v->s->task)) {
-        *distance = hypot(p.x - t->x[i], p.y - t->y[i]);
-        f += a*t->weight[i]**distance**distance;
+        double distance = hypot(p.x - t->x[i], p.y - t->y[i]);
+        f += a*t->weight[i]*distance*distance;
     }
     if (lw_task_has_angle(v->s->task))
         f += b*t->weight[i]*pow(turn_error(v, 0, t->theta[i]), 2);
@@ -300,7 +300,6 @@ lw_status lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate
     *v = (replay){ .t = t, .s = s, .c = c, .plan = plan, .r = r };
     bool followed = open_file(v, &status);
     for (size_t i = 0; i < t->n && followed; i++) {
-        double distance = 0;
         followed = go_to(v, i, at);
         if (!followed)
             break;
@@ -310,8 +309,7 @@ lw_status lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate
             if (!isnan(r->difference) && !(away <= r->difference))
                 r->difference = away;
         }
-        r->verified_objective += square_error(v, i, &distance);
-        r->verified_mean += distance/(double)t->n;
+        r->verified_objective += square_error(v, i);
     }
     if (t->n_also == 0 && s->timing == LW_TIMING_NONE && lw_task_has_place(s->task))
         followed = followed && add_samples(v, at);

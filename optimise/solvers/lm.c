@@ -526,7 +526,6 @@ lw_status lw_lm_run(const lw_solver *self, const lw_problem *p, const lw_solver_
     if (lw_lm_feasible(p, best, work))
         r->f = lw_lm_conditioned(p, &lm, best, work, &r->evals, &r->stop);
     free(work);
-    r->seconds = lw_clock_wall() - told.start;
     if (!isfinite(r->f))
         return LW_NOTHING;
     memcpy(x, best, sizeof best[0]*(size_t)p->n_var);

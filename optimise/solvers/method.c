@@ -77,7 +77,6 @@ lw_status lw_method_run(const lw_solver *m, const lw_function *fn, const lw_solv
     result->f = r.f;
     result->evals = r.evals;
     result->stop = r.stopped ? r.why : why;
-    result->seconds = lw_clock_wall() - r.started;
     if (isfinite(r.f))
         memcpy(x, r.x, fn->n*sizeof *x);
     lw_record_close(&r);

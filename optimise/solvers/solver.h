@@ -40,7 +40,6 @@ lw_solver_options lw_solver_options_default(void);
 typedef struct lw_solver_result {
     double  f;                   /* at x, the best feasible point seen; INFINITY if none          */
     long    evals;
-    double  seconds;
     lw_stop stop;
 } lw_solver_result;
 

@@ -40,7 +40,6 @@ typedef struct lw_task_file {
     int         n_dwell;
     lw_dwell    dwell[LW_DWELL_MAX];
     lw_units    units;
-    long        zone_line[LW_ZONE_MAX];     /* of the file, for messages                           */
 } lw_task_file;
 
 /* Read a task. LW_E_NOTATION with line and column, also if conditions contradict each other; LW_E_MEMORY. After a
