@@ -16,8 +16,10 @@ PLAIN    = cli/program cli/topologies cli/motion cli/family cli/fit cli/draw cli
            catalogues/pages catalogues/build catalogues/store
 LEVEL    = $(if $(filter $(HOT:%=%/%) catalogues/draw/chain_%,$<),-O3,$(or $(QUICK),$(if $(filter $(PLAIN:%=%/%) tests/%,$<),-O1)))
 endif
-# tests mostly call the library: without optimisation they compile in half the time (test_cli_promises.c asks for an optimised build)
-QUICK    = $(if $(filter-out %/test_curves.c %/test_cli_promises.c,$(filter tests/%,$<)),-O0)
+# tests mostly call the library: without optimisation they compile in half the time; not those with long loops of their own, and
+# test_cli_promises.c, which asks for an optimised build
+LOOPS    = beam_space chain_layout cli_promises curves layers
+QUICK    = $(if $(filter-out $(LOOPS:%=tests/test_%.c),$(filter tests/%,$<)),-O0)
 PREFIX  ?= /usr/local
 LIBDIR  ?= $(PREFIX)/lib
 STAGES   = base grammar enumerate mbs optimise catalogues surface     # each includes only those before it
