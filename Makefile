@@ -116,8 +116,9 @@ $B/liblinkwright.so: $B/$(SONAME)
 $B/install/liblinkwright.a: $(LIB_OBJ)
 	@mkdir -p $(@D)
 	rm -f $@; $(LD) -r $(LIB_OBJ) -o $(@:.a=.o) && $(OBJCOPY) --localize-hidden $(@:.a=.o) && ar rcs $@ $(@:.a=.o)
+# build-id: a file of --keep is that of one build (cli/program/kept_answers.c)
 $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
-	$(CC) $(CFLAGS) $(LDFLAGS) $(PIE) $^ $(LIBS) -o $@
+	$(CC) $(CFLAGS) $(LDFLAGS) -Wl,--build-id $(PIE) $^ $(LIBS) -o $@
 # the program for tests of limits and faults: the environment sets its clock, its end by a signal, the call that fails, and
 # its instruction set
 WRAPPED  = malloc calloc realloc aligned_alloc strdup strndup open_memstream fsync rename pthread_create write fflush fclose \
@@ -128,7 +129,7 @@ ARCHIVE  = $(filter /%,$(shell $(CC) -print-file-name=$(1:-l%=lib%.a)))
 ARCHIVES = $(foreach l,$(LIBS) -lamd -lcolamd -lbtf -lsuitesparseconfig,$(or $(if \
            $(filter-out -lm -lpthread -ldl $(LATE:%=-l%),$l),$(call ARCHIVE,$l)),$l))
 $B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $B/tests/fail_at_call.o $B/tests/fake_processor.o $B/liblinkwright.a
-	$(CC) $(CFLAGS) $(LDFLAGS) -no-pie $(WRAPPED:%=-Wl,--wrap=%) $^ $(ARCHIVES) -o $@
+	$(CC) $(CFLAGS) $(LDFLAGS) -Wl,--build-id -no-pie $(WRAPPED:%=-Wl,--wrap=%) $^ $(ARCHIVES) -o $@
 $(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $(PIE) $(FAST_LINK) $(filter %.o,$^) $(filter %.a,$^) $(LIBS) -o $@
 $B/tests/test_flexible_crank $B/tests/test_elastic: $B/cli/bench/flexible_crank.o

@@ -500,7 +500,7 @@ TEST(both_simulations_come_to_one_objective)
     }
 }
 
-/* Killed in the middle, a kept fit goes on and finds the same; the file belongs to this search only. */
+/* Killed in the middle, a kept fit goes on and finds the same; the file belongs to this search and this build only. */
 TEST(a_kept_fit_survives_a_kill)
 {
     expect("$P fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/whole.json", 0, NULL, NULL);
@@ -511,6 +511,7 @@ TEST(a_kept_fit_survives_a_kill)
            "-v '\"seconds\"\\|\"command\"' $D/$f.json > $D/$f; done; cmp $D/whole $D/cut && echo same", 0, "same\n", NULL);
     expect("test $(grep -ac '^task' $D/kept) -gt $(cat $D/before)", 0, NULL, NULL);
     expect("$P fit examples/ellipse.csv --rounds 1 -q --keep $D/kept", 3, NULL, "another command");
+    expect("$C fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/other.json --keep $D/kept", 3, "", "build of linkwright");
     expect("printf x >> $D/kept; truncate -s -9 $D/kept; $P fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/again.json --keep "
            "$D/kept && grep -v '\"seconds\"\\|\"command\"' $D/again.json | cmp - $D/whole && echo same", 0, "same\n", NULL);
     expect("$P fit examples/ellipse.csv --keep $D/more --time 5", 2, NULL, "--budget");

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <link.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,6 +31,16 @@ static uint64_t hash(uint64_t h, const char *text, size_t size)
     return h;
 }
 
+/* The linker writes a number of the build (--build-id) into a note of the program, which is the first object of the list. */
+static int hash_notes(struct dl_phdr_info *program, size_t size, void *h)
+{
+    (void)size;
+    for (const ElfW(Phdr) *p = program->dlpi_phdr; p < program->dlpi_phdr + program->dlpi_phnum; p++)
+        if (p->p_type == PT_NOTE)
+            *(uint64_t *)h = hash(*(uint64_t *)h, (const char *)(program->dlpi_addr + p->p_vaddr), p->p_memsz);
+    return 1;
+}
+
 lw_status cli_kept_run(const char *line, int n_file, const char *const *file, uint64_t *run, lw_error *e)
 {
     /* the number says how many words an option takes */
@@ -39,6 +50,7 @@ lw_status cli_kept_run(const char *line, int n_file, const char *const *file, ui
     };
     uint64_t h = hash(FNV_START, LW_VERSION, strlen(LW_VERSION));
     int skip = 1;                                     /* the name of the program */
+    dl_iterate_phdr(hash_notes, &h);                  /* answers may be memory as this build lays it out */
     for (const char *at = line + strspn(line, " "); *at; at += strspn(at, " ")) {
         size_t n = strcspn(at, " ");
         for (size_t i = 0; skip == 0 && i < sizeof left_out/sizeof *left_out; i++) {
@@ -102,8 +114,8 @@ static lw_status read_all(cli_kept *k, const char *text, size_t size, size_t *en
         snprintf(word, sizeof word, "%.*s", (int)(line - at < 120 ? line - at : 120), at);
         if (sscanf(word, "linkwright answers of %" SCNx64 "%n", &run, &head) == 1 && !word[head]) {
             if (run != k->run)
-                return lw_error_set(e, LW_E_NOTATION, "%s holds answers of another command, target or version; name another "
-                                    "file", k->path);
+                return lw_error_set(e, LW_E_NOTATION, "%s holds answers of another command, target or build of linkwright; name "
+                                    "another file", k->path);
             *end = first;
             continue;
         }

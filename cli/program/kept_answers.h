@@ -13,7 +13,7 @@
 
 typedef struct cli_kept cli_kept;
 
-/* The number of a run: a hash of the program's version, the command line without the options that only say where the
+/* The number of a run: a hash of the build of the program, the command line without the options that only say where the
  * work is done or goes, and the contents of the files that it names, as far as they can be read.  LW_E_MEMORY. */
 lw_status cli_kept_run(const char *line, int n_file, const char *const *file, uint64_t *run, lw_error *e);
 
