@@ -975,6 +975,13 @@ TEST(ways_do_not_depend_on_the_ways_before)
         CHECK_OK(lw_robot_tilt(&r, lw_v3_add(lw_v3_scale(ahead, cos(a)), lw_v3_scale(right, -sin(a))), LW_PI*(1 - 1e-9), &far, &check_error));
         CHECK_NEAR(far*180/LW_PI, want, 0.02, 0);
     }
+    for (int k = 0; k < 3; k++) {            /* about the axis of an arm: at a right angle another drive turns its arm alone, and the plate is free */
+        double far;
+        lw_robot_reset(&r);
+        CHECK_INT(lw_robot_tilt(&r, axis[k], 1.8, &far, &e), LW_OK);
+        CHECK_NEAR(far, LW_PI/2, 1e-6, 0);
+        CHECK(strstr(r.limit, "do not hold the tool"));
+    }
     /* A drive at a right angle: arm and plate of another leg turn about one axis, so that the drives hold two freedoms of three.  Beyond, they hold all. */
     lw_robot_pose p;
     lw_robot_reset(&r);

@@ -8,11 +8,13 @@
 #include "base/rank.h"
 #include "base/suggest.h"
 #include "base/vec3.h"
+#include "base/vector.h"
 
 #define ROUNDING 1e-12           /* a drive that moves the tool by less of the size, or of a turn, does not move it */
 #define CLOSE 1e-11              /* of the size, and [rad]: the tool is there                          */
 #define LONGEST_STEP 0.1         /* of the size: stops and cones are looked at so often                 */
 #define SURE_STEP 0.005          /* so far on, or no farther than half of the way to where the drives seem to lose the tool */
+#define LEAST_SAME 0.5           /* determinant of the cosines between the motions that the joints allow before and after a step */
 #define CONDITION_STEP 0.02      /* the same of a limit of the condition: it is exceeded in a tube about singular postures of an arm,
                                   * whose radius is about the size over the limit                       */
 
@@ -161,14 +163,16 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
     s = lw_space_follow_make(&r->space, drive, r->n_drive, false, &r->follow, e);
     size_t n_v = (size_t)r->space.n_v, n_q = (size_t)r->space.n_q;
     bool loops = r->space.n_joint > r->space.n_body;
-    size_t square = loops ? n_v*(n_v + 1) : 0;
-    if (s == LW_OK && !(r->column = calloc((size_t)r->n_drive*n_v + n_q + square, sizeof *r->column)))
+    size_t columns = (size_t)r->n_drive*n_v, square = loops ? n_v*(n_v + 1) : 0;
+    if (s == LW_OK && !(r->column = calloc(3*columns + n_q + square, sizeof *r->column)))
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s != LW_OK) {
         lw_robot_free(r);
         return s;
     }
-    r->start = r->column + (size_t)r->n_drive*n_v;
+    r->motions[0] = r->column + columns;
+    r->motions[1] = r->motions[0] + columns;
+    r->start = r->motions[1] + columns;
     memcpy(r->start, r->follow.q, n_q*sizeof *r->start);
     r->square = loops ? r->start + n_q : NULL;
     lw_space_follow_values(&r->follow, r->drive);
@@ -528,9 +532,9 @@ static void count_angles(void *context, const double *q)
 static const char not_held[] = "a posture in which the drives do not hold the tool";
 static const char out_of_reach[] = "the limit of what the drives can reach";
 
-/* Inverse of the determinant of all rows, those of the drives among them, over their lengths: it has a pole where the drives lose the tool, like
- * the determinant of a square Jacobian.  0: of an open chain, whose drives lose nothing, and where rows depend on others. */
-static double inverse_of_rows(lw_robot *r)
+/* Determinant of all rows, those of the drives among them, over their lengths: it is 0 where the drives lose the tool, and where the joints allow
+ * several motions.  0: not known, since rows depend on others; an open chain. */
+static double determinant_of_rows(lw_robot *r)
 {
     const lw_space_rows_set *z = &r->follow.z;
     size_t n = (size_t)r->space.n_v;
@@ -551,18 +555,22 @@ static double inverse_of_rows(lw_robot *r)
             row[c] /= length;
     }
     lw_qr_factor((int)n, (int)n, r->square, diag);
-    return 1/lw_qr_determinant((int)n, diag);
+    return lw_qr_determinant((int)n, diag);
 }
 
-/* Determinant of the Jacobian of the freedoms that the drives command: place, turn, or both; if it is not square, inverse_of_rows. */
-static double determinant(lw_robot *r, const lw_robot_pose *p)
+/* As many drives as coordinates of the tool's pose that they command: its place, its turn, or both. */
+static bool is_square(const lw_robot *r)
+{
+    bool flat = lw_v3_norm(r->normal) > 0;
+    return r->n_drive == (flat ? (r->only_turns ? 0 : r->turns ? 3 : 2) : r->only_turns || !r->turns ? 3 : lw_v3_norm(r->spin) > 0 ? 4 : 6);
+}
+
+/* Determinant of the Jacobian of these coordinates. */
+static double determinant(const lw_robot *r, const lw_robot_pose *p)
 {
     double a[6*6], diag[6];
     int n = r->n_drive;
-    bool flat = r->normal.x != 0 || r->normal.y != 0 || r->normal.z != 0;
-    bool one = r->spin.x != 0 || r->spin.y != 0 || r->spin.z != 0;
-    if (n != (flat ? (r->only_turns ? 0 : r->turns ? 3 : 2) : r->only_turns || !r->turns ? 3 : one ? 4 : 6))
-        return inverse_of_rows(r);
+    bool flat = lw_v3_norm(r->normal) > 0, one = lw_v3_norm(r->spin) > 0;
     lw_vec3 right = lw_v3_across(r->normal), ahead = lw_v3_cross(r->normal, right);
     for (int i = 0; i < n; i++) {
         lw_vec3 v = lw_v3(p->jacobian[0][i], p->jacobian[1][i], p->jacobian[2][i]), w = lw_v3(p->jacobian[3][i], p->jacobian[4][i], p->jacobian[5][i]);
@@ -572,6 +580,9 @@ static double determinant(lw_robot *r, const lw_robot_pose *p)
     lw_qr_factor(n, n, a, diag);
     return lw_qr_determinant(n, diag);
 }
+
+/* Is the tool itself moved, and do the drives follow?  Otherwise the drives are moved until the tool is there. */
+static bool is_pulled(const lw_robot *r) { return r->by_tool.memory && !(r->condition_limit > 0); }
 
 /* The posture reached, for pulling the tool from there. */
 static void begin_to_pull(lw_robot *r)
@@ -583,23 +594,24 @@ static void begin_to_pull(lw_robot *r)
     r->space.from[r->tool] = r->follow.z.frame[r->space.tracer[r->tool].body + 1].turn;
 }
 
-/* Rates of the drives (of_drives) or of the tool's pose by unit rates of the inputs of f, at f->q: column i of a belongs to input i. */
-static bool fill_rates(lw_robot *r, lw_space_follow *f, bool of_drives, double *a)
+/* Rates of the drives by unit rates of the inputs of f, at f->q: column i of `a` belongs to input i, as column i of r->column does, the velocities
+ * of all bodies. */
+static bool fill_rates(lw_robot *r, lw_space_follow *f, double *a)
 {
     const lw_space *s = &r->space;
-    double value, *v = r->column;
+    double value;
     int n = r->n_drive, first = s->n_row + f->n_idle;
     if (!lw_space_rows_factor_near(&f->z))
         return false;
     for (int i = 0; i < n; i++) {
+        double *v = r->column + (size_t)i*(size_t)s->n_v;
         memset(f->rhs, 0, (size_t)f->z.n_row*sizeof *f->rhs);
         f->rhs[first + i] = 1;
         if (!lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l))
             return false;
         for (int k = 0; k < n; k++) {
-            lw_spatial_measure of = of_drives ? measure_of(r, k) : (lw_spatial_measure){ r->pose[k], r->tool };
-            lw_space_measured(s, f->z.frame, of, 0, v, &value, &a[i*n + k]);
-            a[i*n + k] /= lw_space_scale(s, of);
+            lw_space_measured(s, f->z.frame, measure_of(r, k), 0, v, &value, &a[i*n + k]);
+            a[i*n + k] /= lw_space_scale(s, measure_of(r, k));
         }
     }
     return true;
@@ -613,57 +625,100 @@ static lw_status watched(lw_robot *r, lw_status s)
     return s;
 }
 
-/* Determinant of the Jacobian where the tool is pulled: as the inverse of that of the drives by the pose, which is smooth where the drives lose
- * the tool, or else, where the tool can move no farther, itself.  0: neither is known. */
-static double determinant_by_tool(lw_robot *r)
+/* fill_rates where the tool is pulled: by the tool's pose, which is smooth where the drives lose the tool, or else, where the tool can move no farther,
+ * by the drives. */
+static bool fill_rates_pulled(lw_robot *r, double *a)
 {
-    double a[6*6], diag[6];
-    for (int of_drives = 1; of_drives >= 0; of_drives--) {
-        lw_space_follow *f = of_drives ? &r->by_tool : &r->follow;
+    lw_space_follow *const by[] = { &r->by_tool, &r->follow };
+    for (int k = 0; k < 2; k++) {
+        lw_space_follow *f = by[k];
         if (memcmp(f->z.filled, f->q, (size_t)r->space.n_q*sizeof *f->q) != 0)
             lw_space_rows_fill(&f->z, f->q, f->z.near);
-        bool known = fill_rates(r, f, of_drives, a);
-        if (!known && f->z.n_kept < f->z.n_row) {        /* the basis kept may be that of the end of another way */
-            if (watched(r, lw_space_rows_arrange(&f->z, f->q, NULL)) != LW_OK)
-                return 0;
-            known = fill_rates(r, f, of_drives, a);
-        }
-        if (!known)
-            continue;
-        lw_qr_factor(r->n_drive, r->n_drive, a, diag);
-        double det = lw_qr_determinant(r->n_drive, diag);
-        return of_drives ? 1/det : det;
+        if (fill_rates(r, f, a))
+            return true;
+        if (f->z.n_kept < f->z.n_row                     /* the basis kept may be that of the end of another way */
+            && (watched(r, lw_space_rows_arrange(&f->z, f->q, NULL)) != LW_OK || fill_rates(r, f, a)))
+            return r->broken == LW_OK;
     }
-    return 0;
+    return false;
 }
 
-/* How far may the next step go, after one of h over which the determinant changed from `before`?  Its inverse has a zero where the drives
- * lose the tool; a second zero may be near, so the first has to fall between two steps. */
+/* Make the n columns v (n_v each) orthonormal.  Returns the determinant of the columns in this basis; 0: they are dependent. */
+static double orthonormalise(int n_v, int n, double *v)
+{
+    double det = 1;
+    for (int i = 0; i < n; i++) {
+        double *a = v + (size_t)i*(size_t)n_v;
+        for (int pass = 0; pass < 2; pass++)             /* the second one removes the rounding of the first */
+            for (int k = 0; k < i; k++) {
+                const double *b = v + (size_t)k*(size_t)n_v;
+                double along = lw_dot(n_v, a, b);
+                for (int j = 0; j < n_v; j++)
+                    a[j] -= along*b[j];
+            }
+        double length = sqrt(lw_dot(n_v, a, a));
+        if (!(length > 0))
+            return 0;
+        for (int j = 0; j < n_v; j++)
+            a[j] /= length;
+        det *= length;
+    }
+    return det;
+}
+
+/* How well the drives hold the tool in the posture reached: the determinant of their rates by orthonormal coordinates of all motions that the joints
+ * allow.  It is smooth along the motion, and 0 exactly where the drives lose the tool, whether or not the tool can move in all directions there.  The
+ * coordinates keep the orientation of those of the last posture of the way, where r->motions[0] spans the motions; here r->motions[1] does.  0: not
+ * known, or the motions differ too much from the last ones; an open chain, whose drives lose nothing. */
+static double drives_hold(lw_robot *r)
+{
+    double a[LW_ROBOT_DRIVES*LW_ROBOT_DRIVES], diag[LW_ROBOT_DRIVES], holds = 1;
+    int n = r->n_drive, n_v = r->space.n_v;
+    if (!r->square)
+        return 0;
+    if (is_pulled(r)) {
+        if (!fill_rates_pulled(r, a))
+            return 0;
+        lw_qr_factor(n, n, a, diag);
+        holds = lw_qr_determinant(n, diag);
+    }
+    memcpy(r->motions[1], r->column, (size_t)n*(size_t)n_v*sizeof *r->column);
+    double det = orthonormalise(n_v, n, r->motions[1]);
+    if (!(det > 0))
+        return 0;
+    r->unsure = false;
+    if (r->holds == 0)
+        return holds/det;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++)
+            a[i*n + k] = lw_dot(n_v, r->motions[0] + (size_t)i*(size_t)n_v, r->motions[1] + (size_t)k*(size_t)n_v);
+    lw_qr_factor(n, n, a, diag);
+    double same = lw_qr_determinant(n, diag);
+    r->unsure = fabs(same) < LEAST_SAME;
+    return same < 0 ? -holds/det : holds/det;
+}
+
+/* How far may the next step go, after one of h over which drives_hold changed from `before`?  A second zero may be near a first one, so the first
+ * has to fall between two steps. */
 static double wary(const lw_robot *r, double before, double h)
 {
-    double now = 1/r->determinant, rate = (now - 1/before)/h;
-    return before != 0 && r->determinant != 0 && now*rate < 0 ? fmax(-0.5*now/rate, SURE_STEP) : LONGEST_STEP;
+    double now = r->holds, rate = (now - before)/h;
+    return before != 0 && now*rate < 0 ? fmax(-0.5*now/rate, SURE_STEP) : LONGEST_STEP;
 }
 
-/* Has the tool passed a posture between the last one and this in which the drives lose it?  The determinant has a pole there, where it
- * changes its sign.  It also changes it in a zero, a singular posture of an arm, through which the drives can follow: over nested
- * intervals with both ends on different sides the difference of the ends grows about a pole, and falls in proportion about a zero.  A
- * first such interval counts as a pole until a shorter one decides. */
-static bool drives_were_lost(lw_robot *r, double det)
+/* Have the drives lost the tool between the last posture of the way and this one, or are the two too different to tell?  If not, this one is the last
+ * one from now on. */
+static bool drives_were_lost(lw_robot *r, double holds)
 {
-    double jump = fabs(det - r->determinant), before = r->jump;
-    if (!(det*r->determinant < 0)) {
-        r->determinant = det;
-        r->jump = 0;
+    if (holds*r->holds < 0 || r->unsure)
+        return true;
+    if (holds == 0)
         return false;
-    }
-    r->jump = jump;
-    if (before > 0 && jump < 0.75*before && !(r->condition_limit > 0)) {
-        r->determinant = det;
-        r->jump = 0;
-        return false;
-    }
-    return true;
+    double *last = r->motions[0];
+    r->motions[0] = r->motions[1];
+    r->motions[1] = last;
+    r->holds = holds;
+    return false;
 }
 
 /* The fastest motion or turn of the tool by a unit rate of a drive, in sizes: it grows without limit where the drives lose the tool. */
@@ -676,27 +731,32 @@ static double fastest(const lw_robot *r, const lw_robot_pose *p)
     return most;
 }
 
+/* drives_hold; where the Jacobian is not square, joints that allow several motions count, too. */
+static double holds_now(lw_robot *r) { return is_pulled(r) || is_square(r) || r->follow.z.n_row != r->space.n_v ? drives_hold(r) : determinant_of_rows(r); }
+
 /* Is the posture reached one in which the robot may be? */
 static bool may_be_there(lw_robot *r)
 {
     lw_robot_pose now;
-    bool by_tool = r->by_tool.memory && !(r->condition_limit > 0);
+    bool limited = r->condition_limit > 0;
     if (r->free)
         return true;
-    if (!by_tool && watched(r, lw_robot_measure(r, &now, NULL)) != LW_OK) {
+    if (!is_pulled(r) && watched(r, lw_robot_measure(r, &now, NULL)) != LW_OK) {
         snprintf(r->limit, sizeof r->limit, not_held);
         return false;
     }
-    if (r->condition_limit > 0 && now.condition > r->condition_limit) {
+    double det = limited && is_square(r) ? determinant(r, &now) : 0;
+    if (limited && (now.condition > r->condition_limit || det*r->determinant < 0)) {
         snprintf(r->limit, sizeof r->limit, "the limit of the condition number");
         return false;
     }
     if (passed(r))
         return false;
-    if (drives_were_lost(r, by_tool ? determinant_by_tool(r) : determinant(r, &now))) {
-        snprintf(r->limit, sizeof r->limit, r->condition_limit > 0 ? "the limit of the condition number" : not_held);
+    if (drives_were_lost(r, holds_now(r))) {
+        snprintf(r->limit, sizeof r->limit, limited ? "the limit of the condition number" : not_held);
         return false;
     }
+    r->determinant = det;
     return r->broken == LW_OK;
 }
 
@@ -786,19 +846,20 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
     lw_robot_pose begin;
     double fastest_first = INFINITY;
     r->broken = LW_OK;
-    r->jump = 0;
-    r->determinant = 0;
-    if (r->by_tool.memory && !(r->condition_limit > 0)) {
+    r->holds = r->determinant = 0;
+    r->unsure = false;
+    if (is_pulled(r)) {
         begin_to_pull(r);
-        r->determinant = determinant_by_tool(r);
+        drives_were_lost(r, holds_now(r));
     } else if (watched(r, lw_robot_measure(r, &begin, NULL)) == LW_OK) {
-        r->determinant = determinant(r, &begin);
+        r->determinant = is_square(r) ? determinant(r, &begin) : 0;
+        drives_were_lost(r, holds_now(r));
         fastest_first = fastest(r, &begin);
     }
     h = fmin(h, 0.5*LONGEST_STEP);
     while (at < length && r->broken == LW_OK) {
         h = fmin(h, r->condition_limit > 0 ? CONDITION_STEP : LONGEST_STEP);
-        double next = fmin(at + h, length), before = r->determinant, part = next/length;
+        double next = fmin(at + h, length), before = r->holds, part = next/length;
         lw_quaternion now = lw_quaternion_times(lw_quaternion_of_vector(lw_v3_scale(spin, part)), from);
         memcpy(kept, r->follow.q, (size_t)s->n_q*sizeof *kept);
         memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_near*sizeof *near);
