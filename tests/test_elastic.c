@@ -1099,7 +1099,10 @@ TEST(refused)
         CHECK_INT(lw_dynamics_make(&s.m, &s.o, &s.d, &s.e), LW_E_ARG);
         CHECK_HAS(s.e.text, back[i].why);
     }
-    OWN(scene) s = { 0 };
+    OWN(scene) fast = { 0 }, s = { 0 };
+    CHECK_INT(read_scene(&fast, CANTILEVER, "'frequency': 1e9", 1.), LW_OK);
+    CHECK_INT(lw_dynamics_make(&fast.m, &fast.o, &fast.d, &fast.e), LW_E_ARG);
+    CHECK_HAS(fast.e.text, "up to its \"frequency\" of 1e+09 Hz, more than 10000");
     CHECK_INT(read_scene(&s, CANTILEVER, "'segments': 2, 'mass': 'consistent'", 1.), LW_OK);
     CHECK_INT(open_scene(&s, LW_ANALYSIS_DYNAMIC), LW_OK);                   /* each element a superelement */
     CHECK_INT(lw_dynamics_elastic(s.d)->model.n_super, 2);

@@ -167,7 +167,7 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
         cli_note(c, "no freedom is left, so nothing moves; if the linkage should move, its numbers are rounded: \"mobility --tolerance 1e-4\" "
                  "tells, and more digits help");
     if (idle)
-        cli_note(c, "%d spin%s of links between ball joints %s held", idle, lw_plural(idle), idle == 1 ? "is" : "are");
+        cli_note(c, "%d spin%s of links between ball joints, or without inertia about their axis, %s held", idle, lw_plural(idle), idle == 1 ? "is" : "are");
     const lw_spatial_expansion *x = lw_dynamics_spatial_elastic(d);
     const lw_elastic_expansion *plane = lw_dynamics_model(d) ? lw_dynamics_elastic(d) : NULL;
     const lw_elastic_chain *chain = x ? x->chain : plane ? plane->chain : NULL;

@@ -81,8 +81,8 @@ static lw_status read_segments(const lw_json_node *n, lw_elastic *p, lw_error *e
     if (text && strcmp(text, "auto") == 0)
         return LW_OK;
     lw_status s = lw_json_kind_of(n) == LW_JSON_NUMBER ? lw_json_number(n, &value, e) : LW_E_NOTATION;
-    if (s != LW_OK || !(value >= 1 && value <= 10000) || floor(value) != value)
-        return lw_json_fault(n, e, "\"segments\" is \"auto\" or a number of elements, 1 to 10000");
+    if (s != LW_OK || !(value >= 1 && value <= LW_ELASTIC_SEGMENTS) || floor(value) != value)
+        return lw_json_fault(n, e, "\"segments\" is \"auto\" or a number of elements, 1 to %d", LW_ELASTIC_SEGMENTS);
     p->segments = (int)value;
     return LW_OK;
 }

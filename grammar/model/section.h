@@ -28,6 +28,7 @@ double lw_section_mass_z(const lw_section *s);
 typedef struct lw_material { double e, g, density; } lw_material;       /* [N/m^2] [N/m^2] [kg/m^3] */
 
 #define LW_ELASTIC_SHORTEST 1e-9     /* shorter than this [m] is no bar */
+#define LW_ELASTIC_SEGMENTS 10000    /* most elements of a link */
 
 /* A link that bends and stretches: a bar along its axis, or a frame of straight bars (mbs/elastic). */
 typedef struct lw_elastic {

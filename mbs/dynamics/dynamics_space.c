@@ -122,6 +122,15 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
     return lw_mbs_arrange(d, d->o.from, d->start_q);
 }
 
+/* Is this the spin, coordinate i of body b, of a body without inertia about its axis that is held? */
+static bool is_held_without_inertia(const lw_spatial_scene *c, int b, int i)
+{
+    bool held = false;
+    for (int k = 0; k < c->n_idle; k++)
+        held = held || c->idle[k].body == b;
+    return held && i >= 3 && c->s.mass[6*b + i] == 0;
+}
+
 /* Velocities that links are given, and 1 where they are (0 in by_mass: they are kept). */
 static double given_velocities(lw_dynamics *d)
 {
@@ -133,7 +142,7 @@ static double given_velocities(lw_dynamics *d)
         lw_vec3 w = lw_m3_unapply(&c->frame[b + 1].turn, p->omega), u = lw_v3_scale(p->velocity, 1/c->s.unit);
         const double given[6] = { u.x, u.y, u.z, w.x, w.y, w.z };
         for (int i = 0; i < 6; i++) {
-            bool has = i < 3 ? p->has_velocity : p->has_omega;
+            bool has = (i < 3 ? p->has_velocity : p->has_omega) && !is_held_without_inertia(c, b, i);
             d->start_v[6*b + i] = has ? given[i] : 0;
             d->by_mass[6*b + i] = has ? 0 : d->by_mass[6*b + i];
             top = fmax(top, fabs(d->start_v[6*b + i]));
@@ -689,7 +698,7 @@ static lw_status hold_spins(lw_dynamics *d, const lw_spatial *given, lw_error *e
     lw_space_extra *idle = st == LW_OK ? calloc((size_t)rigid.n_body + 1, sizeof *idle) : NULL;
     if (st == LW_OK && !idle)
         st = lw_error_set(e, LW_E_MEMORY, "out of memory");
-    int n = st == LW_OK ? lw_space_idle(&rigid, idle) : 0;
+    int n = st == LW_OK ? lw_space_idle(&rigid, false, idle) : 0;
     for (int i = 0; i < n; i++)
         for (int k = 0; k < x->n_chain; k++) {
             const lw_elastic *p = x->chain[k].elastic;

@@ -156,12 +156,12 @@ static double wave_number(const lw_elastic *p, double w, bool bend)
     return w*sqrt(0.5*(a + b + sqrt((a - b)*(a - b) + c)));
 }
 
-static int elements_for(const lw_elastic *p, double length, double frequency)
+static double elements_for(const lw_elastic *p, double length, double frequency)
 {
     double w = 2*LW_PI*frequency, bend = wave_number(p, w, true)*length, stretch = wave_number(p, w, false)*length;
     double n = p->consistent ? fmax(bend/consistent_bend, stretch/lumped_stretch)
                              : fmax(bend/lumped_bend, stretch/lumped_stretch);
-    return (int)fmin(fmax(ceil(n), 2), 10000);
+    return fmax(ceil(n), 2);
 }
 
 /* ---- nodes ---------------------------------------------------------------------------------------------- */
@@ -212,5 +212,9 @@ lw_status lw_elastic_axis_make(const lw_elastic *p, const char *name, const lw_e
         return s;
     a->first = LW_PI/(2*a->length*a->length)*sqrt(p->material.e*second_moment(p)/(p->material.density*p->section.area));
     a->frequency = p->segments ? 0 : p->frequency > 0 ? p->frequency : a->first;
-    return cut(a, places, p->segments ? p->segments : elements_for(p, a->length, a->frequency), e);
+    double n = p->segments ? p->segments : elements_for(p, a->length, a->frequency);
+    if (n > LW_ELASTIC_SEGMENTS)
+        return lw_error_set(e, LW_E_ARG, "the elastic link \"%s\" would need %.3g elements to be right up to its \"frequency\" of %.9g Hz, more than %d; its first bending "
+                            "frequency with hinged ends is %.4g Hz", name, n, a->frequency, LW_ELASTIC_SEGMENTS, a->first);
+    return cut(a, places, (int)n, e);
 }

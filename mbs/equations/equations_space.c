@@ -8,7 +8,7 @@
 
 /* ---- making ------------------------------------------------------------------------------------------------ */
 
-/* A spin that is held changes nothing where the body is symmetric about its axis and not set spinning.  Others run. */
+/* A spin that is held changes nothing where the body has no inertia about its axis, or is symmetric about it and not set spinning.  Others run. */
 static int keep_exact_spins(const lw_spatial_scene *c, lw_space_extra *x, int count)
 {
     int n = 0;
@@ -18,7 +18,8 @@ static int keep_exact_spins(const lw_spatial_scene *c, lw_space_extra *x, int co
         int k = axis[0] > axis[1] && axis[0] > axis[2] ? 0 : axis[1] > axis[2] ? 1 : 2;
         double a = inertia[(k + 1)%3], b = inertia[(k + 2)%3];
         bool along = axis[k] > 1 - 1e-12 || fabs(a - inertia[k]) + fabs(b - inertia[k]) <= 1e-12*a;
-        if (along && fabs(a - b) <= 1e-9*fmax(a, b) && !c->model->body[c->s.link_of[x[i].body]].has_omega)
+        bool begins = c->model->body[c->s.link_of[x[i].body]].has_omega || fabs(a - b) > 1e-9*fmax(a, b);
+        if (along && (inertia[k] == 0 || !begins))
             x[n++] = x[i];
     }
     return n;
@@ -93,7 +94,7 @@ lw_status lw_spatial_scene_make(const lw_spatial *m, lw_spatial_scene *c, lw_err
     c->bend = malloc((size_t)c->s.n_term*LW_SPACE_BENDS*sizeof *c->bend);
     if (!c->frame || !c->idle || !c->slots || !c->mass || !c->sum || !c->bend)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    c->n_idle = lw_space_idle(&c->s, c->idle);
+    c->n_idle = lw_space_idle(&c->s, true, c->idle);
     if (!every_freedom_is_driven(c))
         c->n_idle = keep_exact_spins(c, c->idle, c->n_idle);
     weigh_spins(c);

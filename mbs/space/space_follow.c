@@ -45,13 +45,31 @@ static bool line_of_balls(const lw_space *s, int b, lw_vec3 *at, lw_vec3 *axis)
     return known;
 }
 
-int lw_space_idle(const lw_space *s, lw_space_extra *out)
+/* The line through the centre of mass of body b about which it has no inertia, if only balls on this line hold it.  It is a principal axis. */
+static bool line_without_inertia(const lw_space *s, int b, lw_vec3 *at, lw_vec3 *axis)
+{
+    const double *inertia = s->mass + 6*b + 3;
+    int k = inertia[0] == 0 ? 0 : inertia[1] == 0 ? 1 : 2;
+    if (inertia[k] != 0 || !(inertia[(k + 1)%3] > 0 && inertia[(k + 2)%3] > 0))
+        return false;
+    *at = lw_v3(0, 0, 0);
+    *axis = lw_v3(k == 0, k == 1, k == 2);
+    for (int j = 0; j < s->n_joint; j++)
+        for (int i = 0; i < 2; i++) {
+            lw_spatial_kind kind = lw_spatial_kind_given(&s->model->joint[j]);
+            if (s->joint[j].body[i] == b && kind != LW_SPATIAL_FREE && !(kind == LW_SPATIAL_SPHERICAL && on_line(s->joint[j].arm[i], *at, *axis, s->unit)))
+                return false;
+        }
+    return true;
+}
+
+int lw_space_idle(const lw_space *s, bool slender, lw_space_extra *out)
 {
     const lw_spatial *m = s->model;
     int n = 0;
     for (int b = 0; b < s->n_body; b++) {
         lw_vec3 at = { 0, 0, 0 }, axis = { 0, 0, 0 };
-        bool idle = line_of_balls(s, b, &at, &axis) && on_line(lw_v3(0, 0, 0), at, axis, s->unit);
+        bool idle = (line_of_balls(s, b, &at, &axis) && on_line(lw_v3(0, 0, 0), at, axis, s->unit)) || (slender && line_without_inertia(s, b, &at, &axis));
         for (int i = 0; idle && i < m->n_tracer; i++)
             idle = s->tracer[i].body != b || on_line(s->tracer[i].arm, at, axis, s->unit);
         for (int i = 0; idle && i < m->n_spring; i++)
@@ -137,7 +155,7 @@ lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *inpu
     double *metric = at;
     memcpy(f->q, s->start, q*sizeof *f->q);
     lw_space_metric(s, metric);
-    f->n_idle = lw_space_idle(s, x);
+    f->n_idle = lw_space_idle(s, false, x);
     f->n_input = n_input;
     int rank;
     lw_status st = rank_of_joints(s, x, f->n_idle, metric, &rank, e);

@@ -6,8 +6,9 @@
 #include "mbs/space/space_solve.h"
 
 /* Bodies between ball joints on one line spin about it without moving anything else: rows that hold these spins, into
- * out (n_body), and how many.  A body whose tracers, loads or springs lie off the line does not idle. */
-int lw_space_idle(const lw_space *s, lw_space_extra *out);
+ * out (n_body), and how many.  slender: so do bodies without inertia about their axis that fly or hang on balls on this axis.  A body whose tracers,
+ * loads or springs lie off the line does not idle. */
+int lw_space_idle(const lw_space *s, bool slender, lw_space_extra *out);
 
 /* Where the inputs are at parameter u: value, rate and second rate by u, SI units, out[i][3] of input i. */
 typedef lw_status lw_space_path(void *context, double u, double (*out)[3]);

@@ -302,7 +302,7 @@ lw_status lw_space_mobility_find(const lw_spatial *model, double tolerance, uint
         m->n_body = s.n_body;
         m->n_row = s.n_row;
         m->count = s.n_v - s.n_row;
-        m->idle = lw_space_idle(&s, idle);
+        m->idle = lw_space_idle(&s, false, idle);
         for (int i = 0; i < m->idle; i++)
             m->idle_link[i] = s.link_of[idle[i].body];
         st = lw_space_rows_make(&s, NULL, 0, weight, s.start, &x.z, e);
