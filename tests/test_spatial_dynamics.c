@@ -210,6 +210,8 @@ TEST(drives_push_at_once)
         CHECK(q.energy_steps == 0);
         CHECK_NEAR(k.at[2].tracer.x, 0.5 - sin(angle), 1e-6, 0);
         CHECK_NEAR(k.at[2].tracer.z, -cos(angle), 1e-6, 0);
+        CHECK_NEAR(k.at[1].work, 7./6, 1e-9, 0);             /* of the impulse: the rod begins to turn by -2/3 rad/s */
+        CHECK_NEAR(k.at[2].energy, k.at[0].energy, 1e-5, 0);
     }
     formulation = LW_FORMULATION_AUTO;
     lw_spatial_free(&m);

@@ -32,9 +32,9 @@ void lw_run_watch(lw_run *run, const double *y)
     const lw_dynamics *d = run->d;
     lw_dynamics_report *r = run->r;
     double potential = d->eq.potential(d->eq.context, y), kinetic = d->eq.kinetic(d->eq.context, y + d->n_q);
-    double work = run->has_work ? y[d->n_q + d->n_v] : 0;
+    double work = (run->has_work ? y[d->n_q + d->n_v] : 0) + run->impulse_work, off = kinetic + potential - work - run->energy0;
     if (run->pushed)
-        run->energy0 = kinetic + potential - work;
+        run->impulse_work += off, work += off;
     run->pushed = false;
     lw_run_note_energy(run, kinetic, potential - run->potential0, work, run->energy0 - run->potential0);
     if (d->eq.watch)
@@ -356,7 +356,7 @@ static lw_status check_energy(lw_run *run, const lw_moment *m)
     lw_dynamics_report *r = run->r;
     double scale = fmax(r->energy_scale, fmax(m->kinetic, run->work_done)), step = (d->o.relative + d->o.absolute)*scale;
     double off = fmax(r->energy_error, fabs(m->kinetic + m->potential - m->work - run->energy0));
-    if (!knows_energy(run) || run->pushed || off <= ENERGY_STEPS*step)    /* the work of an impulse just passed is not known */
+    if (!knows_energy(run) || off <= ENERGY_STEPS*step)
         return LW_OK;
     d->eq.forces(d->eq.context, m->t, m->q, m->v, d->hold, NULL);
     double noise = rounded_energy(d, m->q, d->hold, 1), least = least_kinetic(d, d->hold);
@@ -401,13 +401,23 @@ static lw_status hand_out(lw_run *run, const lw_moment *m)
     return s;
 }
 
+/* A sample without forces; its work contains that of impulses of drives. */
+static lw_status measure(lw_run *run, double t, const double *y, lw_moment *m)
+{
+    const lw_dynamics *d = run->d;
+    lw_status s = lw_mbs_measure(run->d, t, y, y + d->n_q, (run->has_work ? y[d->n_q + d->n_v] : 0) + run->impulse_work, m);
+    if (s == LW_OK && run->pushed)
+        m->work = m->kinetic + m->potential - run->energy0;
+    return s;
+}
+
 lw_status lw_run_show(lw_run *run, double t, const double *y)
 {
     lw_dynamics *d = run->d;
     lw_moment m;
     lw_error was = *run->e;
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
-    lw_status s = lw_mbs_measure(d, t, y, y + d->n_q, run->has_work ? y[d->n_q + d->n_v] : 0, &m);
+    lw_status s = measure(run, t, y, &m);
     if (s == LW_OK && run->solve_sample && run->solve_sample(run->solver, t, m.q, m.v) == LW_OK)
         return hand_out(run, &m);
     if (s == LW_OK)
@@ -435,7 +445,7 @@ lw_status lw_run_show_solved(lw_run *run, double t, const double *y)
     lw_dynamics *d = run->d;
     lw_moment m;
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
-    lw_status s = lw_mbs_measure(d, t, y, y + d->n_q, run->has_work ? y[d->n_q + d->n_v] : 0, &m);
+    lw_status s = measure(run, t, y, &m);
     bool still = d->o.analysis == LW_ANALYSIS_QUASISTATIC;
     if (still || run->r->formulation == LW_FORMULATION_DRIVEN) {      /* nothing is integrated: the work is the change of the energies */
         double energy = m.potential + (still ? 0 : m.kinetic);
@@ -464,7 +474,7 @@ lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void 
     return s;
 }
 
-/* Does the speed of a drive jump between these times?  Then the work of its impulse is not known. */
+/* Does the speed of a drive jump between these times?  Then the work of its impulse is what the energies change by. */
 static void find_push(lw_run *run, double before, double after)
 {
     static const double least = 1e-9;
@@ -488,6 +498,7 @@ static void note_start(lw_run *run, const double *y)
     lw_dynamics *d = run->d;
     run->potential0 = d->eq.potential(d->eq.context, y);
     run->energy0 = run->potential0 + d->eq.kinetic(d->eq.context, y + d->n_q) - (run->has_work ? y[d->n_q + d->n_v] : 0);
+    run->impulse_work = 0;
     double size = 0;
     if (d->eq.note_momenta)
         d->eq.note_momenta(d->eq.context, d->o.from, y, y + d->n_q);

@@ -28,7 +28,8 @@ typedef struct lw_run {
     double  flight;                  /* duration of a bounce that has just begun [s]; 0: none */
     double  energy0, potential0, momentum0;
     double  work_done, work_last;    /* sum of |changes of the work| over steps, and the work after the last one [J] */
-    bool    pushed;                  /* the speed of a drive has jumped: the next comparison of energies starts from there */
+    bool    pushed;                  /* the speed of a drive has jumped: the next comparison of energies gives the work of its impulse */
+    double  impulse_work;            /* of such impulses so far, which is not in y [J] */
     long    n_noted;                 /* number of comparisons of the energy; 0: it is not compared */
     bool    keeps_momenta;               /* steps keep the momenta of bodies in free flight (lw_run_hold) */
     double  pivot, pivot_t;          /* root of the least pivot after the last step, and its time */
