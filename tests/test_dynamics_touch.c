@@ -1019,6 +1019,10 @@ TEST(captured_impacts_are_located)
         CHECK_NEAR(state(d.q, 1), 0.1 + 0.64*g*fall*since - 0.5*g*since*since, 1e-9, 0);
         CHECK(d.report.captured_late == 0);
     }
+    /* at rest all steps have the longest length, which is the one reported */
+    free_model(FREE(FLOOR, "'mass': 1, 'centre': [0, 0.1], 'inertia': 0.01", "{'circle': [0, 0.1], 'radius': 0.1}", "'restitution': 0.8"), 0, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_CAPTURE, 1e-6, 1.5, 1), LW_OK);
+    CHECK_NEAR(d.report.captured_step*(double)d.report.steps, 1.5, 1e-9, 0);
     double a = LW_PI/8, off[3] = { 0 }, want = 0;
     char corners[600], text[2000];
     for (int k = 0, n = 0; k < 8; k++)

@@ -8,6 +8,7 @@
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "cli/motion/dynamics_report.h"
+#include "cli/motion/coarse_run.h"
 #include "cli/motion/simulate.h"
 #include "cli/motion/spatial.h"
 #include "cli/motion/simulate_linear.h"
@@ -106,7 +107,9 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
     lw_status st = cli_simulate_speed(c->model, s->speed, call->parsed.word[0], e);
     if (st != LW_OK)
         return st;
-    return cli_simulate_make(c, &o, call->parsed.word[0], e);
+    st = cli_simulate_make(c, &o, call->parsed.word[0], e);
+    c->keep_postures = st == LW_OK && (call->common.json || !call->common.quiet) && cli_coarse_run_suits(c);
+    return st;
 }
 
 /* Print one row: the rest position. */
@@ -132,6 +135,8 @@ static lw_status run_it(const cli_call *call, cli_simulate *c, lw_error *e)
     cli_simulate_head(c);
     lw_status st = s->analysis == LW_ANALYSIS_STATIC ? rest(c, s->from, e)
                  : lw_dynamics_run(c->d, cli_simulate_row, c, &c->report, e);
+    if (st == LW_OK && c->keep_postures && s->analysis != LW_ANALYSIS_STATIC)
+        cli_coarse_run_compare(c);
     cli_simulate_tail(c, st, e);
     if (st == LW_OK && s->balance)
         st = cli_simulate_balance(c, stdout, e);
@@ -238,7 +243,7 @@ static int run(const cli_call *call)
     if (s->explain)
         cli_explain_elastic(c->call, c->model, c->d, s->from, s->to);
     lw_status st = run_it(call, c, &e);
-    cli_dynamics_notes(call, c->d, &c->report);
+    cli_dynamics_notes(call, c->d, &c->report, &c->coarse);
     cli_suction_note(call, &c->suction);
     cli_note_pull(call, &c->pull, c->pull.chain ? lw_dynamics_model(c->d)->linkage.link_name[c->pull.chain->node[0]] : "");
     int code = st == LW_OK ? CLI_DONE : c->n_row > 0 && st == LW_STOPPED ? CLI_LIMIT : cli_fail(call, &e);

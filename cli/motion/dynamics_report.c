@@ -14,7 +14,7 @@ void cli_dynamics_explain(const cli_call *call, const lw_dynamics_report *r)
              lw_plural(r->redundant));
 }
 
-void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status, const lw_error *e)
+void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, const cli_coarse_run *coarse, lw_status status, const lw_error *e)
 {
     if (r->without_forces)
         fprintf(f, "# singular posture in %ld row%s, first at t = %.12g s: forces without a limit there are left empty\n",
@@ -35,6 +35,8 @@ void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status
     if (r->captured_step > 0)
         fprintf(f, "# assumed: contacts are captured in steps of up to %.2g s; impacts are up to %.2g s late, overlaps within a step "
                 "reach %.2g m\n", r->captured_step, r->captured_late, r->overlap);
+    if (coarse && coarse->told)
+        fprintf(f, "# a run with a tolerance of %.2g differs by up to %.2g m and %.2g rad\n", coarse->tolerance, coarse->place, coarse->turn);
     if (status != LW_OK)
         fprintf(f, "# incomplete: ended at t = %.12g s: %s\n", r->t, e->text);
 }
@@ -51,7 +53,7 @@ static void put_event(cli_json *j, const lw_run_event *h)
     cli_json_end(j);
 }
 
-void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_report *r, lw_status status, const lw_error *e)
+void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_report *r, const cli_coarse_run *coarse, lw_status status, const lw_error *e)
 {
     cli_json_end(j);
     cli_json_text(j, "formulation", r->formulation == LW_FORMULATION_AUTO ? "equilibrium" : lw_formulation_name(r->formulation));
@@ -72,7 +74,15 @@ void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_repo
     if (r->captured_step > 0) {
         cli_json_real(j, "captured_step", r->captured_step);
         cli_json_real(j, "captured_late", r->captured_late);
+        cli_json_real(j, "captured_rest", r->captured_rest);
         cli_json_real(j, "overlap", r->overlap);
+    }
+    if (coarse && coarse->tolerance > 0) {
+        cli_json_object(j, "coarse_run");
+        cli_json_real(j, "tolerance", coarse->tolerance);
+        cli_json_real(j, "place", coarse->place);
+        cli_json_real(j, "turn", coarse->turn);
+        cli_json_end(j);
     }
     cli_json_int(j, "steps", r->steps);
     cli_json_int(j, "evaluations", r->rates);
@@ -198,7 +208,7 @@ void cli_suction_note(const cli_call *c, const cli_suction *low)
                  "pulls too much", low->state, low->pressure, low->t, -air);
 }
 
-void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynamics_report *r)
+void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynamics_report *r, const cli_coarse_run *coarse)
 {
     if (r->period_off > 0)
         cli_note(c, "the motion repeats itself every %.12g s; what follows ten periods is taken from them, its phase good "
@@ -221,6 +231,11 @@ void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynami
                  r->overlap);
     else if (r->captured_step > 0)
         cli_note(c, "contacts are captured in steps of up to %.2g s, and each impact was located: the error is of second order", r->captured_step);
+    if (r->captured_rest > 0)
+        cli_note(c, "bounces of up to %.2g m/s count as rest", r->captured_rest);
+    if (coarse && coarse->told)
+        cli_note(c, "a run with a tolerance of %.2g differs by up to %.2g m (%s, t = %.6g s) and %.2g rad (%s, t = %.6g s); expect errors of about that size",
+                 coarse->tolerance, coarse->place, coarse->placed, coarse->place_t, coarse->turn, coarse->turned, coarse->turn_t);
     note_start(c, d, r);
     for (int i = 0; i < r->n_event && i < 10; i++) {
         const lw_run_event *h = &r->event[i];

@@ -10,9 +10,11 @@
 typedef struct cli_simulate {
     const cli_call *call;
     lw_model       *model;
+    lw_dynamics_options options;
     lw_dynamics    *d;
     FILE           *f;                   /* where rows are written; NULL: nowhere                      */
-    bool            json, keep;          /* keep: rows and postures stay in memory                     */
+    bool            json, keep;          /* keep: rows and postures stay in memory,                        */
+    bool            keep_postures;       /* postures alone                                                 */
     cli_json        j;
     int             n_column;
     cli_column     *column;
@@ -24,6 +26,7 @@ typedef struct cli_simulate {
     lw_dynamics_report       report;
     cli_suction     suction;
     cli_pull        pull;
+    cli_coarse_run  coarse;
 } cli_simulate;
 
 /* Drive the inputs without a motion at this constant speed, as --speed gives it; NULL: none. */

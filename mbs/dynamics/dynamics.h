@@ -123,6 +123,7 @@ typedef struct lw_dynamics_report {
     double undetermined_t;       /* the first time [s] */
     double captured_step, captured_late, overlap;        /* of the capture formulation: longest step, longest one with an impact that was not located [s];
                                               * greatest overlap [m] */
+    double captured_rest;                    /* speed of the fastest bounce that counts as rest [m/s] */
     bool   smooth_friction;      /* friction without a "speed" was regularised, and creeps instead of sticking */
     bool   no_friction;          /* friction of joints was left out, as in every equilibrium */
     double t;                    /* time reached */

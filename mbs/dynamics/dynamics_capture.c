@@ -31,6 +31,7 @@
 #include "mbs/equations/complementarity.h"
 
 static const double finest = 1e-4, coarsest = 0.1;       /* way of a body in a step over its size */
+static const double slow = 1e-2;             /* below this part, steps of slow bodies are in proportion to it, too: so is what a low bounce takes */
 static const double closed = 1e-2;           /* a gap below this part of that way is closed */
 static const double shallow = 0.1;           /* an overlap below this part of that way is captured at any time of the step */
 static const double unseen = 0.5;            /* an overlap above this part of it is looked for in shorter steps */
@@ -67,6 +68,7 @@ typedef struct capture {
     double *value;                           /* its entries: where pairs of rows and their own products go */
     int    *to, *diagonal;
     bool    hits;                            /* a step ended at an impact, which is still to be applied */
+    double  rest;                            /* speed of the fastest bounce so far that counts as rest, scaled */
     double  late;                            /* the step captures an impact: its length, else 0 */
     double  t, work, power;                  /* power of forces without potential after the impacts of the step [W] */
     double *z, *next_z, *mean_z, *try_z, *rate, *other;      /* first-order states, their mean over a step, their rates (n_z) */
@@ -670,6 +672,8 @@ static lw_status solve_step(capture *g, double t, double h)
         lw_touch_motion m;
         lw_touch_at(&d->touch->list.touch[p->touch], &d->eq, d->frames, g->after, &m);
         p->target = is_struck(p, &m, h, pull) ? 0 : bend(p, &m, h);
+        if (p->shut && d->touch->list.touch[p->touch].state != LW_TOUCH_HELD)
+            g->rest = fmax(g->rest, -m.rate*d->touch->list.touch[p->touch].surface->restitution);
         p->glide = p->presses && p->slips == 0 ? -0.5*h*m.slip_bias : 0;
     }
     for (int pass = 0; pass < PASSES; pass++) {
@@ -877,14 +881,14 @@ static lw_status run_steps(capture *g, double *y)
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
     lw_touch_list *list = &d->touch->list;
-    double part = g->part, longest = (d->o.to - d->o.from)/50, h = longest;
+    double part = g->part, longest = part*(d->o.to - d->o.from), h = longest;
     lw_status s = LW_OK;
     while (s == LW_OK && run->next <= d->o.intervals) {
         bool missing = false;
         double speed = look(g, 0, &missing, NULL), pull = 0, end = fmin(lw_run_time(d, run->next), lw_run_near(run, g->t));
         for (int i = 0; i < d->n_v; i++)
             pull = fmax(pull, fabs(d->a[i]));
-        h = fmin(longest, fmin(2*h, part*g->size/fmax(speed, sqrt(part*g->size*pull))));
+        h = fmin(longest, fmin(2*h, part*g->size/fmax(speed, sqrt(fmax(part, slow)*g->size*pull))));
         h = compliant_step(g, h);
         missing = false;
         double overlap = 0, left = end - g->t, whole = left/ceil(left/h - 1e-9);     /* a short last step would have wrong mean forces */
@@ -895,7 +899,7 @@ static lw_status run_steps(capture *g, double *y)
         bool locates = to.n <= STRUCK_MOST && to.first < whole && (to.first > soonest*whole || !g->hits);
         whole = locates ? to.first : whole;
         s = s == LW_OK ? LW_OPEN : s;
-        for (int k = 0; s == LW_OPEN && k < HALVINGS; k++, whole *= 0.5) {
+        for (int k = 0; s == LW_OPEN && k < HALVINGS; k++) {
             g->hits = locates && k == 0;
             bool last = g->t + whole > end - 1e-9*whole;
             s = step(g, last ? end - g->t : whole, &overlap);
@@ -903,6 +907,7 @@ static lw_status run_steps(capture *g, double *y)
                 s = LW_OPEN;
             if (s == LW_OPEN) {
                 run->r->refused++;
+                whole *= 0.5;
                 continue;
             }
             h = last || g->hits ? h : whole;
@@ -932,8 +937,9 @@ static lw_status run_steps(capture *g, double *y)
             run->next++;
         }
         if (s == LW_OK && g->hits)
-            s = hit(g, h*pull, &overlap);
+            s = hit(g, whole*pull, &overlap);
         run->r->overlap = fmax(run->r->overlap, overlap*d->s.unit);
+        run->r->captured_rest = g->rest*d->s.unit;
         if (s == LW_OK)
             s = lw_run_limits(run, g->t, 0);
     }
