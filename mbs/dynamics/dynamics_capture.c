@@ -1041,8 +1041,9 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     }
     if (!asked && (rigid == 0 || d->eq.n_z))
         return lw_formulation_say(r, LW_E_KIND, 0, "without rigid contacts, and with first-order states, index1 is of higher order");
-    if (d->space || d->n_friction || d->has_zero_mass)
-        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no spatial models, friction of joints or massless links");
+    if (d->space || d->elastic || d->n_friction || d->has_zero_mass)
+        return lw_formulation_say(r, LW_E_KIND, 0, d->space ? "it knows no spatial models" : d->elastic ? "it knows no elastic links" : d->n_friction
+                                  ? "it knows no friction of joints" : "every link needs a mass and an inertia");
     if (!asked && d->model->n_contact < LEAST_CONTACTS)
         return lw_formulation_say(r, LW_E_KIND, 0, "few contacts: index1 locates each event");
     return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : "many contacts: they are captured in steps, "

@@ -559,17 +559,6 @@ static void find_special_joints(lw_dynamics *d)
         d->has_zero_mass = d->has_zero_mass || !(d->f.mass[i] > 0);
 }
 
-/* LW_E_KIND: the model is larger than a linkage and has parts that only smaller models may have. */
-static lw_status check_large(const lw_dynamics *d, lw_error *e)
-{
-    if (d->n_stop > 0)
-        return lw_error_set(e, LW_E_KIND, "rigid stops are not possible in models with elastic links; give the stop at joint \"%s\" "
-                            "a \"stiffness\"", d->model->linkage.joint[d->stop[0].joint].name);
-    if (d->n_velocity > 0 && d->elastic)
-        return lw_error_set(e, LW_E_KIND, "links have no \"velocity\" in models with elastic links; give inputs a \"speed\"");
-    return LW_OK;
-}
-
 /* Large models with a freedom need all their masses. */
 static lw_status check_masses(const lw_dynamics *d, lw_error *e)
 {
@@ -578,6 +567,21 @@ static lw_status check_masses(const lw_dynamics *d, lw_error *e)
             return lw_error_set(e, LW_E_ARG, "link \"%s\" needs a \"mass\" and an \"inertia\": in a model with elastic links, or with "
                                 "more than %d links and a freedom that no \"motion\" drives (this one has %d), every link has them",
                                 d->model->linkage.link_name[d->s.link[b]], LW_LINK_MAX, d->freedom);
+    return LW_OK;
+}
+
+/* LW_E_KIND: a contact or a rope of an elastic link, whose outline would bend. */
+static lw_status check_touching(const lw_model *m, lw_error *e)
+{
+    for (int i = 0; i < m->n_contact + m->n_rope; i++)
+        for (int end = 0; end < 2; end++) {
+            bool rope = i >= m->n_contact;
+            int link = rope ? m->rope[i - m->n_contact].link[end] : m->contact[i].link[end];
+            if (m->elastic[link].given)
+                return lw_error_set(e, LW_E_KIND, "%s \"%s\" is at the elastic link \"%s\"; weld a rigid link to it (joint of kind \"f\") that %s",
+                                    rope ? "rope" : "contact", rope ? m->rope[i - m->n_contact].name : m->contact[i].name, m->linkage.link_name[link],
+                                    rope ? "holds the rope" : "has the shapes");
+        }
     return LW_OK;
 }
 
@@ -633,9 +637,8 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
     lw_status s = LW_OK;
     if (m->n_elastic) {
         d->elastic = !d->o.rigid;
-        if (d->elastic && (m->n_contact || m->n_rope))
-            return lw_error_set(e, LW_E_KIND, "contacts and ropes are between rigid links, and the model has elastic ones; leave "
-                                "either out, or make the links rigid (--rigid)");
+        if (d->elastic && (s = check_touching(m, e)) != LW_OK)
+            return s;
         d->model = d->elastic ? &d->expansion.model : &d->rigid;
         s = d->elastic ? lw_elastic_expand(m, lw_dynamics_in_time(d), &d->expansion, e) : lw_elastic_rigid(m, &d->rigid, e);
         if (s != LW_OK)
@@ -660,8 +663,8 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
     find_special_joints(d);
     if (!d->rows_only && (s = lw_mbs_touch_make(d, e)) != LW_OK)
         return s;
-    if (d->large && !d->rows_only && (s = check_large(d, e)) != LW_OK)
-        return s;
+    if (d->elastic && d->n_velocity > 0)
+        return lw_error_set(e, LW_E_KIND, "links have no \"velocity\" in models with elastic links; give inputs a \"speed\"");
     if ((s = lw_mbs_reserve(d, e)) != LW_OK)
         return s;
     d->e = e;

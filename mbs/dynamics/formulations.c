@@ -71,7 +71,7 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     bool postures = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC;
     bool prescribed = d->freedom == 0 && !d->elastic && !d->eq.n_z && !d->o.pieces;
     if (d->touch && !settles && (a == LW_ANALYSIS_STATIC || ((postures || d->freedom == 0) && !prescribed)))
-        return lw_error_set(e, LW_E_KIND, "contacts and ropes take part in runs in time of models with a freedom, in prescribed motion of "
+        return lw_error_set(e, LW_E_KIND, "contacts, ropes and rigid stops take part in runs in time of models with a freedom, in prescribed motion of "
                             "rigid links without first-order states, and in statics of rigid links with a freedom");
     for (int i = 0; i < d->n_friction; i++)
         d->ideal_friction = d->ideal_friction || d->friction[i].ideal;
@@ -108,7 +108,7 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
         s = table[f]->able(d, false, r);
         if (s == LW_OK || s == LW_E_MEMORY)
             return s;
-        if (d->elastic && f == LW_FORMULATION_RADAU)
+        if (d->elastic && !d->touch && f == LW_FORMULATION_RADAU)
             return lw_error_set(e, LW_E_KIND, "the methods for elastic links cannot do this model: %s; take the rest out, ask for the "
                                 "explicit \"index1\" formulation, or make the links rigid (--rigid)", r->why);
     }

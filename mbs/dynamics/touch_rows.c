@@ -11,7 +11,7 @@ enum { EVENTS_MOST = 40 };      /* with more compliant places the steps, not eve
 lw_status lw_mbs_touch_make(lw_dynamics *d, lw_error *e)
 {
     const lw_model *m = d->model;
-    bool many = !d->elastic && (d->large ? d->n_stop > 0 : d->n_stop > STOPS_MOST);
+    bool many = d->n_stop > (d->large ? 0 : STOPS_MOST);
     if (m->n_contact == 0 && m->n_rope == 0 && !many)
         return LW_OK;
     struct lw_touching *w = d->touch = calloc(1, sizeof *w);

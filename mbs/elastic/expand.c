@@ -151,6 +151,9 @@ static void share(const lw_model *m, lw_model *to)
     to->states.n_state = m->states.n_state, to->states.n_signal = m->states.n_signal, to->states.n_rotor = m->states.n_rotor;
     to->states.state = m->states.state, to->states.signal = m->states.signal;
     to->friction = m->friction, to->stop = m->stop, to->clearance = m->clearance;
+    to->n_shape = m->n_shape, to->shape = m->shape;
+    to->n_contact = m->n_contact, to->contact = m->contact;
+    to->n_rope = m->n_rope, to->rope = m->rope;
 }
 
 static void add_mass(lw_body *b, double mass, double inertia)

@@ -3,7 +3,8 @@
  * An elastic link becomes n elements between n + 1 nodes, which are links with lumped masses: half the mass of each element
  * and half of its rotary inertia rho I h at either end.  Joints, tracers, springs and forces of the link act on the node at
  * their place; beside the axis, through a rigid arm from the nearest point of it; a load along a line on the nodes that it
- * covers.  All other links, joints, tracers and inputs keep their indices, so expressions stay valid; node 0 of a link has the index of the link. */
+ * covers.  All other links, joints, tracers and inputs keep their indices, so expressions stay valid; node 0 of a link has the index of the link.
+ * Shapes, contacts and ropes are those of rigid links. */
 #ifndef LW_MBS_ELASTIC_EXPAND_H
 #define LW_MBS_ELASTIC_EXPAND_H
 
