@@ -322,7 +322,7 @@ TEST(a_drawn_curve_is_followed_between_its_stations)
     o.seed = 2;                                          /* in so few rounds not every seed finds such linkages */
     read_file("examples/letters/X.csv", &t);
     CHECK_INT(lw_fit_run(&t, &o, &fit, &e), LW_OK);
-    double allowed = lw_stray_allowed(t.n)*t.size, least = INFINITY;
+    double allowed = lw_stray_allowed(&t, t.n)*t.size, least = INFINITY;
     bool strays = false;
     for (int i = 0; i < fit.n; i++) {
         const lw_candidate *c = &fit.candidate[i];

@@ -1,5 +1,6 @@
 /* Distances of curves: known ones, and what must not matter. */
 #include "optimise/report/likeness.h"
+#include "optimise/task/specification.h"
 #include "tests/check.h"
 
 enum { N = 900 };
@@ -167,7 +168,7 @@ TEST(few_stations_leave_the_curve_unsure)
     CHECK_NEAR(lw_likeness_stray(&t, b, 2).unsure, 0, 1e-15, 0);
     lw_target_free(&t);
     make_of(p, 2, 0, &t);
-    CHECK_NEAR(lw_likeness_stray(&t, b, 2).unsure, 0.5*tan(LW_PI/16)*hypot(0.1, 0.2), 0, 1e-12);     /* an arc of 45 degrees */
+    CHECK_NEAR(lw_likeness_stray(&t, b, 2).unsure, 0.5*tan(LW_PI/8)*hypot(0.1, 0.2), 0, 1e-12);     /* an arc of 90 degrees */
     lw_target_free(&t);
 }
 
@@ -180,8 +181,13 @@ TEST(poses_leave_the_arc_of_a_turn_open)
     for (size_t n = 2; n <= 3; n++) {
         CHECK_INT(lw_target_make(n, x, y, theta, NULL, NULL, 0, &t, NULL), LW_OK);
         CHECK_NEAR(lw_likeness_stray(&t, b, 2).unsure, n == 2 ? 1.5*tan(25*LW_PI/180) : 2.5*tan(22.5*LW_PI/180), 0, 1e-12);
+        CHECK_NEAR(lw_stray_allowed(&t, n), 0.02 + 0.5/(double)n, 0, 1e-12);
         lw_target_free(&t);
     }
+    const double folded[] = { 0, LW_PI };                /* half a turn: a curve may go on a half circle, which is far from the line */
+    CHECK_INT(lw_target_make(2, x, y, folded, NULL, NULL, 0, &t, NULL), LW_OK);
+    CHECK_NEAR(lw_stray_allowed(&t, 2), 0.02 + 1.5/t.size, 0, 1e-12);
+    lw_target_free(&t);
 }
 
 /* The greatest distance of the stations from wild polylines of several lengths, compared with a look at every segment. */

@@ -6,7 +6,6 @@
 enum { N = LW_LIKENESS_POINTS, PIECES = 8 };
 #define CORNER 0.7              /* a target that turns more than this at a station has a corner there [rad] */
 #define LONGER 4                /* a chord so many times longer than its neighbour is a straight line that an arc touches */
-#define LEAST_ARC  (LW_PI/4)    /* between two stations a point may go on an arc of this angle                                      */
 
 /* ---- the curve of a target ---------------------------------------------------------------------------- */
 
@@ -46,18 +45,6 @@ static double arc_height(const lw_target *t, size_t i)
     lw_vec2 a = lw_v2_sub(station(t, i), station(t, i + t->n - 1)), b = lw_v2_sub(station(t, i + 1), station(t, i));
     double turn = atan2(fabs(lw_v2_cross(a, b)), lw_v2_dot(a, b));
     return 0.5*fmax(lw_v2_norm(a), lw_v2_norm(b))*tan(0.25*turn);
-}
-
-/* Height over its chord of the arc on which a body turns about one point from pose i to the next; of two stations alone at least that of
- * LEAST_ARC. */
-static double turn_height(const lw_target *t, size_t i)
-{
-    double turn = t->n == 2 ? LEAST_ARC : 0;
-    if (!t->closed && i + 1 == t->n)
-        return 0;
-    if (t->theta)
-        turn = fmax(turn, fabs(remainder(t->theta[(i + 1) % t->n] - t->theta[i], 2*LW_PI)));
-    return 0.5*lw_v2_norm(lw_v2_sub(station(t, i + 1), station(t, i)))*tan(0.25*turn);
 }
 
 static bool is_none(lw_vec2 a) { return a.x == 0 && a.y == 0; }
@@ -239,11 +226,11 @@ lw_stray lw_likeness_stray(const lw_target *t, const lw_vec2 *curve, size_t n)
     lw_vec2 *drawn = curve_of(t, &n_drawn);
     runs found = { 0 }, wanted = { 0 };
     if (drawn && make_runs(curve, n, t->closed, &found) && make_runs(drawn, n_drawn, t->closed, &wanted)) {
-        stray = (lw_stray){ 0, farthest(&wanted, curve, n, 0), 0 };
+        stray = (lw_stray){ 0, farthest(&wanted, curve, n, 0), lw_target_arc(t) };
         for (size_t i = 0; i < t->n; i++) {
             lw_vec2 p = station(t, i);
             stray.to_curve = farthest(&found, &p, 1, stray.to_curve);
-            stray.unsure = fmax(stray.unsure, fmax(2*arc_height(t, i), turn_height(t, i)));
+            stray.unsure = fmax(stray.unsure, 2*arc_height(t, i));
         }
     }
     free(found.box);

@@ -25,8 +25,7 @@ lw_status lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n
 
 /* How far curve and target are apart [m]: the greatest distance of a station from the curve, and of a place of the
  * curve from the curve through the stations.  Between few stations that curve is a guess: `unsure` is twice the greatest
- * height of an arc through three stations over its chords, or the greatest height of an arc on which the body turns about one point from
- * one pose to the next, if that is more; of two stations at least that of an arc of 45 degrees. */
+ * height of an arc through three stations over its chords, or lw_target_arc, if that is more. */
 typedef struct lw_stray { double to_curve, to_target, unsure; } lw_stray;
 
 /* NaN without memory.  n >= 2. */

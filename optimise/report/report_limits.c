@@ -120,7 +120,7 @@ static void judge(const lw_target *t, const lw_fit_spec *s, lw_fit_report *r)
 {
     if (s->within_limits && r->passes_limit)
         broken(r, LW_LIMIT_MOTION, "the input passes a limit or turns back on its way", 0);
-    if (s->within_limits && lw_task_has_place(s->task) && r->stray.to_target > lw_stray_allowed(t->n)*t->size + 2*r->error_max)
+    if (s->within_limits && lw_task_has_place(s->task) && r->stray.to_target > lw_stray_allowed(t, t->n)*t->size + 2*r->error_max)
         broken(r, LW_LIMIT_MOTION, "between the stations its curve strays from the target by %.3g of the target's size",
                r->stray.to_target/t->size);
     if (s->by_default & LW_LIMIT_TRANSMISSION && r->transmission_min < s->min_transmission - AT_LIMIT)

@@ -326,7 +326,7 @@ static double strays(const lw_search *s, const lw_problem *p, const double *x, l
             least = lw_v2_nearer(lw_v2(w->curve_x[j], w->curve_y[j]), lw_v2(p->x[to], p->y[to]), lw_v2(p->x[k], p->y[k]), least);
         most = fmax(most, least);
     }
-    return (most - 2*off)*p->unit/s->t->size - lw_stray_allowed(p->n);
+    return (most - 2*off)*p->unit/s->t->size - lw_stray_allowed(s->t, p->n);
 }
 
 /* Take whole turns off an angle that has no bounds: steps of the solver may have added many. */

@@ -124,9 +124,9 @@ enum {
 /* Set those of the limits that are not among `given` to their defaults for this target. */
 void lw_fit_spec_set_limits(lw_fit_spec *s, const lw_target *t, unsigned given);
 
-/* How far the curve of a result may leave a target of n stations between them, in sizes of the target, beside twice the
- * greatest error at a station: between few stations the target is not known. */
-static inline double lw_stray_allowed(size_t n) { return 0.02 + 0.5/(double)n; }
+/* How far the curve of a result may leave a target between n stations, in sizes of the target, beside twice the greatest error at a
+ * station: between few stations, and where the body turns much from one to the next, the target is not known. */
+static inline double lw_stray_allowed(const lw_target *t, size_t n) { return 0.02 + fmax(0.5/(double)n, lw_target_arc(t)/t->size); }
 
 /* The objective that the columns of a target suggest: a function without x and y, a motion with theta, else a path. */
 lw_task lw_task_suggested(const lw_target *t);

@@ -253,6 +253,19 @@ double lw_target_distance(const lw_target *t, lw_vec2 p)
     return least;
 }
 
+#define LEAST_ARC (LW_PI/2)          /* between two stations a point may go on an arc of this angle */
+
+double lw_target_arc(const lw_target *t)
+{
+    double most = 0;
+    for (size_t i = 0; i < (t->closed ? t->n : t->n - 1); i++) {
+        size_t k = (i + 1) % t->n;
+        double turn = t->theta ? fabs(remainder(t->theta[k] - t->theta[i], 2*LW_PI)) : 0;
+        most = fmax(most, 0.5*hypot(t->x[k] - t->x[i], t->y[k] - t->y[i])*tan(0.25*fmax(turn, t->n == 2 ? LEAST_ARC : 0)));
+    }
+    return most;
+}
+
 double lw_target_circle(const lw_target *t, lw_vec2 *centre, double *radius)
 {
     size_t n = t->x ? t->n : 0;

@@ -85,6 +85,10 @@ double    lw_target_circle(const lw_target *t, lw_vec2 *centre, double *radius);
  * distance of a place from the one that the body then has [m]; INFINITY: no motion, one station, or the body hardly turns. */
 double    lw_target_pivot(const lw_target *t, lw_vec2 *pivot);
 
+/* Greatest height over its chord of an arc on which the body turns about one point from one pose to the next; of two stations at least
+ * that of an arc of 90 degrees, as a rocker may swing [m]. */
+double    lw_target_arc(const lw_target *t);
+
 /* Greatest distance of a point of the path from one straight line [m]; INFINITY: no path. */
 double    lw_target_straight(const lw_target *t);
 
