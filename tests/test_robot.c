@@ -978,7 +978,7 @@ TEST(ways_do_not_depend_on_the_ways_before)
     for (int k = 0; k < 3; k++) {            /* about the axis of an arm: at a right angle another drive turns its arm alone, and the plate is free */
         double far;
         lw_robot_reset(&r);
-        CHECK_INT(lw_robot_tilt(&r, axis[k], 1.8, &far, &e), LW_OK);
+        CHECK_OK(lw_robot_tilt(&r, axis[k], 1.8, &far, &check_error));
         CHECK_NEAR(far, LW_PI/2, 1e-6, 0);
         CHECK(strstr(r.limit, "do not hold the tool"));
     }
