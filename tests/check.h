@@ -123,6 +123,19 @@ static inline int check_end(void)
 /* OWN(lw_target) t = { 0 };  a variable that lw_target_free() frees at the end of its block. */
 #define OWN(type) __attribute__((cleanup(type##_free))) type
 
+/* FREED char *text = ...;  memory that free() frees at the end of its block. */
+#define FREED __attribute__((cleanup(check_free)))
+static inline void check_free(void *pointer)
+{
+    void *p;
+    memcpy(&p, pointer, sizeof p);
+    free(p);
+}
+
+/* OWNS(lw_newton) once in the file, then OWNED(lw_newton) *s = NULL;  a pointer that lw_newton_free() frees in the same way. */
+#define OWNED(type) __attribute__((cleanup(type##_owned))) type
+#define OWNS(type) static inline void type##_owned(type **p) { type##_free(*p); }
+
 int check_main(void);
 __attribute__((weak)) int check_main(void) { check_run(); return check_end(); }
 

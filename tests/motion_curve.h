@@ -28,6 +28,7 @@ static inline void curve_free(curve *c)
     lw_system_free(&c->s);
     free(c);
 }
+OWNS(curve)
 
 static inline lw_vec2 tracer(const curve *c, int i, const double *q)
 {

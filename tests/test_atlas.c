@@ -293,7 +293,7 @@ TEST(as_by_force)
         lw_vec2 p[200], q[200];
         int n;
         target_of(trial, closed, p);
-        double *d = all_distances(&tree[!closed], p);
+        FREED double *d = all_distances(&tree[!closed], p);
         for (int count = 1; count <= 500; count = count == 1 ? 20 : count*5) {
             memcpy(q, p, sizeof q);
             if (count == 20)
@@ -303,7 +303,6 @@ TEST(as_by_force)
             for (int i = 0; i < n; i++)
                 CHECK_NEAR(hit[i].distance, d[i], 1e-9, 0);
         }
-        free(d);
     }
     free(hit);
     lw_store_close(s);

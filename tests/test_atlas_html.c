@@ -155,7 +155,7 @@ static int count(const char *text, const char *part)
 
 static void check_page(const char *file)
 {
-    char *page = read_page(file);
+    FREED char *page = read_page(file);
     CHECK_HAS(page, "default-src 'none'");
     CHECK(!strstr(page, "unsafe"));
     CHECK(!strstr(page, "alert(1)</script>") && !strstr(page, "<img"));
@@ -165,7 +165,6 @@ static void check_page(const char *file)
     check_hash(page, "<style>", "</style>");
     check_hash(page, "<script>", "</script>");
     check_links(page);
-    free(page);
 }
 
 /* ---- tests -------------------------------------------------------------------------------------- */

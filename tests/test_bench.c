@@ -62,17 +62,15 @@ TEST(files_say_where_they_come_from)
     for (int i = 0; i < 2; i++) {
         char path[64];
         snprintf(path, sizeof path, "out/%s", names[i]);
-        char *text = read_file(path);
+        FREED char *text = read_file(path);
         CHECK_HAS(text, "# linkwright bench fit --seeds 0 ");
         CHECK_HAS(text, " | linkwright ");
-        free(text);
     }
-    char *plot = read_file("out/closed18.svg");
+    FREED char *plot = read_file("out/closed18.svg");
     CHECK_HAS(plot, "<svg");
     CHECK_HAS(plot, "reachable");
     CHECK_HAS(plot, "Kunjur");
     CHECK_HAS(plot, "slsqp");
-    free(plot);
 }
 
 /* A run that stops later repeats the improvements of a shorter one with the same seed. The fit that the time limit
@@ -95,10 +93,9 @@ TEST(default_strategy_reaches)
 {
     expect("mkdir -p $D/one && cp catalogues/data/paths/arc5.csv $D/one", 0, NULL, NULL);
     expect("$P bench fit --problems $D/one --solvers none --seeds 2 --reach-time 1e4 -j 2 -o $D/reach", 0, "| 2 of 2 |", "");
-    char *text = read_file("reach/reach.csv");
+    FREED char *text = read_file("reach/reach.csv");
     CHECK_HAS(text, "problem,figure,seed,evals,seconds,objective,reached\narc5,7.4158e-07,1,");
     CHECK_HAS(text, "\narc5,7.4158e-07,2,");
-    free(text);
 }
 
 TEST(bad_calls)

@@ -9,6 +9,8 @@
 #include "grammar/topology/graph6.h"
 #include "tests/check.h"
 
+OWNS(lw_chains)
+
 static lw_chains *chains_of(int n_link, int dof)
 {
     lw_chains *chains = NULL;
@@ -132,11 +134,10 @@ static lw_status pool_fractionated(void *context, const lw_chain *c, int n_bridg
 static pool listed_pool(int n_link, int dof)
 {
     pool p = { 0 };
-    lw_chains *chains = chains_of(n_link, dof);
+    OWNED(lw_chains) *chains = chains_of(n_link, dof);
     lw_chain_walk how = one_thread();
     CHECK_INT(lw_chains_each(chains, &how, pool_item, &p), LW_OK);
     CHECK_INT(lw_fractionated_each(n_link, dof, pool_fractionated, &p, NULL), LW_OK);
-    lw_chains_free(chains);
     return p;
 }
 
@@ -377,7 +378,7 @@ TEST(filters_agree_with_themselves)
     static const int sizes[][2] = { {4,1}, {10,1}, {9,0}, {9,2} };
     CHECK(lw_filter_find("no such filter") == NULL);
     for (size_t k = 0; k < sizeof sizes/sizeof *sizes; k++) {
-        lw_chains *chains = chains_of(sizes[k][0], sizes[k][1]);
+        OWNED(lw_chains) *chains = chains_of(sizes[k][0], sizes[k][1]);
         for (const lw_filter *f = lw_filters; f->name; f++) {
             lw_chain_walk how = one_thread();
             OWN(lw_chain_table) table = { 0 };
@@ -394,7 +395,6 @@ TEST(filters_agree_with_themselves)
                 CHECK_INT(table.total.n_chain, lines);
             free(t.at);
         }
-        lw_chains_free(chains);
     }
 }
 
@@ -419,7 +419,7 @@ static lw_status stop_at_tenth(void *context, const lw_chain_item *item)
 
 TEST(stops_when_asked)
 {
-    lw_chains *chains = chains_of(12, 1);
+    OWNED(lw_chains) *chains = chains_of(12, 1);
     for (int n_thread = 1; n_thread <= 3; n_thread++) {
         lw_chain_walk how = one_thread();
         OWN(lw_chain_table) table = { 0 };
@@ -439,7 +439,6 @@ TEST(stops_when_asked)
         CHECK_INT(lw_chains_count(chains, &how, &table), LW_STOPPED);
         free(t.at);
     }
-    lw_chains_free(chains);
 }
 
 TEST(explains_impossible_sizes)

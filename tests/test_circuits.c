@@ -45,7 +45,7 @@ TEST(six_links_as_the_plan_says)
     for (int trial = 0; trial < 25; trial++) {
         lw_linkage l;
         lw_plan p;
-        lw_motion *m = calloc(1, sizeof *m);
+        FREED lw_motion *m = calloc(1, sizeof *m);
         double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
         blank_linkage(&l, 6);
         static const int pair[2][7][2] = { { {0,1},{1,2},{2,3},{3,0},{2,4},{4,5},{5,3} },
@@ -58,7 +58,6 @@ TEST(six_links_as_the_plan_says)
         CHECK_INT(lw_motion_find(&p, dim, m), LW_OK);
         CHECK_INT(circuits(&l, 1), m->n_circuit);
         most = m->n_circuit > most ? m->n_circuit : most;
-        free(m);
     }
     CHECK(most >= 3);
 }
@@ -134,7 +133,7 @@ static int modes_found(int more)
     CHECK_OK(lw_system_assemble(&m.linkage, NULL, 0, &s, &check_error));
     CHECK(more == 0 || s.n_q > LW_SYSTEM_Q_MAX);
     CHECK_OK(lw_circuits_find(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, 100, 1, &c, &check_error));
-    double *q = malloc((size_t)s.n_q*sizeof *q);
+    FREED double *q = malloc((size_t)s.n_q*sizeof *q);
     for (int i = 0; i < c.n; i++) {
         lw_vec2 p[3];
         int number = 0;
@@ -150,7 +149,6 @@ static int modes_found(int more)
         seen |= 1 << number;
     }
     CHECK_INT(c.n, 8);
-    free(q);
     return seen;
 }
 

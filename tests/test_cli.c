@@ -124,10 +124,9 @@ TEST(classify_table)
         { "4 2 4 2", 13, "CP2X" }, { "3 3 3 3", 14, "CP3X" },
     };
     for (size_t i = 0; i < sizeof row/sizeof *row; i++) {
-        json_t *j = json_with("$P classify %s --json", row[i].lengths);
+        json_auto_t *j = json_with("$P classify %s --json", row[i].lengths);
         CHECK_INT(json_integer_value(json_object_get(j, "class")), row[i].number);
         CHECK_TEXT(json_string_value(json_object_get(j, "symbol")), row[i].symbol);
-        json_decref(j);
     }
 }
 

@@ -168,7 +168,7 @@ static double answer(void *context)
 /* A row of a peer that never ends loses itself only. */
 TEST(slow_rows)
 {
-    peer_scene *scene = calloc(1, sizeof *scene);
+    FREED peer_scene *scene = calloc(1, sizeof *scene);
     char said[200] = "";
     int ends[2];
     if (!scene || pipe(ends) != 0)
@@ -191,7 +191,6 @@ TEST(slow_rows)
     waitpid(child, &status, 0);
     CHECK_INT(status, 0);
     CHECK_TEXT(said, "fail 0.001 one: not at the end after 1 s\nrun two\n");
-    free(scene);
 }
 
 TEST(models_of_choice)

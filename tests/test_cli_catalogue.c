@@ -64,11 +64,10 @@ TEST(mechanisms_as_counted)
         char path[200];
         int n = 0;
         snprintf(path, sizeof path, "%s/%s", temporary_folder(), row[i].file);
-        char *text = dump_catalogue(path);
+        FREED char *text = dump_catalogue(path);
         for (const char *at = text; (at = strstr(at, "\nmechanism|")); at++)
             n++;
         CHECK_INT(n, row[i].n);
-        free(text);
     }
 }
 
@@ -79,17 +78,15 @@ TEST(threads)
     expect("mkdir $D/one $D/three; cd $D/one; Q=$(cd - > /dev/null; realpath $P); $Q catalogue build x.db --links 10 "
            "--jobs 1; cd $D/three; $Q catalogue build x.db --links 10 --jobs 3", 0, NULL, NULL);
     snprintf(path, sizeof path, "%s/one/x.db", temporary_folder());
-    char *one = dump_catalogue(path);
+    FREED char *one = dump_catalogue(path);
     snprintf(path, sizeof path, "%s/three/x.db", temporary_folder());
-    char *three = dump_catalogue(path);
+    FREED char *three = dump_catalogue(path);
     /* only the command line itself differs */
     char *a = strstr(one, "--jobs 1"), *b = strstr(three, "--jobs 3");
     CHECK(a && b);
     if (a && b)
         a[7] = b[7] = '?';
     CHECK(strlen(one) > 10000 && strcmp(one, three) == 0);
-    free(one);
-    free(three);
 }
 
 TEST(killed_builds)

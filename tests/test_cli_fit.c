@@ -13,7 +13,7 @@ static json_t *walking_foot(void)
 /* The input of a slider is a length: in millimetres where the target is. */
 TEST(inputs_of_sliders_have_the_unit_of_the_target)
 {
-    json_t *root = json_of("$P fit examples/figure-eight.csv --type sliderdriven --rounds 1 --json -q");
+    json_auto_t *root = json_of("$P fit examples/figure-eight.csv --type sliderdriven --rounds 1 --json -q");
     json_t *best = json_array_get(json_object_get(root, "results"), 0), *linkage = json_object_get(best, "linkage");
     json_t *inputs = json_object_get(best, "inputs"), *range = json_object_get(best, "input_range"), *event;
     json_t *limits = json_object_get(best, "limits");
@@ -27,7 +27,6 @@ TEST(inputs_of_sliders_have_the_unit_of_the_target)
         CHECK(json_number_value(event) >= first - 1e-6 && json_number_value(event) <= last + 1e-6);
     json_array_foreach(limits, i, event)
         CHECK(member(event, "input") == first || member(event, "input") == last);
-    json_decref(root);
 }
 
 TEST(four_bars_near_a_change_point_are_marked)
@@ -112,7 +111,7 @@ TEST(first_answers_keep_the_default_limits)
 TEST(few_points_are_met_by_the_first_row)
 {
     static const char *const more_is_worse[] = { "objective", "stray", "chamfer", "size_over_path" };
-    json_t *root = json_of("printf '# units: mm\nx,y\n0,0\n30,20\n70,10\n90,-20\n100,-60\n' | $P fit --open - --rounds 4 --json -q");
+    json_auto_t *root = json_of("printf '# units: mm\nx,y\n0,0\n30,20\n70,10\n90,-20\n100,-60\n' | $P fit --open - --rounds 4 --json -q");
     json_t *rows = json_object_get(root, "results"), *first = json_array_get(rows, 0);
     CHECK_INT(integer(first, "links"), 4);
     CHECK(member(first, "error_max") < 1e-9);
@@ -124,7 +123,6 @@ TEST(few_points_are_met_by_the_first_row)
                 better |= member(b, more_is_worse[m]) < member(a, more_is_worse[m])*(1 - 0.02);
             CHECK(better);
         }
-    json_decref(root);
 }
 
 /* Within a tolerance the simplest linkage comes first, then the smallest; where nothing is within, this is told. */
@@ -235,9 +233,8 @@ TEST(a_small_budget_is_kept)
 {
     double evals[2];
     for (int i = 0; i < 2; i++) {
-        json_t *root = i == 0 ? walking_foot() : json_of("$P fit examples/walking-foot.csv --rounds 1 --links 6 --budget 1000 --json -q");
+        json_auto_t *root = i == 0 ? walking_foot() : json_of("$P fit examples/walking-foot.csv --rounds 1 --links 6 --budget 1000 --json -q");
         evals[i] = member(root, "evaluations");
-        json_decref(root);
     }
     CHECK(evals[1] > evals[0] && evals[1] < evals[0] + 30000);
 }
@@ -305,7 +302,7 @@ TEST(rows_end_where_nobody_would_build_them)
  * between the stations, too: here one met them within 0.75 %, and left them by 1.8 % between. */
 TEST(rows_that_stray_far_between_stations_end_too)
 {
-    json_t *root = json_of("printf 'x [mm],y [mm]\n0,0\n20,.8\n40,3.2\n60,7.2\n80,12.8\n100,20\n'"
+    json_auto_t *root = json_of("printf 'x [mm],y [mm]\n0,0\n20,.8\n40,3.2\n60,7.2\n80,12.8\n100,20\n'"
                            " | $P fit --open --links 4 --rounds 1 --starts 96 - --json -q");
     json_t *rows = json_object_get(root, "results"), *r, *other;
     size_t i, k;
@@ -322,7 +319,6 @@ TEST(rows_that_stray_far_between_stations_end_too)
               || fmax(member(r, "error_max"), member(r, "stray")) <= 0.01*102);
     }
     CHECK(worse > 2);
-    json_decref(root);
 }
 
 /* Five poses of a door: a linkage of more than three diagonals has less error of some kind than each row before it, or is gentler below

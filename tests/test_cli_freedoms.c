@@ -131,7 +131,7 @@ static lw_status count_chain(void *context, const lw_chain_item *item)
 
 static int plain_count(int links, const double *ratio, int n_ratio)
 {
-    plain *p = calloc(1, sizeof *p);
+    FREED plain *p = calloc(1, sizeof *p);
     lw_chains *chains;
     const lw_chain_walk how = lw_chain_walk_default();
     p->ratio = ratio;
@@ -142,7 +142,6 @@ static int plain_count(int links, const double *ratio, int n_ratio)
     lw_chains_free(chains);
     CHECK(!p->full);
     int n = p->n;
-    free(p);
     return n;
 }
 
@@ -155,7 +154,7 @@ TEST(every_choice_is_accounted_for)
         char line[256];
         snprintf(line, sizeof line, "LW_CLOCK_STEP=0.001 $C fit $D/m1.csv --dof 2 --links 7 --time 0.3 --json -q%s",
                  given ? " --input-ratios 2,1/2,-3/2" : "");
-        json_t *root = json_ending(line, 5);
+        json_auto_t *root = json_ending(line, 5);
         CHECK_INT(json_array_size(json_object_get(root, "topologies")), 2);
         for (size_t i = 0; i < 2; i++) {
             const json_t *t = at(root, "topologies", i);
@@ -169,7 +168,6 @@ TEST(every_choice_is_accounted_for)
         CHECK_INT(integer(five, "joined_to_ground"), 1);
         CHECK_INT(integer(five, "with_input"), 2*5*4/2);                   /* any two of five joints          */
         CHECK_INT(integer(five, "families"), given ? 4 : 10);              /* 1, -1 are the same either way   */
-        json_decref(root);
     }
 }
 
@@ -177,10 +175,9 @@ TEST(every_choice_is_accounted_for)
 TEST(a_timing_tells_the_inputs_apart)
 {
     write_target("timed.csv", 2, true);
-    json_t *root = json_of("$P fit $D/timed.csv --closed --dof 2 --budget 15000 --json -q");
+    json_auto_t *root = json_of("$P fit $D/timed.csv --closed --dof 2 --budget 15000 --json -q");
     CHECK_INT(integer(at(root, "topologies", 0), "families"), 2*6);
     CHECK(real(at(root, "results", 0), "error_percent") < 1e-6);
-    json_decref(root);
 }
 
 /* With ratios -1 and 2 three inputs have 12 different rates up to a common factor. Exchanging two inputs keeps 2 of
@@ -188,7 +185,7 @@ TEST(a_timing_tells_the_inputs_apart)
  * that of two inputs, one with that of all three (Burnside: (12 + 3 2 + 2 0)/6). */
 TEST(three_freedoms_too)
 {
-    json_t *root = json_of("$P fit $D/m1.csv --unlimited --dof 3 --input-ratios -1,2 --starts 32 --rounds 1 --budget 1000 --json "
+    json_auto_t *root = json_of("$P fit $D/m1.csv --unlimited --dof 3 --input-ratios -1,2 --starts 32 --rounds 1 --budget 1000 --json "
                            "-q");
     const json_t *six = at(root, "topologies", 0), *eight = at(root, "topologies", 1);
     CHECK_INT(integer(six, "chains"), 1);                                  /* a ring: two pins at the ground  */
@@ -198,7 +195,6 @@ TEST(three_freedoms_too)
     CHECK_INT(integer(eight, "with_inputs_at_ground") - integer(eight, "of_these_left_out"), 4);
     CHECK_INT(integer(eight, "families"), 12 + 12 + (12 + 2)/2 + (12 + 3*2)/6);
     CHECK_INT(json_array_size(json_object_get(json_object_get(at(root, "results", 0), "linkage"), "inputs")), 3);
-    json_decref(root);
 }
 
 /* ---- results ------------------------------------------------------------------------------------------- */
@@ -233,7 +229,7 @@ TEST(found_again)
     for (int i = 0; i < 2; i++) {
         char path[96], by[32];
         write_target("drawn.csv", ratio[i], false);
-        json_t *root = json_of("$P fit $D/drawn.csv --closed --dof 2 --budget 15000 --json -q");
+        json_auto_t *root = json_of("$P fit $D/drawn.csv --closed --dof 2 --budget 15000 --json -q");
         const json_t *best = most_exact(root), *k = json_object_get(best, "linkage");
         CHECK(real(best, "error_percent") < 1e-8);
         CHECK(json_is_true(json_object_get(best, "verified")));
@@ -251,7 +247,6 @@ TEST(found_again)
             CHECK(from_rows(t.out, x, y) < 1e-7);
         }
         expect("$P draw $D/found.json -o $D/found.svg && grep -c input $D/found.svg", 0, NULL, NULL);
-        json_decref(root);
     }
 }
 

@@ -7,7 +7,7 @@
 TEST(every_topology_is_accounted_for)
 {
     static const long known[2][3] = { { 6, 2, 5 }, { 8, 16, 71 } };        /* links, chains, ground choices   */
-    json_t *root = json_ending("LW_CLOCK_STEP=0.001 $C fit $D/t.csv --links 8 --time 1 --json", 5);
+    json_auto_t *root = json_ending("LW_CLOCK_STEP=0.001 $C fit $D/t.csv --links 8 --time 1 --json", 5);
     json_t *list = json_object_get(root, "topologies");
     CHECK_INT(json_array_size(list), 2);
     for (size_t i = 0; i < json_array_size(list) && i < 2; i++) {
@@ -17,18 +17,16 @@ TEST(every_topology_is_accounted_for)
         CHECK(integer(t, "families") >= integer(t, "fitted"));
         CHECK(integer(t, "with_linkage") <= integer(t, "searched"));
     }
-    json_decref(root);
 }
 
 /* Counting the mechanisms of eight links with sliders takes most of the time: what has fewer links is searched. */
 TEST(smaller_mechanisms_are_searched_if_time_ends_while_larger_are_counted)
 {
-    json_t *root = json_ending("LW_CLOCK_STEP=0.001 $C fit $D/t.csv --links 8 --joints r,t --time 1 --json", 5);
+    json_auto_t *root = json_ending("LW_CLOCK_STEP=0.001 $C fit $D/t.csv --links 8 --joints r,t --time 1 --json", 5);
     CHECK_INT(integer(root, "uncounted_links"), 8);
     CHECK(json_is_false(json_object_get(root, "complete")));
     CHECK(json_array_size(json_object_get(root, "results")) > 0);
     CHECK_INT(json_array_size(json_object_get(root, "topologies")), 1);
-    json_decref(root);
 }
 
 /* Six links with sliders too: the report says how many families the budget did not reach. */
@@ -45,13 +43,12 @@ TEST(a_small_budget_is_accounted_for)
 
 TEST(more_links_are_never_worse)
 {
-    json_t *root = json_of("$P fit $D/t.csv --unlimited --links 6 --budget 5000 --rounds 1 --json --seed 3");
+    json_auto_t *root = json_of("$P fit $D/t.csv --unlimited --links 6 --budget 5000 --rounds 1 --json --seed 3");
     const json_t *stages = json_object_get(root, "by_links");
     CHECK_INT(json_array_size(stages), 2);
     for (size_t i = 1; i < json_array_size(stages); i++)
         CHECK(real(json_array_get(stages, i), "objective")
               <= real(json_array_get(stages, i - 1), "objective")*(1 + 1e-9) + 1e-26);
-    json_decref(root);
 }
 
 /* A linkage with a higher Assur group gives the same sum of squares again only up to rounding; its refinement must
@@ -222,7 +219,7 @@ static long count_by_blocks(int links, int n2)
  * since the slot tells the links apart; in four of them ground and tracer link share a pin. */
 TEST(slots_are_counted_as_blocks)
 {
-    json_t *root = json_of("$P fit $D/t.csv --unlimited --links 4 --joints r,p --rounds 1 --starts 32 --budget 1000 --json");
+    json_auto_t *root = json_of("$P fit $D/t.csv --unlimited --links 4 --joints r,p --rounds 1 --starts 32 --budget 1000 --json");
     json_t *list = json_object_get(root, "topologies");
     json_t *three = json_array_get(list, 0), *four = json_array_get(list, 1);
     CHECK_INT(json_array_size(list), 2);
@@ -233,7 +230,6 @@ TEST(slots_are_counted_as_blocks)
     CHECK_INT(count_by_blocks(3, 1), 6);
     CHECK_INT(integer(four, "links"), 4);
     CHECK_INT(integer(four, "with_tracer_link"), count_by_blocks(4, 2) + count_by_blocks(4, 4));
-    json_decref(root);
 }
 
 /* Smallest distance of (x, y) from the points of a traced curve. */
@@ -281,15 +277,13 @@ static int trace_results(const json_t *root, char kind)
 
 TEST(slots_are_fitted_and_traced)
 {
-    json_t *root = json_of("$P fit $D/t.csv --unlimited --links 5 --joints r,p --crank-only --starts 32 "
+    json_auto_t *root = json_of("$P fit $D/t.csv --unlimited --links 5 --joints r,p --crank-only --starts 32 "
                            "--rounds 1 --budget 1000 --json");
-    json_t *plain = json_of("$P fit $D/t.csv --unlimited --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 "
+    json_auto_t *plain = json_of("$P fit $D/t.csv --unlimited --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 "
                             "--json");
     CHECK(trace_results(root, 'p') > 0);
     CHECK(real(json_array_get(json_object_get(root, "results"), 0), "objective")
           <= real(json_array_get(json_object_get(plain, "results"), 0), "objective"));
-    json_decref(root);
-    json_decref(plain);
 }
 
 /* Counted by hand. Three links are a carrier and two wheels; only a point of the wheel that rolls on a fixed one
@@ -334,14 +328,13 @@ TEST(gear_pairs_are_counted)
  * whose point is traced count once each: their pitch is a design variable. */
 TEST(racks_are_counted)
 {
-    json_t *root = json_of("$P fit $D/t.csv --links 4 --joints r,t,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "
+    json_auto_t *root = json_of("$P fit $D/t.csv --links 4 --joints r,t,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "
                            "--budget 1e5 --unlimited --json");
     json_t *three = json_array_get(json_object_get(root, "topologies"), 0);
     CHECK_INT(integer(three, "links"), 3);
     CHECK_INT(integer(three, "fitted"), 1 + 2);
     CHECK_INT(integer(three, "searched"), 3 + 2);
     CHECK_INT(integer(three, "with_linkage"), integer(three, "searched"));
-    json_decref(root);
 }
 
 /* Counting takes long with every kind of joint.  The signal is sent when the program has read and closed its target. */
@@ -354,15 +347,13 @@ TEST(counting_stops_when_asked)
 
 TEST(gears_are_fitted_and_traced)
 {
-    json_t *root = json_of("$P fit $D/t.csv --unlimited --links 5 --joints r,g --crank-only --starts 32 "
+    json_auto_t *root = json_of("$P fit $D/t.csv --unlimited --links 5 --joints r,g --crank-only --starts 32 "
                            "--rounds 1 --budget 1000 --json");
-    json_t *plain = json_of("$P fit $D/t.csv --unlimited --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 "
+    json_auto_t *plain = json_of("$P fit $D/t.csv --unlimited --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 "
                             "--json");
     CHECK(trace_results(root, 'g') > 0);
     CHECK(real(json_array_get(json_object_get(root, "results"), 0), "objective")
           <= real(json_array_get(json_object_get(plain, "results"), 0), "objective"));
-    json_decref(root);
-    json_decref(plain);
 }
 
 int main(void)

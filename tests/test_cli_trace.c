@@ -74,7 +74,7 @@ static void piston(double q, double d[4])
 
 TEST(slider_crank_is_exact)
 {
-    table *t = trace("examples/slider-crank.json --tracer piston --mode file --steps 72");
+    FREED table *t = trace("examples/slider-crank.json --tracer piston --mode file --steps 72");
     CHECK_INT(t->n, 73);
     for (int i = 0; i < t->n; i++) {
         double d[4];
@@ -85,12 +85,11 @@ TEST(slider_crank_is_exact)
         }
         CHECK_NEAR(t->v[i][ANGLE], 0, 1e-10, 0);
     }
-    free(t);
 }
 
 TEST(speed_scales_by_powers)
 {
-    table *t = trace("examples/slider-crank.json --tracer piston -m file -n 12 --speed -3");
+    FREED table *t = trace("examples/slider-crank.json --tracer piston -m file -n 12 --speed -3");
     for (int i = 0; i < t->n; i++) {
         double d[4];
         piston(t->v[i][INPUT]*M_PI/180, d);
@@ -98,7 +97,6 @@ TEST(speed_scales_by_powers)
         CHECK_NEAR(t->v[i][AX], 9*d[2], 1e-9, 0);
         CHECK_NEAR(t->v[i][JX], -27*d[3], 1e-9, 0);
     }
-    free(t);
 }
 
 TEST(both_modes)
@@ -142,7 +140,7 @@ TEST(limits_are_found)
  * line, 70 and 30 mm from its pivot on a triangle with 40 and 50. */
 TEST(dead_points_are_reported)
 {
-    json_t *j = json_of("$P trace examples/hoeken.json -m file -n 4 --json");
+    json_auto_t *j = json_of("$P trace examples/hoeken.json -m file -n 4 --json");
     json_t *d = json_object_get(json_array_get(json_object_get(j, "arcs"), 0), "dead_points");
     double out = acos((4900 + 1600 - 2500)/5600.0), in = acos((900 + 1600 - 2500)/2400.0);
     CHECK_INT(json_array_size(d), 2);
@@ -153,7 +151,6 @@ TEST(dead_points_are_reported)
         CHECK_NEAR(off, 0, 1e-9, 0);
         CHECK_TEXT(json_string_value(json_object_get(json_array_get(d, i), "link")), "rocker");
     }
-    json_decref(j);
 }
 
 TEST(windows_are_cut)
@@ -181,11 +178,10 @@ TEST(windows_are_cut)
 /* x^2/a^2 + y^2/b^2 = 1 for a point of the bar of an elliptic trammel; rates by the slider. */
 TEST(trammel_draws_an_ellipse)
 {
-    table *t = trace("examples/trammel.json -m file -n 20");
+    FREED table *t = trace("examples/trammel.json -m file -n 20");
     for (int i = 0; i < t->n; i++)
         CHECK_NEAR(t->v[i][X]*t->v[i][X]/(150*150) + t->v[i][Y]*t->v[i][Y]/(50*50), 1, 1e-11, 0);
     CHECK_NEAR(t->v[10][VX], 1.5, 1e-11, 0);              /* x = 1.5 times the displacement */
-    free(t);
 }
 
 TEST(several_tracers_and_all_examples)
@@ -202,8 +198,8 @@ TEST(several_tracers_and_all_examples)
 
 TEST(json_has_the_same)
 {
-    table *t = trace("examples/hoeken.json -n 7");
-    json_t *j = json_of("$P trace examples/hoeken.json -n 7 --json");
+    FREED table *t = trace("examples/hoeken.json -n 7");
+    json_auto_t *j = json_of("$P trace examples/hoeken.json -n 7 --json");
     json_t *arcs = json_object_get(j, "arcs"), *columns = json_object_get(j, "columns");
     size_t n = json_array_size(columns);
     CHECK(n >= 10);                                          /* all known columns but arc and mode */
@@ -218,8 +214,6 @@ TEST(json_has_the_same)
             }
     }
     CHECK_INT(row, t->n);
-    json_decref(j);
-    free(t);
 }
 
 TEST(bad_models)

@@ -190,12 +190,11 @@ TEST(json_can_be_read)
                                             "examples/geared-five-bar.json -n 2 --all-assemblies" };
     static const char *const way[] = { "curve", "cycle", "time", "curve" };
     for (int i = 0; i < 4; i++) {
-        json_t *root = json_with("$P trace %s --json", argument[i]);
+        json_auto_t *root = json_with("$P trace %s --json", argument[i]);
         CHECK_TEXT(json_string_value(json_object_get(root, "way")), way[i]);
         const json_t *arcs = json_object_get(root, "arcs"), *rows = json_object_get(json_array_get(arcs, 0), "rows");
         CHECK_INT(json_array_size(arcs), i == 3 ? 2 : 1);
         CHECK_INT(json_array_size(json_array_get(rows, 0)), json_array_size(json_object_get(root, "columns")));
-        json_decref(root);
     }
 }
 

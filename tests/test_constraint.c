@@ -29,10 +29,9 @@ static bool make_case(const char *family, lw_timing timing, double transmission,
 
 static double *conditions(const lw_problem *p, const double *x, double *j)
 {
-    void *work = new_work(p);
+    FREED void *work = new_work(p);
     double *g = calloc(lw_problem_constraint_count(p) + 1, sizeof *g);
     lw_problem_constraints(p, x, g, j, work);
-    free(work);
     return g;
 }
 
@@ -83,7 +82,7 @@ TEST(transmission_is_that_of_the_triangle)
         OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX], limit = lw_rng_range(&rng, 0.2, 1.4), least = INFINITY, want = INFINITY;
         make_case("crank-rocker", trial % 2 ? LW_TIMING_FREE : LW_TIMING_NONE, limit, 0, &rng, &m, &p, x);
-        double *g = conditions(&p, x, NULL);
+        FREED double *g = conditions(&p, x, NULL);
         const double *r = m.dim;
         for (int k = 0; k < 4; k++) {
             double d2 = r[0]*r[0] + r[1]*r[1] - 2*r[0]*r[1]*cos(0.5*LW_PI*k);
@@ -96,7 +95,6 @@ TEST(transmission_is_that_of_the_triangle)
             want = fmin(want, pow(sin(acos((r[2]*r[2] + r[3]*r[3] - d2)/(2*r[2]*r[3]))), 2) - pow(sin(limit), 2));
         }
         CHECK_NEAR(least, want, 1e-12, 0);
-        free(g);
     }
 }
 
@@ -104,9 +102,8 @@ TEST(transmission_is_that_of_the_triangle)
  * sees one. */
 static bool at_home(const lw_problem *p, const double *x)
 {
-    void *work = new_work(p);
+    FREED void *work = new_work(p);
     double f = lw_problem_value(p, x, NULL, work);
-    free(work);
     return f < 1e-20;
 }
 
@@ -382,13 +379,12 @@ TEST(derivatives_of_a_six_bar)
         target_of(&st, &spec, &t);
         CHECK_INT(lw_problem_make(&t, &spec, &f, 1, 1, &p, NULL), LW_OK);
         CHECK(p.n_side > 5);
-        void *work = new_work(&p);
+        FREED void *work = new_work(&p);
         CHECK(lw_random_linkage_posture(&p, x, work));
         for (int v = 0; v < p.n_var; v++)
             x[v] += 0.003*lw_rng_normal(&rng);
         if (isfinite(lw_problem_value(&p, x, NULL, work)))                 /* it closes                        */
             compare_derivatives(&p, x, &smooth, &all);
-        free(work);
     }
     CHECK(all > 10000 && smooth > 0.6*(double)all);
 }

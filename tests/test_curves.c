@@ -97,7 +97,7 @@ TEST(many_families)
     /* 600 families: three, again and again under other names */
     static const char *const three[] = { "=1-2r.1-3r.1-5r.2-4r.2-6r.3-4r.5-6r=g3i2t5", "=1-3r.1-5r.1-6r.2-4r.2-5r.2-6r.3-4r=g1i2t4",
                                          "=1-2r.2-3r.3-4r.4-1r.3-5r.5-6r.6-1t=g1i1t5" };
-    char *text = malloc(600*64);
+    FREED char *text = malloc(600*64);
     size_t n = 0;
     for (int i = 0; i < 600; i++)
         n += (size_t)sprintf(text + n, "%sf%d%s", i ? "," : "", i, three[i%3]);
@@ -142,7 +142,6 @@ TEST(many_families)
     lw_curve_maker_free(m);
     memcpy(text, "crank-rocker,f=", 15);                             /* "crank-rocker,f=" and the rest of the first two families */
     CHECK(lw_curve_maker_of(text, &m, &check_error) < 0);
-    free(text);
 }
 
 /* Watt I, Stephenson III, and an eight-link chain with a slider, as text. */

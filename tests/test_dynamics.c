@@ -3,6 +3,8 @@
 #include "mbs/dynamics/statics.h"
 #include "tests/dynamics_run.h"
 
+OWNS(lw_dynamics)
+
 static drun d;
 
 static const lw_formulation every[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
@@ -102,7 +104,7 @@ TEST(forces_balance)
     static const char *const models[] = { "examples/andrews.json", "examples/pendulum.json",
                                           "examples/two-four-bars.json" };
     for (size_t i = 0; i < sizeof models/sizeof *models; i++) {
-        lw_dynamics *made = NULL;
+        OWNED(lw_dynamics) *made = NULL;
         drun_read(&d, models[i]);
         d.o.formulation = LW_FORMULATION_INDEX1;
         d.o.to = i ? 2 : 0.03;
@@ -112,7 +114,6 @@ TEST(forces_balance)
         CHECK_INT(lw_dynamics_run(made, look_at_balance, &b, &d.report, &d.e), LW_OK);
         CHECK_INT(b.n, 51);
         CHECK(b.off < 1e-12);
-        lw_dynamics_free(made);
     }
 }
 
@@ -135,7 +136,7 @@ TEST(callers_force)
 {
     static drun same;
     double q[LW_SYSTEM_Q_MAX];
-    lw_dynamics *made = NULL;
+    OWNED(lw_dynamics) *made = NULL;
     lw_rest rest;
     drun_read(&same, "examples/pendulum.json");
     same.model.joint_spring[same.model.n_joint_spring++] = (lw_joint_spring){ .joint = 0, .damping = 0.5 };
@@ -156,7 +157,6 @@ TEST(callers_force)
     CHECK_INT(lw_statics_rest(made, 0, q, &rest, &d.e), LW_OK);
     lw_vec2 bob = lw_system_point(lw_dynamics_system(made), 0, lw_v2(0, 0), q);
     CHECK_POINT(bob, 0, -1, 1e-9, 0);
-    lw_dynamics_free(made);
 }
 
 /* ---- an energy account that does not hold --------------------------------------------------------- */
@@ -176,7 +176,7 @@ TEST(energy_from_nowhere_is_refused)
     static const lw_formulation each[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_RADAU, LW_FORMULATION_INDEX1, LW_FORMULATION_GGL };
     for (int k = 0; k < 4; k++)
         for (int tight = 0; tight < 2; tight++) {
-            lw_dynamics *made = NULL;
+            OWNED(lw_dynamics) *made = NULL;
             drun_read(&d, "examples/pendulum.json");
             d.model.joint_spring[d.model.n_joint_spring++] = (lw_joint_spring){ .joint = 0, .stiffness = 5 };
             d.model.body[1].inertia = 0.1;               /* radau wants some */
@@ -191,14 +191,13 @@ TEST(energy_from_nowhere_is_refused)
                 CHECK(d.n_moment > 50 && d.n_moment < 60);
                 CHECK_NEAR(d.report.t, 0.5, 0.2, 0);
             }
-            lw_dynamics_free(made);
         }
 }
 
 /* A slider-crank that its slider drives, in its dead point: no velocities give the slider a speed. */
 TEST(velocities_that_do_not_exist)
 {
-    lw_dynamics *made = NULL;
+    OWNED(lw_dynamics) *made = NULL;
     drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0], 'inertia': 1}, {'name': 'b', 'mass': 1, 'centre': "
                      "[0, 1], 'inertia': 1}, {'name': 'c', 'mass': 1, 'centre': [%.17g, 0], 'inertia': 1}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], "
                      "'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0, 1]}, {'name': 'C', 'links': ['b', 'c'], 'at': [%.17g, 0]}, {'name': 'S', "
@@ -214,5 +213,4 @@ TEST(velocities_that_do_not_exist)
         lw_mbs_factor(made, false);
         CHECK_INT(lw_mbs_project_v(made, 0, v), LW_OPEN);
     }
-    lw_dynamics_free(made);
 }

@@ -26,10 +26,9 @@ static lw_status keep(void *context, const lw_moment *m)
     k->energy[0] = k->n_sample ? fmin(k->energy[0], energy) : energy;
     k->energy[1] = k->n_sample++ ? fmax(k->energy[1], energy) : energy;
     k->off = fmax(k->off, m->off);
-    lw_reaction *all = calloc((size_t)lw_dynamics_system(k->d)->n_joint, sizeof *all);
+    FREED lw_reaction *all = calloc((size_t)lw_dynamics_system(k->d)->n_joint, sizeof *all);
     lw_reactions_joints(k->d, m, all);
     k->joint = all[0];
-    free(all);
     return LW_OK;
 }
 
@@ -818,7 +817,7 @@ TEST(large_models_at_rest)
 {
     enum { ARCH = 1000, ROW = 3000 };
     lw_model m;
-    lw_vec2 *at = calloc(2*ROW + 1, sizeof *at);
+    FREED lw_vec2 *at = calloc(2*ROW + 1, sizeof *at);
     for (int k = 0; k < 2; k++) {
         read_arch(ARCH, k ? 1 : -1, &m);
         rest_of(&m, ARCH, at + k*ARCH);
@@ -829,7 +828,6 @@ TEST(large_models_at_rest)
     rest_of(&m, 2*ROW + 1, at);
     for (int i = 0; i <= ROW; i++)
         CHECK_NEAR(at[i].y, -0.5, 1e-9, 0);
-    free(at);
 }
 
 /* n four-bars side by side, with friction in each pin. */

@@ -7,6 +7,8 @@
 #include "tests/dynamics_run.h"
 #include "tests/model_text.h"
 
+OWNS(lw_dynamics)
+
 static drun d;
 
 static int models(int few)
@@ -129,7 +131,7 @@ TEST(driven)
         drun_read_text(&d, text);
         for (int g = 0; g < 5; g++)
             for (int slow = 0; slow < (g == 1 ? 2 : 1); slow++) {
-                lw_dynamics *made = NULL;
+                OWNED(lw_dynamics) *made = NULL;
                 d.o.analysis = slow ? LW_ANALYSIS_QUASISTATIC : LW_ANALYSIS_KINEMATIC;
                 d.o.to = 1/f;
                 d.o.intervals = grid[g];
@@ -143,7 +145,6 @@ TEST(driven)
                 CHECK_INT(z.n_row, grid[g] + 1);
                 CHECK(z.off < 1e-8);
                 CHECK(slow || z.power < 1e-8);
-                lw_dynamics_free(made);
             }
         without += z.without;
     }
@@ -252,7 +253,7 @@ TEST(closed_forms)
         int before = used;
         double speed = between(3, 7)*(k%2 ? -1 : 1), last = NAN;
         for (int run = 0; run < 8; run++) {
-            lw_dynamics *made = NULL;
+            OWNED(lw_dynamics) *made = NULL;
             bool driven = run < 4;
             used = before;
             if (driven)
@@ -274,7 +275,6 @@ TEST(closed_forms)
             CHECK(driven || d.report.energy_error < 1e-5*d.report.energy_scale);
             CHECK(!(fabs(w.last - last) > 1e-4));
             last = driven ? NAN : run == 4 ? w.last : last;
-            lw_dynamics_free(made);
         }
     }
 }
@@ -304,7 +304,7 @@ static lw_status keep_off(void *context, const lw_moment *m)
 
 static lw_status run_forward(forward *z, lw_formulation f, double tolerance, int grid)
 {
-    lw_dynamics *made = NULL;
+    OWNED(lw_dynamics) *made = NULL;
     d.o.formulation = f;
     d.o.relative = d.o.absolute = tolerance;
     d.o.intervals = grid;
@@ -315,7 +315,6 @@ static lw_status run_forward(forward *z, lw_formulation f, double tolerance, int
         z->n_body = lw_dynamics_system(made)->n_body;
         s = lw_dynamics_run(made, keep_off, z, &d.report, &d.e);
     }
-    lw_dynamics_free(made);
     return s;
 }
 
@@ -602,7 +601,7 @@ TEST(two_freedoms)
         d.o.to = 2;
         d.o.intervals = CARRIED_ROWS;
         for (int r = 0; r < 6; r++) {
-            lw_dynamics *made = NULL;
+            OWNED(lw_dynamics) *made = NULL;
             d.o.formulation = run[r].f;
             d.o.relative = d.o.absolute = run[r].tolerance;
             d.e.text[0] = 0;
@@ -613,7 +612,6 @@ TEST(two_freedoms)
             CHECK_INT(way.n, CARRIED_ROWS + 1);
             CHECK_NEAR(way.off_at_end, 0, allowed, 0);
             CHECK_NEAR(way.off, 0, fmax(3*allowed, 1e-8), 0);         /* 1e-8: of steps over a turn */
-            lw_dynamics_free(made);
         }
     }
 }

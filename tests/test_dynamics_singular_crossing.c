@@ -4,6 +4,8 @@
 #include "mbs/ode/integrate.h"
 #include "tests/dynamics_run.h"
 
+OWNS(lw_dynamics)
+
 static drun d, other;
 
 static const lw_formulation all[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
@@ -23,7 +25,7 @@ static lw_status look(void *context, const lw_moment *m)
 
 static lw_vec2 crank_end(lw_formulation f, double tolerance, double to, watch *w)
 {
-    lw_dynamics *made = NULL;
+    OWNED(lw_dynamics) *made = NULL;
     lw_vec2 at = { NAN, NAN };
     d.o.formulation = f;
     d.o.relative = d.o.absolute = tolerance;
@@ -37,7 +39,6 @@ static lw_vec2 crank_end(lw_formulation f, double tolerance, double to, watch *w
     CHECK_INT(lw_dynamics_run(made, look, w, &d.report, &d.e), LW_OK);
     at = lw_system_point(w->s, w->s->tracer_body[0], w->s->tracer_arm[0], w->q);
     CHECK(d.report.worst_off < 1e-12);
-    lw_dynamics_free(made);
     return at;
 }
 
@@ -278,13 +279,12 @@ static lw_status keep_last(void *context, const lw_moment *m)
 
 static void run_to_last(double to, int n, last_moment *z)
 {
-    lw_dynamics *made = NULL;
+    OWNED(lw_dynamics) *made = NULL;
     d.o.to = to, d.o.intervals = n, z->n = 0;
     CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_OK);
     z->made = made;
     CHECK_INT(lw_dynamics_run(made, keep_last, z, &d.report, &d.e), LW_OK);
     CHECK_INT(z->n, n + 1);
-    lw_dynamics_free(made);
 }
 
 /* Of two parallelograms on the ground one turns steadily, the other turns back at once, slowly or ever more slowly, or rests, in its flat
@@ -457,11 +457,10 @@ TEST(driven_from_a_flat_posture)
                               i + 1, i + 1, 3*i + 3, i, i, i, 3*i + 1, i, i, i + 1, 3*i + 4);
             snprintf(text + k, sizeof text - (size_t)k, "], 'gravity': [0, -9.81], 'input': {'joint': 'A', 'motion': '%s'}}", motion[m]);
             json_quotes(text);
-            lw_dynamics *made = NULL;
+            OWNED(lw_dynamics) *made = NULL;
             drun_read_text(&d, text);
             CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_E_NUMERIC);
             CHECK_HAS(d.e.text, "start is singular");
-            lw_dynamics_free(made);
         }
 }
 

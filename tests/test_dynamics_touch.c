@@ -5,6 +5,8 @@
 #include "tests/dynamics_run.h"
 #include "tests/planar_models.h"
 
+OWNS(lw_dynamics)
+
 static drun d;
 
 static const double g = 9.81;
@@ -239,7 +241,7 @@ static double follow_rod(rod *r, double *y, double to, bool *jams)
     lw_ode_options o = lw_ode_options_default();
     lw_ode_stop stop = LW_ODE_EVENT;
     lw_integrator w = { .t = 0 };
-    double *work = calloc(lw_integrate_work(6, 4), sizeof *work);
+    FREED double *work = calloc(lw_integrate_work(6, 4), sizeof *work);
     o.relative = o.absolute = 1e-14;
     *jams = false;
     for (bool ends = false; !ends && stop != LW_ODE_END;) {
@@ -259,7 +261,6 @@ static double follow_rod(rod *r, double *y, double to, bool *jams)
         }
     }
     memcpy(y, w.y, 6*sizeof *y);
-    free(work);
     return w.t;
 }
 
@@ -539,7 +540,7 @@ static lw_status keep_loads(void *context, const lw_moment *m)
 
 TEST(groove)
 {
-    lw_dynamics *m;
+    OWNED(lw_dynamics) *m = NULL;
     loads l = { 0 };
     free_model(FREE("{'polygon': [[-2, 2], [-2, -1], [2, -1], [2, 2], [0, 0]]}", "'mass': 2, 'centre': [0, 1], 'inertia': 0.5",
                     "{'circle': [0, 1], 'radius': 0.7071067811865476}", "'friction': 0.1"), 0, 0);
@@ -549,7 +550,6 @@ TEST(groove)
     CHECK_INT(lw_dynamics_run(m, keep_loads, &l, &d.report, &d.e), LW_OK);
     CHECK_NEAR(l.fy, 2*g, 1e-9, 0);
     CHECK_NEAR(l.most_x, 0, 1e-9, 0);
-    lw_dynamics_free(m);
 }
 
 /* Two jaws hold a part by friction.  Rigid bodies do not determine how its weight is shared, but each contact keeps to its limit, and the jaws carry as much. */
@@ -571,7 +571,7 @@ static lw_status check_jaws(void *context, const lw_moment *m)
 TEST(gripper_shares_within_friction)
 {
     for (int k = 0; k < 4; k++) {
-        lw_dynamics *m;
+        OWNED(lw_dynamics) *m = NULL;
         loads l = { 0 };
         drun_read_format(&d, "{'linkwright': 1, 'links': [{'name': 'ground'}, {'name': 'a', 'mass': 0.2, 'centre': [-0.06, 0], 'inertia': 1e-4, 'shapes': ["
             "{'polygon': [[-0.08, -0.03], [-0.05, -0.03], [-0.05, 0.03], [-0.08, 0.03]]}]}, {'name': 'b', 'mass': 0.2, 'centre': [0.06, 0], 'inertia': 1e-4,"
@@ -586,7 +586,6 @@ TEST(gripper_shares_within_friction)
         CHECK_INT(lw_dynamics_make(&d.model, &d.o, &m, &d.e), LW_OK);
         l.m = m;
         CHECK_INT(lw_dynamics_run(m, check_jaws, &l, &d.report, &d.e), LW_OK);
-        lw_dynamics_free(m);
     }
 }
 
@@ -608,7 +607,7 @@ static void settle(lw_status expected)
 {
     loads l = { 0 };
     lw_rest rest;
-    lw_dynamics *m = NULL;
+    OWNED(lw_dynamics) *m = NULL;
     double weight = 0;
     d.o.analysis = LW_ANALYSIS_STATIC;
     for (int b = 0; b < d.model.linkage.n_link; b++)
@@ -618,7 +617,6 @@ static void settle(lw_status expected)
     CHECK_INT(lw_dynamics_analyse(m, add_loads, &l, &d.report, &rest, &d.e), expected);
     CHECK_NEAR(l.fy, expected == LW_OK ? weight : 0, 0, 1e-6);
     CHECK_NEAR(l.most_x, 0, 1e-6*weight, 0);
-    lw_dynamics_free(m);
 }
 
 TEST(statics)
@@ -688,7 +686,7 @@ static lw_status keep_fallen(void *context, const lw_moment *m)
 {
     fallen *f = context;
     const lw_model *model = lw_dynamics_model(f->d);
-    lw_vec2 *contact = calloc((size_t)model->n_contact + 1, sizeof *contact);
+    FREED lw_vec2 *contact = calloc((size_t)model->n_contact + 1, sizeof *contact);
     double none[1];
     lw_reactions_contacts(f->d, m, contact, none);
     memcpy(f->q, m->q, sizeof f->q);
@@ -696,14 +694,13 @@ static lw_status keep_fallen(void *context, const lw_moment *m)
     f->push = 0;
     for (int i = 0; i < model->n_contact; i++)
         f->push += contact[i].y;
-    free(contact);
     return LW_OK;
 }
 
 static fallen falling_chain(int n, const char *law, double to, lw_formulation formulation, double tolerance, double energy)
 {
     size_t size = 600*(size_t)n + 1000, used = 0;
-    char *text = malloc(size);
+    FREED char *text = malloc(size);
     used += (size_t)snprintf(text + used, size - used, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', "
                              "'shapes': [{'line': [[0, 0], [1, 0]]}]}");
     for (int i = 0; i < n; i++) {
@@ -722,7 +719,7 @@ static fallen falling_chain(int n, const char *law, double to, lw_formulation fo
                                  i, i, law);
     snprintf(text + used, size - used, "]}");
     OWN(lw_model) m = { 0 };
-    lw_dynamics *run;
+    OWNED(lw_dynamics) *run = NULL;
     lw_error e = { 0 };
     lw_dynamics_report r = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
@@ -739,8 +736,6 @@ static fallen falling_chain(int n, const char *law, double to, lw_formulation fo
         fprintf(stderr, "chain of %d: %s\n", n, e.text);
     CHECK(r.energy_error < energy*r.energy_scale);
     CHECK(r.overlap <= 0.06*pow(tolerance, 0.2));        /* the way within a step */
-    lw_dynamics_free(run);
-    free(text);
     return f;
 }
 
@@ -760,7 +755,7 @@ static lw_status keep_carried(void *context, const lw_moment *m)
 
 static lw_status carry(lw_analysis analysis, double to, int intervals, carried *z, lw_moment_sink *keep)
 {
-    lw_dynamics *m = NULL;
+    OWNED(lw_dynamics) *m = NULL;
     lw_rest rest;
     d.o.analysis = analysis;
     d.o.to = to;
@@ -769,7 +764,6 @@ static lw_status carry(lw_analysis analysis, double to, int intervals, carried *
     lw_status s = lw_dynamics_make(&d.model, &d.o, &m, &d.e);
     z->d = m;
     s = s == LW_OK ? lw_dynamics_analyse(m, keep, z, &d.report, &rest, &d.e) : s;
-    lw_dynamics_free(m);
     return s;
 }
 

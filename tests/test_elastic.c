@@ -445,7 +445,7 @@ TEST(elastica)
             const lw_system *sys = lw_dynamics_system(s.d);
             double turn = s.q[3*sys->tracer_body[0] + 2], rounding = 1e10*n*2.2e-16;      /* of places, times EA/h */
             lw_inner_force inner[33];                        /* across and along the sections, which turn */
-            double *still = calloc((size_t)sys->n_q, sizeof *still);
+            FREED double *still = calloc((size_t)sys->n_q, sizeof *still);
             lw_reactions_inner(s.d, &(lw_moment){ .q = s.q, .v = still }, 0, inner);
             CHECK_NEAR(inner[0].normal, 0, rounding, 0);
             CHECK_NEAR(inner[0].shear, known[k].p, rounding, 0);
@@ -453,7 +453,6 @@ TEST(elastica)
             CHECK_NEAR(inner[n].normal, known[k].p*sin(turn), rounding, 0);
             CHECK_NEAR(inner[n].shear, known[k].p*cos(turn), rounding, 0);
             CHECK_NEAR(inner[n].moment, 0, 1e-9, 0);
-            free(still);
         }
         CHECK_NEAR(at[0].y, known[k].w, known[k].within, 0);
         CHECK_NEAR(at[2].y + (at[2].y - at[1].y)/3, known[k].w, k < 3 ? 5e-6 : 2e-5, 0);
@@ -613,7 +612,7 @@ TEST(line_loads)
         CHECK_TEXT(s.e.text, "");
         CHECK_INT(open_scene(&s, LW_ANALYSIS_STATIC), LW_OK);
         CHECK_INT(lw_statics_rest(s.d, 0, s.q, &r, &s.e), LW_OK);
-        double *still = calloc((size_t)lw_dynamics_system(s.d)->n_q, sizeof *still);
+        FREED double *still = calloc((size_t)lw_dynamics_system(s.d)->n_q, sizeof *still);
         lw_reactions_inner(s.d, &(lw_moment){ .q = s.q, .v = still }, 0, inner);
         lw_vec2 moved = lw_v2_sub(tracer(&s, 0, s.q), lw_v2(l*c, l*n));
         CHECK_NEAR(c*moved.y - n*moved.x, bend, 0, 1e-4);              /* a bar 20 times as long as high: shear, see theory.md */
@@ -621,7 +620,6 @@ TEST(line_loads)
         CHECK_NEAR(inner[0].moment, moment, 1e-6, 0);
         CHECK_NEAR(inner[8].shear, 0, 1e-6, 0);
         CHECK_NEAR(inner[8].moment, 0, 1e-6, 0);
-        free(still);
     }
 }
 

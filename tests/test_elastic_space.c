@@ -72,13 +72,12 @@ static void frequencies(lw_spatial *m, bool hold, int n, double *out)
     lw_status st = lw_dynamics_make_spatial(m, &o, &d, &check_error);
     memset(out, 0, (size_t)n*sizeof *out);
     if (st == LW_OK) {
-        double *q = calloc((size_t)lw_dynamics_space(d)->n_q + (size_t)lw_dynamics_space(d)->n_v, sizeof *q);
+        FREED double *q = calloc((size_t)lw_dynamics_space(d)->n_q + (size_t)lw_dynamics_space(d)->n_v, sizeof *q);
         lw_dynamics_start(d, q, q + lw_dynamics_space(d)->n_q);
         st = lw_modes_find_large(d, &(lw_modes_options){ .hold_inputs = hold }, n, 0, q, &modes, &check_error);
         for (int i = 0; i < n && i < modes.n_mode; i++)
             out[i] = modes.mode[i].frequency;
         CHECK(modes.n_mode >= n);
-        free(q);
     }
     CHECK_OK(st);
     lw_dynamics_free(d);
@@ -724,7 +723,7 @@ static void hinged_bar(const char *elastic, lw_elastic_expansion *x, double out[
     CHECK_OK(st);
     if (st == LW_OK) {
         const lw_system *s = lw_dynamics_system(d);
-        double *q = calloc(2*(size_t)s->n_q, sizeof *q);
+        FREED double *q = calloc(2*(size_t)s->n_q, sizeof *q);
         lw_dynamics_start(d, q, q + s->n_q);
         CHECK_OK(lw_modes_find_large(d, &(lw_modes_options){ 0 }, 3, 0, q, &modes, &check_error));
         for (int i = 0; i < 2; i++)
@@ -732,7 +731,6 @@ static void hinged_bar(const char *elastic, lw_elastic_expansion *x, double out[
         CHECK_OK(lw_statics_rest(d, 0, q, &rest, &check_error));
         out[2] = q[2];
         out[3] = lw_forces_strain(lw_dynamics_forces(d), q);
-        free(q);
     }
     if (x)
         CHECK_OK(lw_elastic_expand(&m, false, x, &check_error));

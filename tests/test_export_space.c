@@ -342,7 +342,7 @@ TEST(what_has_no_form_is_named)
 static size_t bytes_of_chain(int n)
 {
     size_t room = 200 + 200*(size_t)n, used = 0;
-    char *text = malloc(room);
+    FREED char *text = malloc(room);
     used += (size_t)snprintf(text, room, "{'linkwright': 1, 'joints': [");
     for (int i = n; i > 0; i--)
         used += (size_t)snprintf(text + used, room - used, "{'name': 'J%04d', 'links': ['b%04d', 'b%04d'], 'at': [%d, 0, 0], "
@@ -354,7 +354,6 @@ static size_t bytes_of_chain(int n)
     for (const char *at = b.data; (at = strstr(at, "<body ")); at++)
         bodies++;
     CHECK_INT((int)bodies, n);
-    free(text);
     return size;
 }
 

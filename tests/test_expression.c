@@ -6,6 +6,8 @@
 #include "grammar/functions/expression.h"
 #include "tests/check.h"
 
+OWNS(lw_expression)
+
 /* t is 0, x(NAME) 10 + first letter, any of w0 .. w99 its number */
 static int lookup(void *context, const char *word, const char *name, char *why)
 {
@@ -42,7 +44,7 @@ static lw_expression *parse(const char *text)
 /* Value at t, u (in the order of first appearance). */
 static double at(const char *text, double t, double u)
 {
-    lw_expression *x = parse(text);
+    OWNED(lw_expression) *x = parse(text);
     const int *which;
     double v[LW_EXPRESSION_VARIABLE_MAX];
     if (!x)
@@ -51,7 +53,6 @@ static double at(const char *text, double t, double u)
     for (int i = 0; i < n; i++)
         v[i] = which[i] == 0 ? t : u;
     double value = lw_expression_value(x, v);
-    lw_expression_free(x);
     return value;
 }
 
@@ -72,13 +73,12 @@ TEST(values)
         { "poly(3, 1, 5)", 5 }, { "table(1.5, 1, 10, 2, 30)", 20 }, { "table(3, 1, 10, 2, 30)", 50 },
     };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
-        lw_expression *x = parse(known[i].text);
+        OWNED(lw_expression) *x = parse(known[i].text);
         if (!x)
             continue;
         CHECK_NEAR(lw_expression_value(x, NULL), known[i].want, 1e-15, 1e-15);
         CHECK_INT(lw_expression_variables(x, NULL), 0);
         CHECK_TEXT(lw_expression_text(x), known[i].text);
-        lw_expression_free(x);
     }
 }
 
@@ -97,7 +97,7 @@ TEST(with_variables)
 
 TEST(variables_in_order_of_appearance)
 {
-    lw_expression *x = parse("u + x(P)*t + x( Q )*u + x('R ()')");
+    OWNED(lw_expression) *x = parse("u + x(P)*t + x( Q )*u + x('R ()')");
     const int *which;
     if (!x)
         return;
@@ -112,7 +112,6 @@ TEST(variables_in_order_of_appearance)
     static const double want[] = { 8, 5, 3, 2, 1 };
     for (int i = 0; i < 5; i++)
         CHECK_NEAR(dv[i], want[i], 0, 0);
-    lw_expression_free(x);
 }
 
 /* Makkonen 1999, paper A: by their formulas, here written out once more. */
@@ -160,13 +159,12 @@ TEST(natural_spline)
     }
     lw_expression_free(spline);
     /* three points, h = 1: bend in the middle is 3/2 (y0 - 2 y1 + y2) */
-    lw_expression *three = parse("table(t, 0, 1, 1, 4, 2, 2)");
+    OWNED(lw_expression) *three = parse("table(t, 0, 1, 1, 4, 2, 2)");
     double middle[] = { 1, 1, 0 }, c[3];
     if (!three)
         return;
     lw_expression_series(three, 2, middle, c);
     CHECK_NEAR(c[2], 1.5*(1 - 8 + 2)/2, 1e-14, 0);
-    lw_expression_free(three);
 }
 
 TEST(faults)
@@ -305,7 +303,7 @@ TEST(gradients_against_differences)
 {
     lw_rng r = check_rng(0);
     for (int i = 0; i < N_SMOOTH; i++) {
-        lw_expression *x = parse(smooth[i]);
+        OWNED(lw_expression) *x = parse(smooth[i]);
         for (int trial = 0; x && trial < 20; trial++) {
             double v[2] = { lw_rng_range(&r, -0.9, 0.9), lw_rng_range(&r, -0.9, 0.9) }, dv[2];
             double f = lw_expression_gradient(x, v, dv), h = 1e-4;
@@ -322,7 +320,6 @@ TEST(gradients_against_differences)
                     fprintf(stderr, "    %s by variable %d\n", smooth[i], k);
             }
         }
-        lw_expression_free(x);
     }
 }
 
@@ -332,7 +329,7 @@ TEST(series_against_values)
     enum { N = LW_SERIES_ORDER_MAX + 1 };
     lw_rng r = check_rng(1);
     for (int i = 0; i < N_SMOOTH; i++) {
-        lw_expression *x = parse(smooth[i]);
+        OWNED(lw_expression) *x = parse(smooth[i]);
         for (int trial = 0; x && trial < 20; trial++) {
             double v[2*N], c[N], s = 0.01, scale = 0;
             for (int k = 0; k < 2*N; k++)
@@ -363,7 +360,6 @@ TEST(series_against_values)
             for (int k = 0; k < 3; k++)
                 CHECK_NEAR(low[k], c[k], 1e-15*fabs(c[k]), 0);
         }
-        lw_expression_free(x);
     }
 }
 
@@ -405,7 +401,7 @@ TEST(known_series)
         { "sqrt(t*0)", 3, { 0, 0, 0, 0, 0, 0 } },
     };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
-        lw_expression *x = parse(known[i].text);
+        OWNED(lw_expression) *x = parse(known[i].text);
         double v[6] = { known[i].t0, 1 }, c[6];
         if (!x)
             continue;
@@ -415,16 +411,14 @@ TEST(known_series)
                 CHECK(isnan(c[k]));
             else
                 CHECK_NEAR(c[k], known[i].want[k], 4e-16, 4e-16);
-        lw_expression_free(x);
     }
-    lw_expression *seven = parse("7");
+    OWNED(lw_expression) *seven = parse("7");
     double c[4];
     if (!seven)
         return;
     lw_expression_series(seven, 3, NULL, c);
     CHECK_NEAR(c[0], 7, 0, 0);
     CHECK_NEAR(c[3], 0, 0, 0);
-    lw_expression_free(seven);
 }
 
 TEST(gradients_at_kinks)
@@ -436,13 +430,12 @@ TEST(gradients_at_kinks)
         { "sign(t)", 0, 0 }, { "t*sqrt(t)", 0, 0 },
     };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
-        lw_expression *x = parse(known[i].text);
+        OWNED(lw_expression) *x = parse(known[i].text);
         double dv = 99;
         if (!x)
             continue;
         lw_expression_gradient(x, &known[i].at, &dv);
         CHECK_NEAR(dv, known[i].want, 1e-14, 0);
-        lw_expression_free(x);
     }
 }
 
@@ -458,13 +451,12 @@ TEST(kinks_of_the_time)
         { "max(0, cos(pi*t))*x(P)", { 0.5, 1.5, 2.5, 3.5, 4.5 } }, { "abs(sin(t)^2)", { INFINITY } },
         { "sign(tan(pi*t))", { 0.5, 1, 1.5, 2, 2.5 } }, { "table(2*sin(pi*t), -2, 0, 1, 3, 2, 1)", { 1.0/6, 5.0/6, 13.0/6, 17.0/6, 25.0/6 } } };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
-        lw_expression *x = parse(known[i].text);
+        OWNED(lw_expression) *x = parse(known[i].text);
         double t = 0;
         for (int k = 0; x && k < 5 && t < INFINITY; k++) {
             t = lw_expression_next_kink(x, 0, t + 1e-12, 20);
             CHECK(t == known[i].at[k] || fabs(t - known[i].at[k]) < 1e-9);
         }
-        lw_expression_free(x);
     }
 }
 
@@ -477,11 +469,10 @@ TEST(breaks)
         { "atan(1/(1-t))", 1, LW_PI }, { "2*step(t,1,0,1.5,1)", INFINITY, 0 }, { "sqrt(abs(t-1))", INFINITY, 0 }, { "exp(-1/(t-1)^2)", INFINITY, 0 },
         { "mod(t,0.1)*(0.1-mod(t,0.1))", INFINITY, 0 }, { "1e4*sin(1e4*t)", INFINITY, 0 }, { "tanh(1e10*(t-1))", INFINITY, 0 }, { "1/(x(P)-t)", INFINITY, 0 } };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
-        lw_expression *x = parse(known[i].text);
+        OWNED(lw_expression) *x = parse(known[i].text);
         double by = 0, t = x ? lw_expression_next_break(x, 0, 0, 2, 0.1, &by) : NAN;
         CHECK(t == known[i].at || fabs(t - known[i].at) < 3e-5);
         CHECK(t == INFINITY || by == known[i].by || fabs(by - known[i].by) < 1e-6);
-        lw_expression_free(x);
     }
 }
 
@@ -494,7 +485,7 @@ TEST(calm_intervals)
         { "exp(-(sin(3*t)/1e-3)^2)", 300 }, { "sin(10*t)", 40 }, { "cosh(t)^3", 20 }, { "sqrt(t + 1)*atan2(t, 2)", 4 }, { "hypot(sin(t), 2)", 20 },
         { "2^(-3*t)", 20 }, { "asin(t/4)", 4 }, { "t^3 - 2*t", 4 }, { "acos(t/4) + log(1 + t)", 4 } };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
-        lw_expression *x = parse(known[i].text);
+        OWNED(lw_expression) *x = parse(known[i].text);
         int n = 0;
         for (double t = 0; x && t < 3 && n < 1000; n++) {
             double end = lw_expression_calm(x, 0, false, 0, t, 3, 3e-9), low = INFINITY, high = -INFINITY;
@@ -510,7 +501,6 @@ TEST(calm_intervals)
             t = end;
         }
         CHECK(n <= known[i].most);
-        lw_expression_free(x);
     }
 }
 

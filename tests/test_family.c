@@ -9,7 +9,7 @@ static double least_margin(const lw_plan *plan, const double *dim, double mode)
 {
     double c[LOOKS], s[LOOKS], o[LOOKS], u[LOOKS], d[LOOKS], v[LOOKS], margin[LOOKS], least = INFINITY;
     double modes[LW_MODE_MAX] = { mode };
-    void *work = aligned_alloc(64, (lw_batch_work_size(plan) + 63)/64*64 + 64);
+    FREED void *work = aligned_alloc(64, (lw_batch_work_size(plan) + 63)/64*64 + 64);
     for (int k = 0; k < LOOKS; k++) {
         c[k] = cos(2*LW_PI*k/LOOKS);
         s[k] = sin(2*LW_PI*k/LOOKS);
@@ -18,7 +18,6 @@ static double least_margin(const lw_plan *plan, const double *dim, double mode)
     lw_batch_frame(plan, &in, 0, work, o, u, d, v, margin);
     for (int k = 0; k < LOOKS; k++)
         least = fmin(least, margin[k]);
-    free(work);
     return least;
 }
 

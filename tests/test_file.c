@@ -24,12 +24,11 @@ static int count_files(void)
 
 static void check_content(const char *path, const char *want)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     CHECK_INT(lw_file_read(path, &text, &size, NULL), LW_OK);
     CHECK_TEXT(text, want);
     CHECK_INT(size, strlen(want));
-    free(text);
 }
 
 static void check_refused(const char *path, const char *part)

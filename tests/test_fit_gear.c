@@ -118,14 +118,13 @@ static void found_again(lw_linkage k, int input_turns_per_period, long budget)
     CHECK_TEXT(e.text, "");
     CHECK(s.fit.n > 0 && s.fit.candidate[0].objective < 1e-18);
     printf("# %s %g, %ld evaluations\n", k.name, s.fit.n ? s.fit.candidate[0].objective : NAN, s.fit.evals);
-    lw_fit_report *r = malloc(sizeof *r);
+    FREED lw_fit_report *r = malloc(sizeof *r);
     if (s.fit.n > 0) {
         CHECK_INT(lw_fit_report_make(&t, &o.spec, &s.fit.candidate[0], r, &e), LW_OK);
         CHECK(r->verified && r->error_max < 1e-8);
         CHECK_TEXT(r->fault, "");
         CHECK_INT(r->input_turns_per_period, input_turns_per_period);
     }
-    free(r);
 }
 
 TEST(over_two_turns) { found_again(geared_five_bar(), 2, 1000000); }
@@ -176,7 +175,7 @@ TEST(members_come_back)
         make_target(&of[0], &t);
         spec.timing = LW_TIMING_PRESCRIBED;
         CHECK_INT(lw_problem_make(&t, &spec, &f, 1, 1, &p, NULL), LW_OK);
-        void *work = aligned_alloc(64, (lw_problem_work_size(&p) + 127) & ~(size_t)63);
+        FREED void *work = aligned_alloc(64, (lw_problem_work_size(&p) + 127) & ~(size_t)63);
         lw_problem_work_init(&p, work);
         lw_rng rng = check_rng((uint64_t)i);
         for (int trial = 0; trial < 150; trial++) {
@@ -191,6 +190,5 @@ TEST(members_come_back)
         printf("# %d members, %d come back\n", drawn, back);
         CHECK(drawn > 20);
         CHECK(back >= drawn - drawn/50);             /* what opens between two of the 64 inputs looked at */
-        free(work);
     }
 }

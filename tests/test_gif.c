@@ -191,7 +191,7 @@ TEST(bars_bend)
     OWN(lw_scene) s = { 0 };
     OWN(lw_bytes) straight = { 0 }, bent = { 0 };
     lw_gif_options o = { .width = 160, .height = 120, .n_frame = 2, .delay = 5 };
-    lw_vec2 *p;
+    FREED lw_vec2 *p = NULL;
     CHECK_INT(model_scene("Crank-rocker", 10, &s), LW_OK);
     p = calloc(3*s.n_frame, sizeof *p);
     const lw_joint *j = s.linkage.joint;
@@ -205,7 +205,6 @@ TEST(bars_bend)
     s.n_bend = 1;
     CHECK_OK(lw_gif_write(&s, &o, &bent, &check_error));
     CHECK(straight.size != bent.size || memcmp(straight.data, bent.data, bent.size) != 0);
-    free(p);
 }
 
 TEST(a_stopped_animation_is_readable)

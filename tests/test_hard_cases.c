@@ -9,6 +9,8 @@
 #include "tests/check.h"
 #include "tests/straight_lines.h"
 
+OWNS(lw_newton)
+
 static double distance(lw_vec2 a, lw_vec2 b) { return lw_v2_norm(lw_v2_sub(a, b)); }
 
 static lw_plan plan_of_type(const char *name, lw_linkage *k)
@@ -67,7 +69,7 @@ TEST(change_points_are_passed_straight)
         memcpy(k, change_point[c].r, sizeof change_point[c].r);
         lw_linkage l;
         fourbar_linkage(&l, k, change_point[c].mode(start), start);
-        lw_newton *s = newton_of(&l);
+        OWNED(lw_newton) *s = newton_of(&l);
         if (!s)
             continue;
         for (int i = 1; i <= 31; i++) {
@@ -77,7 +79,6 @@ TEST(change_points_are_passed_straight)
             CHECK_NEAR(distance(lw_newton_tracer(s, 0), want), 0.0, 1e-12, 0);
         }
         CHECK_INT(lw_newton_crossings(s), change_point[c].crossings);
-        lw_newton_free(s);
     }
 }
 
@@ -104,7 +105,7 @@ TEST(random_change_points_are_passed_straight)
         double start = lw_rng_range(&rng, 0.1, 3.0), at = drawn ? LW_PI : 0.0;
         lw_linkage l;
         fourbar_linkage(&l, k, 1.0, start);
-        lw_newton *s = newton_of(&l);
+        OWNED(lw_newton) *s = newton_of(&l);
         for (int i = 1; s && i <= 19; i++) {
             double t = start + 4.0*LW_PI*i/19.0, mode = floor((t - at)/(2.0*LW_PI)) - floor((start - at)/(2.0*LW_PI));
             CHECK_INT(lw_newton_move(s, t + k[8], NULL), LW_OK);
@@ -112,7 +113,6 @@ TEST(random_change_points_are_passed_straight)
             CHECK_NEAR(distance(lw_newton_tracer(s, 0), want), 0.0, 1e-11, 0);
         }
         CHECK_INT(lw_newton_crossings(s), 2);
-        lw_newton_free(s);
     }
 }
 
@@ -261,7 +261,7 @@ static void compare_over_a_turn(const double k[9], double mode, double start, do
     fourbar_linkage(&l, k, mode, start);
     CHECK_INT(lw_plan_make(&l, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &l, dim, modes, &input, NULL), LW_OK);
-    lw_newton *s = newton_of(&l);
+    OWNED(lw_newton) *s = newton_of(&l);
     for (int i = 1; s && i <= 24; i++) {
         static lw_posture p;
         double turn = 2.0*LW_PI*i/24.0;
@@ -269,7 +269,6 @@ static void compare_over_a_turn(const double k[9], double mode, double start, do
         CHECK_INT(lw_posture_solve(&plan, dim, modes, input + turn, 0, &p), LW_OK);
         CHECK_NEAR(distance(lw_newton_tracer(s, 0), p.tracer[0][0]), 0.0, tolerance, 0);
     }
-    lw_newton_free(s);
 }
 
 TEST(length_ratio_of_a_million)
@@ -311,13 +310,12 @@ TEST(coupler_point_on_a_pivot)
         compare_over_a_turn(k, 1.0, 0.5, 1e-13);
         lw_linkage l;
         fourbar_linkage(&l, k, 1.0, 0.5);
-        lw_newton *s = newton_of(&l);
+        OWNED(lw_newton) *s = newton_of(&l);
         lw_vec2 pivot = at_b ? l.joint[3].at : l.joint[0].at;
         for (int i = 0; s && i < 12; i++) {
             CHECK_INT(lw_newton_move(s, l.input[0].value + i, NULL), LW_OK);
             CHECK_NEAR(distance(lw_newton_tracer(s, 0), pivot), at_b ? 2.5 : 1.0, 1e-14, 0);
         }
-        lw_newton_free(s);
     }
 }
 
@@ -369,7 +367,7 @@ TEST(straight_lines_by_plan_and_newton)
         const double *k = line[i].k;
         double middle = 0.5*(line[i].first + line[i].last) + 0.1*(line[i].last - line[i].first);
         fourbar_linkage(&l, k, line[i].mode, middle);
-        lw_newton *s = newton_of(&l);
+        OWNED(lw_newton) *s = newton_of(&l);
         static lw_posture p;
         for (int j = 0; s && j < 4; j++) {
             double t = line[i].extreme[j].input, want = line[i].extreme[j].deviation;
@@ -384,7 +382,6 @@ TEST(straight_lines_by_plan_and_newton)
             double d = deviation(i, p.tracer[0][0]);
             CHECK(d >= line[i].least - 5e-14 && d <= line[i].most + 5e-14);
         }
-        lw_newton_free(s);
     }
 }
 
@@ -493,10 +490,9 @@ TEST(peaucellier_through_its_flat_rhombus)
 {
     lw_linkage l;
     peaucellier(&l, 2.0, 0.5);
-    lw_newton *s = newton_of(&l);
+    OWNED(lw_newton) *s = newton_of(&l);
     for (int i = 4; s && i >= -4; i--) {
         CHECK_INT(lw_newton_move(s, 0.1*i, NULL), LW_OK);
         CHECK_NEAR(lw_newton_tracer(s, 0).x, 4.0, i == 0 ? 1e-7 : 8e-13, 0);
     }
-    lw_newton_free(s);
 }

@@ -74,7 +74,7 @@ TEST(scott_russell_all_around)
 {
     lw_linkage l;
     scott_russell(&l, 0.7);
-    curve *v = follow(&l, 0);
+    OWNED(curve) *v = follow(&l, 0);
     CHECK_INT(lw_motion_curve_turns(v->b, -1), 1);
     CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
     for (int i = 0; i <= 3600; i++) {
@@ -88,7 +88,6 @@ TEST(scott_russell_all_around)
         double station = lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), 0.5*LW_PI + i*1e-7*LW_PI/180);
         CHECK_NEAR(tracer_at(v, 0, station).x, 0, 2e-12, 0);
     }
-    curve_free(v);
 }
 
 /* --- chains of parallelograms --- */
@@ -108,7 +107,7 @@ TEST(parallelograms_in_a_row)
             add_pin(&l, n + 2 + i, 2 + i, lw_v2(i + 1 + cos(0.5), sin(0.5)));
         }
         add_input(&l, 0, 0.5);
-        curve *v = follow(&l, 0);
+        OWNED(curve) *v = follow(&l, 0);
         const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &found);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
         CHECK_INT(lw_motion_curve_turns(v->b, -1), 1);
@@ -121,7 +120,6 @@ TEST(parallelograms_in_a_row)
                 CHECK_NEAR(q[3*body + 2], 0, 1e-11, 0);
             CHECK(residual(v, q) <= 1e-12);
         }
-        curve_free(v);
     }
 }
 
@@ -164,7 +162,7 @@ static void by_plan_and_curve(const char *file)
     load_linkage(file, &l);
     CHECK_INT(lw_plan_make(&l, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &l, dim, mode, &input, NULL), LW_OK);
-    curve *v = follow(&l, 0);
+    OWNED(curve) *v = follow(&l, 0);
     CHECK_INT(abs(lw_motion_curve_turns(v->b, -1)), 1);
     CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
     for (int i = 0; i <= 360; i++) {
@@ -173,7 +171,6 @@ static void by_plan_and_curve(const char *file)
         lw_vec2 p = tracer_at(v, 0, lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), u));
         CHECK_NEAR(distance(p, posture.tracer[0][0]), 0, 1e-13*v->s.unit*20, 0);
     }
-    curve_free(v);
 }
 
 /* Klann: US patent 6260862; Chebyshev's walker: his lambda linkage, 1, 2, 2.5, 2.5, tracer 5. */
@@ -240,7 +237,7 @@ static lw_status follow_chain(void *context, const lw_chain_item *item)
         double q[LW_SYSTEM_Q_MAX];
         draw_linkage(&all.rng, item->chain, ground, &l);
         add_input(&l, (int)(lw_rng_bits(&all.rng)%(uint64_t)l.n_joint), 0);
-        curve *v = follow(&l, 60);
+        OWNED(curve) *v = follow(&l, 60);
         if (v->b) {
             all.curves++;
             CHECK(lw_motion_curve_worst(v->b) <= 1e-12*v->s.unit);
@@ -250,7 +247,6 @@ static lw_status follow_chain(void *context, const lw_chain_item *item)
             }
             drive_every_joint(&l, q);
         }
-        curve_free(v);
     }
     return LW_OK;
 }
@@ -377,7 +373,7 @@ TEST(six_links_next_to_a_change_point)
     add_pin(&l, 2, 4, at.p);
     add_pin(&l, 4, 5, lw_v2_add(tip, lw_v2(2, 3)));
     add_pin(&l, 5, 0, lw_v2(6, 3));
-    curve *v = follow(&l, 0);
+    OWNED(curve) *v = follow(&l, 0);
     const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
     CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
     CHECK_INT(count(v, LW_EVENT_CROSSING), 0);
@@ -386,5 +382,4 @@ TEST(six_links_next_to_a_change_point)
             of_first += fabs(remainder(e[i].input - c.limit[d], 2*LW_PI)) < 1e-10;
     CHECK(of_first >= 2);
     CHECK(lw_motion_curve_worst(v->b) <= 1e-12);
-    curve_free(v);
 }

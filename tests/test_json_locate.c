@@ -54,14 +54,13 @@ TEST(ways_that_lead_nowhere)
 TEST(cut_texts_are_harmless)
 {
     for (size_t size = 0; size < sizeof text; size++) {
-        char *copy = malloc(size + 1);
+        FREED char *copy = malloc(size + 1);
         memcpy(copy, text, size);
         for (size_t i = 0; i < 4; i++)
             for (size_t j = 0; j < 8; j++) {
                 lw_json_path path = { .n = 3, .index = { i, j, 0 } };
                 CHECK(lw_json_locate(copy, size, &path, (i + j)%2 == 0) <= size);
             }
-        free(copy);
     }
 }
 
@@ -129,8 +128,7 @@ static char *nested(int depth)
 TEST(depth_is_bounded)
 {
     for (int depth = 2047; depth < 2050; depth++) {
-        char *deep = nested(depth);
+        FREED char *deep = nested(depth);
         check_same_as_jansson(deep, strlen(deep), 0);
-        free(deep);
     }
 }

@@ -26,11 +26,10 @@ static const char example[] =
 static lw_status read(const char *text, lw_linkage *k, lw_error *e)
 {
     size_t n = strlen(text);
-    char *copy = malloc(n + 1);                       /* exact size, no terminator: a step beyond it shows */
+    FREED char *copy = malloc(n + 1);                       /* exact size, no terminator: a step beyond it shows */
     memcpy(copy, text, n);
     memset(e, 0, sizeof *e);
     lw_status s = lw_linkage_read(copy, n, "k.json", k, e);
-    free(copy);
     return s;
 }
 
@@ -59,18 +58,16 @@ TEST(the_example_is_written_as_it_was)
 {
     lw_linkage k;
     CHECK_OK(read(example, &k, &check_error));
-    char *text = lw_linkage_write(&k, 2);
+    FREED char *text = lw_linkage_write(&k, 2);
     CHECK_TEXT(text, example);
-    free(text);
 }
 
 TEST(the_manual_shows_it)
 {
-    char *manual = NULL;
+    FREED char *manual = NULL;
     size_t size;
     CHECK_INT(lw_file_read("docs/notation.md", &manual, &size, NULL), LW_OK);
     CHECK_HAS(manual, example);
-    free(manual);
 }
 
 TEST(what_may_be_left_out)
@@ -152,9 +149,8 @@ TEST(gears_and_welds_find_their_place)
     CHECK_NEAR(k.joint[4].at.y, -0.02, 0, 1e-15);
     CHECK_NEAR(k.joint[5].at.x, 0, 1e-18, 0);
     CHECK_INT(lw_linkage_mobility(&k), 1);
-    char *text = lw_linkage_write(&k, 0);
+    FREED char *text = lw_linkage_write(&k, 0);
     CHECK_HAS(text, "\"ratio\": 20}");
-    free(text);
 }
 
 /* ---- round trips ------------------------------------------------------------------------------ */
@@ -231,13 +227,12 @@ static void round_trip(const lw_linkage *k, double allowed)
     lw_linkage back;
     lw_error e;
     for (int indent = 0; indent <= 4; indent += 2) {
-        char *text = lw_linkage_write(k, indent);
+        FREED char *text = lw_linkage_write(k, indent);
         CHECK(text != NULL);
         CHECK_INT(read(text, &back, &e), LW_OK);
         CHECK_TEXT(e.text, "");
         check_same(k, &back, allowed);
         CHECK(indent > 0 || !strchr(text, '\n'));
-        free(text);
     }
 }
 
@@ -400,7 +395,7 @@ TEST(faults_of_syntax_have_their_place)
 
 TEST(too_many_of_everything)
 {
-    char *text = malloc(100000);
+    FREED char *text = malloc(100000);
     lw_linkage k;
     lw_error e;
     int n = sprintf(text, "{\"linkwright\":1,\"joints\":[");
@@ -419,7 +414,6 @@ TEST(too_many_of_everything)
     text[99999] = '\0';
     CHECK_INT(read(text, &k, &e), LW_E_NOTATION);
     CHECK_HAS(e.text, "more than 2048");
-    free(text);
 }
 
 TEST(a_byte_order_mark_is_skipped)

@@ -39,7 +39,7 @@ static void perturb(const lw_problem *p, double by, lw_rng *rng, double *x)
 
 static double improve_by(const lw_problem *p, bool bend, double *x, lw_stop *stop, long *evals)
 {
-    void *work = new_work(p);
+    FREED void *work = new_work(p);
     lw_lm_options o = lw_lm_options_default();
     o.max_steps = 2000;
     o.f_tol = 1e-14;
@@ -47,7 +47,6 @@ static double improve_by(const lw_problem *p, bool bend, double *x, lw_stop *sto
     *evals = 0;
     double f = lw_lm_improve(p, &o, x, false, work, evals, stop);
     CHECK(*evals > 0 && *evals < 9000);
-    free(work);
     return f;
 }
 
@@ -59,17 +58,15 @@ static double improve(const lw_problem *p, double *x, lw_stop *stop)
 
 static bool feasible(const lw_problem *p, double *x)
 {
-    void *work = new_work(p);
+    FREED void *work = new_work(p);
     bool found = lw_lm_feasible(p, x, work);
-    free(work);
     return found;
 }
 
 static double value(const lw_problem *p, const double *x, double *grad)
 {
-    void *work = new_work(p);
+    FREED void *work = new_work(p);
     double f = lw_problem_value(p, x, grad, work);
-    free(work);
     return f;
 }
 

@@ -33,7 +33,7 @@ TEST(four_bars_of_all_classes)
         double start = first + (last - first)*lw_rng_range(&r, 0.01, 0.99);
         lw_linkage l;
         fourbar_linkage(&l, k, mode, start);
-        curve *v = follow(&l, 0);
+        OWNED(curve) *v = follow(&l, 0);
         int n;
         const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
@@ -60,7 +60,6 @@ TEST(four_bars_of_all_classes)
             double off = fmin(distance(tracer(v, 0, q), p.p), distance(tracer(v, 0, q), m.p));
             CHECK(off <= 1e-12 || off <= 1e-7*sqrt(fmin(fabs(angle - first), fabs(angle - last))) || off < 2e-8);
         }
-        curve_free(v);
     }
 }
 
@@ -70,7 +69,7 @@ TEST(arcs_and_stations_agree)
     double k[9] = { 4, 3, 2, 2.5, 1, 2, 0, 0, 0 }, q[9], p[9];
     lw_linkage l;
     fourbar_linkage(&l, k, 1, 0.5);
-    curve *v = follow(&l, 0);
+    OWNED(curve) *v = follow(&l, 0);
     double length = lw_motion_curve_length(v->b), sum = 0;
     lw_motion_curve_posture(v->b, 0, p, NULL);
     for (int i = 0; i <= 400; i++) {
@@ -91,7 +90,6 @@ TEST(arcs_and_stations_agree)
     lw_motion_curve_posture(v->b, lw_motion_curve_segments(v->b), p, NULL);
     for (int j = 0; j < 9; j++)
         CHECK_NEAR(remainder(q[j] - p[j], j%3 == 2 ? 2*LW_PI : 100), 0, 1e-14, 0);
-    curve_free(v);
 }
 
 /* 1e-3 .. 1e-10 from the parallelogram's change points, where branches pass 1e-5 apart: never the wrong one. */
@@ -103,7 +101,7 @@ TEST(near_change_points)
         lw_linkage l;
         lw_fourbar_classify(k, 0, &c, NULL);
         fourbar_linkage(&l, k, 1, 0.5);
-        curve *v = follow(&l, 0);
+        OWNED(curve) *v = follow(&l, 0);
         int n;
         const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
@@ -116,7 +114,6 @@ TEST(near_change_points)
                     off = fmin(off, fabs(remainder(e[i].input - c.limit[d], 2*LW_PI)));
                 CHECK_NEAR(off, 0, 1e-10, 0);
             }
-        curve_free(v);
     }
 }
 
@@ -126,7 +123,7 @@ TEST(straight_on_through_change_points)
     double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[9];
     lw_linkage l;
     fourbar_linkage(&l, k, 1, 0.5);
-    curve *v = follow(&l, 0);
+    OWNED(curve) *v = follow(&l, 0);
     CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
     CHECK_INT(lw_motion_curve_turns(v->b, -1), 1);
     CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
@@ -146,7 +143,6 @@ TEST(straight_on_through_change_points)
         lw_vec2 at = lw_v2_add(lw_v2_sub(p.p, p.a), lw_v2_polar(1, lw_motion_curve_input(v->b, q)));
         CHECK_NEAR(distance(tracer(v, 0, q), at), 0, 4e-12, 0);
     }
-    curve_free(v);
 }
 
 /* Derivatives do not mind the change point: the parallelogram's rocker turns as its crank. */
@@ -157,7 +153,7 @@ TEST(rates_through_change_points)
     static const double most[4] = { 0, 1e-11, 1e-9, 1e-6 };
     lw_linkage l;
     fourbar_linkage(&l, k, 1, 0.5);
-    curve *v = follow(&l, 0);
+    OWNED(curve) *v = follow(&l, 0);
     int n;
     const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
     CHECK_INT(n, 2);
@@ -171,7 +167,6 @@ TEST(rates_through_change_points)
             CHECK_NEAR(c[8], order == 1, most[order], 0);
         }
     }
-    curve_free(v);
 }
 
 /* Drawn at a change point, one branch is followed, and through the point again. */
@@ -186,7 +181,7 @@ TEST(drawn_at_change_points)
             add_joints(&l, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 0, cos(turn)), PIN(2, 3, 0, 0), SLIDE(0, 3, 0, 0, 0)));
             add_input(&l, 0, 0.5*LW_PI + turn);
         }
-        curve *v = follow(&l, 0);
+        OWNED(curve) *v = follow(&l, 0);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
         CHECK_INT(abs(lw_motion_curve_turns(v->b, -1)), 1);
         CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
@@ -197,7 +192,6 @@ TEST(drawn_at_change_points)
         }
         lw_system_posture(&v->s, q);
         CHECK(lw_motion_curve_holds(v->b, q));
-        curve_free(v);
     }
 }
 
@@ -209,12 +203,11 @@ TEST(the_input_stands_still)
     blank_linkage(&l, 4);
     add_joints(&l, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 1, 0), PIN(2, 3, 1, 0), PIN(3, 0, 2, 1)));
     add_input(&l, 0, 0);
-    curve *v = follow(&l, 0);
+    OWNED(curve) *v = follow(&l, 0);
     CHECK(lw_motion_curve_rests(v->b));
     CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
     CHECK_INT(abs(lw_motion_curve_turns(v->b, 2)), 1);
     CHECK(!lw_motion_curve_motion(v->b, 0.5, 1, (double[]){ 0, 1 }, q));
-    curve_free(v);
 }
 
 /* Drawn next to a change point, before or behind it: the last leap ends where the curve began. */
@@ -225,7 +218,7 @@ TEST(starts_next_to_change_points)
         double angle = (i%2 ? -1 : 1)*pow(10, -1 - 0.1*i) + (i%4 < 2 ? 0 : LW_PI);
         lw_linkage l;
         fourbar_linkage(&l, k, sin(angle) > 0 ? 1 : -1, angle);
-        curve *v = follow(&l, 0);
+        OWNED(curve) *v = follow(&l, 0);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
         CHECK_INT(lw_motion_curve_turns(v->b, -1), 1);
         CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
@@ -233,7 +226,6 @@ TEST(starts_next_to_change_points)
             lw_motion_curve_posture(v->b, lw_motion_curve_segments(v->b)*n/40.0, q, NULL);
             CHECK_NEAR(q[5], 0, 1e-9, 0);                  /* the posture itself holds the angle to 1e-16/angle */
         }
-        curve_free(v);
     }
 }
 
@@ -249,7 +241,7 @@ TEST(equal_slider_crank)
     add_slide(&l, 0, 3, lw_v2(2*cos(0.6), 0), 0);
     add_input(&l, 0, 0.6);
     add_tracer(&l, 3, lw_v2(2*cos(0.6), 0));
-    curve *v = follow(&l, 0);
+    OWNED(curve) *v = follow(&l, 0);
     CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
     CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
     int n;
@@ -260,7 +252,6 @@ TEST(equal_slider_crank)
         lw_motion_curve_posture(v->b, lw_motion_curve_segments(v->b)*i/1000.0, q, NULL);
         CHECK_NEAR(tracer(v, 0, q).x, 2*cos(lw_motion_curve_input(v->b, q)), 1e-12, 0);
     }
-    curve_free(v);
 }
 
 /* Geared five-bars close when both cranks have turned whole turns: -p/q after q turns of the input. */
@@ -274,7 +265,7 @@ TEST(gears_close_after_several_turns)
         add_joints(&l, JOINTS(PIN(0, 1, 0, 0), PIN(0, 2, 3, 0), PIN(1, 3, 0.5, 0.5), PIN(3, 4, 1.5, 3), PIN(4, 2, 3.5, 0.8),
                               GEAR(1, 2, 2, 0, -1.0*ratio[i][0]/ratio[i][1])));
         add_input(&l, 0, 0);
-        curve *v = follow(&l, 0);
+        OWNED(curve) *v = follow(&l, 0);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
         CHECK_INT(lw_motion_curve_turns(v->b, -1), ratio[i][1]);
         CHECK_INT(lw_motion_curve_turns(v->b, 2), -ratio[i][0]);
@@ -283,7 +274,6 @@ TEST(gears_close_after_several_turns)
             CHECK_NEAR(q[5], -q[2]*ratio[i][0]/ratio[i][1], 1e-14, 0);
             CHECK(residual(v, q) <= 1e-14);
         }
-        curve_free(v);
     }
 }
 
@@ -306,7 +296,7 @@ TEST(six_bars_agree_with_newton)
                     lw_v2(lw_rng_range(&r, -1, 1), lw_rng_range(&r, -1, 1)));
         add_input(&l, 0, 0);
         add_tracer(&l, 4, lw_v2(lw_rng_range(&r, -1, 1), lw_rng_range(&r, -1, 1)));
-        curve *v = follow(&l, 0);
+        OWNED(curve) *v = follow(&l, 0);
         const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
         double first = 0, last = lw_motion_curve_segments(v->b);
@@ -334,7 +324,6 @@ TEST(six_bars_agree_with_newton)
         }
         lw_newton_free(s);
         CHECK(lw_motion_curve_worst(v->b) <= 1e-14);
-        curve_free(v);
     }
 }
 
@@ -345,7 +334,7 @@ TEST(sides_change_at_limits)
     lw_linkage l;
     int n, side[2] = { 0, 0 };
     fourbar_linkage(&l, k, 1, 0.5);
-    curve *v = follow(&l, 0);
+    OWNED(curve) *v = follow(&l, 0);
     const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
     for (int i = 0; i < n; i++)
         if (e[i].kind == LW_EVENT_LIMIT) {
@@ -353,7 +342,6 @@ TEST(sides_change_at_limits)
             side[1] = lw_motion_curve_side(v->b, e[i].station + 1e-3);
             CHECK(side[0]*side[1] == -1);
         }
-    curve_free(v);
 }
 
 /* Offset slider-crank in closed form, by the crank; and in time. */
@@ -370,7 +358,7 @@ TEST(rates_by_the_input)
     add_slide(&l, 0, 3, pin, 0);
     add_input(&l, 0, 0.7);
     add_tracer(&l, 3, pin);
-    curve *v = follow(&l, 0);
+    OWNED(curve) *v = follow(&l, 0);
     for (int i = 0; i < 40; i++) {
         double at = i/40.0*lw_motion_curve_segments(v->b), speed = i%2 ? -3 : 1, motion[4] = { 0, speed, 0, 0 };
         lw_motion_curve_posture(v->b, at, q, NULL);
@@ -385,7 +373,6 @@ TEST(rates_by_the_input)
         CHECK_NEAR(6*p[3].x, speed*speed*speed*(rr*sin(x) + w3), 1e-10, 0);
         CHECK_NEAR(p[0].y, ee, 1e-13, 0);
     }
-    curve_free(v);
 }
 
 /* Postures of the same curve are on it, those of the other circuit are not. */
@@ -420,7 +407,7 @@ TEST(curves_without_end)
     add_pin(&l, 0, 1, lw_v2(2, 0));
     l.joint[1].kind = LW_JOINT_SLOT;
     l.joint[1].along = lw_v2_polar(1, 0.3);
-    curve *v = follow(&l, 0);
+    OWNED(curve) *v = follow(&l, 0);
     CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_FAR);
     double start = lw_motion_curve_start(v->b);
     CHECK(start > 1 && start < lw_motion_curve_segments(v->b) - 1);
@@ -430,7 +417,6 @@ TEST(curves_without_end)
     CHECK(lw_motion_curve_input(v->b, q) < 5 - 20);
     lw_motion_curve_posture(v->b, lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), -7.25), q, NULL);
     CHECK_NEAR(lw_motion_curve_input(v->b, q), -7.25, 1e-14, 0);
-    curve_free(v);
 }
 
 /* An elliptic trammel whose point is a hundred times as far from its pins as these from each other: its sliders go as far, and its curve is closed. */
@@ -445,9 +431,8 @@ TEST(small_links_with_a_long_arm_are_followed_all_round)
     add_slide(&l, 0, 3, c, 0.05);
     add_input(&l, 0, 0);
     add_tracer(&l, 2, lw_v2(1, 0));
-    curve *v = follow(&l, 0);
+    OWNED(curve) *v = follow(&l, 0);
     CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
-    curve_free(v);
 }
 
 TEST(refuses_with_reasons)

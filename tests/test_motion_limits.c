@@ -90,12 +90,11 @@ TEST(a_function_is_judged_by_its_output)
         CHECK_INT(lw_problem_make(&t, &s, m.family, m.mode, 1, &p, NULL), LW_OK);
         variables_of(&p, &m, x);
         x[0] = m.dim[0];
-        void *work = new_work(&p);
+        FREED void *work = new_work(&p);
         lw_problem_constraints(&p, x, g, NULL, work);
         for (size_t i = (size_t)p.n_linear; i < lw_problem_constraint_count(&p); i++)
             least = fmin(least, g[i]);
         CHECK_NEAR(least, 1 - pow(peak/s.max_acceleration, 2), 1e-3, 0);
-        free(work);
     }
 }
 

@@ -203,7 +203,7 @@ TEST(fractionated)
 {
     static const struct { int n_link, dof; } known[] = { { 7, 2 }, { 8, 1 }, { 8, 3 } };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
-        brute *b = calloc(1, sizeof *b);
+        FREED brute *b = calloc(1, sizeof *b);
         int n = 0, none[LW_LINK_MAX] = { 0 };
         b->n_link = b->m.n_link = known[i].n_link;
         for (int size = b->n_link; size >= 2; size--)       /* large pins first, as in lw_multiple */
@@ -214,7 +214,6 @@ TEST(fractionated)
         CHECK_INT(lw_multiple_fractionated_each(known[i].n_link, known[i].dof, 1, count_one, &n, NULL), LW_OK);
         CHECK_INT(n, b->n_form);
         CHECK((n > 0) == (known[i].dof == 3));              /* two four-bars on one pin, for example */
-        free(b);
     }
 }
 

@@ -5,6 +5,8 @@
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 
+OWNS(lw_newton)
+
 static double distance(lw_vec2 a, lw_vec2 b) { return lw_v2_norm(lw_v2_sub(a, b)); }
 
 /* A four-bar of a class with a crank, or without, not nearer to a change point than margin. */
@@ -39,7 +41,7 @@ TEST(crank_turns_in_both_modes)
         double way = trial % 4 < 2 ? 1.0 : -1.0;
         lw_linkage l;
         fourbar_linkage(&l, k, mode, start);
-        lw_newton *s = make(&l);
+        OWNED(lw_newton) *s = make(&l);
         for (int i = 1; i <= 24; i++) {
             double angle = start + way*0.31*i, reached;         /* a turn and a bit */
             CHECK_INT(lw_newton_move(s, angle + k[8], &reached), LW_OK);
@@ -51,7 +53,6 @@ TEST(crank_turns_in_both_modes)
             CHECK(lw_newton_residual(s) <= 4e-15);
         }
         CHECK_INT(lw_newton_crossings(s), 0);
-        lw_newton_free(s);
     }
 }
 
@@ -68,7 +69,7 @@ TEST(rocker_stops_at_its_limits)
         double start = first + (last - first)*lw_rng_range(&rng, 0.05, 0.95);
         lw_linkage l;
         fourbar_linkage(&l, k, mode, start);
-        lw_newton *s = make(&l);
+        OWNED(lw_newton) *s = make(&l);
         CHECK_INT(lw_newton_move(s, last + k[8] + 0.3, &reached), LW_OPEN);
         CHECK_NEAR(reached, last + k[8], 1e-12, 0);
         CHECK_NEAR(distance(lw_newton_joint(s, 1), fourbar_at(k, mode, last).a), 0.0, 1e-12, 0);
@@ -83,7 +84,6 @@ TEST(rocker_stops_at_its_limits)
         CHECK_INT(lw_newton_move(s, last + k[8] - 1e-9, &reached), LW_OK);   /* just short of it */
         CHECK_INT(lw_newton_move(s, last + k[8] + 1e-9, &reached), LW_OPEN);
         CHECK_NEAR(reached, last + k[8], 1e-12, 0);
-        lw_newton_free(s);
     }
 }
 
@@ -93,13 +93,12 @@ TEST(a_hundred_turns)
     double k[9] = { 4, 1, 3.5, 2.5, 1, 2, 0, 0, 0 };
     lw_linkage l;
     fourbar_linkage(&l, k, 1.0, 0.5);
-    lw_newton *s = make(&l);
+    OWNED(lw_newton) *s = make(&l);
     double reached;
     CHECK_INT(lw_newton_move(s, 0.5 + 200.0*LW_PI, &reached), LW_OK);
     CHECK_NEAR(lw_newton_angle(s, 1), 200.0*LW_PI, 0, 4e-16);
     CHECK_NEAR(distance(lw_newton_tracer(s, 0), fourbar_at(k, 1.0, 0.5).p), 0.0, 1e-12, 0);
     CHECK(lw_newton_residual(s) <= 5e-15);
-    lw_newton_free(s);
 }
 
 /* Slider-crank by its crank, and by its slider, whose way ends where crank and rod are in line. */
@@ -123,7 +122,7 @@ TEST(slider_crank)
             add_slide(&l, 0, 3, b, tilt + way);
             add_input(&l, driven ? 3 : 0, driven ? 0.0 : t0 + tilt);
             add_tracer(&l, 3, b);
-            lw_newton *s = make(&l);
+            OWNED(lw_newton) *s = make(&l);
             double reached;
             if (!driven)
                 for (double t = 0.0; t < 7.0; t += 0.5) {
@@ -141,7 +140,6 @@ TEST(slider_crank)
                 CHECK_INT(lw_newton_move(s, -sign*10.0, &reached), LW_OPEN);
                 CHECK_NEAR(reached, sign*in, 1e-12, 0);
             }
-            lw_newton_free(s);
         }
     }
 }
@@ -161,7 +159,7 @@ TEST(six_bars_keep_their_links)
     for (int trial = 0; trial < 120; trial++) {
         const int (*p)[2] = pair[trial % 4];
         lw_linkage l;
-        lw_newton *s;
+        OWNED(lw_newton) *s = NULL;
         blank_linkage(&l, 6);
         for (int j = 0; j < 7; j++)
             add_pin(&l, p[j][0], p[j][1], lw_v2(lw_rng_range(&rng, -1, 1), lw_rng_range(&rng, -1, 1)));
@@ -186,7 +184,6 @@ TEST(six_bars_keep_their_links)
             }
         CHECK_INT(lw_newton_move(s, 0.0, &reached), LW_OK);
         CHECK_NEAR(distance(lw_newton_tracer(s, 4), before), 0.0, 1e-7, 0);   /* dead points may be near */
-        lw_newton_free(s);
     }
     CHECK(n_moved > 20 && n_ended > 20);
 }
@@ -228,10 +225,9 @@ TEST(input_between_moving_links)
     fourbar_linkage(&l, k, 1.0, 1.0);
     l.n_input = 0;
     add_input(&l, 1, 0.0);
-    lw_newton *s = make(&l);
+    OWNED(lw_newton) *s = make(&l);
     CHECK_INT(lw_newton_move(s, -0.2, NULL), LW_OK);
     CHECK_NEAR(lw_newton_angle(s, 2) - lw_newton_angle(s, 1), -0.2, 1e-15, 0);
-    lw_newton_free(s);
 }
 
 /* A pin in a slot: Geneva-like crank, tan of the slot's turn = r sin t/(d + r cos t). */
@@ -246,13 +242,12 @@ TEST(pin_in_slot)
     add_pin(&l, 0, 2, pivot);
     add_joint(&l, LW_JOINT_SLOT, 2, 1, pin, turn);
     add_input(&l, crank, t);
-    lw_newton *s = make(&l);
+    OWNED(lw_newton) *s = make(&l);
     for (int i = 1; i <= 20; i++) {
         double now = t + 0.4*i;
         CHECK_INT(lw_newton_move(s, now, NULL), LW_OK);
         CHECK_NEAR(lw_newton_angle(s, 2), atan2(r*sin(now), d + r*cos(now)) - turn, 1e-14, 0);
     }
-    lw_newton_free(s);
 }
 
 /* Cardan's gears: a point of the rim of the planet in a ring twice its size keeps to a line, for fifty turns. */
@@ -263,7 +258,7 @@ TEST(cardan_gears_draw_a_line)
     add_joints(&l, JOINTS(PIN(0, 1, 5.0, 3.0), PIN(1, 2, 6.0, 3.0), GEAR(0, 2, 7.0, 3.0, 2.0)));
     add_input(&l, 0, 0.0);
     add_tracer(&l, 2, lw_v2(7.0, 3.0));
-    lw_newton *s = make(&l);
+    OWNED(lw_newton) *s = make(&l);
     for (int i = 1; i <= 200; i++) {
         double turn = 0.5*LW_PI*i + 0.1, reached;
         CHECK_INT(lw_newton_move(s, turn, &reached), LW_OK);
@@ -272,7 +267,6 @@ TEST(cardan_gears_draw_a_line)
         CHECK_NEAR(lw_newton_angle(s, 2), -turn, 1e-15, 1e-15);
         CHECK(lw_newton_residual(s) <= 1e-14);
     }
-    lw_newton_free(s);
 }
 
 /* Three wheels on the ground and a rack on the last, with ratios that are no round numbers. */
@@ -288,7 +282,7 @@ TEST(a_gear_train_turns_by_its_ratios)
         add_gear(&l, i + 1, i + 2, lw_v2(2.0*i + 1.0, 0.0), r[i]);
     add_input(&l, 0, 0.0);
     add_tracer(&l, 4, lw_v2(3.0, 3.0));
-    lw_newton *s = make(&l);
+    OWNED(lw_newton) *s = make(&l);
     for (int i = 1; i <= 40; i++) {
         double turn = -0.9*i, reached;
         CHECK_INT(lw_newton_move(s, turn, &reached), LW_OK);
@@ -297,7 +291,6 @@ TEST(a_gear_train_turns_by_its_ratios)
         lw_vec2 way = lw_v2_sub(lw_newton_tracer(s, 0), lw_v2(3.0, 3.0));
         CHECK_NEAR(distance(way, lw_v2_polar(r[0]*r[1]*r[2]*turn, 0.4)), 0.0, 1e-14*i, 0);
     }
-    lw_newton_free(s);
 }
 
 TEST(refuses_with_reasons)

@@ -260,7 +260,7 @@ TEST(frames_move_the_links)
     lw_diagram_options o = { .width = 400, .height = 300, .zoom = 1, .whole_motion = true };
     OWN(lw_drawing) d = { 0 };
     CHECK_OK(lw_diagram_draw(&s, &o, &d, &check_error));
-    uint32_t *pixel = malloc(400*300*sizeof *pixel);
+    FREED uint32_t *pixel = malloc(400*300*sizeof *pixel);
     for (size_t f = 0; f < s.n_frame; f += 17) {
         CHECK_OK(lw_picture_pixels(&d, &s, f, pixel, &check_error));
         for (int i = 1; i < 3; i++) {
@@ -275,7 +275,6 @@ TEST(frames_move_the_links)
             }
         }
     }
-    free(pixel);
 }
 
 TEST(same_input_same_bytes)

@@ -328,7 +328,7 @@ TEST(derivatives_are_differences)
             c[k] = p.plan.input_is_slider ? t : cos(t);
             s[k] = p.plan.input_is_slider ? 0 : sin(t);
         }
-        void *work = aligned_alloc(64, (lw_batch_work_size(&p.plan) + 63)/64*64 + 64);
+        FREED void *work = aligned_alloc(64, (lw_batch_work_size(&p.plan) + 63)/64*64 + 64);
         lw_lanes in = { .n = N, .c = c, .s = s, .dim = p.dim, .mode = p.mode };
         lw_jacobian out = { row[0], row[1], row[2], row[3], row[4], jx, jy, jt, row[5], row[6], row[7], N, NULL, NULL };
         lw_batch_jacobian(&p.plan, &in, 0, work, &out);
@@ -364,7 +364,6 @@ TEST(derivatives_are_differences)
                 CHECK_NEAR(jt[d*N + k], turn/(2*step), 1e-6, 1e-6);
             }
         }
-        free(work);
     }
     CHECK(compared > 3*CASES*N/4);
 }
@@ -377,7 +376,7 @@ TEST(each_lane_its_own_dimensions)
         double c[N], s[N], x[N], y[N], x0[N], y0[N], margin[N], dim[LW_DIM_MAX*N];
         if (!plan_case(i, &p))
             continue;
-        void *work = aligned_alloc(64, (lw_batch_work_size(&p.plan) + 63)/64*64 + 64);
+        FREED void *work = aligned_alloc(64, (lw_batch_work_size(&p.plan) + 63)/64*64 + 64);
         for (int k = 0; k < N; k++) {
             double t = p.input + 0.01*k;
             c[k] = p.plan.input_is_slider ? t : cos(t);
@@ -397,7 +396,6 @@ TEST(each_lane_its_own_dimensions)
             CHECK_NEAR(x[k], x0[k], 1e-10, 0);
             CHECK_NEAR(y[k], y0[k], 1e-10, 0);
         }
-        free(work);
     }
 }
 

@@ -97,11 +97,10 @@ TEST(gradient_is_that_of_differences)
             for (int i = 0; i < p.n_var; i++)
                 if (p.lo[i] < p.hi[i])
                     x[i] += 0.02*lw_rng_normal(&rng);
-            void *work = new_work(&p);
+            FREED void *work = new_work(&p);
             double f = lw_problem_value(&p, x, grad, work);
             for (int i = 0; isfinite(f) && i < p.n_var; i++, all++)
                 smooth += check_derivative(&p, x, grad, i, f, work);
-            free(work);
         }
         CHECK(all > 100);
         CHECK(smooth > 0.8*all);
@@ -166,9 +165,8 @@ TEST(value_is_equation_17)
                                 st.input, weight, 0, &t, &check_error));
         CHECK_OK(lw_problem_make(&t, &spec, m.family, 1, 1, &p, &check_error));
         variables_of(&p, &m, x);
-        void *work = new_work(&p);
+        FREED void *work = new_work(&p);
         CHECK_NEAR(lw_problem_value(&p, x, NULL, work)*p.scale, want, 0, 1e-11);
-        free(work);
     }
 }
 
@@ -180,10 +178,9 @@ static double value_of(const stations *st, const member *m, lw_fit_spec spec, do
     target_of(st, &spec, &t);
     CHECK_INT(lw_problem_make(&t, &spec, m->family, m->mode, 1, &p, NULL), LW_OK);
     variables_of(&p, m, x);
-    void *work = new_work(&p);
+    FREED void *work = new_work(&p);
     double f = lw_problem_value(&p, x, NULL, work);
     *scale = p.scale;
-    free(work);
     return f;
 }
 

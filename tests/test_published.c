@@ -8,13 +8,12 @@
 static lw_published_table read_table(void)
 {
     lw_published_table t = { 0 };
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     lw_error e = { 0 };
     CHECK_INT(lw_file_read("catalogues/data/published-counts.csv", &text, &size, &e), LW_OK);
     CHECK_INT(lw_published_read(text, size, NULL, &t, &e), LW_OK);
     CHECK_TEXT(e.text, "");
-    free(text);
     return t;
 }
 

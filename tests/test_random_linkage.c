@@ -41,7 +41,7 @@ TEST(members_close_where_they_say)
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
     OWN(lw_problem) p = { 0 };
-    void *work = make_problem(&f, &k, LW_TIMING_FREE, false, &p);
+    FREED void *work = make_problem(&f, &k, LW_TIMING_FREE, false, &p);
     int turns = 0, rocks = 0, arrived = 0, drawn = 0;
     lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 300; trial++) {
@@ -58,7 +58,6 @@ TEST(members_close_where_they_say)
     }
     CHECK(drawn > 240 && turns > 90 && rocks > 60);
     CHECK(arrived >= drawn - drawn/50);      /* what opens between two of the 64 inputs looked at      */
-    free(work);
 }
 
 TEST(the_crank_turns_when_it_must)
@@ -66,7 +65,7 @@ TEST(the_crank_turns_when_it_must)
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
     OWN(lw_problem) p = { 0 };
-    void *work = make_problem(&f, &k, LW_TIMING_FREE, true, &p);
+    FREED void *work = make_problem(&f, &k, LW_TIMING_FREE, true, &p);
     lw_rng rng = check_rng(2);
     for (int trial = 0; trial < 100; trial++) {
         double u[LW_RANDOM_LINKAGE_DRAW_MAX], shape[LW_VAR_MAX];
@@ -74,7 +73,6 @@ TEST(the_crank_turns_when_it_must)
             u[i] = lw_rng_uniform(&rng);
         CHECK(lw_random_linkage_draw(&p, u, true, shape, work) && p.intended.turns);
     }
-    free(work);
 }
 
 TEST(the_posture_is_a_start)
@@ -84,11 +82,10 @@ TEST(the_posture_is_a_start)
     for (int timing = LW_TIMING_PRESCRIBED; timing <= LW_TIMING_NONE; timing++) {
         OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX];
-        void *work = make_problem(&f, &k, (lw_timing)timing, false, &p);
+        FREED void *work = make_problem(&f, &k, (lw_timing)timing, false, &p);
         CHECK(lw_random_linkage_posture(&p, x, work) && p.intended.turns);
         double f0 = lw_problem_value(&p, x, NULL, work);
         CHECK_NEAR(f0, 0, timing == LW_TIMING_NONE ? 0.2 : 1e-20, 0);    /* a polygon is no curve         */
-        free(work);
     }
 }
 
@@ -100,7 +97,7 @@ TEST(derivatives_are_those_of_f)
     for (int timing = LW_TIMING_PRESCRIBED; timing <= LW_TIMING_FREE; timing++) {
         OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX], grad[LW_VAR_MAX];
-        void *work = make_problem(&f, &k, (lw_timing)timing, false, &p);
+        FREED void *work = make_problem(&f, &k, (lw_timing)timing, false, &p);
         CHECK(lw_random_linkage_posture(&p, x, work));
         for (int v = 0; v < p.n_var; v++)
             x[v] += 0.01*lw_rng_normal(&rng);
@@ -114,6 +111,5 @@ TEST(derivatives_are_those_of_f)
             x[v] = at;
             CHECK_NEAR(grad[v], (up - down)/(2*h), 1e-6, 1e-5);
         }
-        free(work);
     }
 }

@@ -99,7 +99,7 @@ TEST(right_counts)
         static lw_chain seen[64];
         size_t size;
         int n = 0;
-        char *text = read_whole("one", known[i].file, &size);
+        FREED char *text = read_whole("one", known[i].file, &size);
         for (char *line = text ? strtok(text, "\n") : NULL; line && n < 64; line = strtok(NULL, "\n"), n++) {
             lw_chain c;
             CHECK_INT(lw_graph6_read(line, strlen(line), NULL, &c, NULL), LW_OK);
@@ -110,10 +110,9 @@ TEST(right_counts)
                 CHECK(memcmp(&seen[k], &seen[n], sizeof seen[n]) != 0);
         }
         CHECK_INT(n, known[i].n);
-        free(text);
     }
     size_t size;
-    char *counts = read_whole("one", "counts.csv", &size);
+    FREED char *counts = read_whole("one", "counts.csv", &size);
     CHECK_HAS(counts, "mechanisms,6,1,5,");
     CHECK_HAS(counts, "mechanisms,8,1,71,");
     CHECK_HAS(counts, "mechanisms,7,2,11,");
@@ -121,7 +120,6 @@ TEST(right_counts)
     CHECK_HAS(counts, "assur-groups,4,0,2,");
     CHECK_HAS(counts, "assur-groups,6,0,10,");
     CHECK_HAS(counts, "assur-groups,8,0,173,");
-    free(counts);
 }
 
 TEST(bad_sizes)

@@ -238,7 +238,7 @@ TEST(motion_is_that_of_brute_force)
 TEST(stray_is_that_of_a_dense_curve)
 {
     enum { LOOKS = 8000 };
-    lw_vec2 *curve = malloc(sizeof *curve*(LOOKS + 1));
+    FREED lw_vec2 *curve = malloc(sizeof *curve*(LOOKS + 1));
     lw_rng rng = check_rng(14);
     for (int trial = 0; trial < 20; trial++) {
         OWN(made) k = { 0 };
@@ -255,7 +255,6 @@ TEST(stray_is_that_of_a_dense_curve)
         /* 1600 looks miss a crest of the distance by up to 6e-3 of it, where the curve has a corner; 48 looks, by up to 0.05 */
         CHECK_NEAR(r.stray.to_target, dense.to_target, 1e-9, 7e-3);
     }
-    free(curve);
 }
 
 TEST(cognates_trace_the_curve)

@@ -67,9 +67,9 @@ static void *new_work(const lw_problem *p)
 static void check_result(const lw_problem *p, const lw_solver *s, const double *x,
                          const lw_solver_result *r, long max_evals)
 {
-    void *work = new_work(p);
+    FREED void *work = new_work(p);
     size_t m = lw_problem_constraint_count(p);
-    double *g = calloc(m + 1, sizeof *g);
+    FREED double *g = calloc(m + 1, sizeof *g);
     CHECK_NEAR(lw_problem_value(p, x, NULL, work), r->f, 1e-29, 1e-12);    /* (1e-15)^2 a station */
     lw_problem_constraints(p, x, g, NULL, work);
     for (size_t j = 0; j < m; j++)
@@ -77,8 +77,6 @@ static void check_result(const lw_problem *p, const lw_solver *s, const double *
     for (int i = 0; i < p->n_var; i++)
         CHECK(s->global || (x[i] >= p->lo[i] && x[i] <= p->hi[i]));
     CHECK(r->evals <= max_evals);
-    free(g);
-    free(work);
 }
 
 /* f after at most 10000 evaluations from 2 % beside the dimensions that give 0.  The first group gets
@@ -115,7 +113,7 @@ TEST(traces_what_a_four_bar_traced)
             perturb(&p, 0.02, i, x);
             lw_solver_options o = lw_solver_options_default();
             lw_solver_result r;
-            void *work = new_work(&p);
+            FREED void *work = new_work(&p);
             double before = lw_problem_value(&p, x, NULL, work);
             lw_status status = s->run(s, &p, &o, x, &r);
             CHECK(status == LW_OK || status == LW_STOPPED);
@@ -123,21 +121,19 @@ TEST(traces_what_a_four_bar_traced)
                 fprintf(stderr, "%s: f = %g\n", s->name, r.f);
             CHECK(r.f < want && r.f <= before);
             check_result(&p, s, x, &r, o.max_evals);
-            free(work);
         }
 }
 
 /* First-order conditions at an optimum on the upper bound of r2. */
 static void check_optimum_on_bound(const lw_problem *p, const double *x)
 {
-    void *work = new_work(p);
+    FREED void *work = new_work(p);
     double g[LW_VAR_MAX], f = lw_problem_value(p, x, g, work);
     for (int i = 0; i < p->n_var; i++)
         if (x[i] < p->hi[i] && x[i] > p->lo[i])
             CHECK_NEAR(g[i], 0, 1e-4*sqrt(f), 0);     /* half of the digits of f */
     int r2 = lw_problem_index(p, "r2");
     CHECK(x[r2] == p->hi[r2] && g[r2] < 0);
-    free(work);
 }
 
 static const char *const exact[] = { "lm", "lm-gsl", "slsqp", "lbfgs", "tnewton" };

@@ -63,7 +63,7 @@ static axis pin(frame f, const char *from, int i, const char *to, int k)
 /* The model with joints J0 .. and masses; J0 is the input. */
 static void make_model(int n, const axis *a, bool runs, lw_spatial *m)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
     fputs("{'linkwright': 1, 'gravity': [0, 0, -9.81], 'links': ['ground'", f);
@@ -82,7 +82,6 @@ static void make_model(int n, const axis *a, bool runs, lw_spatial *m)
     fputs("]}", f);
     fclose(f);
     read_spatial(text, "linkage", m);
-    free(text);
 }
 
 static lw_status see_place(void *context, double u, const double *input, const lw_space_tracer *t)

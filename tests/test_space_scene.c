@@ -272,14 +272,13 @@ TEST(files)
         CHECK(out.size > 500 && memcmp(out.data, file[i].begin, strlen(file[i].begin)) == 0);
         if (file[i].kind == LW_DRAW_HTML && out.data) {
             const char *from = strstr(out.data, "id=\"data\">"), *to = from ? strstr(from, "</script>") : NULL;
-            json_t *data = to ? json_loadb(from + 10, (size_t)(to - from) - 10, 0, NULL) : NULL;
+            json_auto_t *data = to ? json_loadb(from + 10, (size_t)(to - from) - 10, 0, NULL) : NULL;
             CHECK(data != NULL);
             CHECK_INT(json_array_size(json_object_get(data, "frames")), s.n_frame);
             CHECK_INT(json_array_size(json_array_get(json_object_get(data, "frames"), 0)), 7*s.n_link);
             CHECK_INT(json_array_size(json_object_get(data, "shapes")), s.n_shape);
             CHECK_NEAR(json_number_value(json_object_get(data, "radius"))*m.units.metre, s.radius, 0, 1e-5);
             CHECK_TEXT(json_string_value(json_object_get(data, "unit")), m.units.length[0] ? m.units.length : "m");
-            json_decref(data);
         }
     }
 }

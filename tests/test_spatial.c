@@ -244,7 +244,7 @@ static void read_space_row(int n, bool pins, lw_spatial *m)
 {
     const char *b = pins ? "'revolute', 'axis': [0, 1, 0]" : "'spherical'";
     const char *c = pins ? b : "'universal', 'axis': [0, 0, 1], 'second_axis': [0, 1, 0]";
-    char *at = NULL;
+    FREED char *at = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&at, &size);
     fprintf(f, "{'linkwright': 1, 'joints': [");
@@ -258,7 +258,6 @@ static void read_space_row(int n, bool pins, lw_spatial *m)
     fprintf(f, "], 'input': {'joint': 'A0'}}");
     fclose(f);
     read_spatial(at, "row", m);
-    free(at);
 }
 
 /* A row of loops moves with one freedom, however long: 4 loops by full matrices, more rows than LW_SPACE_MANY_ROWS by sparse ones (in seconds

@@ -10,6 +10,8 @@
 #include "tests/planar_models.h"
 #include "tests/spatial_models.h"
 
+OWNS(lw_dynamics)
+
 typedef struct sample { double t, input, input_rate, drive[8], energy, work, q[64], v[64]; lw_vec3 tracer, linear,
                         angular; lw_spatial_reaction joint[16]; double coupling[4]; } sample;
 
@@ -469,7 +471,7 @@ TEST(a_pendulum_in_its_plane)
         char text[800];
         OWN(lw_spatial) m = { 0 };
         OWN(lw_model) p = { 0 };
-        lw_dynamics *d;
+        OWNED(lw_dynamics) *d = NULL;
         lw_dynamics_report report;
         lw_error e = { 0 };
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.4, 0.1, 0.2], 'inertia': [0.03, 0.04, 0.05]}], 'joints': "
@@ -490,7 +492,6 @@ TEST(a_pendulum_in_its_plane)
         CHECK_INT(planar_n, 11);
         for (int i = 0; i < k.n && i < planar_n; i++)
             CHECK_NEAR(remainder(planar_angle[i] - planar_angle[0] - atan2(-k.at[i].tracer.z, k.at[i].tracer.x), 2*LW_PI), 0, 1e-9, 0);
-        lw_dynamics_free(d);
     }
 }
 
@@ -1282,7 +1283,7 @@ TEST(a_pendulum_bounces)
         "'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0], 'stop': {'least': -0.5, 'restitution': 0.4}}]}";
     OWN(lw_spatial) m = { 0 };
     OWN(lw_model) p = { 0 };
-    lw_dynamics *d;
+    OWNED(lw_dynamics) *d = NULL;
     lw_dynamics_report report;
     read_spatial(space, "space", &m);
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 2, 100, 1e-12);
@@ -1300,7 +1301,6 @@ TEST(a_pendulum_bounces)
         double turn = 2*atan2(k.at[i].q[6], k.at[i].q[3]);
         CHECK_NEAR(remainder(turn - planar_bounce[i], 2*LW_PI), 0, 1e-8, 0);
     }
-    lw_dynamics_free(d);
 }
 
 /* A slider meets a compliant stop: its damper pushes but does not pull, so the slider leaves while the spring is still pressed
@@ -1642,7 +1642,7 @@ TEST(loops_that_do_not_close)
     OWN(lw_spatial) m = { 0 };
     lw_error e = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
-    lw_dynamics *d;
+    OWNED(lw_dynamics) *d = NULL;
     lw_dynamics_report r;
     o.intervals = 4;
     load_spatial("delta", &m);
@@ -1653,5 +1653,4 @@ TEST(loops_that_do_not_close)
     CHECK_INT(lw_dynamics_run(d, NULL, NULL, &r, &e), LW_E_NUMERIC);
     CHECK_HAS(e.text, "z of tool = -1.08972474 m");       /* the lowest place, sqrt(1.1^2 - 0.15^2) = 1.089724736 */
     CHECK_HAS(e.text, "m open");
-    lw_dynamics_free(d);
 }

@@ -41,10 +41,9 @@ TEST(the_true_topology_gives_the_curve_back)
     CHECK_INT(lw_staged_search_run(&t, &o, stage, 2, &s, &e), LW_OK);
     CHECK(best_of(&s, 6) < 1e-20);
     CHECK(best_of(&s, 4) > 1e-4);
-    lw_fit_report *r = malloc(sizeof *r);
+    FREED lw_fit_report *r = malloc(sizeof *r);
     CHECK_INT(lw_fit_report_make(&t, &o.spec, &s.fit.candidate[0], r, &e), LW_OK);
     CHECK(r->verified && r->error_max < 1e-9);
-    free(r);
 }
 
 TEST(more_links_are_never_worse)
@@ -63,10 +62,9 @@ TEST(more_links_are_never_worse)
     CHECK(best_of(&s, 8) <= best_of(&s, 6)*(1 + 1e-9) + 1e-26);
     CHECK(s.stage[2].n_grown > 4);
     for (int i = 0; i < s.fit.n; i++) {
-        lw_fit_report *r = malloc(sizeof *r);
+        FREED lw_fit_report *r = malloc(sizeof *r);
         CHECK_INT(lw_fit_report_make(&t, &o.spec, &s.fit.candidate[i], r, NULL), LW_OK);
         CHECK_NEAR(r->objective, s.fit.candidate[i].objective, 1e-12, 1e-6);
-        free(r);
     }
 }
 
@@ -189,26 +187,24 @@ TEST(small_linkages_are_kept)
     for (int i = 0; i < s.fit.n; i++)
         small += s.fit.candidate[i].part == LW_FIT_COMPACT;
     CHECK(2*small > lw_fit_kept(&o));                   /* less the same linkages found again */
-    lw_fit_report *r = malloc(sizeof *r);
+    FREED lw_fit_report *r = malloc(sizeof *r);
     double least = INFINITY;                            /* and those of middle size are fitted: a straight line has many exact large ones */
     for (int i = 0; i < s.fit.n && r; i++)
         if (s.fit.candidate[i].beyond == 0 && lw_fit_report_make(&t, &o.spec, &s.fit.candidate[i], r, NULL) == LW_OK && r->turns
             && r->size < 2.5 && r->transmission_min > 30*LW_PI/180)
             least = fmin(least, r->error_max);
     CHECK(least < 1e-4);
-    free(r);
 }
 
 /* Least objective of the results that turn, of at most this size and with a transmission angle of 40 degrees. */
 static double least_within(const lw_target *t, const lw_fit_spec *spec, const lw_staged_search *s, double size)
 {
     double least = INFINITY;
-    lw_fit_report *r = malloc(sizeof *r);
+    FREED lw_fit_report *r = malloc(sizeof *r);
     for (int i = 0; i < s->fit.n && r; i++)
         if (s->fit.candidate[i].beyond == 0 && lw_fit_report_make(t, spec, &s->fit.candidate[i], r, NULL) == LW_OK && r->turns
             && r->verified && r->size <= 1.001*size*t->extent && r->transmission_min >= 40*LW_PI/180 - 1e-4)
             least = fmin(least, s->fit.candidate[i].objective);
-    free(r);
     return least;
 }
 
@@ -323,7 +319,7 @@ static int stages_of_a_line(bool level, double unless, double *near, double *cou
     lw_search_stage stage[] = { { .links = 4, .families = lw_families_of(&bars, 1) },
                                 { .links = 6, .families = lw_families_of(&six, 1), .unless = unless, .budget = 10 } };
     lw_fit_options o = lw_fit_options_default();
-    lw_fit_report *r = malloc(sizeof *r);
+    FREED lw_fit_report *r = malloc(sizeof *r);
     OWN(lw_staged_search) s = { 0 };
     OWN(lw_target) t = { 0 };
     for (int i = 0; i < 9; i++)
@@ -350,7 +346,6 @@ static int stages_of_a_line(bool level, double unless, double *near, double *cou
     *counts_as = rows.n > 0 ? rows.report[0].counts_as : INFINITY;
     lw_fit_results_free(&rows);
     int n = s.n_stage;
-    free(r);
     return n;
 }
 

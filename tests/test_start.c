@@ -51,11 +51,10 @@ TEST(the_right_shape_gives_the_right_linkage)
         lw_task task = trial % 2 ? LW_TASK_MOTION : LW_TASK_PATH;
         make_case(families[trial % N_FAMILY], LW_TIMING_PRESCRIBED, task, &rng, u, &p);
         CHECK_INT(lw_start_draws(&p), p.family->n_draw + 1);
-        void *work = new_work(&p);
+        FREED void *work = new_work(&p);
         double f = lw_start(&p, u, x, work);
         CHECK(f < 1e-18);                                /* the diagonal has 1e-12 added            */
         CHECK_NEAR(lw_problem_value(&p, x, NULL, work), f, 1e-28, 1e-6);
-        free(work);
     }
 }
 
@@ -70,7 +69,7 @@ TEST(no_other_place_size_or_tracer_is_better)
         make_case(families[trial % N_FAMILY], LW_TIMING_PRESCRIBED, LW_TASK_PATH, &rng, u, &p);
         for (int i = 0; i < p.family->n_draw; i++)
             u[i] = lw_rng_uniform(&rng);
-        void *work = new_work(&p);
+        FREED void *work = new_work(&p);
         double f = lw_start(&p, u, x, work);
         CHECK_NEAR(lw_problem_value(&p, x, grad, work), f, 0, 1e-9);
         for (int i = 0; i < p.n_dim; i++) {
@@ -83,7 +82,6 @@ TEST(no_other_place_size_or_tracer_is_better)
                 by_size += grad[i]*x[i];
         }
         CHECK_NEAR(by_size, 0, 1e-4, 0);
-        free(work);
     }
 }
 
@@ -111,7 +109,7 @@ TEST(starts_are_what_they_say)
                 continue;
             int d = lw_start_draws(&p);
             CHECK(d <= LW_START_DRAWS && lw_low_discrepancy(&rng, DRAWS, d, u));
-            void *work = new_work(&p);
+            FREED void *work = new_work(&p);
             for (int i = 0; i < DRAWS; i++) {
                 double rest = timing[k] == LW_TIMING_PRESCRIBED ? 0 : lw_start_estimate(&p, u + i*d, work);
                 double start = lw_start(&p, u + i*d, x, work);
@@ -129,7 +127,6 @@ TEST(starts_are_what_they_say)
             if (good < 1)
                 fprintf(stderr, "%s: %d starts of %d\n", f->name, good, DRAWS);
             CHECK(good >= 1);
-            free(work);
         }
 }
 
@@ -145,11 +142,10 @@ TEST(full_starts_mostly_improve_on_the_glance)
         make_case(families[trial % N_FAMILY], LW_TIMING_FREE, LW_TASK_PATH, &rng, u, &p);
         for (int i = 0; i < lw_start_draws(&p); i++)
             u[i] = lw_rng_uniform(&rng);
-        void *work = new_work(&p);
+        FREED void *work = new_work(&p);
         double rest = lw_start_estimate(&p, u, work), f = lw_start(&p, u, x, work);
         all += isfinite(rest) && isfinite(f);
         better += isfinite(f) && f <= rest;
-        free(work);
     }
     CHECK(all > 200 && better > 0.8*all);
 }

@@ -7,6 +7,8 @@
 #include "tests/check.h"
 #include "tests/structure_check.h"
 
+OWNS(lw_structures)
+
 /* Biconnected loopless multigraphs with minimum degree 3, by loops and circles (2, 3, ...); published-counts.csv,
  * recomputed there with geng and multig.  Totals for 2 .. 8 loops: 1, 4, 17, 118, 1198, 17133, 311757. */
 static const size_t by_circles[][9] = { [2] = { 1 }, [3] = { 1, 1, 2 }, [4] = { 1, 2, 5, 4, 5 },
@@ -61,7 +63,7 @@ TEST(stops_when_asked)
 /* Every structure passes its check, has its derivation, and stands after those with fewer circles. */
 TEST(each_is_sound_and_replays)
 {
-    lw_structures *set = NULL;
+    OWNED(lw_structures) *set = NULL;
     CHECK_INT(lw_structures_create(6, 1, &set), LW_OK);
     for (int l = 2; l <= 6; l++) {
         int circles = 0;
@@ -79,7 +81,6 @@ TEST(each_is_sound_and_replays)
             circles = s.n_circle;
         }
     }
-    lw_structures_free(set);
 }
 
 TEST(order_does_not_depend_on_threads)
@@ -131,7 +132,7 @@ static void all_multigraphs(collection *c, lw_structure *s, int n_line, int a, i
 
 TEST(agrees_with_all_multigraphs)
 {
-    lw_structures *set = NULL;
+    OWNED(lw_structures) *set = NULL;
     CHECK_INT(lw_structures_create(5, 1, &set), LW_OK);
     for (int l = 2; l <= 5; l++)
         for (int v = 2; v <= 2*(l - 1) && v <= (l == 5 ? 4 : 6); v++) {
@@ -152,7 +153,6 @@ TEST(agrees_with_all_multigraphs)
                 CHECK_INT(brute.n, n);
             }
         }
-    lw_structures_free(set);
 }
 
 /* ---- single rules -------------------------------------------------------------------------------- */
@@ -176,7 +176,7 @@ static int possible_ears(const lw_structure *s, lw_ear *ear)
 TEST(ears_keep_structures_sound)
 {
     static lw_ear ear[4096];
-    lw_structures *set = NULL;
+    OWNED(lw_structures) *set = NULL;
     CHECK_INT(lw_structures_create(4, 1, &set), LW_OK);
     for (int l = 2; l <= 4; l++)
         for (size_t k = 0; k < lw_structures_count(set, l); k++) {
@@ -190,7 +190,6 @@ TEST(ears_keep_structures_sound)
                 CHECK_INT(lw_structure_loops(&t), l + 1);
             }
         }
-    lw_structures_free(set);
 }
 
 /* The slow way: take the line out, melt circles left with two lines, check what remains. */
@@ -245,7 +244,7 @@ static bool removable_by_trial(const lw_structure *s, int line)
 
 TEST(removable_lines_are_those_that_leave_a_structure)
 {
-    lw_structures *set = NULL;
+    OWNED(lw_structures) *set = NULL;
     CHECK_INT(lw_structures_create(6, 1, &set), LW_OK);
     for (int l = 3; l <= 6; l++)
         for (size_t k = 0; k < lw_structures_count(set, l); k++) {
@@ -258,7 +257,6 @@ TEST(removable_lines_are_those_that_leave_a_structure)
             }
             CHECK(n > 0);                                     /* Whitney 1932 */
         }
-    lw_structures_free(set);
 }
 
 /* ---- completeness by generating functions -------------------------------------------------------------
@@ -388,7 +386,7 @@ TEST(counted_without_a_table)
 TEST(none_is_missing)
 {
     static series block[ORDER];
-    lw_structures *set = NULL;
+    OWNED(lw_structures) *set = NULL;
     CHECK_INT(lw_structures_create(7, 1, &set), LW_OK);
     count_blocks(block, 14);
     for (int loops = 2; loops <= 7; loops++) {
@@ -412,7 +410,6 @@ TEST(none_is_missing)
             CHECK(have[v] == want);
         }
     }
-    lw_structures_free(set);
 }
 
 /* Written and read, a set is the same; any byte of the file that changes is noticed. */

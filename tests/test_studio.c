@@ -210,7 +210,7 @@ TEST(linkages_of_any_size)
         { "analyse", "{\"frames\":8,\"linkage\":%s}", "\"ranges\":[]" },
     };
     for (size_t i = 0; i < sizeof about/sizeof *about; i++) {
-        char *text = malloc(1 << 16);
+        FREED char *text = malloc(1 << 16);
         snprintf(text, 1 << 16, about[i].format, row);
         CHECK_INT(question(about[i].name, text), 200);
         CHECK_HAS(reply, about[i].wanted);
@@ -224,7 +224,6 @@ TEST(linkages_of_any_size)
             CHECK_NEAR(hypot(v[1], v[2]), 0, 1e-9, 0);
             CHECK_NEAR(v[3], -1, 1e-9, 0);
         }
-        free(text);
     }
     free(body);
 }

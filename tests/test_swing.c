@@ -106,7 +106,7 @@ TEST(the_true_dimensions_have_no_error)
         if (!travel(&k, STATIONS, &way))
             continue;
         CHECK_INT(lw_target_make(STATIONS, way.x, way.y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
-        lw_work *w = begin(&f, &t, &p, x);
+        FREED lw_work *w = begin(&f, &t, &p, x);
         settled += lw_problem_value(&p, x, NULL, w) < 1e-20;
         CHECK_INT(lw_plan_read(&p.plan, &k, dim, mode, &input, NULL), LW_OK);
         if (!p.intended.through || !lw_circuit_find(&p, x, w) || w->swing.n != way.limits)
@@ -118,7 +118,6 @@ TEST(the_true_dimensions_have_no_error)
             seen[trial % N_NET]++;
             many += way.limits > 2;
         }
-        free(w);
     }
     for (int i = 0; i < N_NET; i++)
         CHECK(seen[i] > 10);
@@ -147,7 +146,7 @@ TEST(derivatives_hold_over_limits)
         if (!travel(&k, 15, &way))
             continue;
         CHECK_INT(lw_target_make(15, way.x, way.y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
-        void *work = begin(&f, &t, &p, x);
+        FREED void *work = begin(&f, &t, &p, x);
         for (int v = 0; v < p.n_var; v++)
             x[v] += 0.003*lw_rng_normal(&rng);
         double here = lw_problem_value(&p, x, grad, work);
@@ -172,7 +171,6 @@ TEST(derivatives_hold_over_limits)
             CHECK_NEAR(grad[v], slope[0], 1e-6, 1e-5);
             checked++;
         }
-        free(work);
     }
     CHECK(checked > 100 && rough < checked/5 && idle < 8);
 }
@@ -181,7 +179,7 @@ TEST(derivatives_hold_over_limits)
 TEST(a_search_finds_the_curve)
 {
     lw_rng rng;
-    lw_fit_report *r = malloc(sizeof *r);
+    FREED lw_fit_report *r = malloc(sizeof *r);
     lw_rng_seed(&rng, 20260101, 4);
     for (int which = 0; which < 2; which++) {
         lw_linkage k;
@@ -210,5 +208,4 @@ TEST(a_search_finds_the_curve)
             CHECK(r->verified);
         }
     }
-    free(r);
 }

@@ -6,11 +6,10 @@
 
 static lw_status read_with(const char *text, size_t size, const lw_target_options *o, lw_target *t, lw_error *e)
 {
-    char *copy = malloc(size + 1);                    /* exact size, no terminator: a step beyond it shows */
+    FREED char *copy = malloc(size + 1);                    /* exact size, no terminator: a step beyond it shows */
     memcpy(copy, text, size);
     memset(e, 0, sizeof *e);
     lw_status s = lw_target_read(copy, size, "p.csv", o, t, e);
-    free(copy);
     return s;
 }
 
@@ -32,14 +31,13 @@ static void check_reads(const char *text, size_t n)
 
 static lw_target from_file(const char *path)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     lw_target t = { .n = 0 };
     lw_error e = { .text = "" };
     CHECK_INT(lw_file_read(path, &text, &size, &e), LW_OK);
     CHECK_INT(lw_target_read(text, size, path, NULL, &t, &e), LW_OK);
     CHECK_TEXT(e.text, "");
-    free(text);
     return t;
 }
 
@@ -578,7 +576,7 @@ TEST(every_fault_has_its_place)
 TEST(as_many_rows_as_allowed)
 {
     size_t size = 0, n = LW_STATION_MAX + 1;
-    char *text = malloc(4 + 4*n + 1);
+    FREED char *text = malloc(4 + 4*n + 1);
     size += (size_t)sprintf(text, "x,y\n");
     for (size_t i = 0; i < n; i++)
         size += (size_t)sprintf(text + size, "%zu,1\n", i%10);
@@ -590,7 +588,6 @@ TEST(as_many_rows_as_allowed)
     CHECK_INT(read_with(text, size, NULL, &t, &e), LW_E_NOTATION);
     CHECK_HAS(e.text, "this is station 100001");
     CHECK_INT(e.line, 100002);
-    free(text);
 }
 
 /* ---- arrays ------------------------------------------------------------------------------------ */

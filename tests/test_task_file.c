@@ -5,9 +5,8 @@
 static lw_status read(const char *text, lw_task_file *b, lw_error *e)
 {
     *e = (lw_error){ .text = "" };
-    char *json = json_quotes(strdup(text));
+    FREED char *json = json_quotes(strdup(text));
     lw_status s = lw_task_file_read(json, strlen(json), "t.json", b, e);
-    free(json);
     return s;
 }
 

@@ -66,13 +66,12 @@ TEST(written_and_read_back)
         else
             crank_and_slide(&k);
         CHECK(lw_units_set_length(&k.units, length[i % 2]) && lw_units_set_angle(&k.units, "deg"));
-        char *text = lw_linkage_write(&k, 2);
+        FREED char *text = lw_linkage_write(&k, 2);
         CHECK(text && lw_linkage_read(text, strlen(text), "k", &back, &e) == LW_OK);
         CHECK_NEAR(back.input[1].ratio, k.input[1].ratio, 0, 4e-16);
         CHECK(lw_linkage_free_inputs(&back) == 1 && back.n_input == 2);
         if (i >= 2)
             CHECK_HAS(text, i == 3 ? "\"ratio\": 5000" : "\"ratio\": 5}");
-        free(text);
     }
 }
 
@@ -203,14 +202,13 @@ TEST(one_freedom_is_left)
 {
     lw_linkage k;
     const lw_mobility_options o = lw_mobility_options_default();
-    lw_mobility *m = malloc(sizeof *m);
+    FREED lw_mobility *m = malloc(sizeof *m);
     five_bar(&k, 2, false);
     CHECK_INT(lw_linkage_mobility(&k), 2);
     CHECK_INT(lw_mobility_find(&k, &o, m, NULL), LW_OK);
     CHECK_INT(m->freedom, 1);
     CHECK_INT(m->driven, 1);
     CHECK_INT(m->n_redundant, 0);
-    free(m);
 }
 
 /* ---- forces ----------------------------------------------------------------------------------------- */
@@ -463,7 +461,7 @@ static void derivatives(const lw_plan *plan, double *dim, const double *mode, do
         c[i] = cos(input + 0.001*i);
         s[i] = sin(input + 0.001*i);
     }
-    void *work = aligned_alloc(64, (lw_batch_work_size(plan) + 63)/64*64 + 64);
+    FREED void *work = aligned_alloc(64, (lw_batch_work_size(plan) + 63)/64*64 + 64);
     lw_lanes in = { .n = N, .c = c, .s = s, .dim = dim, .mode = mode };
     lw_jacobian out = { row[0], row[1], row[2], row[3], row[4], jx, jy, jt, row[5], row[6], row[7], N, NULL, NULL };
     lw_batch_jacobian(plan, &in, 0, work, &out);
@@ -480,7 +478,6 @@ static void derivatives(const lw_plan *plan, double *dim, const double *mode, do
         }
     }
     sum.derivatives++;
-    free(work);
 }
 
 /* About its posture, where it closes well enough. */

@@ -138,7 +138,7 @@ TEST(programme_finds_the_cheapest_sequence)
         OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX], cheapest = INFINITY, over_all = INFINITY, got = INFINITY;
         scatter(3, LW_TIMING_FREE, 0.6, trial % 2 ? 1 : -1, &rng, &p, x);
-        lw_work *w = new_work(&p);
+        FREED lw_work *w = new_work(&p);
         CHECK(lw_timing_assign(&p, x, w));
         check_costs(&p, w);
         const short *steps = w->order + p.n;
@@ -155,7 +155,6 @@ TEST(programme_finds_the_cheapest_sequence)
         }
         CHECK_NEAR(got, cheapest, 0, 1e-13);
         CHECK(over_all <= got*(1 + 1e-13));
-        free(w);
     }
 }
 
@@ -201,13 +200,12 @@ TEST(refined_stations_stand_at_their_feet)
         double x[LW_VAR_MAX];
         lw_timing timing = trial % 2 ? LW_TIMING_FREE : LW_TIMING_NONE;
         scatter(10, timing, trial % 3 ? 0.05 : 0.3, trial % 4 < 2 ? 1 : -1, &rng, &p, x);
-        lw_work *w = new_work(&p);
+        FREED lw_work *w = new_work(&p);
         CHECK(lw_timing_assign(&p, x, w) && lw_timing_refine(&p, x, w, 1000));      /* in a fit 60 steps are enough */
         check_blocks(&p, x, w);
         for (size_t i = 0; timing == LW_TIMING_FREE && i + 1 < p.n; i++)
             CHECK(p.intended.sense*(w->phase[i + 1] - w->phase[i]) >= 0);
         CHECK(timing == LW_TIMING_NONE || p.intended.sense*(w->phase[p.n - 1] - w->phase[0]) <= 2*LW_PI + 1e-9);
-        free(w);
     }
 }
 
@@ -261,14 +259,13 @@ TEST(inputs_are_eliminated_alone_and_in_blocks)
         OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX];
         scatter(10, LW_TIMING_FREE, 0.3, trial % 2 ? 1 : -1, &rng, &p, x);
-        lw_work *w = new_work(&p);
+        FREED lw_work *w = new_work(&p);
         CHECK(lw_timing_assign(&p, x, w) && lw_timing_refine(&p, x, w, 1000));
         CHECK(lw_problem_turn_stations(&p, x, w) && lw_problem_lanes(&p, x, w));
         lw_problem_rows(&p, x, w, true);
         blocks += w->n_block;
         for (int d = 0; d < p.n_var; d++)
             check_elimination(&p, x, w, d);
-        free(w);
     }
     CHECK(blocks > 10);
 }
@@ -283,7 +280,7 @@ TEST(nearest_points_are_the_nearest)
         OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX];
         scatter(10, LW_TIMING_NONE, 0.05, 1, &rng, &p, x);
-        lw_work *w = new_work(&p);
+        FREED lw_work *w = new_work(&p);
         CHECK(lw_problem_settle(&p, x, w));
         for (size_t i = 0; i < p.n; i++) {
             double least = INFINITY;
@@ -293,7 +290,6 @@ TEST(nearest_points_are_the_nearest)
             for (int j = 0; j < M; j++)
                 CHECK(distance2(&p, x, i, w->phase[i]) <= distance2(&p, x, i, w->turn[j]) + 1e-12);
         }
-        free(w);
     }
     CHECK(elsewhere <= 6);                               /* of 300 */
 }
@@ -322,13 +318,12 @@ TEST(own_stations_go_home)
         target_of(&twice, &spec, &t);
         CHECK_OK(lw_problem_make(&t, &spec, m.family, 1, sense, &p, &check_error));
         variables_of(&p, &m, x);
-        lw_work *w = new_work(&p);
+        FREED lw_work *w = new_work(&p);
         CHECK(lw_problem_value(&p, x, NULL, w) < 1e-24);
         for (size_t i = 0; i < 16; i++) {
             double home = st.input[sense > 0 ? i/2 : 7 - i/2];
             CHECK_NEAR(remainder(w->phase[i] - home, 2*LW_PI), 0, 1e-9, 0);
         }
-        free(w);
     }
 }
 
@@ -341,7 +336,7 @@ TEST(feet_on_the_polygon_are_the_nearest)
         OWN(lw_problem) p = { 0 };
         double x[LW_VAR_MAX];
         scatter(7, LW_TIMING_NONE, 0.1, 1, &rng, &p, x);
-        lw_work *w = new_work(&p);
+        FREED lw_work *w = new_work(&p);
         CHECK(lw_problem_settle(&p, x, w));
         for (int j = 0; j < M; j++) {
             double sx = w->jac.x[p.n + (size_t)j], sy = w->jac.y[p.n + (size_t)j], least = INFINITY;
@@ -355,7 +350,6 @@ TEST(feet_on_the_polygon_are_the_nearest)
             CHECK_NEAR(hypot(sx - w->foot_x[j], sy - w->foot_y[j]), least, 1e-2, 0);
             CHECK(hypot(sx - w->foot_x[j], sy - w->foot_y[j]) <= least + 1e-14);
         }
-        free(w);
     }
 }
 
@@ -380,7 +374,7 @@ TEST(only_the_covered_piece_counts)
         target_of(&st, &spec, &t);
         CHECK_OK(lw_problem_make(&t, &spec, m.family, 1, 1, &p, &check_error));
         variables_of(&p, &m, x);
-        lw_work *w = new_work(&p);
+        FREED lw_work *w = new_work(&p);
         lw_problem_value(&p, x, NULL, w);
         bool home = true;                                /* none where the curve crosses or runs back on itself */
         for (size_t i = 0; i < 12; i++)
@@ -392,7 +386,6 @@ TEST(only_the_covered_piece_counts)
             bool counts = w->foot_x[j] != w->jac.x[p.n + (size_t)j] || w->foot_y[j] != w->jac.y[p.n + (size_t)j];
             CHECK_INT(counts, at <= span);
         }
-        free(w);
     }
     CHECK(n_home > 15);
 }

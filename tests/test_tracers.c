@@ -74,7 +74,7 @@ static lw_target target_rows(rows *r, bool timed)
 
 static void check_found(const machine *m, const lw_target *t, const lw_fit_options *o, const lw_fit *fit)
 {
-    lw_fit_report *r = malloc(sizeof *r);
+    FREED lw_fit_report *r = malloc(sizeof *r);
     const lw_candidate *c = &fit->candidate[0];
     CHECK_OK(lw_fit_report_make(t, &o->spec, c, r, &check_error));
     CHECK(r->verified);
@@ -93,7 +93,6 @@ static void check_found(const machine *m, const lw_target *t, const lw_fit_optio
     CHECK_NEAR(r->linkage.tracer[1].at.x, t->also[0].x[0], 1e-9, 0);
     CHECK_NEAR(remainder(r->linkage.tracer[2].angle - t->also[1].theta[0], 2*LW_PI), 0, 1e-9, 0);
     CHECK_INT(r->n_cognate, 0);
-    free(r);
 }
 
 TEST(known_linkages_are_found_again)
@@ -143,9 +142,8 @@ TEST(start_solves_for_every_tracer)
         s.length_lo = 0;
         CHECK_INT(lw_problem_make(&t, &s, f, m.mode, 1, &p, &e), LW_OK);
         CHECK_INT(lw_start_draws(&p), 4);
-        void *work = new_work(&p);
+        FREED void *work = new_work(&p);
         CHECK_NEAR(lw_start(&p, u, x, work), 0, 1e-18, 0);
-        free(work);
     }
 }
 
@@ -223,7 +221,7 @@ TEST(gradient_is_that_of_complex_steps)
         lw_problem_from_dims(&p, m.dim, x);
         for (int i = 0; i < p.n_var; i++)
             at[i] = x[i] += 0.01*lw_rng_normal(&rng);
-        void *work = new_work(&p);
+        FREED void *work = new_work(&p);
         double f = lw_problem_value(&p, x, grad, work);
         double side = fabs(creal(value_by_hand(&p, at, 1)) - f) < fabs(creal(value_by_hand(&p, at, -1)) - f) ? 1 : -1;
         CHECK_NEAR(creal(value_by_hand(&p, at, side)), f, 0, 1e-11);
@@ -234,7 +232,6 @@ TEST(gradient_is_that_of_complex_steps)
             bool idle = i == lw_problem_index(&p, "cx3") || i == lw_problem_index(&p, "cy3");
             CHECK_NEAR(grad[i], idle ? 0 : want, 1e-11*(1 + f), 1e-10);
         }
-        free(work);
     }
 }
 
@@ -279,7 +276,7 @@ TEST(gradient_of_a_six_bar_is_that_of_differences)
         lw_family f = { .name = "six-bar", .linkage = &k, .posture = true, .links = 6 };
         s.timing = trial % 2 ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
         CHECK_INT(lw_problem_make(&t, &s, &f, 1, 1, &p, &e), LW_OK);
-        void *work = new_work(&p);
+        FREED void *work = new_work(&p);
         CHECK(lw_random_linkage_posture(&p, x, work));
         for (int i = 0; i < p.n_var; i++)
             if (p.lo[i] < p.hi[i])
@@ -292,7 +289,6 @@ TEST(gradient_of_a_six_bar_is_that_of_differences)
             CHECK_NEAR(grad[i], b, 1e-6*scale, 0);
             smooth++;
         }
-        free(work);
     }
     CHECK(all > 300 && smooth > 0.8*all);
 }
@@ -344,7 +340,7 @@ TEST(choices_of_links_are_counted_by_hand)
         OWN(lw_point_links) spread = { 0 };
         s.carrier[0] = row[i].carrier;
         lw_families only = lw_families_of(&f, 1), all;
-        lw_family_made *made = malloc(sizeof *made);
+        FREED lw_family_made *made = malloc(sizeof *made);
         CHECK_INT(lw_point_links_make(&only, &t, &s, &spread, NULL), LW_OK);
         CHECK_INT(spread.n, row[i].n);
         all = lw_point_links_families(&spread);
@@ -364,7 +360,6 @@ TEST(choices_of_links_are_counted_by_hand)
         all = lw_point_links_families(&spread);
         CHECK_INT(all.make(all.of, 0, made), LW_OK);
         CHECK(made->linkage.tracer[1].link == 3 && made->linkage.tracer[1].at.x == 7);
-        free(made);
     }
 }
 
@@ -408,13 +403,12 @@ TEST(points_on_two_links_are_found_again)
     CHECK(lw_fit_run(&t, &o, &fit, &e) >= 0);
     CHECK(fit.n > 0);
     if (fit.n > 0) {
-        lw_fit_report *report = malloc(sizeof *report);
+        FREED lw_fit_report *report = malloc(sizeof *report);
         CHECK_NEAR(fit.candidate[0].objective, 0, 1e-18, 0);
         CHECK_INT(fit.candidate[0].family->linkage->tracer[0].link, 4);
         CHECK_INT(fit.candidate[0].family->linkage->tracer[1].link, 2);
         CHECK_INT(lw_fit_report_make(&t, &o.spec, &fit.candidate[0], report, &e), LW_OK);
         CHECK(report->verified && report->also[0].max < 1e-8 && report->error_max < 1e-8);
-        free(report);
     }
 }
 

@@ -51,7 +51,7 @@ static void check_active(const lw_fit_report *r, const char *limit, double dista
 TEST(pivots_in_a_box_and_on_a_line)
 {
     double inside = INFINITY;
-    lw_fit_report *r = malloc(sizeof *r);
+    FREED lw_fit_report *r = malloc(sizeof *r);
     lw_fit_spec s = cranks();
     s.n_zone = 1;
     s.zone[0] = (lw_zone){ .kind = LW_ZONE_PIVOTS_BOX, .at = { -2, -4 }, .to = { 5, -1 }, .reach = 0 };
@@ -68,12 +68,11 @@ TEST(pivots_in_a_box_and_on_a_line)
         for (int j = 0; j < r->linkage.n_joint; j++)
             if (is_fixed(&r->linkage, j))
                 CHECK_NEAR(r->linkage.joint[j].at.y, -1.5, 0.0101, 0);
-    free(r);
 }
 
 TEST(nothing_enters_a_circle)
 {
-    lw_fit_report *r = malloc(sizeof *r);
+    FREED lw_fit_report *r = malloc(sizeof *r);
     lw_fit_spec s = cranks();
     lw_newton *n;
     s.n_zone = 1;
@@ -90,7 +89,6 @@ TEST(nothing_enters_a_circle)
         CHECK(least > 0.5 - 0.02);                       /* looked at in 24 postures                   */
         lw_newton_free(n);
     }
-    free(r);
 }
 
 /* A zone much smaller than the way between two postures, in the middle of it: the conditions see it, and only then. */
@@ -163,7 +161,7 @@ TEST(nothing_meets_a_contradiction)
 
 TEST(lengths_of_one_order)
 {
-    lw_fit_report *r = malloc(sizeof *r);
+    FREED lw_fit_report *r = malloc(sizeof *r);
     lw_fit_spec s = cranks();
     s.length_ratio = 2.5;
     if (best(&s, r)) {
@@ -176,5 +174,4 @@ TEST(lengths_of_one_order)
         }
         CHECK(most <= 2.5*least*(1 + 1e-5));
     }
-    free(r);
 }
