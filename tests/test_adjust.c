@@ -126,9 +126,3 @@ TEST(rigid_stays_rigid)
         CHECK(d.report.adjusted == 0 && d.report.freedom == 0);
     }
 }
-
-int main(void)
-{
-    check_run();
-    return check_end();
-}

@@ -182,7 +182,7 @@ TEST(readme_shows_what_is_printed)
                 *rest_of_line = 0;
             if (!strstr(printed, line + 4))
                 fprintf(stderr, "README.md shows a line that is not printed: %s\n", line + 4);
-            CHECK(strstr(printed, line + 4) != NULL);
+            CHECK_HAS(printed, line + 4);
         }
     }
     CHECK(commands >= 7);

@@ -387,7 +387,7 @@ TEST(tables_of_functions_say_where_angles_begin)
     double got[6], deg = 3.14159265358979/180;
     const char *row = strstr(r.out, "\n  1  four-bar"), *from = row ? strstr(row, "r1=") : NULL;
     bool other_way = row && strchr(row, '<') && strchr(row, '<') < from;
-    CHECK(strstr(r.out, "input0 + angle (<: it turns the other way, input0 - angle)") != NULL);
+    CHECK_HAS(r.out, "input0 + angle (<: it turns the other way, input0 - angle)");
     CHECK(from && sscanf(from, "r1=%lf r2=%lf r3=%lf r4=%lf input0=%lf tool0=%lf", got, got + 1, got + 2, got + 3, got + 4, got + 5) == 6);
     for (int i = 0; from && i <= 12; i++) {
         double a = (got[4] + (other_way ? -1 : 1)*7.5*i)*deg, x = got[1]*cos(a) - got[0], y = got[1]*sin(a), far = hypot(x, y);

@@ -205,9 +205,3 @@ TEST(ends)
     CHECK(w.n_step + w.n_refused == 3);
     free(work);
 }
-
-int main(void)
-{
-    check_run();
-    return check_end();
-}

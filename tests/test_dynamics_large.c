@@ -1050,9 +1050,9 @@ TEST(names_among_many)
         for (int space = 0; space < 2; space++) {
             void *model = space ? (void *)&s : (void *)&m;
             CHECK(read_bars(space, list, 400, "b300", model, &e) < 0);
-            CHECK(strstr(e.text, list ? "b7" : "J7") != NULL);
+            CHECK_HAS(e.text, list ? "b7" : "J7");
             CHECK(read_bars(space, list, -1, "b30x", model, &e) < 0);
-            CHECK(strstr(e.text, "there is no link \"b30x\"; did you mean \"b30") != NULL);
+            CHECK_HAS(e.text, "there is no link \"b30x\"; did you mean \"b30");
         }
     }
 }

@@ -168,7 +168,7 @@ TEST(refusals)
                  "'input': {'joint': 'A'}, %s}", more[i]);
         drun_read_format(&d, text, 0, 0);
         CHECK_INT(drun_to(&d, LW_FORMULATION_QUADRATURE, 1e-9, 1, 1), LW_E_KIND);
-        CHECK(strstr(d.e.text, "time or speed") != NULL);
+        CHECK_HAS(d.e.text, "time or speed");
         CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-9, 1, 1), LW_OK);
         CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
     }

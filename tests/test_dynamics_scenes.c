@@ -156,10 +156,10 @@ TEST(starts)
     }
     drun_read_format(&d, two, 1, 2);
     CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 0.1, 1), LW_E_ARG);
-    CHECK(strstr(d.e.text, "they are off by 0.5 (of 2)") != NULL);       /* both would be 1.5 */
+    CHECK_HAS(d.e.text, "they are off by 0.5 (of 2)");       /* both would be 1.5 */
     drun_read_format(&d, dead, 3, 0);                                    /* no speed moves a slider beyond its dead point */
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.1, 1), LW_E_ARG);
-    CHECK(strstr(d.e.text, "at \"S\": they are off by ") != NULL);
+    CHECK_HAS(d.e.text, "at \"S\": they are off by ");
     drun_read_format(&d, dead, 0, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.1, 1), LW_OK);
     drun_read_format(&d, two, 1, 1);

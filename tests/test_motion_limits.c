@@ -120,7 +120,7 @@ TEST(every_condition_is_asked)
     static const char *const words[] = { "transmission", "acceleration", "forbidden" };
     for (int i = 0; i < 3; i++) {
         CHECK(!lw_motion_limits_meets(&bad[i], &s, &k, 1, why, sizeof why));
-        CHECK(strstr(why, words[i]) != NULL);
+        CHECK_HAS(why, words[i]);
     }
     s.zone[0].to.x = 2.9;
     CHECK(!lw_motion_limits_meets(&good, &s, &k, 1, why, sizeof why) && strstr(why, "pivot"));

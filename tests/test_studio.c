@@ -77,7 +77,7 @@ TEST(who_may_ask)
 {
     char text[512];
     CHECK(ask("GET", "/T/", "", "") == 200 && strstr(reply, "linkwright studio"));
-    CHECK(strstr(reply, "Content-Security-Policy: default-src 'none'; script-src 'self'"));
+    CHECK_HAS(reply, "Content-Security-Policy: default-src 'none'; script-src 'self'");
     CHECK(strstr(reply, "Referrer-Policy: no-referrer") && !strstr(reply, "Access-Control-Allow-Origin"));
     CHECK(ask("GET", "/T/main.js", "", "") == 200 && strstr(reply, "text/javascript"));
     CHECK(question("begin", "{}") == 200 && strstr(reply, "\"version\""));
@@ -236,7 +236,7 @@ TEST(search_ends)
         "\"results\":3,\"seed\":2}";
     int id = 0;
     CHECK(question("search", task) == 200);
-    CHECK(strstr(reply, "linkwright fit task.json --seed 2 --results 3"));
+    CHECK_HAS(reply, "linkwright fit task.json --seed 2 --results 3");
     const char *at = strstr(reply, "\"id\":");
     CHECK(at && sscanf(at, "\"id\":%d", &id) == 1);
     char text[64];
@@ -250,8 +250,8 @@ TEST(search_ends)
     do
         CHECK(question("news", text) == 200);
     while (strstr(reply, "\"running\""));
-    CHECK(strstr(reply, "\"results\":[{\"title\":"));
-    CHECK(strstr(reply, "\"verified\":true"));
+    CHECK_HAS(reply, "\"results\":[{\"title\":");
+    CHECK_HAS(reply, "\"verified\":true");
 }
 
 int main(void)
