@@ -1,4 +1,4 @@
-/* mbs/equations/limits_internal.h - a caller's wish to end a run, and its limit of time; internal to mbs/. */
+/* mbs/equations/limits_internal.h - how a caller ends a run, and the limit of its time; internal to mbs/. */
 #ifndef LW_MBS_EQUATIONS_LIMITS_INTERNAL_H
 #define LW_MBS_EQUATIONS_LIMITS_INTERNAL_H
 
