@@ -18,6 +18,16 @@ typedef struct check {
 /* A label that cannot be computed says nothing about the chain. */
 static bool no_verdict(lw_status s) { return s == LW_E_MEMORY || s == LW_E_IO; }
 
+static lw_status count_chain(check *c, bool good, const char *text)
+{
+    c->n_chain++;
+    c->n_wrong += !good;
+    if (!good && !c->wrong[0])
+        snprintf(c->wrong, sizeof c->wrong, "%s", text ? text : "");
+    return c->control && c->control->goes_on && !c->control->goes_on(c->control->context, (double)c->n_chain, 0)
+         ? LW_STOPPED : LW_OK;
+}
+
 static lw_status check_chain(void *context, int n_column, const char *const *name, const lw_value *value)
 {
     check *c = context;
@@ -35,12 +45,7 @@ static lw_status check_chain(void *context, int n_column, const char *const *nam
         lw_graph6_print(&form, label, sizeof label);
         good = strcmp(label, value[0].text) == 0;
     }
-    c->n_chain++;
-    c->n_wrong += !good;
-    if (!good && !c->wrong[0])
-        snprintf(c->wrong, sizeof c->wrong, "%s", value[1].text ? value[1].text : "");
-    return c->control && c->control->goes_on && !c->control->goes_on(c->control->context, (double)c->n_chain, 0)
-         ? LW_STOPPED : LW_OK;
+    return count_chain(c, good, value[1].text);
 }
 
 /* pins, dof, links, symmetry of a chain with multiple joints */
@@ -60,12 +65,7 @@ static lw_status check_multiple(void *context, int n_column, const char *const *
     (void)n_column, (void)name;
     if (no_verdict(made))
         return made;
-    c->n_chain++;
-    c->n_wrong += !good;
-    if (!good && !c->wrong[0])
-        snprintf(c->wrong, sizeof c->wrong, "%s", value[0].text ? value[0].text : "");
-    return c->control && c->control->goes_on && !c->control->goes_on(c->control->context, (double)c->n_chain, 0)
-         ? LW_STOPPED : LW_OK;
+    return count_chain(c, good, value[0].text);
 }
 
 static lw_status check_chains(lw_store *s, check *c, lw_error *e)
