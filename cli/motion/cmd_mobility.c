@@ -29,24 +29,45 @@ static const cli_option options[] = {
 
 /* ---- table ---------------------------------------------------------------------------------------- */
 
-static void links_text(FILE *f, const lw_linkage *linkage, uint32_t links)
+/* Names of links or joints, some of which are marked: by bits of a mask, or each by its own mark. */
+typedef struct names { const char *first; size_t stride; int n; } names;
+
+static names links_of(const lw_linkage *k) { return (names){ k->link_name[0], sizeof *k->link_name, k->n_link }; }
+static names joints_of(const lw_linkage *k) { return (names){ k->joint->name, sizeof *k->joint, k->n_joint }; }
+static names all_links(const lw_assembly *a) { return (names){ a->link_name[0], sizeof *a->link_name, a->n_link }; }
+
+static bool is_marked(int i, uint64_t mask, const bool *mark) { return mark ? mark[i] : mask >> i & 1; }
+
+static void names_text(FILE *f, names all, uint64_t mask, const bool *mark)
 {
     const char *between = "";
-    for (int i = 0; i < linkage->n_link; i++)
-        if (links >> i & 1) {
-            fprintf(f, "%s%s", between, linkage->link_name[i]);
+    for (int i = 0; i < all.n; i++)
+        if (is_marked(i, mask, mark)) {
+            fprintf(f, "%s%s", between, all.first + (size_t)i*all.stride);
             between = ", ";
         }
 }
 
-static void joints_text(FILE *f, const lw_linkage *linkage, uint64_t joints)
+/* A line of them; none: no line. */
+static void write_names(FILE *f, const char *what, names all, uint64_t mask, const bool *mark, const char *more)
 {
-    const char *between = "";
-    for (int j = 0; j < linkage->n_joint; j++)
-        if (joints >> j & 1) {
-            fprintf(f, "%s%s", between, linkage->joint[j].name);
-            between = ", ";
-        }
+    int n = 0;
+    for (int i = 0; i < all.n; i++)
+        n += is_marked(i, mask, mark);
+    if (n == 0)
+        return;
+    fprintf(f, "%-16s", what);
+    names_text(f, all, mask, mark);
+    fprintf(f, "%s\n", more);
+}
+
+static void json_names(cli_json *j, const char *key, names all, uint64_t mask, const bool *mark)
+{
+    cli_json_array(j, key);
+    for (int i = 0; i < all.n; i++)
+        if (is_marked(i, mask, mark))
+            cli_json_text(j, NULL, all.first + (size_t)i*all.stride);
+    cli_json_end(j);
 }
 
 static const char *verdict(const lw_mobility *m)
@@ -76,24 +97,12 @@ static void write_freedoms(FILE *f, const lw_linkage *linkage, const lw_mobility
     if (m->idle > 0) {
         fprintf(f, "%-16s%d freedom%s that reach%s no %s: ", "idle", m->idle, lw_plural(m->idle),
                 m->idle == 1 ? "es" : "", linkage->n_tracer > 0 ? "tracer" : "other link");
-        links_text(f, linkage, m->idle_links);
+        names_text(f, links_of(linkage), m->idle_links, NULL);
         fputc('\n', f);
     }
-    if (linkage->n_input > 0 && m->loose_links) {
-        fprintf(f, "%-16s", "loose");
-        links_text(f, linkage, m->loose_links);
-        fputs("  (move while every input stands still)\n", f);
-    }
-    if (m->still_links) {
-        fprintf(f, "%-16s", "still links");
-        links_text(f, linkage, m->still_links);
-        fputc('\n', f);
-    }
-    if (m->still_joints) {
-        fprintf(f, "%-16s", "still joints");
-        joints_text(f, linkage, m->still_joints);
-        fputc('\n', f);
-    }
+    write_names(f, "loose", links_of(linkage), linkage->n_input > 0 ? m->loose_links : 0, NULL, "  (move while every input stands still)");
+    write_names(f, "still links", links_of(linkage), m->still_links, NULL, "");
+    write_names(f, "still joints", joints_of(linkage), m->still_joints, NULL, "");
 }
 
 static void write_redundant(FILE *f, const lw_linkage *linkage, const lw_mobility *m)
@@ -103,7 +112,7 @@ static void write_redundant(FILE *f, const lw_linkage *linkage, const lw_mobilit
         const lw_system_row *row = &m->redundant[i].row;
         fprintf(f, "%-16s%s of %s", "", row->what, linkage->joint[row->joint].name);
         fputs(m->redundant[i].joints ? "  follows from " : "  says nothing", f);
-        joints_text(f, linkage, m->redundant[i].joints);
+        names_text(f, joints_of(linkage), m->redundant[i].joints, NULL);
         fputc('\n', f);
     }
 }
@@ -141,16 +150,6 @@ static void write_text(FILE *f, const lw_linkage *linkage, const lw_mobility *m,
 
 /* ---- models with more parts than a linkage holds ---------------------------------------------------- */
 
-static void write_links(FILE *f, const char *what, const lw_assembly *a, const bool *link, const char *more)
-{
-    int n = 0;
-    for (int i = 0; i < a->n_link; i++)
-        if (link[i])
-            n++ ? fprintf(f, ", %s", a->link_name[i]) : fprintf(f, "%-16s%s", what, a->link_name[i]);
-    if (n)
-        fprintf(f, "%s\n", more);
-}
-
 static void write_large_text(FILE *f, const lw_assembly *a, const lw_freedoms *m)
 {
     int own = lw_assembly_free_inputs(a);
@@ -162,8 +161,8 @@ static void write_large_text(FILE *f, const lw_assembly *a, const lw_freedoms *m
     if (moving && own > 0)
         fprintf(f, "%-16s%d of %d freedom%s by %d input%s\n", "driven", m->driven, m->freedom, lw_plural(m->freedom), own,
                 lw_plural(own));
-    write_links(f, "loose", a, m->loose, "  (move while every input stands still)");
-    write_links(f, "still links", a, m->still, "");
+    write_names(f, "loose", all_links(a), 0, m->loose, "  (move while every input stands still)");
+    write_names(f, "still links", all_links(a), 0, m->still, "");
     fprintf(f, "%-16s%d in the posture%s\n", "first order", m->instant,
             moving && m->instant > m->freedom ? "  (a singular posture)" : "");
     fprintf(f, "%-16s%d of %d rows%s\n", "rank", m->rank, m->n_row, moving ? ", along the motion" : "");
@@ -172,15 +171,6 @@ static void write_large_text(FILE *f, const lw_assembly *a, const lw_freedoms *m
         fprintf(f, "%-16s%s of %s\n", "", m->redundant[i].what, a->joint[m->redundant[i].joint].name);
     if (moving)
         fprintf(f, "%-16s%.3g (sizes and radians), joints closed to %.2g m\n", "moved", m->distance, m->residual);
-}
-
-static void json_marked(cli_json *j, const char *key, const lw_assembly *a, const bool *link)
-{
-    cli_json_array(j, key);
-    for (int i = 0; i < a->n_link; i++)
-        if (link[i])
-            cli_json_text(j, NULL, a->link_name[i]);
-    cli_json_end(j);
 }
 
 static void write_large_json(FILE *f, const lw_assembly *a, const lw_freedoms *m)
@@ -203,8 +193,8 @@ static void write_large_json(FILE *f, const lw_assembly *a, const lw_freedoms *m
     }
     cli_json_end(&j);
     cli_json_int(&j, "driven", m->driven);
-    json_marked(&j, "loose_links", a, m->loose);
-    json_marked(&j, "still_links", a, m->still);
+    json_names(&j, "loose_links", all_links(a), 0, m->loose);
+    json_names(&j, "still_links", all_links(a), 0, m->still);
     cli_json_real(&j, "moved", m->distance);
     cli_json_real(&j, "residual", m->residual);
     cli_json_end(&j);
@@ -232,24 +222,6 @@ static int run_large(const cli_call *call, const lw_model *model, double toleran
 
 /* ---- JSON ----------------------------------------------------------------------------------------- */
 
-static void json_links(cli_json *j, const char *key, const lw_linkage *linkage, uint32_t links)
-{
-    cli_json_array(j, key);
-    for (int i = 0; i < linkage->n_link; i++)
-        if (links >> i & 1)
-            cli_json_text(j, NULL, linkage->link_name[i]);
-    cli_json_end(j);
-}
-
-static void json_joints(cli_json *j, const char *key, const lw_linkage *linkage, uint64_t joints)
-{
-    cli_json_array(j, key);
-    for (int i = 0; i < linkage->n_joint; i++)
-        if (joints >> i & 1)
-            cli_json_text(j, NULL, linkage->joint[i].name);
-    cli_json_end(j);
-}
-
 static void json_redundant(cli_json *j, const lw_linkage *linkage, const lw_mobility *m)
 {
     cli_json_array(j, "redundant");
@@ -258,7 +230,7 @@ static void json_redundant(cli_json *j, const lw_linkage *linkage, const lw_mobi
         cli_json_object(j, NULL);
         cli_json_text(j, "joint", linkage->joint[row->joint].name);
         cli_json_text(j, "row", row->what);
-        json_joints(j, "follows_from", linkage, m->redundant[i].joints);
+        json_names(j, "follows_from", joints_of(linkage), m->redundant[i].joints, NULL);
         cli_json_end(j);
     }
     cli_json_end(j);
@@ -283,10 +255,10 @@ static void write_json(FILE *f, const lw_linkage *linkage, const lw_mobility *m,
     json_redundant(&j, linkage, m);
     cli_json_int(&j, "driven", m->driven);
     cli_json_int(&j, "idle", m->idle);
-    json_links(&j, "idle_links", linkage, m->idle_links);
-    json_links(&j, "loose_links", linkage, m->loose_links);
-    json_links(&j, "still_links", linkage, m->still_links);
-    json_joints(&j, "still_joints", linkage, m->still_joints);
+    json_names(&j, "idle_links", links_of(linkage), m->idle_links, NULL);
+    json_names(&j, "loose_links", links_of(linkage), m->loose_links, NULL);
+    json_names(&j, "still_links", links_of(linkage), m->still_links, NULL);
+    json_names(&j, "still_joints", joints_of(linkage), m->still_joints, NULL);
     cli_json_real(&j, "moved", m->distance);
     cli_json_real(&j, "residual", m->residual);
     cli_json_int(&j, "order", m->order);
