@@ -398,24 +398,8 @@ static lw_status member_of(const lw_curve_maker *m, const lw_curve_row *row, lw_
     return lw_curve_topology_draw(t->topology, row->key, row->mode > 0, t->dim, t->mode, &t->range) ? LW_OK : LW_OPEN;
 }
 
-/* Does a dyad fail to close on the way, at one of the postures or between two? Its margin is smooth: it is negative
- * between two postures if the parabola through a least value and its neighbours has a vertex below 0. */
-static bool opens(const double *margin, bool round)
-{
-    for (int i = 0; i < POINTS; i++) {
-        double here = margin[i];
-        double to_last = margin[(i + POINTS - 1)%POINTS] - here, to_next = margin[(i + 1)%POINTS] - here;
-        if (here < 0)
-            return true;
-        if (!round && (i == 0 || i == POINTS - 1))
-            continue;
-        if (to_last > 0 && to_next > 0 && here < (to_next - to_last)*(to_next - to_last)/(8*(to_last + to_next)))
-            return true;
-    }
-    return false;
-}
-
-/* The least margin of the postures, and between them that of the parabola through a least value and its neighbours. */
+/* The least margin of the postures, and between them that of the parabola through a least value and its neighbours, since the margin is
+ * smooth: below 0 a dyad fails to close on the way. */
 static double least_margin(const double *margin, bool round)
 {
     double least = INFINITY;
@@ -453,7 +437,7 @@ static lw_status draw_member(const lw_curve_maker *m, const double *u, bool clos
         draw_piece(u + 6, t.range.first, t.range.last, t.range.turns, row);
     solve_member(m, row, closed, &t, &work->w);
     const double *margin = work->w.margin;
-    return opens(margin, closed) || (t.topology->slides && least_margin(margin, closed) < PARALLEL) ? LW_OPEN : LW_OK;
+    return least_margin(margin, closed) < (t.topology->slides ? PARALLEL : 0) ? LW_OPEN : LW_OK;
 }
 
 lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool closed, lw_curve_work *work, lw_curve_row *row)
