@@ -589,6 +589,52 @@ TEST(gripper_shares_within_friction)
     }
 }
 
+/* A hand whose jaws are pressed together by springs closes on a box, each jaw with two corners, and lifts it off the floor: both carry as much at every moment,
+ * also in a turned drawing. */
+static lw_status check_hand(void *context, const lw_moment *m)
+{
+    const loads *l = context;
+    lw_vec2 f[3];
+    lw_reactions_contacts(l->m, m, f, NULL);
+    if (m->t > 0.1) {
+        CHECK_NEAR(l->most_x*f[0].x + l->least_x*f[0].y, 18, 1e-6, 0);
+        CHECK_NEAR(l->most_x*(f[0].y - f[1].y) - l->least_x*(f[0].x - f[1].x), 0, 1e-6, 0);
+    }
+    return LW_OK;
+}
+
+TEST(hand_lifts_a_box_with_equal_forces)
+{
+    static const double corner[][2] = { { 1, 0 }, { 0, 0.2 }, { -0.065, 0.05 }, { -0.06, 0.02 }, { -0.06, 0.08 }, { -0.07, 0.08 }, { -0.07, 0.02 }, { 0.065, 0.05 },
+        { 0.06, 0.02 }, { 0.06, 0.08 }, { 0.07, 0.08 }, { 0.07, 0.02 }, { 0, 0.05 }, { -0.05, 0 }, { 0.05, 0 }, { 0.05, 0.1 }, { -0.05, 0.1 }, { 0, 0.2 }, { 0, 1 },
+        { -0.065, 0.05 }, { 1, 0 }, { 0.065, 0.05 }, { -1, 0 }, { -0.2, 0.05 }, { -0.07, 0.05 }, { 0.2, 0.05 }, { 0.07, 0.05 }, { 0, -9.81 } };
+    static const char scene[] = "{'linkwright': 1, 'links': [{'name': 'ground', 'shapes': [{'line': [[0, 0], @]}]}, {'name': 'hand', 'mass': 1, 'centre': @, 'inertia': 0.01}, "
+        "{'name': 'L', 'mass': 0.2, 'centre': @, 'inertia': 1e-4, 'shapes': [{'polygon': [@, @, @, @]}]}, {'name': 'R', 'mass': 0.2, 'centre': @, 'inertia': 1e-4, "
+        "'shapes': [{'polygon': [@, @, @, @]}]}, {'name': 'box', 'mass': 1, 'centre': @, 'inertia': 2e-3, 'shapes': [{'polygon': [@, @, @, @]}]}], 'joints': ["
+        "{'name': 'Z', 'kind': 't', 'links': ['ground', 'hand'], 'at': @, 'along': @}, {'name': 'A', 'kind': 't', 'links': ['hand', 'L'], 'at': @, 'along': @}, "
+        "{'name': 'B', 'kind': 't', 'links': ['hand', 'R'], 'at': @, 'along': @}, {'name': 'F', 'kind': 'n', 'links': ['ground', 'box']}], "
+        "'input': {'joint': 'Z', 'motion': '0.2*havsin(t, 0.3, 0, 0.8, 1)'}, 'contacts': [{'links': ['L', 'box'], 'friction': 0.5}, {'links': ['R', 'box'], "
+        "'friction': 0.5}, {'links': ['ground', 'box'], 'friction': 0.3}], 'springs': [{'links': ['hand', 'L'], 'at': [@, @], 'stiffness': 300, 'free': 0.2, "
+        "'damping': 10}, {'links': ['hand', 'R'], 'at': [@, @], 'stiffness': 300, 'free': 0.2, 'damping': 10}], 'gravity': @}";
+    for (int k = 0; k < 2; k++) {
+        double turn = 0.7*k;
+        char text[3000];
+        int n = 0, next = 0;
+        for (const char *c = scene; *c; c++)
+            n += *c != '@' ? snprintf(text + n, sizeof text - (size_t)n, "%c", *c)
+                : snprintf(text + n, sizeof text - (size_t)n, "[%.17g, %.17g]", corner[next][0]*cos(turn) - corner[next][1]*sin(turn),
+                           corner[next][0]*sin(turn) + corner[next][1]*cos(turn)), next += *c == '@';
+        lw_dynamics *m;
+        loads l = { .most_x = cos(turn), .least_x = sin(turn) };
+        drun_read_text(&d, text);
+        d.o.intervals = 10;
+        CHECK_INT(lw_dynamics_make(&d.model, &d.o, &m, &d.e), LW_OK);
+        l.m = m;
+        CHECK_INT(lw_dynamics_run(m, check_hand, &l, &d.report, &d.e), LW_OK);
+        lw_dynamics_free(m);
+    }
+}
+
 /* ---- at rest --------------------------------------------------------------------------------------------- */
 
 static lw_status add_loads(void *context, const lw_moment *m)
@@ -1287,16 +1333,19 @@ TEST(pushed_boxes_let_go)
     }
 }
 
-/* A box that is pressed against a wall is lifted at that side by a growing force.  It turns about its other corner on the floor, whose friction is at
- * its limit, though it hardly slips: at every tolerance alike. */
+/* A box that is pressed against a wall is lifted at that side by a growing force.  It begins to turn about its other corner on the floor when friction is at its
+ * limit at both corners: N = (W/4 - 30*0.05)/0.5 there, 30 + 0.7 N at the lower corner of the wall, so that the force is W + 21 - 0.51 N; at every
+ * tolerance alike. */
 TEST(box_lifted_along_a_wall)
 {
-    double want = 0;
+    double want = 0, weight = 2*g, limit = (weight + 21 - 0.51*(weight/4 - 1.5)/0.5)/20;
     for (int k = 0; k < 2; k++) {
         free_model(FREE("{'polygon': [[-2, -2], [2, -2], [2, 0], [0, 0], [0, 2], [-2, 2]]}", "'mass': 2, 'centre': [0.25, 0.05], 'inertia': 0.05",
                         "{'polygon': [[0, 0], [0.5, 0], [0.5, 0.1], [0, 0.1]]}", "'friction': 0.7}], 'forces': [{'link': 'b', 'at': [0.25, 0.05], 'fx':"
                         "'-30'}, {'link': 'b', 'at': [0, 0.05], 'fy': '20*t'"), 0, 0);
-        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, k ? 1e-5 : 1e-10, 1.75, 2), LW_OK);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, k ? 1e-5 : 1e-10, limit - 1e-6, 2), LW_OK);
+        CHECK_NEAR(d.q[2], 0, 1e-9, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, k ? 1e-5 : 1e-10, limit + 0.08, 2), LW_OK);
         CHECK(d.q[2] < -0.03);
         CHECK_NEAR(d.q[2], k ? want : d.q[2], 1e-4, 0);
         want = d.q[2];

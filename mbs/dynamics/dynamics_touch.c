@@ -720,6 +720,22 @@ static void note_several_motions(lw_run *run, double t, const closed *c, double 
     }
 }
 
+/* Places that stay closed though the forces found need none of theirs can share those of the n rows taken, on which they depend: equal places so carry
+ * equal loads.  The other places that were held and do not press leave. */
+static void keep_passive(lw_run *run, double t, const closed *c, double *factor, int *taken, int n, int most)
+{
+    struct lw_touching *w = run->d->touch;
+    for (int i = 0; i < c->m; i++) {
+        lw_touch *p = &w->list.touch[c->place[i]];
+        if (is_rigid(p) && p->state == LW_TOUCH_PASSIVE && !p->redundant && !take_row(c, factor, taken, n, most, 2*i)) {
+            p->redundant = true;
+            w->redundant[w->n_redundant++] = (lw_touch_row){ c->place[i], false };
+        }
+        if (is_rigid(p) && p->held && p->state != LW_TOUCH_HELD && !p->redundant)
+            note(run, c->place[i], t, false, 0);
+    }
+}
+
 /* States of the places from forces and rates; the rows that are held.  lets_go: friction no longer holds a place that
  * stuck, at which the slip has no acceleration yet. */
 static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go)
@@ -743,9 +759,11 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
         return LW_E_MEMORY;
     }
     w->n_redundant = 0;
-    for (int pass = 0; pass < 4; pass++) {               /* gaps with friction, other gaps, slips, what sticks */
-        if (pass == 2)
+    for (int pass = 0; pass < 5; pass++) {               /* gaps with friction, other gaps, slips, what sticks, what could */
+        if (pass == 2) {
             note_several_motions(run, t, c, factor, taken, n, most);
+            keep_passive(run, t, c, factor, taken, n, most);
+        }
         for (int i = 0; i < c->m; i++) {
             lw_touch *p = &w->list.touch[c->place[i]];
             bool presses = c->in[i] && c->force[2*i] > w->least_force;
@@ -753,8 +771,6 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
                 bool leaves = !c->in[i] || c->rate[2*i] > 1e-9*fastest;
                 p->state = presses ? LW_TOUCH_HELD : leaves ? LW_TOUCH_APART : LW_TOUCH_PASSIVE;
                 p->passed = fmax(0, -c->gap[i]);
-                if (p->held && !presses)
-                    note(run, c->place[i], t, false, 0);
                 if (presses && take_row(c, factor, taken, n, most, 2*i))
                     w->row[n++] = (lw_touch_row){ c->place[i], false };
                 else if (presses) {
@@ -771,11 +787,13 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
             bool holds = c->law[i].slips == 0 && !starts && (fabs(slip) <= 1e-9*fastest || !at_limit);
             if (pass == 2 && !holds && !p->redundant)
                 p->slips = c->law[i].slips != 0 ? c->law[i].slips : (starts ? -across : slip) > 0 ? 1 : -1;
-            if (pass == 2 || !holds)
+            if (!holds || pass != (presses ? 3 : 4))
                 continue;
             p->sticks = true;
-            if (take_row(c, factor, taken, n, most, 2*i + 1))
+            if (take_row(c, factor, taken, n, most, 2*i + 1) && presses)
                 w->row[n++] = (lw_touch_row){ c->place[i], true };
+            else if (!presses && take_row(c, factor, taken, n, most, 2*i + 1))
+                p->sticks = false;                       /* where nothing presses yet, nothing holds */
             else if (at_limit && !p->redundant && shares_with_slip(w, c, factor, taken, n, most)) {
                 p->sticks = false;                       /* its limit is part of the motion, though it does not slip yet */
                 p->slips = across > 0 ? -1 : 1;
