@@ -1,6 +1,6 @@
 #include "cli/motion/coarse_run.h"
 
-#include <math.h>
+#include "base/real.h"
 
 static const double longer = 32;             /* steps of captured contacts are in proportion to tolerance^(1/5): twice as long */
 static const double looser = 100;

@@ -789,10 +789,11 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
                 p->slips = c->law[i].slips != 0 ? c->law[i].slips : (starts ? -across : slip) > 0 ? 1 : -1;
             if (!holds || pass != (presses ? 3 : 4))
                 continue;
+            bool independent = take_row(c, factor, taken, n, most, 2*i + 1);
             p->sticks = true;
-            if (take_row(c, factor, taken, n, most, 2*i + 1) && presses)
+            if (independent && presses)
                 w->row[n++] = (lw_touch_row){ c->place[i], true };
-            else if (!presses && take_row(c, factor, taken, n, most, 2*i + 1))
+            else if (independent)
                 p->sticks = false;                       /* where nothing presses yet, nothing holds */
             else if (at_limit && !p->redundant && shares_with_slip(w, c, factor, taken, n, most)) {
                 p->sticks = false;                       /* its limit is part of the motion, though it does not slip yet */
