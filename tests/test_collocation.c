@@ -42,9 +42,10 @@ TEST(tables)
 /* x'' = -w^2 (x - cos t) - c (x' + sin t) - cos t with the solution cos t + a fast part; the integral of x x'. */
 typedef struct problem { double stiffness, damping; int n_project; } problem;
 
-static lw_status rates(void *context, const double t[LW_STAGES], const double *y, double *dy)
+static lw_status rates(void *context, const double t[LW_STAGES], bool again, const double *y, double *dy)
 {
     const problem *p = context;
+    (void)again;
     for (int k = 0; k < 8; k++) {
         double x = y[k], u = y[8 + k];
         dy[8 + k] = -p->stiffness*(x - cos(t[k])) - p->damping*(u + sin(t[k])) - cos(t[k]);
@@ -139,9 +140,9 @@ TEST(instruction_sets_agree)
 /* A direction x = cos a, sin a that turns by a' = u, drawn to a = t + 0.5 sin t. */
 static double turned(double t) { return t + 0.5*sin(t); }
 
-static lw_status turning(void *context, const double t[LW_STAGES], const double *y, double *dy)
+static lw_status turning(void *context, const double t[LW_STAGES], bool again, const double *y, double *dy)
 {
-    (void)context;
+    (void)context, (void)again;
     for (int k = 0; k < 8; k++)
         dy[16 + k] = 4*(y[k]*sin(turned(t[k])) - y[8 + k]*cos(turned(t[k]))) - 0.5*sin(t[k]);
     return LW_OK;
@@ -177,9 +178,9 @@ TEST(coordinates_that_turn)
     }
 }
 
-static lw_status undefined(void *context, const double t[LW_STAGES], const double *y, double *dy)
+static lw_status undefined(void *context, const double t[LW_STAGES], bool again, const double *y, double *dy)
 {
-    lw_status s = rates(context, t, y, dy);
+    lw_status s = rates(context, t, again, y, dy);
     return s == LW_OK && t[7] > 1 ? LW_OPEN : s;
 }
 

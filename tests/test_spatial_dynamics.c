@@ -685,6 +685,34 @@ TEST(recursive_and_bodies_agree)
 
 /* Rates of eight states together are those of one state after the other, in every instruction set to the bit: joints of every
  * kind, either link first, an open chain and loops closed by joints of every kind but screws, springs and dampers. */
+/* Calls with the factors of states y find the rates of states nearby, in the same bits by every kernel; of states far off at once. */
+static void repeat_calls(lw_tree_stages *s, lw_rng *rng, const double *y)
+{
+    const int n = s->n_x + s->n_u, first = 8*s->n_x;
+    const size_t bytes = 8*sizeof *y*(size_t)(s->n_u + 1);
+    double near[8*64], at_y[8*64], exact[8*64], found[8*64], other[8*64];
+    CHECK_INT(lw_tree_stages_rates(s, false, y, at_y), LW_OK);
+    const double little = 0.01*fmin(1, 100*s->weak);         /* near singular postures the factors change fast */
+    for (int far = 0; far < 2; far++) {
+        for (int j = 0; j < 8*n; j++)
+            near[j] = y[j] + (far ? 0.3 : little)*lw_rng_range(rng, -1, 1);
+        CHECK_INT(lw_tree_stages_rates(s, false, near, exact), LW_OK);
+        for (int rank = 0; lw_kernels_supported(rank); rank++) {
+            s->kernel = lw_tree_kernel_of(lw_kernels_supported(rank)->isa);
+            CHECK_INT(lw_tree_stages_rates(s, false, y, at_y), LW_OK);
+            memcpy(found, at_y, sizeof found);
+            for (int i = 0; i < (far ? 1 : 12); i++) {
+                CHECK_INT(lw_tree_stages_rates(s, true, near, found), LW_OK);
+                CHECK(i > 0 || far || memcmp(found + first, exact + first, bytes) != 0);     /* not factored anew */
+            }
+            CHECK(rank == 0 || memcmp(found + first, other + first, bytes) == 0);
+            memcpy(other, found, sizeof other);
+            for (int j = first; j < first + 8*s->n_u; j++)
+                CHECK_NEAR(found[j], exact[j], far ? 0 : 1e-9, far ? 0 : 1e-9);
+        }
+    }
+}
+
 TEST(eight_states_at_once)
 {
     static const lw_spatial_kind closing[] = { LW_SPATIAL_FREE, LW_SPATIAL_REVOLUTE, LW_SPATIAL_PRISMATIC, LW_SPATIAL_CYLINDRICAL,
@@ -718,7 +746,7 @@ TEST(eight_states_at_once)
             CHECK_INT(lw_recursive_factor(&r), LW_OK);
             if (lane == 0) {
                 lw_tree_stages_keep_rows(&s, &r);
-                CHECK_INT(lw_tree_stages_rates(&s, y, dy), LW_OK);
+                CHECK_INT(lw_tree_stages_rates(&s, false, y, dy), LW_OK);
                 lw_tree_stages_motion(&s, y, dy);
             }
             lw_recursive_solve(&r, force, LW_WANT_MOTION, dx + r.n_x);
@@ -729,9 +757,10 @@ TEST(eight_states_at_once)
         }
         for (int rank = 1; lw_kernels_supported(rank); rank++) {
             s.kernel = lw_tree_kernel_of(lw_kernels_supported(rank)->isa);
-            CHECK_INT(lw_tree_stages_rates(&s, y, again), LW_OK);
+            CHECK_INT(lw_tree_stages_rates(&s, false, y, again), LW_OK);
             CHECK(memcmp(again + 8*r.n_x, dy + 8*r.n_x, 8*sizeof *dy*(size_t)(r.n_u + 1)) == 0);
         }
+        repeat_calls(&s, &rng, y);
     }
 }
 

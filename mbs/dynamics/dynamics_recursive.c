@@ -337,13 +337,13 @@ static double *time_at(stepper *w) { return w->implicit ? &w->implicit_one.t : w
 static double time_of(stepper *w) { return *time_at(w); }
 static const double *now(const stepper *w) { return w->implicit ? w->implicit_one.y : w->staged ? w->stages.y : w->explicit_one.y; }
 
-static lw_status rates(void *context, const double t[LW_STAGES], const double *y, double *dy)
+static lw_status rates(void *context, const double t[LW_STAGES], bool again, const double *y, double *dy)
 {
     motion *m = context;
     lw_status s = lw_run_busy(m->run, t[0]);
     if (s == LW_OK)
-        s = lw_tree_stages_rates(&m->stages, y, dy) == LW_OK ? LW_OK : LW_OPEN;
-    m->least = m->stages.weak;               /* of the last improvement; states before it may be far off */
+        s = lw_tree_stages_rates(&m->stages, again, y, dy) == LW_OK ? LW_OK : LW_OPEN;
+    m->least = m->stages.weak;               /* of the last improvement, or near it; states before may be far off */
     return s;
 }
 

@@ -123,13 +123,13 @@ static int best_degree(const lw_collocation *w, double h)
 
 /* ---- improvements ----------------------------------------------------------------------------------------------- */
 
-static lw_status rates_at(lw_collocation *w, double h)
+static lw_status rates_at(lw_collocation *w, double h, bool again)
 {
     double t[N];
     for (int k = 0; k < N; k++)
         t[k] = w->t_old + node[k]*h;
     w->n_rate += N;
-    return w->ode->rates(w->ode->context, t, w->stage, w->f);
+    return w->ode->rates(w->ode->context, t, again, w->stage, w->f);
 }
 
 /* x' from the states */
@@ -276,7 +276,7 @@ static lw_status iterate(lw_collocation *w, double h)
     start_stages(w, h);
     none = fmin(exact_enough, rounding(w));
     for (int i = 1; i <= MOST_ITERATIONS; i++) {
-        lw_status s = rates_at(w, h);
+        lw_status s = rates_at(w, h, i > 1 && !w->ode->implicit);
         if (s != LW_OK)
             return s;
         double moved = improve_all(w, h, w->ode->implicit);
@@ -317,7 +317,7 @@ static lw_status differentiate(lw_collocation *w, double h)
             for (int k = 0; k < N; k++)
                 w->stage[N*i + k] = at[i] + (from + k == i ? difference*fmax(1, fabs(at[i])) : 0);
         w->n_rate += N;
-        lw_status s = o->rates(o->context, t, w->stage, w->f);
+        lw_status s = o->rates(o->context, t, false, w->stage, w->f);
         if (s != LW_OK)
             return s;
         for (int i = 0; i < n; i++)
@@ -343,7 +343,7 @@ static lw_status begin(lw_collocation *w, double span)
         far[k] = 0.25*far[k - 1];
     for (int i = 0; i < N*n; i++)
         w->stage[i] = w->y[i/N];
-    lw_status s = rates_at(w, 0);
+    lw_status s = rates_at(w, 0, false);
     if (s != LW_OK)
         return s;
     move(w);
@@ -361,7 +361,7 @@ static lw_status begin(lw_collocation *w, double span)
     for (int k = 0; k < N; k++)
         t[k] = w->t + far[k];
     w->n_rate += N;
-    s = w->ode->rates(w->ode->context, t, w->stage, w->f);
+    s = w->ode->rates(w->ode->context, t, false, w->stage, w->f);
     move(w);
     for (int i = 0; i < n; i++)
         for (int k = 0; k < N; k++) {

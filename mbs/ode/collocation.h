@@ -21,8 +21,9 @@ typedef struct lw_stages_ode {
     int   n, n_x, n_u;                       /* numbers in y; in x and in u.  f does not depend on the others */
     bool  implicit;                          /* n_u is at most LW_IMPLICIT_MAX, and x' = u */
     void *context;
-    /* dy but x' (n x LW_STAGES) */
-    lw_status (*rates)(void *context, const double t[LW_STAGES], const double *y, double *dy);
+    /* dy but x' (n x LW_STAGES).  again: dy holds what the last call gave for states nearby, and may be improved only so far that repeated
+     * calls tend to f */
+    lw_status (*rates)(void *context, const double t[LW_STAGES], bool again, const double *y, double *dy);
     void (*motion)(void *context, const double *y, double *dx);      /* x' (n_x x LW_STAGES); NULL: u */
     lw_status (*project)(void *context, double t, double *y);        /* y (n), after every step.  One that this moves by
                                               * more than its allowed error is repeated shorter */

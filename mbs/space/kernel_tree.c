@@ -1,6 +1,7 @@
 /* mbs/space/kernel_tree.c - the accelerations of a tree and its loops in eight states at once: motion outwards, inertias and loads
- * inwards, accelerations outwards; then what the loops' rows add.  The formulas are those of mbs/space/recursive.c, one value for all lanes in each register.
- * Compiled once per instruction set. */
+ * inwards, then the multipliers of the loops' rows, accelerations outwards.  The formulas are those of mbs/space/recursive.c, one value for
+ * all lanes in each register.  Called again for states nearby, it keeps the factors and changes the accelerations and multipliers of the
+ * last call by what these lack.  Compiled once per instruction set. */
 #include "mbs/batch/kernel_run_internal.h"
 #include "mbs/space/kernel_tree_internal.h"
 
@@ -55,13 +56,12 @@ typedef struct body {
     quat  turn;
     vec   row[3];                            /* of the turn */
     vec   at, from_parent;
-    screw velocity, trial;                   /* trial: acceleration while the rates do not accelerate */
+    screw velocity, trial;                   /* trial: acceleration with that of the rates in the last call, or none */
     articulated inertia;                     /* without children only J, M is the mass and B 0 */
     screw load;                              /* then the acceleration */
 } body;
 typedef struct rate { screw axis, push; pack by_inertia, free; } rate;
 _Static_assert(sizeof(body) == LW_TREE_BODY_PACKS*sizeof(pack), "size of a body's state");
-_Static_assert(sizeof(screw) == LW_TREE_SCREW_PACKS*sizeof(pack), "size of a screw");
 _Static_assert(sizeof(rate) == LW_TREE_RATE_PACKS*sizeof(pack), "size of a rate's state");
 
 LW_INLINE vec add(vec a, vec b) { return (vec){ a.x + b.x, a.y + b.y, a.z + b.z }; }
@@ -74,6 +74,11 @@ LW_INLINE pack by(vec a, lw_vec3 b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
 LW_INLINE vec fixed(lw_vec3 a) { return (vec){ all_lanes(a.x), all_lanes(a.y), all_lanes(a.z) }; }
 LW_INLINE vec turned(const body *b, lw_vec3 a) { return (vec){ by(b->row[0], a), by(b->row[1], a), by(b->row[2], a) }; }
 LW_INLINE vec turned_by(const body *b, vec a) { return (vec){ dot(b->row[0], a), dot(b->row[1], a), dot(b->row[2], a) }; }
+LW_INLINE vec to_own(const body *b, vec a)
+{
+    const vec *r = b->row;
+    return (vec){ r[0].x*a.x + r[1].x*a.y + r[2].x*a.z, r[0].y*a.x + r[1].y*a.y + r[2].y*a.z, r[0].z*a.x + r[1].z*a.y + r[2].z*a.z };
+}
 LW_INLINE screw add_screw(screw a, screw b) { return (screw){ add(a.turn, b.turn), add(a.move, b.move) }; }
 LW_INLINE screw times_screw(screw a, pack s) { return (screw){ times(a.turn, s), times(a.move, s) }; }
 LW_INLINE pack dot_screw(screw a, screw b) { return dot(a.turn, b.turn) + dot(a.move, b.move); }
@@ -164,7 +169,9 @@ LW_INLINE vec column(const body *b, int k)
     return (vec){ *x, *y, *z };
 }
 
-static void place(const lw_tree_stages *t, const lw_stage_body *p, const double *y, int lane, const body *b, body *to, rate *rates)
+/* du: accelerations of the rates for the trial, NULL: none. */
+static void place(const lw_tree_stages *t, const lw_stage_body *p, const double *y, int lane, const double *du, const body *b, body *to,
+                  rate *rates)
 {
     vec slide;
     bool slid;
@@ -217,6 +224,8 @@ static void place(const lw_tree_stages *t, const lw_stage_body *p, const double 
     to->velocity.move = add(b->velocity.move, change);
     to->trial.turn = add(b->trial.turn, twist);
     to->trial.move = add(add(b->trial.move, cross(b->trial.turn, to->from_parent)), rest);
+    for (const rate *r = rates + p->u; du && r < m.rate; r++)
+        to->trial = add_screw(to->trial, times_screw(r->axis, pick(du + 8*(r - rates))));
 }
 
 LW_INLINE vec sym_times(const pack *m, vec a)
@@ -224,19 +233,26 @@ LW_INLINE vec sym_times(const pack *m, vec a)
     return (vec){ m[0]*a.x + m[3]*a.y + m[4]*a.z, m[3]*a.x + m[1]*a.y + m[5]*a.z, m[4]*a.x + m[5]*a.y + m[2]*a.z };
 }
 
-/* Inertia about the centre in ground axes, and the load: what the trial acceleration and spinning need, minus the weight. */
-static void weigh(const lw_stage_body *p, body *b)
+/* The load: what the trial acceleration and spinning need, minus the weight; and, if wanted, the inertia about the centre in ground axes. */
+LW_INLINE void weigh(const lw_stage_body *p, const bool inertia, body *b)
 {
     const vec *a = b->row;
-    vec i[3];
-    for (int k = 0; k < 3; k++)
-        i[k] = (vec){ p->mass[1]*a[k].x, p->mass[2]*a[k].y, p->mass[3]*a[k].z };
-    pack *j = b->inertia.j;
-    j[0] = dot(i[0], a[0]), j[1] = dot(i[1], a[1]), j[2] = dot(i[2], a[2]);
-    j[3] = dot(i[0], a[1]), j[4] = dot(i[0], a[2]), j[5] = dot(i[1], a[2]);
-    vec w = b->velocity.turn, need = sym_times(j, b->trial.turn);
-    b->load = (screw){ add(cross(w, sym_times(j, w)), need),
-                       sub(times(b->trial.move, all_lanes(p->mass[0])), fixed(p->weight)) };
+    vec w = b->velocity.turn, need;
+    if (inertia) {
+        vec i[3];
+        for (int k = 0; k < 3; k++)
+            i[k] = (vec){ p->mass[1]*a[k].x, p->mass[2]*a[k].y, p->mass[3]*a[k].z };
+        pack *j = b->inertia.j;
+        j[0] = dot(i[0], a[0]), j[1] = dot(i[1], a[1]), j[2] = dot(i[2], a[2]);
+        j[3] = dot(i[0], a[1]), j[4] = dot(i[0], a[2]), j[5] = dot(i[1], a[2]);
+        need = add(cross(w, sym_times(j, w)), sym_times(j, b->trial.turn));
+    }
+    else {                                   /* Euler's equations in the axes of the body */
+        vec s = to_own(b, w), n = to_own(b, b->trial.turn);
+        need = turned_by(b, (vec){ p->mass[1]*n.x + (p->mass[3] - p->mass[2])*(s.y*s.z), p->mass[2]*n.y + (p->mass[1] - p->mass[3])*(s.z*s.x),
+                                   p->mass[3]*n.z + (p->mass[2] - p->mass[1])*(s.x*s.y) });
+    }
+    b->load = (screw){ need, sub(times(b->trial.move, all_lanes(p->mass[0])), fixed(p->weight)) };
 }
 
 /* Springs and dampers between points; returns the power of the dampers. */
@@ -328,6 +344,7 @@ static ends ends_of(const lw_stage_loop *p, const body *all)
 }
 
 typedef struct pulls { screw on[2]; pack goal; } pulls;      /* a row, and what it has to be times the accelerations */
+_Static_assert(sizeof(pulls) == LW_TREE_PULL_PACKS*sizeof(pack), "size of a row");
 
 static pulls pulls_of(const lw_stage_row *p, const ends *n, const body *b0, const body *b1)
 {
@@ -389,9 +406,9 @@ static void halve(const lw_tree_stages *t, const lw_stage_loop *p, int n_row, co
             halve_rows(t, p, 1, row + i, all, rates, y + i);
 }
 
-/* Y D Y^T l = l by the factors U^T D^-1 U in m, of which the upper triangle is given.  Returns the least pivot over the first, 0 if
- * that is none. */
-static double solve_rows(int n, pack *m, pack *l)
+/* The factors U^T D^-1 U of m, of which the upper triangle is given: U, and on the diagonal D^-1.  Returns the least pivot over the first,
+ * 0 if that is none. */
+static double factor_rows(int n, pack *m)
 {
     const pack first = m[0];
     pack least = first;
@@ -403,32 +420,63 @@ static double solve_rows(int n, pack *m, pack *l)
         u[k] = 1/d;
         for (int i = k + 1; i < n; i++) {
             pack by = u[i]*u[k], *to = m + i*n;
-            l[i] -= by*l[k];
             for (int j = i; j < n; j++)
                 to[j] -= by*u[j];
         }
     }
+    return any_lane(singular) ? 0 : least_lane(least/first);
+}
+
+/* l by these factors */
+static void solve_rows(int n, const pack *m, pack *l)
+{
+    for (int k = 0; k < n; k++)
+        for (int i = k + 1; i < n; i++)
+            l[i] -= m[k*n + i]*m[k*n + k]*l[k];
     for (int i = n - 1; i >= 0; i--) {
         pack sum = l[i];
         for (int j = i + 1; j < n; j++)
             sum -= m[i*n + j]*l[j];
         l[i] = sum*m[i*n + i];
     }
-    return any_lane(singular) ? 0 : least_lane(least/first);
 }
 
-/* The kept rows. */
+/* The kept rows.  Y, the factors and l stay for calls that go on from them. */
 typedef struct kept_rows {
     int   n;
-    pack *y, *product, *l;                   /* Y (n x n_u); Y D Y^T (n x n); rows times the accelerations without them, less their goals */
+    pack *y, *product, *l, *off;             /* Y (n x n_u); Y D Y^T, then its factors (n x n); multipliers; what l changes by */
+    pulls *row;                              /* (n) */
     unsigned long long rates[LW_STAGE_ROWS]; /* bit k: y of rate k is not 0 */
 } kept_rows;
+
+static void place_rows(const lw_tree_stages *t, const body *all, kept_rows *z)
+{
+    for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++) {
+        ends e = ends_of(p, all);
+        for (int i = 0; i < p->n_row; i++) {
+            int at = p->row[i].at;
+            if (at < 0)
+                continue;
+            z->row[at] = pulls_of(&p->row[i], &e, &all[p->body[0]], &all[p->body[1]]);
+            z->rates[at] = p->rates;
+        }
+    }
+}
+
+/* The forces of the multipliers that the rows have, as loads. */
+static void load_rows(const lw_tree_stages *t, body *all, const kept_rows *z)
+{
+    for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++)
+        for (int i = 0; i < p->n_row; i++)
+            for (int k = 0; k < 2 && p->row[i].at >= 0; k++) {
+                screw *load = &all[p->body[k]].load;
+                *load = add_screw(*load, times_screw(z->row[p->row[i].at].on[k], z->l[p->row[i].at]));
+            }
+}
 
 static void fill_rows(const lw_tree_stages *t, const body *all, const rate *rates, kept_rows *z)
 {
     for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++) {
-        const body *b[2] = { &all[p->body[0]], &all[p->body[1]] };
-        ends e = ends_of(p, all);
         pulls row[ROWS];
         pack *y[ROWS];
         int n = 0;
@@ -436,11 +484,7 @@ static void fill_rows(const lw_tree_stages *t, const body *all, const rate *rate
             int at = p->row[i].at;
             if (at < 0)
                 continue;
-            row[n] = pulls_of(&p->row[i], &e, b[0], b[1]);
-            z->l[at] = -row[n].goal;
-            for (int k = 0; k < 2; k++)
-                z->l[at] += dot_screw(row[n].on[k], add_screw(b[k]->trial, b[k]->load));
-            z->rates[at] = p->rates;
+            row[n] = z->row[at];
             y[n++] = z->y + at*t->n_u;
             if (n == ROWS)
                 halve(t, p, n, row, all, rates, y), n = 0;
@@ -470,59 +514,61 @@ static void form_product(const lw_tree_stages *t, const rate *rates, kept_rows *
     }
 }
 
-/* What the kept rows add to the accelerations that all have without them.  Returns the least pivot, as solve_rows does. */
-static double hold_loops(const lw_tree_stages *t, const body *all, rate *rates, double *du)
+/* How far the accelerations that the trial and the loads lead to are from the rows' goals, into z->off. */
+static void miss_rows(const lw_tree_stages *t, const body *all, const rate *rates, kept_rows *z)
 {
-    kept_rows z = { .n = t->n_kept };
-    screw *more = (screw *)(void *)(rates + t->n_u) + 1;     /* accelerations of the bodies; [-1]: the ground */
-    z.y = (pack *)(void *)(more + t->n_body), z.product = z.y + z.n*t->n_u, z.l = z.product + z.n*z.n;
-    fill_rows(t, all, rates, &z);
-    form_product(t, rates, &z);
-    double weak = solve_rows(z.n, z.product, z.l);
-    for (int k = 0; k < t->n_u; k++)
-        rates[k].free = (pack){ 0 };
-    for (int i = 0; i < z.n; i++)
-        for (unsigned long long left = z.rates[i]; left; left &= left - 1) {
+    for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++)
+        for (int i = 0; i < p->n_row; i++) {
+            int at = p->row[i].at;
+            if (at < 0)
+                continue;
+            pack sum = -z->row[at].goal;
+            for (int k = 0; k < 2; k++)
+                sum += dot_screw(z->row[at].on[k], all[p->body[k]].trial);
+            for (unsigned long long left = z->rates[at]; left; left &= left - 1) {
+                int k = __builtin_ctzll(left);
+                sum += z->y[at*t->n_u + k]*rates[k].free;
+            }
+            z->off[at] = sum;
+        }
+}
+
+/* Change the rates that are free by what the kept rows add.  Returns the least pivot, as factor_rows does; 1 where the factors are kept. */
+static double hold_loops(const lw_tree_stages *t, bool again, const body *all, rate *rates, kept_rows *z)
+{
+    double weak = 1;
+    if (!again) {
+        fill_rows(t, all, rates, z);
+        form_product(t, rates, z);
+        weak = factor_rows(z->n, z->product);
+    }
+    miss_rows(t, all, rates, z);
+    solve_rows(z->n, z->product, z->off);
+    for (int i = 0; i < z->n; i++) {
+        z->l[i] = again ? z->l[i] + z->off[i] : z->off[i];
+        for (unsigned long long left = z->rates[i]; left; left &= left - 1) {
             int k = __builtin_ctzll(left);
-            rates[k].free -= z.y[i*t->n_u + k]*z.l[i];
+            rates[k].free -= z->y[i*t->n_u + k]*z->off[i]*rates[k].by_inertia;
         }
-    more[-1] = (screw){ none, none };
-    for (int i = 0; i < t->n_body; i++) {
-        const lw_stage_body *p = &t->body[i];
-        screw a = more[p->parent];
-        a.move = add(a.move, cross(a.turn, all[i].from_parent));
-        for (int k = p->u; k < p->u + p->n_u; k++) {
-            const rate *r = &rates[k];
-            pack by = (r->free - dot_screw(r->push, a))*r->by_inertia;
-            a = add_screw(a, times_screw(r->axis, by));
-            keep(du + 8*k, pick(du + 8*k) + by);
-        }
-        more[i] = a;
     }
     return weak;
 }
 
 /* ---- all of it ------------------------------------------------------------------------------------------------- */
 
-/* The lanes from `lane` on, which y and dy begin with. */
-static double rates_of_some(const lw_tree_stages *t, int lane, const double *y, double *dy)
+static void place_ground(body *ground)       /* its inertia and its place from a parent are not used */
 {
-    body *all = (body *)t->state + 1;        /* [-1]: the ground */
-    rate *rates = (rate *)(void *)(all + t->n_body);
-    pack most = { 0 };
-    mask massless = { 0 };
-    body *ground = &all[-1];                 /* its inertia and its place from a parent are not used */
     ground->turn = (quat){ .w = all_lanes(1) };
     set_rows(ground);
     ground->at = none;
     ground->velocity = ground->trial = ground->load = (screw){ none, none };
-    for (int i = 0; i < t->n_body; i++) {
-        place(t, &t->body[i], y, lane, &all[t->body[i].parent], &all[i], rates);
-        weigh(&t->body[i], &all[i]);
-    }
-    pack power = pull(t, all);
-    if (t->has_work)
-        keep(dy + 8*(t->n_x + t->n_u), power);
+}
+
+/* Factors of the masses, and the rates that are free under the loads, from the leaves inwards.  False: a motion without mass. */
+LW_INLINE bool factor_masses(const lw_tree_stages *t, body *all, rate *rates)
+{
+    pack most = { 0 };
+    mask massless = { 0 };
     for (int i = t->n_body - 1; i >= 0; i--) {
         const lw_stage_body *p = &t->body[i];
         const body *b = &all[i];
@@ -545,29 +591,80 @@ static double rates_of_some(const lw_tree_stages *t, int lane, const double *y, 
         to->load.move = add(to->load.move, load.move);
         add_shifted(&to->inertia, p->last_child, t->body[p->parent].mass[0], &inertia, b->from_parent);
     }
-    if (any_lane(massless))
-        return 0;
-    ground->load = (screw){ none, none };
+    return !any_lane(massless);
+}
+
+/* The rates that are free under the loads by the factors of an earlier call. */
+LW_INLINE void push_inwards(const lw_tree_stages *t, body *all, rate *rates)
+{
+    for (int i = t->n_body - 1; i >= 0; i--) {
+        const lw_stage_body *p = &t->body[i];
+        const body *b = &all[i];
+        body *to = &all[p->parent];
+        screw load = b->load;
+        for (rate *r = rates + p->u + p->n_u - 1; r >= rates + p->u; r--) {
+            r->free = -dot_screw(r->axis, load)*r->by_inertia;
+            load = add_screw(load, times_screw(r->push, r->free));
+        }
+        if (p->parent < 0)
+            continue;
+        to->load.turn = add(to->load.turn, add(load.turn, cross(b->from_parent, load.move)));
+        to->load.move = add(to->load.move, load.move);
+    }
+}
+
+/* The accelerations of the rates, added to those of the trial if they had some. */
+LW_INLINE void go_outwards(const lw_tree_stages *t, const bool again, body *all, const rate *rates, double *du)
+{
+    all[-1].load = (screw){ none, none };
     for (int i = 0; i < t->n_body; i++) {
         const lw_stage_body *p = &t->body[i];
         screw a = all[p->parent].load;
         a.move = add(a.move, cross(a.turn, all[i].from_parent));
         for (int k = p->u; k < p->u + p->n_u; k++) {
             const rate *r = &rates[k];
-            pack du = r->free - dot_screw(r->push, a)*r->by_inertia;
-            a = add_screw(a, times_screw(r->axis, du));
-            keep(dy + 8*(t->n_x + k), du);
+            pack by = r->free - dot_screw(r->push, a)*r->by_inertia;
+            a = add_screw(a, times_screw(r->axis, by));
+            keep(du + 8*k, again ? pick(du + 8*k) + by : by);
         }
         all[i].load = a;
     }
-    return t->n_kept == 0 ? 1 : hold_loops(t, all, rates, dy + 8*t->n_x);
 }
 
-static double rates_of(const lw_tree_stages *t, const double *y, double *dy)
+/* The lanes from `lane` on, which y and dy begin with. */
+LW_INLINE double rates_of_some(const lw_tree_stages *t, const bool again, int lane, const double *y, double *dy)
+{
+    body *all = (body *)(void *)((char *)t->state + (size_t)lane/WIDTH*lw_tree_state_size(WIDTH, t->n_body, t->n_u, t->n_row)) + 1;
+    rate *rates = (rate *)(void *)(all + t->n_body);     /* all[-1]: the ground */
+    double *du = dy + 8*t->n_x;
+    kept_rows z = { .n = t->n_kept };
+    z.row = (pulls *)(void *)(rates + t->n_u), z.y = (pack *)(void *)(z.row + t->n_row);
+    z.product = z.y + t->n_row*t->n_u, z.l = z.product + t->n_row*t->n_row, z.off = z.l + t->n_row;
+    place_ground(&all[-1]);
+    for (int i = 0; i < t->n_body; i++) {
+        place(t, &t->body[i], y, lane, again ? du : NULL, &all[t->body[i].parent], &all[i], rates);
+        weigh(&t->body[i], !again, &all[i]);
+    }
+    pack power = pull(t, all);
+    if (t->has_work)
+        keep(du + 8*t->n_u, power);
+    place_rows(t, all, &z);
+    if (again) {
+        load_rows(t, all, &z);
+        push_inwards(t, all, rates);
+    }
+    else if (!factor_masses(t, all, rates))
+        return 0;
+    double weak = t->n_kept == 0 ? 1 : hold_loops(t, again, all, rates, &z);
+    go_outwards(t, again, all, rates, du);
+    return weak;
+}
+
+static double rates_of(const lw_tree_stages *t, bool again, const double *y, double *dy)
 {
     double weak = 1;
     for (int lane = 0; lane < 8; lane += WIDTH) {
-        double here = rates_of_some(t, lane, y + lane, dy + lane);
+        double here = again ? rates_of_some(t, true, lane, y + lane, dy + lane) : rates_of_some(t, false, lane, y + lane, dy + lane);
         weak = here < weak ? here : weak;
     }
     return weak;

@@ -9,8 +9,8 @@
 typedef struct lw_tree_kernel {
     const char *isa;
     int width;                               /* lanes at a time */
-    /* least pivot of the loops over the first, 1 without loops; 0: a motion without mass, or a singular posture */
-    double (*rates)(const lw_tree_stages *s, const double *y, double *dy);
+    /* least pivot of the loops over the first, 1 without loops or `again`; 0: a motion without mass, or a singular posture */
+    double (*rates)(const lw_tree_stages *s, bool again, const double *y, double *dy);
 } lw_tree_kernel;
 
 extern const lw_tree_kernel lw_tree_kernel_x86_64, lw_tree_kernel_x86_64_v3, lw_tree_kernel_x86_64_v4, lw_tree_kernel_native;
@@ -18,12 +18,12 @@ extern const lw_tree_kernel lw_tree_kernel_x86_64, lw_tree_kernel_x86_64_v3, lw_
 /* The table of an instruction set; of one that has none, the last. */
 const lw_tree_kernel *lw_tree_kernel_of(const char *isa);
 
-/* Bytes of lw_tree_stages.state: states of bodies and rates; Y, Y D Y^T and l of the rows; a screw for each body. */
-enum { LW_TREE_BODY_PACKS = 58, LW_TREE_RATE_PACKS = 14, LW_TREE_SCREW_PACKS = 6 };
-static inline size_t lw_tree_state_size(const lw_tree_kernel *k, int n_body, int n_u, int n_row)
+/* Bytes of lw_tree_stages.state for the lanes of one register: states of bodies and rates; rows, Y, Y D Y^T, multipliers and their changes. */
+enum { LW_TREE_BODY_PACKS = 58, LW_TREE_RATE_PACKS = 14, LW_TREE_PULL_PACKS = 13 };
+static inline size_t lw_tree_state_size(int width, int n_body, int n_u, int n_row)
 {
     size_t bodies = (size_t)n_body + 1, u = (size_t)n_u, row = (size_t)n_row;
-    return (size_t)k->width*sizeof(double)*(bodies*(LW_TREE_BODY_PACKS + LW_TREE_SCREW_PACKS) + u*LW_TREE_RATE_PACKS + row*(u + row + 1));
+    return (size_t)width*sizeof(double)*(bodies*LW_TREE_BODY_PACKS + u*LW_TREE_RATE_PACKS + row*(LW_TREE_PULL_PACKS + u + row + 2));
 }
 
 #endif

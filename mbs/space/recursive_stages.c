@@ -1,8 +1,12 @@
 /* mbs/space/recursive_stages.c - a tree and its loops made ready for the kernels of eight states. */
+#include "base/real.h"
 #include "mbs/space/kernel_tree_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+static const double near = 0.03;             /* coordinates [rad, sizes] that states move while the factors serve, */
+static const double weak_loops = 0.01;       /* less where the least pivot of the loops is below this */
 
 static const lw_tree_kernel *const kernels[] = {
 #ifdef __x86_64__
@@ -115,6 +119,8 @@ static void put_loop(const lw_recursive *r, int cut, lw_tree_stages *s)
         p->arm[k] = lw_v3_scale(j->arm[k], 1/r->s->unit);
     }
     p->n_row = put_rows(j, p->row);
+    for (int i = 0; i < p->n_row; i++)
+        s->moves = s->moves || p->row[i].kind == LW_STAGE_LINE;
     for (int k = 0; k < 3; k++)
         n += p->n_path[k] = walk(s, p, k, p->path + n);
     for (int i = 0; i < n; i++) {
@@ -144,14 +150,14 @@ lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, b
     const lw_spatial *m = r->s->model;
     size_t bodies = (size_t)r->s->n_body, u = (size_t)r->n_u, springs = (size_t)m->n_spring, loops = (size_t)r->n_cut;
     const lw_kernels *best = lw_kernels_supported(0);
-    *s = (lw_tree_stages){ .n_body = r->s->n_body, .n_x = r->n_x, .n_u = r->n_u, .n_spring = m->n_spring, .n_loop = r->n_cut,
+    *s = (lw_tree_stages){ .n_body = r->s->n_body, .n_x = r->n_x, .n_u = r->n_u, .n_row = r->n_row, .n_spring = m->n_spring, .n_loop = r->n_cut,
                            .has_work = has_work, .unit = r->s->unit, .turns = best->turns, .isa = best->isa,
                            .kernel = lw_tree_kernel_of(best->isa) };
     if (!suits(r, f))
         return LW_E_KIND;
-    size_t state = lw_tree_state_size(s->kernel, r->s->n_body, r->n_u, r->n_row);
+    size_t state = lw_tree_state_size(8, r->s->n_body, r->n_u, r->n_row);
     char *at = s->memory = malloc(state + LW_SCRATCH_ALIGNMENT + bodies*sizeof *s->body + springs*sizeof *s->spring + loops*sizeof *s->loop
-                                     + 3*8*(u + 1)*sizeof(double) + (u + 1 + loops*bodies)*sizeof(int));
+                                     + (3*8*(u + 1) + 8*(size_t)r->n_x)*sizeof(double) + (u + 1 + loops*bodies)*sizeof(int));
     if (!at)
         return LW_E_MEMORY;
     s->state = lw_scratch_align(at), at = (char *)s->state + state;
@@ -159,7 +165,8 @@ lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, b
     s->spring = (lw_stage_spring *)(void *)at, at += springs*sizeof *s->spring;
     s->loop = (lw_stage_loop *)(void *)at, at += loops*sizeof *s->loop;
     s->angle = (double *)(void *)at, s->cosine = s->angle + 8*(u + 1), s->sine = s->cosine + 8*(u + 1);
-    s->turn = (int *)(void *)(s->sine + 8*(u + 1));
+    s->factored = s->sine + 8*(u + 1);
+    s->turn = (int *)(void *)(s->factored + 8*s->n_x);
     for (size_t i = 0; i < loops; i++)
         s->loop[i].path = s->turn + u + 1 + i*bodies;
     for (int i = 0; i < s->n_body; i++)
@@ -174,6 +181,7 @@ lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, b
         put_loop(r, i, s);
     for (int i = 0; i < s->n_spring; i++) {
         const lw_spatial_spring *p = &m->spring[i];
+        s->moves = s->moves || p->damping != 0;
         s->spring[i] = (lw_stage_spring){ .stiffness = p->stiffness, .damping = p->damping, .free = p->free };
         for (int k = 0; k < 2; k++) {
             lw_space_point end = f->spring_end[i][k];
@@ -190,13 +198,31 @@ void lw_tree_stages_free(lw_tree_stages *s)
     *s = (lw_tree_stages){ 0 };
 }
 
-lw_status lw_tree_stages_rates(lw_tree_stages *s, const double *y, double *dy)
+/* Are all states near those of the factors? */
+static bool is_near(const lw_tree_stages *s, const double *y)
 {
+    double far[8] = { 0 }, most = 0;
+    for (int i = 0; i < 8*s->n_x; i += 8)
+        for (int k = 0; k < 8; k++) {
+            double off = fabs(y[i + k] - s->factored[i + k]);
+            far[k] = off > far[k] ? off : far[k];
+        }
+    for (int k = 0; k < 8; k++)
+        most = far[k] > most ? far[k] : most;
+    return most <= near*fmin(1, s->weak/weak_loops);
+}
+
+lw_status lw_tree_stages_rates(lw_tree_stages *s, bool again, const double *y, double *dy)
+{
+    again = again && s->n_kept == s->n_row && is_near(s, y);
+    if (!again)
+        memcpy(s->factored, y, 8*(size_t)s->n_x*sizeof *y);
     for (int i = 0; i < s->n_angle; i++)
         for (int k = 0; k < 8; k++)
             s->angle[8*i + k] = 0.5*y[8*s->turn[i] + k];
     s->turns(8*(size_t)s->n_angle, s->angle, s->cosine, s->sine);
-    s->weak = s->kernel->rates(s, y, dy);
+    double weak = s->kernel->rates(s, again, y, dy);
+    s->weak = again ? s->weak : weak;
     return s->weak > 0 ? LW_OK : LW_E_ARG;
 }
 

@@ -40,14 +40,15 @@ typedef struct lw_stage_loop {
 enum { LW_STAGE_ROWS = 24, LW_STAGE_RATES = 64 };        /* most rows of loops, and rates where there are any */
 
 typedef struct lw_tree_stages {
-    int     n_body, n_x, n_u, n_angle, n_spring, n_loop, n_kept;
-    bool    has_work;
-    double  unit, weak;                      /* weak: least pivot of the loops over the first, of the last eight states; 1: no loops */
+    int     n_body, n_x, n_u, n_angle, n_spring, n_loop, n_row, n_kept;
+    bool    has_work, moves;                 /* moves: velocities of the centres are needed, by dampers or rows */
+    double  unit, weak;                      /* weak: least pivot of the loops over the first, of the states factored last; 1: no loops */
     lw_stage_body   *body;                   /* (n_body) */
     lw_stage_spring *spring;
     lw_stage_loop   *loop;                   /* (n_loop) */
     int    *turn;                            /* (n_angle) coordinates of the angles */
     double *angle, *cosine, *sine;           /* (8 n_angle) halves */
+    double *factored;                        /* (8 n_x) coordinates of the factors */
     void   *state;                           /* scratch of the kernels, */
     const struct lw_tree_kernel *kernel;     /* which are those of the processor */
     const char *isa;
@@ -62,8 +63,10 @@ void      lw_tree_stages_free(lw_tree_stages *s);
 /* Keep the independent rows that r was factored with last, in that order, for the states to come. */
 void      lw_tree_stages_keep_rows(lw_tree_stages *s, const lw_recursive *r);
 
-/* dy of eight states y, but x'.  LW_E_ARG: a motion without mass, or loops in a singular posture. */
-lw_status lw_tree_stages_rates(lw_tree_stages *s, const double *y, double *dy);
+/* dy of eight states y, but x'.  again: dy holds the rates of the last call.  Where the states are near those factored last, these factors
+ * improve dy: repeated calls tend to the rates, and each costs three quarters or, with loops, half.  Not where rows are left out: near
+ * singular postures of such loops steps would fail more often.  LW_E_ARG: a motion without mass, or loops in a singular posture. */
+lw_status lw_tree_stages_rates(lw_tree_stages *s, bool again, const double *y, double *dy);
 
 /* x' of eight states y. */
 void      lw_tree_stages_motion(const lw_tree_stages *s, const double *y, double *dx);
