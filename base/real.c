@@ -208,25 +208,21 @@ static const pair atan_eighths[9] = {
     { 0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55 },
 };
 
-/* The arc tangent of q in 0 .. 1: that of the nearest eighth c, and of z = (q - c)/(1 + c q), |z| < 1/15, from its series
+/* The arc tangent of q = low/high in 0 .. 1: that of the nearest eighth c, and of z = (q - c)/(1 + c q), |z| < 1/15, from its series
  * to z^15. */
-static pair arc(pair q)
+static pair arc(double low, double high)
 {
-    int k = (int)(8*q.hi + 0.5);
-    double c = 0.125*k;
-    pair z = q;
+    int k = (int)(8*(low/high) + 0.5);
+    pair top = { low, 0 }, bottom = { high, 0 };
     if (k > 0) {
-        pair cq = product(c, q.hi), bottom = sum_sorted(1, cq.hi);
-        bottom.lo += cq.lo + c*q.lo;
-        z = divide((pair){ q.hi - c, q.lo }, bottom);
+        pair from = product(0.125*k, high), more = product(0.125*k, low);
+        top = (pair){ low - from.hi, -from.lo };         /* exact: at most a factor of 2 apart */
+        bottom = sum_sorted(high, more.hi);
+        bottom.lo += more.lo;
     }
-    double t = z.hi*z.hi, s = -1.0/15;
-    s = s*t + 1.0/13;
-    s = s*t - 1.0/11;
-    s = s*t + 1.0/9;
-    s = s*t - 1.0/7;
-    s = s*t + 1.0/5;
-    s = s*t - 1.0/3;
+    pair z = divide(top, bottom);
+    double t = z.hi*z.hi, tt = t*t;
+    double s = ((-1.0/3 + t*(1.0/5)) + tt*(-1.0/7 + t*(1.0/9))) + tt*tt*((-1.0/11 + t*(1.0/13)) - tt*(1.0/15));
     z.lo += z.hi*t*s;
     pair total = sum_sorted(atan_eighths[k].hi, z.hi);
     if (k == 0)
@@ -249,16 +245,17 @@ double lw_real_atan2(double y, double x)
         if (low == 0 || isinf(high)) {
             t = (pair){ 0, 0 };
         } else {
-            int e;
-            (void)frexp(high, &e);
-            if (e > 500 || e < -400)
+            if (!(high < 0x1p500 && high > 0x1p-400)) {
+                int e;
+                (void)frexp(high, &e);
                 low = scale(low, -e), high = scale(high, -e);
+            }
             if (low < 0x1p-900*high) {                   /* the quotient may be subnormal */
                 if (!steep && !(signbit(x)))
                     return copysign(a/b, y);
                 t = (pair){ 0, 0 };
             } else {
-                t = arc(divide((pair){ low, 0 }, (pair){ high, 0 }));
+                t = arc(low, high);
             }
         }
     }

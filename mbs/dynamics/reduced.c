@@ -52,14 +52,21 @@ static double springs(lw_reduced *r, double t, double ds, double *power)
     return q;
 }
 
-/* Turn of a body since the posture, near the one that its rates predict. */
-static double turn_of(const lw_reduced *r, int body, double s)
+static const lw_reg1 *direction_of(const lw_reduced *r, int body) { return &r->reg[r->centre[body].dir]; }
+static double first_direction(const lw_reduced *r, int body) { return body < 0 ? 0 : r->dir0[r->dynamics->s.link[body]]; }
+
+/* Turn of a body since the posture that its rates predict. */
+static double predicted_turn(const lw_reduced *r, int body, double s)
 {
-    if (body < 0)
-        return 0;
-    const lw_reg1 *u = &r->reg[r->centre[body].dir];
-    double near = r->count.turn[body] + 0.5*(r->count.rate[body] + u->d.x)*(s - r->count.at);
-    double turn = atan2(u->p.y, u->p.x) - r->dir0[r->dynamics->s.link[body]] - near;
+    return body < 0 ? 0 : r->count.turn[body] + 0.5*(r->count.rate[body] + direction_of(r, body)->d.x)*(s - r->count.at);
+}
+
+/* Turn of body b against body a (-1: the ground) since the posture, near the one that their rates predict. */
+static double turn_between(const lw_reduced *r, int a, int b, double s)
+{
+    lw_vec2 u = a < 0 ? lw_v2(1, 0) : direction_of(r, a)->p, v = b < 0 ? lw_v2(1, 0) : direction_of(r, b)->p;
+    double near = predicted_turn(r, b, s) - predicted_turn(r, a, s);
+    double turn = atan2(lw_v2_cross(u, v), lw_v2_dot(u, v)) - (first_direction(r, b) - first_direction(r, a)) - near;
     return near + turn - 2*LW_PI*rint(turn/(2*LW_PI));
 }
 
@@ -67,7 +74,7 @@ void lw_reduced_count_turns(lw_reduced *r)
 {
     double s = r->known;
     for (int b = 0; r->counts_turns && b < r->dynamics->s.n_body; b++) {
-        r->count.turn[b] = turn_of(r, b, s);
+        r->count.turn[b] = turn_between(r, -1, b, s);
         r->count.rate[b] = r->reg[r->centre[b].dir].d.x;
     }
     r->count.at = s;
@@ -79,7 +86,7 @@ static double joint_value(const lw_reduced *r, int joint, double s)
     if (joint == r->linkage.input[0].joint)
         return r->sense*(s - r->start);
     if (!j->slides)
-        return j->sign*(turn_of(r, j->body[1], s) - turn_of(r, j->body[0], s));
+        return j->sign*turn_between(r, j->body[0], j->body[1], s);
     const lw_end_point *p = j->point;
     lw_reg1 a = lw_rate_point(r->reg, p[0].origin, p[0].dir, p[0].arm);
     lw_reg1 b = lw_rate_point(r->reg, p[1].origin, p[1].dir, p[1].arm);
@@ -155,7 +162,7 @@ static double general_loads(lw_reduced *r, double t, double s, double ds, double
     const lw_dynamics *d = r->dynamics;
     double q = 0;
     for (int b = 0; b < d->s.n_body; b++)
-        r->q[3*b + 2] = turn_of(r, b, s);
+        r->q[3*b + 2] = turn_between(r, -1, b, s);
     lw_reduced_state(r, d, ds, r->q, r->v);
     lw_forces_apply(&d->f, t, r->q, r->v, r->force, NULL, NULL, power);
     for (int b = 0; b < d->s.n_body; b++) {
