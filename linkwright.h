@@ -1325,7 +1325,7 @@ typedef struct lw_result_spread {
     double      rms, worst;            /* standard deviation of the place: over the path, in the worst posture [m]  */
     double      trial_rms, within;     /* rms of 1000 random linkages; 95 of 100 stay this near everywhere [m]  */
     int         open;                  /* of these do not close everywhere                                       */
-    const char *dimension;             /* matters most ...                                                       */
+    char        dimension[40];         /* matters most, or as "pin B" the clearance of a pin, ...                  */
     double      part;                  /* ... with this part of rms^2                                            */
 } lw_result_spread;
 

@@ -456,8 +456,8 @@ lw_status lw_results_spread(const lw_results *results, const lw_target *target, 
     const lw_fit_report *report = &list_of(results)->report[i];
     lw_status s = lw_robustness_of(target, candidate_of(results, i), report, &of, &r, error);
     if (s == LW_OK)
-        *out = (lw_result_spread){ r.rms, r.worst, r.trial_rms, r.within, r.open, report->dim_name[r.first],
-                                   r.part[r.first] };
+        *out = (lw_result_spread){ r.rms, r.worst, r.trial_rms, r.within, r.open, "", r.part[r.first] };
+    memcpy(out->dimension, r.name[r.first], s == LW_OK ? sizeof out->dimension : 0);
     return s;
 }
 

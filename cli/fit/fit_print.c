@@ -376,7 +376,7 @@ static void json_robustness(const cli_fit_set *s, int i, cli_json *j)
     cli_json_real(j, "trial_rms", length(s, r.trial_rms));
     cli_json_real(j, "within", length(s, r.within));
     cli_json_object(j, "parts");
-    for (int d = 0; d < r.n_dim; d++)
+    for (int d = 0; d < r.n_part; d++)
         cli_json_real(j, r.name[d], r.part[d]);
     cli_json_end(j);
     cli_json_end(j);

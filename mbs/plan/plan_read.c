@@ -172,6 +172,15 @@ static void read_phases(const lw_plan *p, const lw_frames *f, double *dim)
         }
 }
 
+/* The phases of all wheels. */
+static void read_all_phases(const lw_plan *p, const lw_frames *f, double input, double *dim)
+{
+    for (int i = 0; i < p->n_step; i++)
+        if (p->step[i].kind == LW_STEP_GEAR && p->step[i].dim[0] >= 0)
+            dim[p->step[i].dim[0]] = read_phase(p, f, &p->step[i], input);
+    read_phases(p, f, dim);
+}
+
 /* The assembly mode of a dyad; signs as at lw_dyad in mbs/plan/plan.h. */
 static double read_mode(const lw_plan *p, const lw_linkage *linkage, const lw_step *s)
 {
@@ -246,10 +255,7 @@ static lw_status read_wide(const lw_plan *p, const lw_linkage *linkage, double *
         if (p->step[i].dyad >= 0)
             mode[p->step[i].dyad] = read_mode(p, linkage, &p->step[i]);
     *input = lw_plan_read_input(p, linkage, &f);
-    for (int i = 0; i < p->n_step; i++)
-        if (p->step[i].kind == LW_STEP_GEAR && p->step[i].dim[0] >= 0)
-            dim[p->step[i].dim[0]] = read_phase(p, &f, &p->step[i], *input);
-    read_phases(p, &f, dim);
+    read_all_phases(p, &f, *input, dim);
     read_seeds(p, linkage, &f, dim, *input, mode);
     return LW_OK;
 }
@@ -260,4 +266,82 @@ lw_status lw_plan_read(const lw_plan *p, const lw_linkage *linkage, double *dim,
     lw_linkage wide;
     lw_status s = lw_plan_expand(linkage, &wide, NULL, e);
     return s == LW_OK ? read_wide(p, &wide, dim, mode, input, e) : s;
+}
+
+/* ---- play in a pin ------------------------------------------------------------------------------ */
+
+/* The link of the joint to move the pin on: the one with fewer joints at this pin; -1: the plan leaves one of them out. */
+static int link_to_move(const lw_plan *p, const lw_linkage *linkage, int joint)
+{
+    int found[2] = { 0 }, at[2] = { 0 };
+    for (int h = 0; h < 2; h++) {
+        for (int i = 0; i < p->n_link; i++)
+            found[h] += p->link[i] == linkage->joint[joint].link[h];
+        for (int j = 0; j < linkage->n_joint; j++)
+            at[h] += p->joint_pin[j] == p->joint_pin[joint] && lw_joint_has(&linkage->joint[j], linkage->joint[joint].link[h]);
+    }
+    return found[0] && found[1] ? linkage->joint[joint].link[at[1] < at[0]] : -1;
+}
+
+/* Dimensions and input when the pin is at `by` from its place on this link alone. */
+static lw_status read_moved(const lw_plan *plan, const lw_linkage *linkage, int joint, int link, lw_vec2 by, double *dim,
+                            double *input, lw_error *e)
+{
+    lw_plan p = *plan;
+    lw_linkage moved = *linkage, others = *linkage;        /* as this link has its pins, and as all others have theirs */
+    lw_frames f;
+    lw_status s = LW_OK;
+    for (int j = 0; j < linkage->n_joint; j++)
+        if (p.joint_pin[j] == p.joint_pin[joint])
+            moved.joint[j].at = lw_v2_add(moved.joint[j].at, by);
+    if (linkage->n_joint == LW_JOINT_MAX)
+        return lw_error_set(e, LW_E_KIND, "play is worked out for less than %d joints", LW_JOINT_MAX);
+    others.joint[linkage->n_joint] = moved.joint[linkage->n_joint] = moved.joint[joint];
+    for (int j = 0; j < linkage->n_joint; j++) {           /* slide lines of this link that are the path of the pin */
+        int pin = p.slider_ref[j];
+        if (pin >= 0 && p.joint_pin[pin] == p.joint_pin[joint] && lw_joint_has(&linkage->joint[j], link))
+            p.slider_ref[j] = linkage->n_joint;
+    }
+    for (int i = 0; i < p.n_link && s == LW_OK; i++) {
+        int at = p.link[i];
+        const lw_linkage *seen = at == link ? &moved : &others;
+        f.o[at] = frame_origin(&p, seen, at, &f);
+        s = frame_axis(&p, seen, at, &f, e);
+    }
+    for (int d = 0; d < p.n_dim && s == LW_OK; d++)
+        dim[d] = read_dim(&p, p.dim[d].link == link ? &moved : &others, &f, &p.dim[d]);
+    if (s == LW_OK) {
+        *input = lw_plan_read_input(&p, linkage, &f);
+        read_all_phases(&p, &f, *input, dim);
+    }
+    return s;
+}
+
+lw_status lw_plan_read_play(const lw_plan *p, const lw_linkage *linkage, int joint, double *const by[2], double input[2],
+                            lw_error *e)
+{
+    lw_linkage wide;
+    double up[LW_DIM_MAX], down[LW_DIM_MAX], in[2];
+    lw_status s = lw_plan_expand(linkage, &wide, NULL, e);
+    int link = s == LW_OK ? link_to_move(p, &wide, joint) : -1;
+    for (int k = 0; k < 2 && s == LW_OK; k++) {
+        memset(by[k], 0, sizeof *by[k]*(size_t)p->n_dim);
+        input[k] = 0;
+        if (link < 0)
+            continue;
+        double h = 0;
+        for (int j = 0; j < wide.n_joint; j++)
+            h = fmax(h, 1e-6*lw_v2_norm(lw_v2_sub(wide.joint[j].at, wide.joint[joint].at)));
+        lw_vec2 step = k == 0 ? lw_v2(h, 0) : lw_v2(0, h);
+        s = read_moved(p, &wide, joint, link, step, up, &in[0], e);
+        if (s == LW_OK)
+            s = read_moved(p, &wide, joint, link, lw_v2_scale(step, -1), down, &in[1], e);
+        for (int d = 0; d < p->n_dim && s == LW_OK; d++) {
+            double change = up[d] - down[d];
+            by[k][d] = (p->dim[d].kind == LW_DIM_ANGLE ? remainder(change, 2*LW_PI) : change)/(2*h);
+        }
+        double change = in[0] - in[1];
+        input[k] = (p->input_is_slider ? change : remainder(change, 2*LW_PI))/(2*h);
+    }
+    return s;
 }

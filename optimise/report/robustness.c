@@ -1,4 +1,5 @@
 #include "optimise/report/robustness.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,20 +17,48 @@ typedef struct spread {
     double  dim[LW_DIM_MAX], mode[LW_MODE_MAX], sigma[LW_DIM_MAX];
     double *c, *s, *x, *y, *margin, *far;      /* of each posture; far: the greatest distance in each trial */
     double *by[2];                             /* derivatives of x and y                  (n_dim*n)      */
+    double *tx, *ty;                           /* by the input                                           */
+    double  start;                             /* input of the posture of the linkage ...                */
+    const double *input;                       /* ... and what each posture adds                 (n)     */
+    double  clearance;
+    int     n_pin, pin[LW_JOINT_MAX];          /* with clearance                                         */
+    double  play[LW_JOINT_MAX][2][LW_DIM_MAX], play_input[LW_JOINT_MAX][2];        /* as lw_plan_read_play */
     void   *work;
 } spread;
-
-static bool is_pin(lw_dim_role role) { return role == LW_ROLE_R || role == LW_ROLE_X || role == LW_ROLE_Y; }
 
 static void set_deviations(const lw_tolerances *of, spread *p)
 {
     double size = lw_plan_size(&p->plan, p->dim);
     for (int d = 0; d < p->plan.n_dim; d++) {
         const lw_dim_info *i = &p->plan.dim[d];
-        double length = SIGMA*of->length, gap = is_pin(i->role) ? 0.5*of->clearance : 0;
-        p->sigma[d] = i->kind == LW_DIM_ANGLE ? length/(size > 0 ? size : 1) : hypot(length, gap);
+        double length = SIGMA*of->length;
+        p->sigma[d] = i->kind == LW_DIM_ANGLE ? length/(size > 0 ? size : 1) : length;
         if (i->role == LW_ROLE_PHASE || i->role == LW_ROLE_MIDDLE)
             p->sigma[d] = 0;                               /* phases of wheels are set when they are mounted */
+    }
+}
+
+/* What play in each pin does to the dimensions and the input. */
+static lw_status read_play(const lw_linkage *linkage, const lw_tolerances *of, spread *p, lw_error *e)
+{
+    lw_status st = LW_OK;
+    p->clearance = of->clearance;
+    for (int j = 0; of->clearance > 0 && j < linkage->n_joint && st == LW_OK; j++) {
+        double *const by[2] = { p->play[p->n_pin][0], p->play[p->n_pin][1] };
+        if (!lw_joint_turns(linkage->joint[j].kind) && !lw_joint_has_slot(linkage->joint[j].kind))
+            continue;
+        st = lw_plan_read_play(&p->plan, linkage, j, by, p->play_input[p->n_pin], e);
+        p->pin[p->n_pin++] = j;
+    }
+    return st;
+}
+
+static void set_inputs(spread *p, double more)
+{
+    for (size_t i = 0; i < p->n; i++) {
+        double at = p->start + p->input[i] + more;
+        p->c[i] = p->plan.input_is_slider ? at : cos(at);
+        p->s[i] = p->plan.input_is_slider ? 0 : sin(at);
     }
 }
 
@@ -42,8 +71,10 @@ static lw_status prepare(const lw_linkage *linkage, const double *input, size_t 
     if (st != LW_OK)
         return st;
     size_t dims = (size_t)p->plan.n_dim, work = (lw_batch_work_size(&p->plan) + 127) & ~(size_t)63;
-    double *m = malloc(sizeof *m*(n*(5 + 2*dims) + (size_t)trials));
+    double *m = malloc(sizeof *m*(n*(7 + 2*dims) + (size_t)trials));
     p->n = n;
+    p->start = at;
+    p->input = input;
     p->c = m;
     p->work = aligned_alloc(64, work);
     if (!m || !p->work)
@@ -52,28 +83,56 @@ static lw_status prepare(const lw_linkage *linkage, const double *input, size_t 
     p->x = m + 2*n;
     p->y = m + 3*n;
     p->margin = m + 4*n;
-    p->by[0] = m + 5*n;
+    p->tx = m + 5*n;
+    p->ty = m + 6*n;
+    p->by[0] = m + 7*n;
     p->by[1] = p->by[0] + n*dims;
     p->far = p->by[1] + n*dims;
-    for (size_t i = 0; i < n; i++) {
-        p->c[i] = p->plan.input_is_slider ? at + input[i] : cos(at + input[i]);
-        p->s[i] = p->plan.input_is_slider ? 0 : sin(at + input[i]);
-    }
+    set_inputs(p, 0);
     return LW_OK;
 }
 
+/* The variance of the point in posture k for play in pin i of spread.pin. */
+static double variance_of_play(const spread *p, int i, size_t k)
+{
+    double square = 0;
+    for (int axis = 0; axis < 2; axis++) {
+        double x = p->play_input[i][axis]*p->tx[k], y = p->play_input[i][axis]*p->ty[k];
+        for (int d = 0; d < p->plan.n_dim; d++) {
+            x += p->play[i][axis][d]*p->by[0][(size_t)d*p->n + k];
+            y += p->play[i][axis][d]*p->by[1][(size_t)d*p->n + k];
+        }
+        square += x*x + y*y;
+    }
+    return 0.25*p->clearance*p->clearance*square;
+}
+
+static void name_parts(const spread *p, const lw_linkage *linkage, double all, lw_robustness *out)
+{
+    int dims = p->plan.n_dim;
+    out->n_part = dims + p->n_pin;
+    for (int i = 0; i < out->n_part; i++) {
+        if (i < dims)
+            snprintf(out->name[i], sizeof out->name[i], "%s", p->plan.dim[i].name);
+        else
+            snprintf(out->name[i], sizeof out->name[i], "pin %s", linkage->joint[p->pin[i - dims]].name);
+        out->part[i] /= all > 0 ? all : 1;
+        if (out->part[i] > out->part[out->first])
+            out->first = i;
+    }
+}
+
 /* Places and derivatives of the linkage itself, and what they say. */
-static lw_status linearise(spread *p, lw_robustness *out, lw_error *e)
+static lw_status linearise(spread *p, const lw_linkage *linkage, lw_robustness *out, lw_error *e)
 {
     lw_lanes in = { .n = p->n, .c = p->c, .s = p->s, .dim = p->dim, .mode = p->mode };
-    lw_jacobian j = { .x = p->x, .y = p->y, .margin = p->margin, .jx = p->by[0], .jy = p->by[1], .ld = p->n };
-    double *u = malloc(sizeof *u*4*p->n), all = 0;
+    lw_jacobian j = { .x = p->x, .y = p->y, .margin = p->margin, .jx = p->by[0], .jy = p->by[1], .tx = p->tx, .ty = p->ty,
+                      .ld = p->n };
+    double *u = malloc(sizeof *u*2*p->n), all = 0;
     if (!u)
         return lw_error_set(e, LW_E_MEMORY, "no memory for the tolerances");
     j.u = u;
     j.v = u + p->n;
-    j.tx = u + 2*p->n;
-    j.ty = u + 3*p->n;
     lw_batch_jacobian(&p->plan, &in, 0, p->work, &j);
     free(u);
     for (size_t k = 0; k < p->n; k++) {
@@ -86,19 +145,35 @@ static lw_status linearise(spread *p, lw_robustness *out, lw_error *e)
             here += part;
             out->part[d] += part;
         }
+        for (int i = 0; i < p->n_pin; i++) {
+            double part = variance_of_play(p, i, k);
+            here += part;
+            out->part[p->plan.n_dim + i] += part;
+        }
         all += here;
         out->worst = fmax(out->worst, here);
     }
     out->worst = sqrt(out->worst);
     out->rms = sqrt(all/(double)p->n);
-    out->n_dim = p->plan.n_dim;
-    for (int d = 0; d < out->n_dim; d++) {
-        memcpy(out->name[d], p->plan.dim[d].name, sizeof out->name[d]);
-        out->part[d] /= all > 0 ? all : 1;
-        if (out->part[d] > out->part[out->first])
-            out->first = d;
-    }
+    name_parts(p, linkage, all, out);
     return LW_OK;
+}
+
+/* Add play in each pin, drawn from its circle, to the dimensions; set the inputs with what it does to them. */
+static void draw_play(spread *p, lw_rng *rng, double *dim)
+{
+    double more = 0;
+    for (int i = 0; i < p->n_pin; i++) {
+        double far = p->clearance*sqrt(lw_rng_uniform(rng)), angle = 2*LW_PI*lw_rng_uniform(rng);
+        double by[2] = { far*cos(angle), far*sin(angle) };
+        for (int axis = 0; axis < 2; axis++) {
+            more += by[axis]*p->play_input[i][axis];
+            for (int d = 0; d < p->plan.n_dim; d++)
+                dim[d] += by[axis]*p->play[i][axis][d];
+        }
+    }
+    if (p->n_pin > 0)
+        set_inputs(p, more);
 }
 
 /* Random linkages.  p->by becomes their places. */
@@ -111,10 +186,11 @@ static void draw(spread *p, const lw_tolerances *of, lw_robustness *out)
     for (int t = 0; t < out->trials; t++) {
         bool closes = true;
         double square = 0, most = 0;
-        for (int d = 0; d < p->plan.n_dim; d++) {
+        for (int d = 0; d < p->plan.n_dim; d++)
             dim[d] = p->dim[d] + p->sigma[d]*lw_rng_normal(&rng);
+        draw_play(p, &rng, dim);
+        for (int d = 0; d < p->plan.n_dim; d++)
             closes &= p->plan.dim[d].kind != LW_DIM_LENGTH || dim[d] > 0;
-        }
         lw_lanes in = { .n = p->n, .c = p->c, .s = p->s, .dim = dim, .mode = p->mode };
         lw_batch_point(&p->plan, &in, 0, p->work, p->by[0], p->by[1], NULL, NULL, p->margin);
         for (size_t k = 0; k < p->n; k++) {
@@ -147,8 +223,10 @@ static lw_status spread_of(const lw_linkage *linkage, const double *input, size_
     lw_status st = prepare(linkage, input, n, out->trials, p, e);
     if (st == LW_OK) {
         set_deviations(of, p);
-        st = linearise(p, out, e);
+        st = read_play(linkage, of, p, e);
     }
+    if (st == LW_OK)
+        st = linearise(p, linkage, out, e);
     if (st == LW_OK && trials > 0)
         draw(p, of, out);
     free(p->work);

@@ -2,13 +2,14 @@
  *
  * Lengths and coordinates of the plan (pins, offsets, the tracer, the place of the frame) vary independently, with a
  * standard deviation of a third of the tolerance.  Angles vary by the same over the mean length of the linkage.  A
- * clearance lets each pin lie anywhere in a circle of this radius around its place on the next link, which adds a
- * quarter of the squared radius to the variance of each of its coordinates; a link without coordinates beside its
- * length takes the part along its line only. */
+ * clearance lets each pin lie anywhere in a circle of this radius around its place on the next link: the variance along
+ * each axis is a quarter of the squared radius.  The input link keeps its angle. */
 #ifndef LW_OPTIMISE_REPORT_ROBUSTNESS_H
 #define LW_OPTIMISE_REPORT_ROBUSTNESS_H
 
 #include "optimise/report/report.h"
+
+#define LW_PART_MAX (LW_DIM_MAX + LW_JOINT_MAX)
 
 typedef struct lw_robustness {
     /* to first order, from exact derivatives: root mean square distance of the point from its place [m] ... */
@@ -17,9 +18,9 @@ typedef struct lw_robustness {
     int    trials, open;            /* drawn; of these do not close in every posture                      */
     double trial_rms;               /* the same as rms, of those that close [m]                        */
     double within;                  /* 95 of 100 of them stay this near in every posture [m]           */
-    int    n_dim, first;            /* dimensions; the one with the greatest part of rms^2             */
-    char   name[LW_DIM_MAX][16];
-    double part[LW_DIM_MAX];        /* of rms^2, their sum is 1                                        */
+    int    n_part, first;           /* dimensions, then pins if they have clearance; the one with the greatest part of rms^2 */
+    char   name[LW_PART_MAX][4 + LW_NAME_SIZE];    /* of a pin "pin B"                                */
+    double part[LW_PART_MAX];       /* of rms^2, their sum is 1                                        */
 } lw_robustness;
 
 /* Postures: the linkage's posture with its input moved by each of input[n] [rad] or [m], as the plan counts it.
