@@ -122,7 +122,7 @@ $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
 # the program for tests of limits and faults: the environment sets its clock, its end by a signal, the call that fails, and
 # its instruction set
 WRAPPED  = malloc calloc realloc aligned_alloc strdup strndup open_memstream fsync rename pthread_create write fflush fclose \
-           lw_kernels_supported timer_settime dlopen gp_New SUNContext_Create
+           lw_kernels_supported setitimer dlopen gp_New SUNContext_Create
 # Archives in the place of shared libraries, where there are any: a start takes half the processor time, and calls inside
 # GSL, SUNDIALS and others fail, too.
 ARCHIVE  = $(filter /%,$(shell $(CC) -print-file-name=$(1:-l%=lib%.a)))

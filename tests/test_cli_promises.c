@@ -310,6 +310,17 @@ TEST(long_runs_stop)
     demand("rm -rf $D/x", "");
 }
 
+/* Where the system queues no signal and so refuses timers of timer_create, --time ends a command that does not read the clock. */
+TEST(no_queued_signals)
+{
+    struct rlimit usual, none;
+    CHECK(getrlimit(RLIMIT_SIGPENDING, &usual) == 0);
+    none = (struct rlimit){ 0, usual.rlim_max };
+    CHECK(setrlimit(RLIMIT_SIGPENDING, &none) == 0);
+    expect("timeout 60 $P robot map examples/space/delta.json --places 1000 --time 0.1 -o $D/none", 5, NULL, NULL);
+    CHECK(setrlimit(RLIMIT_SIGPENDING, &usual) == 0);
+}
+
 /* Hundreds of links, with and without rows that depend on others: none of them needs a full matrix. */
 TEST(many_links)
 {

@@ -10,6 +10,7 @@
 #include <strings.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
 #include "base/real.h"
@@ -93,12 +94,10 @@ void cli_note(const cli_call *call, const char *format, ...)
 
 /* The only state that a signal handler changes: the first signal, and when the program is ended by force. */
 static volatile sig_atomic_t interrupted;
-static struct timespec       forced_end;
+static double                forced_end;         /* monotonic [s]                                    */
 
 static volatile sig_atomic_t finishing;          /* > 0: a file is committed, the program is not ended by force */
-static timer_t               timer;
-static bool                  timed;              /* the timer was made                               */
-static struct itimerspec     left;               /* what is left of --time meanwhile                 */
+static double                left;               /* what is left of --time meanwhile [s]; 0: no end  */
 
 /* The temporary files of -o and, after it, of pictures, which a forced end removes; "" for none. */
 enum { TEMPORARY_MAX = 8 };
@@ -124,11 +123,16 @@ static bool write_held(FILE *real, const char *data, size_t n)
     return done;
 }
 
-static ssize_t pass_on(void *real, const char *data, size_t n)
+static double now_of(clockid_t clock)
 {
     struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC_COARSE, &t);
-    double now = (double)t.tv_sec + 1e-9*(double)t.tv_nsec;
+    clock_gettime(clock, &t);
+    return (double)t.tv_sec + 1e-9*(double)t.tv_nsec;
+}
+
+static ssize_t pass_on(void *real, const char *data, size_t n)
+{
+    double now = now_of(CLOCK_MONOTONIC_COARSE);
     if (watched.n + n > sizeof watched.held || now - watched.last > HELD) {
         watched.last = now;
         return write_held(real, data, n) ? (ssize_t)n : 0;
@@ -215,20 +219,29 @@ lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e)
     return open_path(call->common.output ? call->common.output : picture && !call->common.json ? "/dev/null" : "-", o, e);
 }
 
+/* Have SIGALRM sent after so many seconds; 0: never.  Returns what was left until then; 0: it was not asked for.  A timer of
+ * timer_create would need a queued signal, which the system may refuse. */
+static double set_timer(double seconds)
+{
+    struct itimerval t = { .it_value = { (time_t)seconds, (suseconds_t)(1e6*(seconds - floor(seconds))) } }, before = { 0 };
+    setitimer(ITIMER_REAL, &t, &before);
+    return (double)before.it_value.tv_sec + 1e-6*(double)before.it_value.tv_usec;
+}
+
 void cli_hold(void)
 {
-    if (finishing++ == 0 && timed)
-        timer_settime(timer, 0, &(struct itimerspec){ 0 }, &left);
+    if (finishing++ == 0)
+        left = set_timer(0);
 }
 
 void cli_go_on(void)
 {
-    if (--finishing > 0 || !timed)
+    if (--finishing > 0)
         return;
     if (interrupted)
-        timer_settime(timer, TIMER_ABSTIME, &(struct itimerspec){ .it_value = forced_end }, NULL);
-    else if (left.it_value.tv_sec || left.it_value.tv_nsec)
-        timer_settime(timer, 0, &left, NULL);
+        set_timer(fmax(1e-6, forced_end - now_of(CLOCK_MONOTONIC)));
+    else if (left > 0)
+        set_timer(left);
 }
 
 /* Commit the file: nothing ends the program by force meanwhile. */
@@ -612,13 +625,6 @@ int cli_make_folder(const cli_call *call, const char *folder)
 
 #define GRACE 0.8             /* [s] how long a command may take to stop in order                    */
 
-static void set_timer(double seconds)
-{
-    struct itimerspec t = { .it_value = { (time_t)seconds, (long)(1e9*(seconds - floor(seconds))) } };
-    if (timed)
-        timer_settime(timer, 0, &t, NULL);
-}
-
 /* The number of the first signal if it is none: the output cannot be written, as a program that gets SIGPIPE. */
 #define WRITE_FAILED SIGPIPE
 
@@ -640,17 +646,14 @@ static void end_now(void)
 static void begin_end(int number)
 {
     int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
-    clock_gettime(CLOCK_MONOTONIC, &forced_end);
-    long end = forced_end.tv_nsec + (long)(1e9*GRACE);
-    forced_end.tv_sec += end/1000000000;
-    forced_end.tv_nsec = end%1000000000;
+    forced_end = now_of(CLOCK_MONOTONIC) + GRACE;
     interrupted = number;
     if (nothing >= 0) {
         dup2(nothing, STDIN_FILENO);             /* a waiting read is restarted and meets the end */
         close(nothing);
     }
-    if (timed && !finishing)
-        timer_settime(timer, TIMER_ABSTIME, &(struct itimerspec){ .it_value = forced_end }, NULL);
+    if (!finishing)
+        set_timer(GRACE);
 }
 
 static void end_after_failed_write(void)
@@ -676,21 +679,19 @@ static void on_signal(int number)
 
 void cli_watch_signals(void)
 {
-    struct sigevent event = { .sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGALRM };
     signal(SIGINT, on_signal);
     signal(SIGTERM, on_signal);
     if (signal(SIGHUP, on_signal) == SIG_IGN)
         signal(SIGHUP, SIG_IGN);                 /* nohup */
     signal(SIGALRM, on_signal);
     signal(SIGXFSZ, SIG_IGN);                    /* a file beyond the limit of the shell: the write fails */
-    timed = timer_create(CLOCK_MONOTONIC, &event, &timer) == 0;
 }
 
 void cli_limit_time(double seconds)
 {
     static bool limited;
     if (seconds > 0 && !limited)
-        set_timer(seconds);
+        set_timer(fmax(1e-6, seconds));
     limited = limited || seconds > 0;
 }
 
