@@ -479,6 +479,11 @@ TEST(light_crank_at_its_dead_point)
             CHECK_INT(drun_to(&d, way[f], tolerance, 2, 1), LW_OK);
             CHECK_NEAR(d.v[6]*d.system.unit, -1, tolerance + 1e-7, 0);
         }
+    CHECK_INT(drun_to(&d, LW_FORMULATION_GGL, 1e-12, 2, 1), LW_OK);          /* whose steps become too short; the rest is by another formulation */
+    CHECK_INT(d.report.gave_up, LW_FORMULATION_GGL);
+    CHECK_INT(d.report.formulation, LW_FORMULATION_INDEX1);
+    CHECK(d.report.gave_up_t > 1 && d.report.gave_up_t < 2);
+    CHECK_NEAR(d.v[6]*d.system.unit, -1, 1e-7, 0);
 }
 
 /* A cart is driven with 1 m/s from 0.5 s on, at once: the rod of 1 kg that hangs on it by its end is pushed by 1/(1/m + l^2/I) = 1/3 N s. */

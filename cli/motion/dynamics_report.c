@@ -25,6 +25,8 @@ void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, const cli_coarse
             fprintf(f, " and %.3g rad", r->adjusted_turn);
         fputs(" so that it moves\n", f);
     }
+    if (r->gave_up)
+        fprintf(f, "# %s gave up at t = %.12g s; what follows is by %s\n", lw_formulation_name(r->gave_up), r->gave_up_t, lw_formulation_name(r->formulation));
     if (r->smooth_friction)
         fputs("# assumed: friction is regularised by a speed of 0.001 m/s; a joint at rest under load creeps\n", f);
     if (r->no_friction)
@@ -57,6 +59,10 @@ void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_repo
 {
     cli_json_end(j);
     cli_json_text(j, "formulation", r->formulation == LW_FORMULATION_AUTO ? "equilibrium" : lw_formulation_name(r->formulation));
+    if (r->gave_up) {
+        cli_json_text(j, "gave_up", lw_formulation_name(r->gave_up));
+        cli_json_real(j, "gave_up_t", r->gave_up_t);
+    }
     cli_json_bool(j, "complete", status == LW_OK);
     if (status != LW_OK)
         cli_json_text(j, "ended", e->text);
@@ -213,6 +219,8 @@ void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynami
     if (r->period_off > 0)
         cli_note(c, "the motion repeats itself every %.12g s; what follows ten periods is taken from them, its phase good "
                  "to %.1e periods at the end", r->period, r->period_off);
+    if (r->gave_up)
+        cli_note(c, "%s; the rest of the run is by %s", r->why, lw_formulation_name(r->formulation));
     if (r->without_forces)
         cli_note(c, "%ld row%s in a singular posture, the first at t = %.12g s: forces without a limit there are left "
                  "empty", r->without_forces, r->without_forces == 1 ? " is" : "s are", r->without_forces_t);

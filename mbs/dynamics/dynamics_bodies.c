@@ -465,15 +465,19 @@ static lw_status run_bodies(lw_run *run, bool implicit)
         s = lw_run_begin(run, y);
     if (s == LW_OK)
         s = run_steps(run, &w, d->o.from, y);
+    if (s == LW_E_NUMERIC && implicit && d->o.formulation == LW_FORMULATION_CVODE && run->r->t > d->o.from) {
+        memcpy(y, state(&w), (size_t)run->n*sizeof *y);
+        s = lw_run_hand_over(run, y);
+    }
     end_steps(&w, run->r);
     free(w.each);
     free(y);
     return s;
 }
 
-lw_status lw_run_go_on(lw_run *run, double *out)
+static lw_status go_on(lw_run *run, double *out, bool implicit)
 {
-    stepper w = { .run = run, .implicit = run->d->n_friction > 0 || lw_mbs_is_stiff(run->d) };
+    stepper w = { .run = run, .implicit = implicit };
     size_t n = (size_t)run->n;
     double *y = calloc(2*n, sizeof *y), *old = run->y;
     if (!y)
@@ -495,6 +499,23 @@ lw_status lw_run_go_on(lw_run *run, double *out)
     run->y = old;
     free(y);
     return s;
+}
+
+lw_status lw_run_go_on(lw_run *run, double *out) { return go_on(run, out, run->d->n_friction > 0 || lw_mbs_is_stiff(run->d)); }
+
+lw_status lw_run_hand_over(lw_run *run, double *y)
+{
+    lw_dynamics *d = run->d;
+    lw_dynamics_report *r = run->r;
+    bool implicit = lw_mbs_is_stiff(d) || (d->n_friction && lw_mbs_friction_is_stiff(d));
+    if (run->refused || d->touch || d->elastic || d->eq.next_piece || d->eq.more_inertia || (implicit && (d->large || r->formulation == LW_FORMULATION_CVODE)))
+        return LW_E_NUMERIC;
+    const lw_formulation to = implicit ? LW_FORMULATION_CVODE : LW_FORMULATION_INDEX1;
+    snprintf(r->why, sizeof r->why, "%s gave up: %.230s", lw_formulation_name(r->formulation), run->e->text);
+    r->gave_up = r->formulation;
+    r->gave_up_t = r->t;
+    r->formulation = to;
+    return go_on(run, y, implicit);
 }
 
 /* ---- index1 and cvode -------------------------------------------------------------------------------- */

@@ -495,8 +495,8 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
     if (s == LW_E_NUMERIC && d->space)
         snprintf(run->e->text + said, sizeof run->e->text - said, " ggl does not pass singular postures of models in space; if this is "
                  "one, leave the formulation to auto, or take recursive or index1");
-    if (s == LW_E_NUMERIC && d->o.formulation == LW_FORMULATION_AUTO)
-        s = lw_run_go_on(run, run->state);
+    if (s == LW_E_NUMERIC)
+        s = lw_run_hand_over(run, run->state);
     return s;
 }
 

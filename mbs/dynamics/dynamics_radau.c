@@ -982,7 +982,7 @@ static lw_status run_steps(stages *g)
             g->h = to_piece > 0 ? to_piece : to_switch, end = 0;
         if (!(g->h > 1e-14*fmax(fabs(g->t), d->o.to - d->o.from)))
             return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the steps become too short: the motion jumps, an elastic link buckles, "
-                                "or velocities change at once, as where a light crank passes its dead point: take index1", g->t);
+                                "velocities change at once, as where a light crank passes its dead point, or the tolerance is below rounding", g->t);
         s = solve_stages(g);
         if (s == LW_OPEN) {
             h = 0.3*g->h;
@@ -1098,6 +1098,8 @@ static lw_status run_implicit(lw_run *run, bool alpha)
     g.real.rubs = g.pair[0].rubs = g.pair[1].rubs = d->n_friction > 0;
     if (s == LW_OK)
         s = run_steps(&g);
+    if (s == LW_E_NUMERIC && d->o.formulation != LW_FORMULATION_AUTO)
+        s = lw_run_hand_over(run, state(&g, run->y));
     lw_tangent_free(&g.real);
     for (int k = 0; k < g.s/2; k++)
         lw_tangent_free(&g.pair[k]);

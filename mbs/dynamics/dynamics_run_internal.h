@@ -241,6 +241,9 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
  * (run->r->t, y) otherwise. */
 lw_status lw_run_go_on(lw_run *run, double *y);
 
+/* A formulation gives up at r->t in the state y, for the reason in run->e: go on by index1, or by cvode where the model is stiff, and report it. */
+lw_status lw_run_hand_over(lw_run *run, double *y);
+
 /* ---- dynamics_space.c -------------------------------------------------------------------------------- */
 
 /* A run of a spatial model whose inputs leave no freedom. */
