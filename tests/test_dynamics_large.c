@@ -951,7 +951,7 @@ static double greatest_difference(int n, const double *a, const double *b)
     return most;
 }
 
-/* Rows within the steps of radau are not much farther off than those at which steps end. */
+/* Velocities in the rows within the steps of radau, and in those at which steps end, are as accurate as the tolerance. */
 TEST(rows_within_steps)
 {
     enum { ROWS = 360 };
@@ -969,7 +969,7 @@ TEST(rows_within_steps)
             at_ends = fmax(at_ends, greatest_difference(end.n, end.v + end.n, exact.v + k*exact.n));
             free(end.v);
         }
-        CHECK(within < 3*at_ends);
+        CHECK(within < 10*tolerance && at_ends < 10*tolerance);
         free(all.v);
     }
     free(exact.v);

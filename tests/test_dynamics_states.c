@@ -286,6 +286,23 @@ TEST(a_current_that_follows_at_once)
     }
 }
 
+/* Voltages that jump at the start, to 24 V or to -24 V. */
+TEST(a_jump_at_the_start)
+{
+    for (int k = 0; k < 2; k++) {
+        double q = 0;
+        for (int f = 0; f < 2; f++) {
+            read_motor(0.1, 1e-2, k ? "-24*sign(sin(5*t))" : "24*sign(sin(5*t))");
+            drun_to(&d, f ? LW_FORMULATION_RADAU : LW_FORMULATION_INDEX1, 1e-11, 0.3, 1);
+            CHECK_TEXT(d.e.text, "");
+            CHECK_INT(d.report.gave_up, LW_FORMULATION_AUTO);
+            if (f)
+                CHECK_NEAR(d.q[2], q, 1e-10, 0);
+            q = d.q[2];
+        }
+    }
+}
+
 /* At rest, rounding moves the crank: at this speed it would be in a singular posture in 30 s. No step over that is tried. */
 TEST(a_singular_posture_behind_the_end)
 {

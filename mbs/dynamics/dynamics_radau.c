@@ -10,7 +10,8 @@
  * v' = W (v - v0)/h in the stages, so the unknowns are Z, l and the changes of the first-order states x alone; T is the unit
  * matrix but for turns in space, and Newton's method takes it for that.  In the eigenvectors of W one real and one or two
  * complex sparse systems remain (tangent.c), whose entries are m M + c C + K with m = (w/h)^2, c = w/h.  After each step v is
- * put on the constraints.  Samples of rigid links in the plane lie on the polynomials through the stages, whose error is of the
+ * put on the constraints.  The error estimate is that of places; of rigid links without strong dampers and stiff springs, which
+ * keep the errors of velocities, that of velocities counts too, and accelerations are found afresh after each step.  Samples of rigid links in the plane lie on the polynomials through the stages, whose error is of the
  * order of the error estimate; that of v begins at v at the start, and so has an order more than the slope of that of q.  Steps of
  * other models end at the samples, where positions, velocities, accelerations and multipliers are those of the last stage:
  * accelerations found afresh from a posture would show its error times the square of the highest frequency.
@@ -26,6 +27,7 @@
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,10 +64,14 @@ typedef struct stages {
     double *xi, *scale;                      /* (n_x) states of a stage; sizes of states */
     double *vi, *ai, *r, *b, *pair_b, *qi, *e;
     double  power[MOST_STAGES];
+    bool    counts_rates;                    /* the error of velocities is kept within the tolerance, too; not where bodies vibrate, or velocities
+                                              * decay, faster than the steps, which damp them */
     bool    alpha;                           /* generalised alpha; the following are its own */
     double  beta, gamma, am, af, power_old;
     double  added;                           /* sum of the errors of all steps */
     double *aux, *aux_x;                     /* (n) auxiliary accelerations, (n_x) second rates of states, at t */
+    double  rate_refused;                    /* error of velocities of the step refused before this one; 0: none */
+    int     n_rounded;                       /* shorter steps one after the other that have not lowered it */
     double  contraction;                     /* of Newton's method in the last step: the greatest */
     double  h_factored;                      /* the step of the factored matrices; 0: none */
     long    since;                           /* steps with the present history; 0: none */
@@ -351,7 +357,9 @@ static void predict(stages *g)
     }
 }
 
-static const int most_newton = 10;
+static const int most_newton = 10, most_rounded = 2;
+static const double rounded = 1e-13;         /* changes below it that fall no more are rounding */
+
 
 /* Steps of second order are short beside the time in which their errors die away, so errors add up: this part of the tolerance
  * gives errors of the size of those of Radau's method. */
@@ -403,7 +411,7 @@ static lw_status iterate(stages *g)
     lw_dynamics *d = g->run->d;
     /* contacts of the stages may throw Newton's method far; whole turns away, it would find the posture again */
     double before = 0, wanted = 0.005*tolerance(g), share = 1, far = d->eq.next_piece ? 0.3 : 1e3;
-    if (d->o.relative < 1e-9 || d->eq.n_switch) {        /* velocities too, which are differences of stages over h; rounding of rows is 2e-16 */
+    if (g->counts_rates || d->o.relative < 1e-9 || d->eq.n_switch) {     /* velocities too, which are differences of stages over h; rounding of rows is 2e-16 */
         share = fmin(1, fmax(g->h/g->way->real, 4e-16/wanted));
         wanted *= share;
     }
@@ -416,12 +424,12 @@ static lw_status iterate(stages *g)
         if (s != LW_OK)
             return s == LW_E_NUMERIC ? LW_OPEN : s;
         double change = newton_step(g, share);
-        if (!(change < far) || (pass > 1 && change > 2*before))
+        if (!(change < far) || (pass > 1 && change > 2*before && change > rounded))
             return LW_OPEN;
         double ratio = pass ? change/fmax(before, 1e-300) : 1;
         g->contraction = fmax(g->contraction, pass ? ratio : 0);
         if (change <= 4e-16 || (pass > 0 && ratio < 1 && change*ratio/(1 - ratio) <= wanted)
-            || (pass > 2 && change <= 1e-13 && ratio > 0.3)) {
+            || (pass > 2 && change <= rounded && ratio > 0.3)) {
             differentiate(g);
             return LW_OK;
         }
@@ -516,6 +524,24 @@ static double filter_error(stages *g)
     return most/tolerance(g);
 }
 
+/* Error of the velocities, over the tolerance: w (e - E), e the filtered error of places and E the same before the filter, w the real eigenvalue
+ * over h.  A second filter takes away what the constraints do not let happen and what vibrates faster than the steps.  *rounding gets what
+ * rounding of the stages may make of it; of that a few times the tolerance do not count. */
+static double rate_error(stages *g, double *rounding)
+{
+    const double w = g->way->real/g->h, allowed = tolerance(g);
+    double most = 0;
+    *rounding = 4*DBL_EPSILON*w/allowed;
+    for (int i = 0; i < g->n; i++)
+        g->r[i] = w*w*w*(g->e[i] - g->b[i]);
+    lw_tangent_mass_filled(&g->real, g->r, g->b);
+    memset(g->b + g->n, 0, (size_t)(g->n_x + g->c)*sizeof *g->b);
+    lw_tangent_solve(&g->real, g->b);
+    for (int i = 0; i < g->n; i++)
+        most = fmax(most, (fabs(g->b[i])/allowed - fmin(*rounding, 3))/(1 + fabs(g->v[i])));
+    return most;
+}
+
 /* Error of the step, over the tolerance.  States that decay within the step begin it a little off, since velocities were projected; a second
  * filter takes away what has died away by its end (Hairer & Wanner 1996, eq. IV.8.20). */
 static double error_of(stages *g)
@@ -525,13 +551,19 @@ static double error_of(stages *g)
     else
         embedded_error(g);
     double error = filter_error(g);
-    if (!(error > 1) || g->alpha || g->n_x == 0)
+    if (error > 1 && !g->alpha && g->n_x) {
+        memcpy(g->xi, g->b + g->n, (size_t)g->n_x*sizeof *g->xi);
+        embedded_error(g);
+        for (int i = 0; i < g->n_x; i++)
+            g->b[g->n + i] = g->way->real/g->h*g->xi[i];
+        error = filter_error(g);
+    }
+    if (!g->counts_rates)
         return error;
-    memcpy(g->xi, g->b + g->n, (size_t)g->n_x*sizeof *g->xi);
-    embedded_error(g);
-    for (int i = 0; i < g->n_x; i++)
-        g->b[g->n + i] = g->way->real/g->h*g->xi[i];
-    return filter_error(g);
+    double rounding, rate = rate_error(g, &rounding);
+    g->n_rounded = rate > 1 && rate < rounding && g->rate_refused > 0 && rate > 0.9*g->rate_refused ? g->n_rounded + 1 : 0;
+    g->rate_refused = rate > 1 ? rate : 0;
+    return fmax(error, rate);
 }
 
 /* Posture of the polynomial through the stages at a part of the step, in g->qi. */
@@ -681,6 +713,23 @@ static lw_status end_state(stages *g, double t)
     return fabs(lw_run_energy(run, g->ahead) - before) <= lw_run_energy_error(run, g->alpha ? alpha_energy : 1, g->ahead, g->e) + off ? LW_OK : LW_OPEN;
 }
 
+/* Take accelerations, multipliers, rates of states and the power from the equations at the present state. */
+static lw_status take_rates(stages *g)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = run->d;
+    double *rate = run->y + run->n;
+    lw_status s = lw_run_rate(run, g->t, state(g, run->y), rate);
+    if (s != LW_OK)
+        return s;
+    memcpy(g->a, rate + g->n_q, (size_t)g->n*sizeof *g->a);
+    memcpy(g->dx, rate + lw_run_states(run), (size_t)g->n_x*sizeof *g->dx);
+    for (int k = 0; k < g->c; k++)
+        g->l[k] = d->l[d->kept[k]];
+    g->power_old = run->has_work ? rate[g->n_q + g->n] : 0;
+    return LW_OK;
+}
+
 /* Take the stages as the step to t, and `ahead` as its end. */
 static void accept(stages *g, double t)
 {
@@ -711,6 +760,8 @@ static void accept(stages *g, double t)
     g->h_old = g->h;
     g->t = t;
     g->since++;
+    if (g->counts_rates)                     /* differences of velocities over a short step are rounding */
+        take_rates(g);
     if (d->eq.accept)
         d->eq.accept(d->eq.context, g->q);
     if (d->eq.keep_momenta)
@@ -828,24 +879,14 @@ static lw_status leave(stages *g)
     return s;
 }
 
-/* Accelerations, multipliers and rates of states at the present state, as at the start and behind a kink of the loads. */
+/* As at the start and behind a kink of the loads. */
 static lw_status begin_again(stages *g)
 {
-    lw_run *run = g->run;
-    lw_dynamics *d = run->d;
-    double *rate = run->y + run->n;
-    lw_status s = lw_run_rate(run, g->t, state(g, run->y), rate);
-    if (s != LW_OK)
-        return s;
-    memcpy(g->a, rate + g->n_q, (size_t)g->n*sizeof *g->a);
-    memcpy(g->aux, g->a, (size_t)g->n*sizeof *g->a);
-    memcpy(g->dx, rate + lw_run_states(run), (size_t)g->n_x*sizeof *g->dx);
     memset(g->aux_x, 0, (size_t)g->n_x*sizeof *g->aux_x);
-    for (int k = 0; k < g->c; k++)
-        g->l[k] = d->l[d->kept[k]];
-    g->power_old = run->has_work ? rate[g->n_q + g->n] : 0;
     g->since = 0;
-    return LW_OK;
+    lw_status s = take_rates(g);
+    memcpy(g->aux, g->a, (size_t)g->n*sizeof *g->a);
+    return s;
 }
 
 /* Of an overconstrained model the rows kept can become dependent while the joints do not: choose others then. */
@@ -980,6 +1021,9 @@ static lw_status run_steps(stages *g)
         double limit = g->t + g->h;
         if (to_piece > 0 || to_switch > 0)
             g->h = to_piece > 0 ? to_piece : to_switch, end = 0;
+        if (g->n_rounded == most_rounded)
+            return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s velocities are less accurate than the tolerance, by rounding: shorter steps do not help near a "
+                                "singular posture, or with masses of very different size", g->t);
         if (!(g->h > 1e-14*fmax(fabs(g->t), d->o.to - d->o.from)))
             return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the steps become too short: the motion jumps, an elastic link buckles, "
                                 "velocities change at once, as where a light crank passes its dead point, or the tolerance is below rounding", g->t);
@@ -1074,6 +1118,7 @@ static lw_status run_implicit(lw_run *run, bool alpha)
         set_method(&g);
     g.may_leave = !alpha && d->o.formulation == LW_FORMULATION_AUTO && !d->n_friction && !d->eq.next_piece && !d->eq.n_z
                && !d->eq.more_inertia && !lw_mbs_is_stiff(d);
+    g.counts_rates = !alpha && !d->elastic && !d->eq.next_piece && !lw_mbs_is_damped(d, false);
     g.watched_t = g.t;
     g.dense = !alpha && !d->n_friction && !d->elastic && !d->space && !d->eq.next_piece;
     size_t s_n = (size_t)g.s*n, s_x = (size_t)g.s*x, s_c = (size_t)g.s*c, all = n + x + c;
@@ -1090,6 +1135,7 @@ static lw_status run_implicit(lw_run *run, bool alpha)
     for (int i = 0; i < g.n_x; i++)
         g.scale[i] = d->eq.state_scale(d->eq.context, i);
     lw_status s = lw_run_begin(run, state(&g, run->y));
+    g.t = lw_timed_begin(&run->timed);
     if (s == LW_OK)
         s = begin_again(&g);
     for (int k = 0; s == LW_OK && k <= g.s/2; k++)

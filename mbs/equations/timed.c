@@ -66,6 +66,12 @@ double lw_timed_next_kink(const lw_timed *w, double t, double end)
     return s.found;
 }
 
+double lw_timed_begin(const lw_timed *w)
+{
+    double behind = w->from + beside(w->from);
+    return lw_timed_next_kink(w, w->from - beside(w->from), behind) <= behind ? fmin(behind, w->to) : w->from;
+}
+
 double lw_timed_end(lw_timed *w, double t)
 {
     if (!w->expressions)

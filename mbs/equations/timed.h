@@ -26,6 +26,9 @@ int lw_timed_breaks(const lw_timed *w, bool jumps);
 /* The first kink between t and end; infinite: none. */
 double lw_timed_next_kink(const lw_timed *w, double t, double end);
 
+/* The start of the run, or the time just behind it if it is a kink: the functions there may be those of neither side. */
+double lw_timed_begin(const lw_timed *w);
+
 /* Where the next step from t must end: just before a kink, within the interval that is calm, or at the end of the run.  near: of
  * a method that evaluates the functions at the end of a step alone. */
 double lw_timed_end(lw_timed *w, double t);
