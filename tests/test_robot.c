@@ -982,6 +982,16 @@ TEST(ways_do_not_depend_on_the_ways_before)
         CHECK_NEAR(far, LW_PI/2, 1e-6, 0);
         CHECK(strstr(r.limit, "do not hold the tool"));
     }
+    for (int k = 0; k < 2; k++) {            /* driven past that posture: it is seen between two others */
+        const double to = k ? 1.5 : 2;
+        lw_space_watch w;
+        lw_robot_reset(&r);
+        CHECK_INT(lw_space_watch_begin(&w, &r.follow, &e), LW_OK);
+        CHECK_INT(lw_robot_drive(&r, (const double[]){ to, 0, 0 }, &e), LW_OK);
+        CHECK_INT(w.lost, !k);
+        CHECK(k || (w.between[0]*to < LW_PI/2 && w.between[1]*to > LW_PI/2));
+        lw_space_watch_end(&w);
+    }
     /* A drive at a right angle: arm and plate of another leg turn about one axis, so that the drives hold two freedoms of three.  Beyond, they hold all. */
     lw_robot_pose p;
     lw_robot_reset(&r);

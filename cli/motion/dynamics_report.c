@@ -224,6 +224,8 @@ void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynami
     if (r->without_forces)
         cli_note(c, "%ld row%s in a singular posture, the first at t = %.12g s: forces without a limit there are left "
                  "empty", r->without_forces, r->without_forces == 1 ? " is" : "s are", r->without_forces_t);
+    if (r->lost)
+        cli_note_lost(c, "t", r->lost_t, 1, "s");
     if (r->smooth_friction)
         cli_note(c, "friction without a \"speed\" sticks only in planar linkages of one freedom that are solved in closed form, and at pins and sliders "
                  "in space; here it is regularised by 0.001 m/s, and a joint at rest under load creeps");

@@ -308,6 +308,9 @@ int cli_spatial_trace_run(const cli_call *call, const lw_spatial *m, const cli_s
         if (t.away[k] >= 0)
             cli_note(call, "beyond its %s value link \"%s\" slides away without bound; rows end where it is %.3g times the size of the model from "
                      "its place in the file", k ? "greatest" : "least", m->body[t.away[k]].name, t.distance[k]);
+    bool turns = m->input[0].measure.of == LW_OF_TURN;
+    if (st == LW_OK && t.lost)
+        cli_note_lost(call, t.in_time ? "t" : "the input", t.lost_at, t.in_time ? 1 : input_unit(m, 0), t.in_time ? "s" : turns ? m->units.angle : m->units.length);
     if (st == LW_OK && t.moved > 0)
         cli_note_adjusted(call, t.moved, t.turned);
     if (st == LW_OK && t.open > 1e-9)

@@ -257,6 +257,13 @@ void cli_note_adjusted(const cli_call *call, double moved, double turned)
              "by least squares", moved, axes);
 }
 
+void cli_note_lost(const cli_call *call, const char *what, const double between[2], double unit, const char *name)
+{
+    cli_note(call, "between %s = %.9g and %.9g %s the motion passes a posture in which the drives lose the links: they can move there while all drives stand "
+             "still, loads need drives without limit beside it, and a machine may leave it on another way (robot reachability, workspace)", what, between[0]/unit,
+             between[1]/unit, name);
+}
+
 void cli_note_nearly_flat(const cli_call *call, const lw_linkage *linkage)
 {
     cli_trace *t = calloc(1, sizeof *t);

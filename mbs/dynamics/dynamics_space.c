@@ -8,6 +8,7 @@
 #include "mbs/dynamics/dynamics_run_internal.h"
 #include "mbs/equations/limits_internal.h"
 #include "mbs/ode/integrate.h"
+#include "mbs/space/space_hold.h"
 
 const lw_space *lw_dynamics_space(const lw_dynamics *d) { return &d->space->s; }
 int  lw_dynamics_idle(const lw_dynamics *d) { return d->space ? d->space->n_idle : 0; }
@@ -618,11 +619,14 @@ lw_status lw_run_driven_spatial(lw_run *run)
 {
     lw_dynamics *d = run->d;
     lw_space_follow *f = &d->space->follow;
+    lw_space_watch w = { 0 };
     double *y = calloc((size_t)run->n, sizeof *y);
     lw_status st = y ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     for (int k = 0; st == LW_OK && k <= d->o.intervals; k++) {
         double t = lw_run_time(d, k);
         double before = f->u;
+        if (k == 1)
+            st = lw_space_watch_begin(&w, f, run->e);
         for (int i = 1, looks = lw_run_looks(d); st == LW_OK && i <= looks; i++) {
             double at = i == looks ? t : before + (t - before)*i/looks;
             if ((st = lw_limits_check(d->o.stop, d->o.until, true, at, run->e)) == LW_OK)
@@ -649,6 +653,9 @@ lw_status lw_run_driven_spatial(lw_run *run)
         run->next++;
         run->r->steps++;
     }
+    run->r->lost = w.lost;
+    memcpy(run->r->lost_t, w.between, sizeof w.between);
+    lw_space_watch_end(&w);
     free(y);
     return st;
 }

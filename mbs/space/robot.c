@@ -8,13 +8,11 @@
 #include "base/rank.h"
 #include "base/suggest.h"
 #include "base/vec3.h"
-#include "base/vector.h"
 
 #define ROUNDING 1e-12           /* a drive that moves the tool by less of the size, or of a turn, does not move it */
 #define CLOSE 1e-11              /* of the size, and [rad]: the tool is there                          */
 #define LONGEST_STEP 0.1         /* of the size: stops and cones are looked at so often                 */
 #define SURE_STEP 0.005          /* so far on, or no farther than half of the way to where the drives seem to lose the tool */
-#define LEAST_SAME 0.5           /* determinant of the cosines between the motions that the joints allow before and after a step */
 #define CONDITION_STEP 0.02      /* the same of a limit of the condition: it is exceeded in a tube about singular postures of an arm,
                                   * whose radius is about the size over the limit                       */
 
@@ -34,10 +32,7 @@ static lw_status find_tool(const lw_spatial *m, const char *name, int *tool, lw_
     return lw_error_set(e, LW_E_ARG, "there is no tracer \"%.40s\"%s%s%s", name, LW_DID_YOU_MEAN(near));
 }
 
-static bool drive_turns(const lw_robot *r, int i)
-{
-    return (r->model->n_drive ? r->model->drive[i] : r->model->input[i].measure).of == LW_OF_TURN;
-}
+static bool drive_turns(const lw_robot *r, int i) { return r->measure[i].of == LW_OF_TURN; }
 
 /* Principal values and axes, the greatest first. */
 static void principal(const double a[6], double value[3], lw_mat3 *axes)
@@ -141,7 +136,6 @@ static lw_status follow_tool(lw_robot *r, lw_error *e)
 
 lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_error *e)
 {
-    lw_spatial_measure drive[LW_ROBOT_DRIVES];
     *r = (lw_robot){ .model = m, .least = 1e-8 };
     lw_status s = find_tool(m, tool, &r->tool, e);
     if (s != LW_OK)
@@ -152,7 +146,7 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
                             "the model has no drives: name the joints that motors move, \"drives\" (at most %d)",
                             LW_ROBOT_DRIVES);
     for (int i = 0; i < r->n_drive; i++)
-        drive[i] = m->n_drive ? m->drive[i] : m->input[i].measure;
+        r->measure[i] = m->n_drive ? m->drive[i] : m->input[i].measure;
     bool flat = lw_spatial_is_planar(m, &r->normal);
     if (!flat)
         r->normal = lw_v3(0, 0, 0);
@@ -160,19 +154,18 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
     s = lw_space_make(m, &r->space, e);
     if (s != LW_OK)
         return s;
-    s = lw_space_follow_make(&r->space, drive, r->n_drive, false, &r->follow, e);
+    s = lw_space_follow_make(&r->space, r->measure, r->n_drive, false, &r->follow, e);
     size_t n_v = (size_t)r->space.n_v, n_q = (size_t)r->space.n_q;
     bool loops = r->space.n_joint > r->space.n_body;
-    size_t columns = (size_t)r->n_drive*n_v, square = loops ? n_v*(n_v + 1) : 0;
-    if (s == LW_OK && !(r->column = calloc(3*columns + n_q + square, sizeof *r->column)))
+    size_t square = loops ? n_v*(n_v + 1) : 0;
+    if (s == LW_OK)
+        s = lw_space_hold_make(r->n_drive, r->space.n_v, &r->hold, e);
+    if (s == LW_OK && !(r->start = calloc(n_q + square, sizeof *r->start)))
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s != LW_OK) {
         lw_robot_free(r);
         return s;
     }
-    r->motions[0] = r->column + columns;
-    r->motions[1] = r->motions[0] + columns;
-    r->start = r->motions[1] + columns;
     memcpy(r->start, r->follow.q, n_q*sizeof *r->start);
     r->square = loops ? r->start + n_q : NULL;
     lw_space_follow_values(&r->follow, r->drive);
@@ -191,13 +184,9 @@ void lw_robot_free(lw_robot *r)
     if (r->by_tool.memory)
         lw_space_follow_free(&r->by_tool);
     lw_space_free(&r->space);
-    free(r->column);
+    lw_space_hold_free(&r->hold);
+    free(r->start);
     *r = (lw_robot){ 0 };
-}
-
-static lw_spatial_measure measure_of(const lw_robot *r, int i)
-{
-    return r->model->n_drive ? r->model->drive[i] : r->model->input[i].measure;
 }
 
 /* Values as the model counts them are those of the joints and an offset. */
@@ -224,9 +213,9 @@ static const char *find_columns(lw_robot *r, double jacobian[6][LW_ROBOT_DRIVES]
     if (f->z.n_kept < s->n_v || !lw_space_rows_factor_near(&f->z))
         return "the drives do not hold the tool in this posture: it is singular";
     for (int i = 0; i < r->n_drive; i++) {
-        double *v = r->column + (size_t)i*(size_t)s->n_v;
+        double *v = r->hold.column + (size_t)i*(size_t)s->n_v;
         memset(f->rhs, 0, (size_t)f->z.n_row*sizeof *f->rhs);
-        f->rhs[first + i] = 1/lw_space_scale(s, measure_of(r, i));
+        f->rhs[first + i] = 1/lw_space_scale(s, r->measure[i]);
         if (!lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l))
             return "the posture is too near to a singular one to find how the drives move the tool";
         lw_vec3 p = lw_space_point_velocity(s, f->z.frame, s->tracer[r->tool], v);
@@ -293,7 +282,7 @@ static void fill_masses(const lw_robot *r, double (*row)[LW_ROBOT_DRIVES], lw_ro
         for (int k = 0; k <= i; k++) {
             m[i][k] = 0;
             for (int j = 0; j < r->space.n_v; j++)
-                m[i][k] += r->column[i*r->space.n_v + j]*r->space.mass[j]*r->column[k*r->space.n_v + j];
+                m[i][k] += r->hold.column[i*r->space.n_v + j]*r->space.mass[j]*r->hold.column[k*r->space.n_v + j];
         }
     for (int i = 0; i < n; i++)
         for (int k = 0; k <= i; k++) {
@@ -437,7 +426,7 @@ static bool passed(lw_robot *r)
         lw_spatial_measure of = { p->kind == LW_SPATIAL_PRISMATIC ? LW_OF_SLIDE : LW_OF_TURN, j };
         double near = 0, value;
         for (int i = 0; i < r->n_drive && of.of == LW_OF_TURN; i++)        /* drives count their turns, stops may lie beyond half of one */
-            if (measure_of(r, i).of == of.of && measure_of(r, i).index == j)
+            if (r->measure[i].of == of.of && r->measure[i].index == j)
                 near = drive[i];
         value = lw_space_scale(&r->space, of)*lw_space_measure(&r->space, r->follow.z.frame, of, near, NULL);
         if ((p->stop.has_least && value < p->stop.least) || (p->stop.has_greatest && value > p->stop.greatest)) {
@@ -525,7 +514,7 @@ static void count_angles(void *context, const double *q)
     (void)q;
     for (int i = 0; i < r->n_drive; i++) {
         double *near = &r->follow.z.near[r->follow.n_idle + i];
-        *near = lw_space_measure(&r->space, r->by_tool.z.frame, measure_of(r, i), *near, NULL);
+        *near = lw_space_measure(&r->space, r->by_tool.z.frame, r->measure[i], *near, NULL);
     }
 }
 
@@ -594,29 +583,6 @@ static void begin_to_pull(lw_robot *r)
     r->space.from[r->tool] = r->follow.z.frame[r->space.tracer[r->tool].body + 1].turn;
 }
 
-/* Rates of the drives by unit rates of the inputs of f, at f->q: column i of `a` belongs to input i, as column i of r->column does, the velocities
- * of all bodies. */
-static bool fill_rates(lw_robot *r, lw_space_follow *f, double *a)
-{
-    const lw_space *s = &r->space;
-    double value;
-    int n = r->n_drive, first = s->n_row + f->n_idle;
-    if (!lw_space_rows_factor_near(&f->z))
-        return false;
-    for (int i = 0; i < n; i++) {
-        double *v = r->column + (size_t)i*(size_t)s->n_v;
-        memset(f->rhs, 0, (size_t)f->z.n_row*sizeof *f->rhs);
-        f->rhs[first + i] = 1;
-        if (!lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l))
-            return false;
-        for (int k = 0; k < n; k++) {
-            lw_space_measured(s, f->z.frame, measure_of(r, k), 0, v, &value, &a[i*n + k]);
-            a[i*n + k] /= lw_space_scale(s, measure_of(r, k));
-        }
-    }
-    return true;
-}
-
 /* Remember a failure that is no limit of the motion. */
 static lw_status watched(lw_robot *r, lw_status s)
 {
@@ -625,8 +591,8 @@ static lw_status watched(lw_robot *r, lw_status s)
     return s;
 }
 
-/* fill_rates where the tool is pulled: by the tool's pose, which is smooth where the drives lose the tool, or else, where the tool can move no farther,
- * by the drives. */
+/* Rates of the drives where the tool is pulled: by the tool's pose, which is smooth where the drives lose the tool, or else, where the tool can move no
+ * farther, by the drives. */
 static bool fill_rates_pulled(lw_robot *r, double *a)
 {
     lw_space_follow *const by[] = { &r->by_tool, &r->follow };
@@ -634,91 +600,31 @@ static bool fill_rates_pulled(lw_robot *r, double *a)
         lw_space_follow *f = by[k];
         if (memcmp(f->z.filled, f->q, (size_t)r->space.n_q*sizeof *f->q) != 0)
             lw_space_rows_fill(&f->z, f->q, f->z.near);
-        if (fill_rates(r, f, a))
+        if (lw_space_hold_rates(&r->hold, f, r->measure, a))
             return true;
         if (f->z.n_kept < f->z.n_row                     /* the basis kept may be that of the end of another way */
-            && (watched(r, lw_space_rows_arrange(&f->z, f->q, NULL)) != LW_OK || fill_rates(r, f, a)))
+            && (watched(r, lw_space_rows_arrange(&f->z, f->q, NULL)) != LW_OK || lw_space_hold_rates(&r->hold, f, r->measure, a)))
             return r->broken == LW_OK;
     }
     return false;
 }
 
-/* Make the n columns v (n_v each) orthonormal.  Returns the determinant of the columns in this basis; 0: they are dependent. */
-static double orthonormalise(int n_v, int n, double *v)
-{
-    double det = 1;
-    for (int i = 0; i < n; i++) {
-        double *a = v + (size_t)i*(size_t)n_v;
-        for (int pass = 0; pass < 2; pass++)             /* the second one removes the rounding of the first */
-            for (int k = 0; k < i; k++) {
-                const double *b = v + (size_t)k*(size_t)n_v;
-                double along = lw_dot(n_v, a, b);
-                for (int j = 0; j < n_v; j++)
-                    a[j] -= along*b[j];
-            }
-        double length = sqrt(lw_dot(n_v, a, a));
-        if (!(length > 0))
-            return 0;
-        for (int j = 0; j < n_v; j++)
-            a[j] /= length;
-        det *= length;
-    }
-    return det;
-}
-
-/* How well the drives hold the tool in the posture reached: the determinant of their rates by orthonormal coordinates of all motions that the joints
- * allow.  It is smooth along the motion, and 0 exactly where the drives lose the tool, whether or not the tool can move in all directions there.  The
- * coordinates keep the orientation of those of the last posture of the way, where r->motions[0] spans the motions; here r->motions[1] does.  0: not
- * known, or the motions differ too much from the last ones; an open chain, whose drives lose nothing. */
+/* lw_space_hold_now.  0: not known; an open chain, whose drives lose nothing. */
 static double drives_hold(lw_robot *r)
 {
-    double a[LW_ROBOT_DRIVES*LW_ROBOT_DRIVES], diag[LW_ROBOT_DRIVES], holds = 1;
-    int n = r->n_drive, n_v = r->space.n_v;
-    if (!r->square)
+    double a[LW_ROBOT_DRIVES*LW_ROBOT_DRIVES];
+    bool pulled = is_pulled(r);
+    if (!r->square || (pulled && !fill_rates_pulled(r, a)))
         return 0;
-    if (is_pulled(r)) {
-        if (!fill_rates_pulled(r, a))
-            return 0;
-        lw_qr_factor(n, n, a, diag);
-        holds = lw_qr_determinant(n, diag);
-    }
-    memcpy(r->motions[1], r->column, (size_t)n*(size_t)n_v*sizeof *r->column);
-    double det = orthonormalise(n_v, n, r->motions[1]);
-    if (!(det > 0))
-        return 0;
-    r->unsure = false;
-    if (r->holds == 0)
-        return holds/det;
-    for (int i = 0; i < n; i++)
-        for (int k = 0; k < n; k++)
-            a[i*n + k] = lw_dot(n_v, r->motions[0] + (size_t)i*(size_t)n_v, r->motions[1] + (size_t)k*(size_t)n_v);
-    lw_qr_factor(n, n, a, diag);
-    double same = lw_qr_determinant(n, diag);
-    r->unsure = fabs(same) < LEAST_SAME;
-    return same < 0 ? -holds/det : holds/det;
+    return lw_space_hold_now(&r->hold, pulled ? a : NULL);
 }
 
-/* How far may the next step go, after one of h over which drives_hold changed from `before`?  A second zero may be near a first one, so the first
+/* How far may the next step go, after one of h over which r->hold.holds changed from `before`?  A second zero may be near a first one, so the first
  * has to fall between two steps. */
 static double wary(const lw_robot *r, double before, double h)
 {
-    double now = r->holds, rate = (now - before)/h;
+    double now = r->hold.holds, rate = (now - before)/h;
     return before != 0 && now*rate < 0 ? fmax(-0.5*now/rate, SURE_STEP) : LONGEST_STEP;
-}
-
-/* Have the drives lost the tool between the last posture of the way and this one, or are the two too different to tell?  If not, this one is the last
- * one from now on. */
-static bool drives_were_lost(lw_robot *r, double holds)
-{
-    if (holds*r->holds < 0 || r->unsure)
-        return true;
-    if (holds == 0)
-        return false;
-    double *last = r->motions[0];
-    r->motions[0] = r->motions[1];
-    r->motions[1] = last;
-    r->holds = holds;
-    return false;
 }
 
 /* The fastest motion or turn of the tool by a unit rate of a drive, in sizes: it grows without limit where the drives lose the tool. */
@@ -727,7 +633,7 @@ static double fastest(const lw_robot *r, const lw_robot_pose *p)
     double most = 0;
     for (int k = 0; k < 6; k++)
         for (int i = 0; i < r->n_drive; i++)
-            most = fmax(most, fabs(p->jacobian[k][i])*lw_space_scale(&r->space, measure_of(r, i))/(k < 3 ? r->space.unit : 1));
+            most = fmax(most, fabs(p->jacobian[k][i])*lw_space_scale(&r->space, r->measure[i])/(k < 3 ? r->space.unit : 1));
     return most;
 }
 
@@ -752,7 +658,7 @@ static bool may_be_there(lw_robot *r)
     }
     if (passed(r))
         return false;
-    if (drives_were_lost(r, holds_now(r))) {
+    if (lw_space_hold_lost(&r->hold, holds_now(r))) {
         snprintf(r->limit, sizeof r->limit, limited ? "the limit of the condition number" : not_held);
         return false;
     }
@@ -814,7 +720,7 @@ static bool close_tool(lw_robot *r, lw_vec3 place, const lw_quaternion *turn)
         solve_drives(r, now.jacobian, error, change);
         lw_space_follow_values(&r->follow, r->drive);
         for (int i = 0; i < r->n_drive; i++) {
-            double scale = lw_space_scale(&r->space, measure_of(r, i));
+            double scale = lw_space_scale(&r->space, r->measure[i]);
             if (!(fabs(change[i]) < 0.5*scale))
                 return false;
             r->drive[i] += change[i];
@@ -846,20 +752,20 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
     lw_robot_pose begin;
     double fastest_first = INFINITY;
     r->broken = LW_OK;
-    r->holds = r->determinant = 0;
-    r->unsure = false;
+    r->determinant = 0;
+    lw_space_hold_begin(&r->hold);
     if (is_pulled(r)) {
         begin_to_pull(r);
-        drives_were_lost(r, holds_now(r));
+        lw_space_hold_lost(&r->hold, holds_now(r));
     } else if (watched(r, lw_robot_measure(r, &begin, NULL)) == LW_OK) {
         r->determinant = is_square(r) ? determinant(r, &begin) : 0;
-        drives_were_lost(r, holds_now(r));
+        lw_space_hold_lost(&r->hold, holds_now(r));
         fastest_first = fastest(r, &begin);
     }
     h = fmin(h, 0.5*LONGEST_STEP);
     while (at < length && r->broken == LW_OK) {
         h = fmin(h, r->condition_limit > 0 ? CONDITION_STEP : LONGEST_STEP);
-        double next = fmin(at + h, length), before = r->holds, part = next/length;
+        double next = fmin(at + h, length), before = r->hold.holds, part = next/length;
         lw_quaternion now = lw_quaternion_times(lw_quaternion_of_vector(lw_v3_scale(spin, part)), from);
         memcpy(kept, r->follow.q, (size_t)s->n_q*sizeof *kept);
         memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_near*sizeof *near);

@@ -9,7 +9,7 @@
 #ifndef LW_MBS_SPACE_ROBOT_H
 #define LW_MBS_SPACE_ROBOT_H
 
-#include "mbs/space/space_follow.h"
+#include "mbs/space/space_hold.h"
 
 #define LW_ROBOT_DRIVES 12
 
@@ -31,12 +31,12 @@ typedef struct lw_robot {
     double drive[LW_ROBOT_DRIVES];               /* where the path below goes                           */
     double from[LW_ROBOT_DRIVES];
     lw_vec3 goal, begin, spin_to_goal;           /* the same of the tool; its turn on the way           */
-    double *column, *start;                      /* (n_drive x n_v) velocities of unit drive rates; (n_q) posture of the file */
-    double *motions[2];                          /* (n_drive x n_v) orthonormal, what the joints allow: at the last posture of a way; scratch */
+    lw_spatial_measure measure[LW_ROBOT_DRIVES];  /* of the drives                                       */
+    lw_space_hold hold;                          /* columns: velocities of unit drive rates             */
+    double *start;                               /* (n_q) posture of the file                           */
     double *square;                              /* (n_v * (n_v + 1)) scratch; NULL: an open chain        */
-    double holds, determinant;                   /* at the last posture of a way: how well the drives hold the tool; of the Jacobian, where it is
-                                                  * square and the condition has a limit; 0: not known */
-    bool   unsure;                               /* motions[1] differs too much from motions[0] */
+    double determinant;                          /* of the Jacobian at the last posture of a way, where it is square and the condition has a
+                                                  * limit; 0: not known */
     char   limit[120];                           /* of the last move: what ended it; empty: it came to its end */
     lw_status broken;                            /* of the last move: what went wrong besides a limit, such as LW_E_MEMORY */
     double condition_limit;                      /* going ends where the condition number exceeds it; 0: no limit (0) */

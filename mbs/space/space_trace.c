@@ -6,6 +6,7 @@
 #include <string.h>
 #include "base/vector.h"
 #include "mbs/space/space_adjust.h"
+#include "mbs/space/space_hold.h"
 
 /* Rates have no bound at a limit of the input: it is approached to this share of the range. */
 static const double limit_inside = 1e-8;
@@ -185,11 +186,14 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
         double ends[2] = { o->from, o->to };
         lw_space_follow_values(&f, value);
         f.u = o->from;
+        lw_space_watch w = { 0 };
         for (int k = 0; st == LW_OK && k <= o->intervals; k++) {
             double u = k == o->intervals ? o->to : o->from + (o->to - o->from)*k/o->intervals;
             if (o->stop && *o->stop)
                 st = lw_error_set(e, LW_STOPPED, "stopped at %.9g", u);
             else
+                st = k == 1 ? lw_space_watch_begin(&w, &f, e) : LW_OK;
+            if (st == LW_OK)
                 st = lw_space_follow_to(&f, path, with, u, e);
             if (st != LW_OK)
                 break;
@@ -210,6 +214,9 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
         }
         if (st == LW_OK)
             o->from = ends[0], o->to = ends[1];
+        o->lost = w.lost;
+        memcpy(o->lost_at, w.between, sizeof w.between);
+        lw_space_watch_end(&w);
     }
     lw_space_follow_free(&f);
     free(input), free(tracer), free(value);

@@ -20,6 +20,8 @@ typedef struct lw_space_trace {
     int    away[2];                              /* out: there this link slides away without bound; -1: none */
     double distance[2];                          /* out: where rows end it is so many times the size of the model from its place in the file */
     double moved, turned;                        /* out: joints were adjusted by so much (mbs/space/space_adjust.h) */
+    bool   lost;                                 /* out: between these values of u, the first time, the drives lose the model: it can move there while */
+    double lost_at[2];                           /* they stand still (mbs/space/space_hold.h) */
     double open;                                 /* out: greatest residual of a joint, lengths over the size of the model, radians */
 } lw_space_trace;
 

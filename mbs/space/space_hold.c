@@ -1,0 +1,157 @@
+/* mbs/space/space_hold.c - how well drives hold a spatial model along a motion. */
+#include "mbs/space/space_hold.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "base/linalg.h"
+#include "base/vector.h"
+
+static const double least_same = 0.5;        /* determinant of the cosines between the motions at two postures; less: too different */
+
+lw_status lw_space_hold_make(int n, int n_v, lw_space_hold *h, lw_error *e)
+{
+    size_t columns = (size_t)n*(size_t)n_v;
+    *h = (lw_space_hold){ .n = n, .n_v = n_v, .column = malloc(3*columns*sizeof *h->column + 1) };
+    h->motions[0] = h->column + columns;
+    h->motions[1] = h->motions[0] + columns;
+    return h->column ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
+void lw_space_hold_free(lw_space_hold *h)
+{
+    free(h->column);
+    *h = (lw_space_hold){ 0 };
+}
+
+void lw_space_hold_begin(lw_space_hold *h)
+{
+    h->holds = 0;
+    h->unsure = false;
+}
+
+bool lw_space_hold_rates(lw_space_hold *h, lw_space_follow *f, const lw_spatial_measure *drive, double *a)
+{
+    const lw_space *s = f->z.s;
+    double value;
+    int n = h->n, first = s->n_row + f->n_idle;
+    if (!lw_space_rows_factor_near(&f->z))
+        return false;
+    for (int i = 0; i < n; i++) {
+        double *v = h->column + (size_t)i*(size_t)s->n_v;
+        memset(f->rhs, 0, (size_t)f->z.n_row*sizeof *f->rhs);
+        f->rhs[first + i] = 1;
+        if (!lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l))
+            return false;
+        for (int k = 0; k < n; k++) {
+            lw_space_measured(s, f->z.frame, drive[k], 0, v, &value, &a[i*n + k]);
+            a[i*n + k] /= lw_space_scale(s, drive[k]);
+        }
+    }
+    return true;
+}
+
+/* Make the n columns v (n_v each) orthonormal.  Returns the determinant of the columns in this basis; 0: they are dependent. */
+static double orthonormalise(int n_v, int n, double *v)
+{
+    double det = 1;
+    for (int i = 0; i < n; i++) {
+        double *a = v + (size_t)i*(size_t)n_v;
+        for (int pass = 0; pass < 2; pass++)             /* the second one removes the rounding of the first */
+            for (int k = 0; k < i; k++) {
+                const double *b = v + (size_t)k*(size_t)n_v;
+                double along = lw_dot(n_v, a, b);
+                for (int j = 0; j < n_v; j++)
+                    a[j] -= along*b[j];
+            }
+        double length = sqrt(lw_dot(n_v, a, a));
+        if (!(length > 0))
+            return 0;
+        for (int j = 0; j < n_v; j++)
+            a[j] /= length;
+        det *= length;
+    }
+    return det;
+}
+
+/* Determinant of a (n x n), which is changed. */
+static double determinant(int n, double *a)
+{
+    double diag[LW_SPACE_HELD];
+    lw_qr_factor(n, n, a, diag);
+    return lw_qr_determinant(n, diag);
+}
+
+double lw_space_hold_now(lw_space_hold *h, double *a)
+{
+    int n = h->n, n_v = h->n_v;
+    double cosine[LW_SPACE_HELD*LW_SPACE_HELD], holds = a ? determinant(n, a) : 1;
+    memcpy(h->motions[1], h->column, (size_t)n*(size_t)n_v*sizeof *h->column);
+    double det = orthonormalise(n_v, n, h->motions[1]);
+    h->unsure = false;
+    if (!(det > 0))
+        return 0;
+    if (h->holds == 0)
+        return holds/det;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++)
+            cosine[i*n + k] = lw_dot(n_v, h->motions[0] + (size_t)i*(size_t)n_v, h->motions[1] + (size_t)k*(size_t)n_v);
+    double same = determinant(n, cosine);
+    h->unsure = fabs(same) < least_same;
+    return same < 0 ? -holds/det : holds/det;
+}
+
+static void take(lw_space_hold *h, double holds)
+{
+    double *last = h->motions[0];
+    h->motions[0] = h->motions[1];
+    h->motions[1] = last;
+    h->holds = holds;
+}
+
+bool lw_space_hold_lost(lw_space_hold *h, double holds)
+{
+    if (holds*h->holds < 0 || h->unsure)
+        return true;
+    if (holds != 0)
+        take(h, holds);
+    return false;
+}
+
+/* ---- along a path ---------------------------------------------------------------------------------------- */
+
+static void look(void *context, const double *q)
+{
+    (void)q;                                 /* that of f */
+    lw_space_watch *w = context;
+    double a[LW_SPACE_HELD*LW_SPACE_HELD];
+    double holds = lw_space_hold_rates(&w->hold, w->f, w->drive, a) ? lw_space_hold_now(&w->hold, a) : 0;
+    if (lw_space_hold_lost(&w->hold, holds)) {
+        if (!w->lost && !w->hold.unsure)
+            w->lost = true, w->between[0] = fmin(w->at, w->f->u), w->between[1] = fmax(w->at, w->f->u);
+        take(&w->hold, holds);
+    }
+    w->at = w->f->u;
+}
+
+lw_status lw_space_watch_begin(lw_space_watch *w, lw_space_follow *f, lw_error *e)
+{
+    const lw_space *s = f->z.s;
+    const lw_spatial *m = s->model;
+    int n = f->n_input;
+    *w = (lw_space_watch){ .f = f };
+    if (s->n_joint <= s->n_body || f->freedom > 0 || n > LW_SPACE_HELD || (m->n_drive ? m->n_drive != n : n < 2))
+        return LW_OK;
+    for (int i = 0; i < n; i++)
+        w->drive[i] = m->n_drive ? m->drive[i] : f->z.extra[f->n_idle + i].measure;
+    lw_status st = lw_space_hold_make(n, s->n_v, &w->hold, e);
+    if (st == LW_OK)
+        f->passed = look, f->passed_by = w, w->at = f->u;
+    return st;
+}
+
+void lw_space_watch_end(lw_space_watch *w)
+{
+    if (w->hold.column)
+        w->f->passed = NULL;
+    lw_space_hold_free(&w->hold);
+}
