@@ -108,7 +108,7 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
     if (st != LW_OK)
         return st;
     st = cli_simulate_make(c, &o, call->parsed.word[0], e);
-    c->keep_postures = st == LW_OK && (call->common.json || !call->common.quiet) && cli_coarse_run_suits(c);
+    c->keep_postures = st == LW_OK && (call->common.json || !call->common.quiet) && !(call->common.time > 0) && cli_coarse_run_suits(c);
     return st;
 }
 
