@@ -292,7 +292,7 @@ TEST(a_jump_at_the_start)
     for (int k = 0; k < 2; k++) {
         double q = 0;
         for (int f = 0; f < 2; f++) {
-            read_motor(0.1, 1e-2, k ? "-24*sign(sin(5*t))" : "24*sign(sin(5*t))");
+            read_motor(0.1, 1e-4, k ? "-24*sign(sin(5*t))" : "24*sign(sin(5*t))");
             drun_to(&d, f ? LW_FORMULATION_RADAU : LW_FORMULATION_INDEX1, 1e-11, 0.3, 1);
             CHECK_TEXT(d.e.text, "");
             CHECK_INT(d.report.gave_up, LW_FORMULATION_AUTO);
