@@ -73,6 +73,13 @@ static lw_error check_error __attribute__((unused));
              fprintf(stderr, "%s = %d: %s\n", #call, (int)s_, check_error.text); \
          check_error.text[0] = '\0'; } while (0)
 
+/* The call returns this status, and the text of check_error has this part. */
+#define CHECK_FAILS(call, status, part) \
+    do { lw_status s_ = (call), w_ = (status); const char *p_ = (part); \
+         if ((s_ != w_ || !strstr(check_error.text, p_)) && check_fail(__FILE__, __LINE__)) \
+             fprintf(stderr, "%s = %d: \"%s\", want %d: \"%s\"\n", #call, (int)s_, check_error.text, (int)w_, p_); \
+         check_error.text[0] = '\0'; } while (0)
+
 #define CHECK_TEXT(got, want) \
     do { const char *g_ = (got), *w_ = (want); \
          if ((!g_ || strcmp(g_, w_) != 0) && check_fail(__FILE__, __LINE__)) \

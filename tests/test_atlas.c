@@ -150,7 +150,6 @@ TEST(parts_joined_are_the_whole)
     static const char *const names[] = { "part-1", "part-2", "part-3" };
     static const lw_store_run run = { "add", "test", "test", 0 };
     char file[400];
-    lw_error e = { 0 };
     uint64_t n;
     CHECK_INT(draw_part("whole", 0, 0, 2, NULL), LW_OK);
     CHECK_INT(draw_part("part-1", 0, 3, 1, NULL), LW_OK);
@@ -161,15 +160,15 @@ TEST(parts_joined_are_the_whole)
     lw_store *s = store_at("joined", true);
     for (int i = 2; i >= 0; i--) {
         snprintf(file, sizeof file, "%s-%s", path, names[i]);
-        CHECK_INT(lw_store_add_curves(s, file, &run, &n, &e), i == 0 ? LW_OK : LW_E_ARG);
-        CHECK_HAS(e.text, i == 0 ? "" : i == 1 ? "not complete" : "add part 1 first");
+        CHECK_FAILS(lw_store_add_curves(s, file, &run, &n, &check_error), i == 0 ? LW_OK : LW_E_ARG,
+                    i == 0 ? "" : i == 1 ? "not complete" : "add part 1 first");
     }
     CHECK_INT(draw_part("part-2", 1, 3, 3, NULL), LW_OK);
     for (int i = 0; i < 3; i++) {
         snprintf(file, sizeof file, "%s-%s", path, names[i]);
-        CHECK_INT(lw_store_add_curves(s, file, &run, &n, &e), i == 0 ? LW_NOTHING : LW_OK);
+        CHECK_INT(lw_store_add_curves(s, file, &run, &n, &check_error), i == 0 ? LW_NOTHING : LW_OK);
     }
-    CHECK_INT(lw_store_verify(s, &e), LW_OK);
+    CHECK_OK(lw_store_verify(s, &check_error));
     lw_store *whole = store_at("whole", false);
     CHECK(hash_curves(s) == hash_curves(whole));
     lw_store_close(whole);
@@ -344,7 +343,6 @@ TEST(conditions_inside_the_search)
     enum { MANY = 1500 };
     lw_store *s = open_store(false);
     lw_atlas_hit *all = malloc(MANY*sizeof *all), *some = malloc(MANY*sizeof *some);
-    lw_error e;
     for (int trial = 0; trial < 6; trial++) {
         bool closed = trial < 4;
         lw_atlas_filter f = { .turns = trial%2 == 0, .min_transmission = trial == 1 ? 0 : 0.5 };
@@ -353,7 +351,7 @@ TEST(conditions_inside_the_search)
         f.min_length = trial%3 == 1 ? 0.5 : 0;
         f.max_length = trial%3 == 1 ? 9 : 0;
         target_of(trial, closed, p);
-        CHECK_INT(lw_store_nearest(s, p, 200, closed, NULL, MANY, all, &n, NULL, &e), LW_OK);
+        CHECK_OK(lw_store_nearest(s, p, 200, closed, NULL, MANY, all, &n, NULL, &check_error));
         CHECK_INT(n, MANY);
         for (int i = 0; i < n; i++) {
             bool pins = strcmp(all[i].type, "RRRR") == 0;
@@ -366,7 +364,7 @@ TEST(conditions_inside_the_search)
             n_pass += pass && (pins || !(f.max_length > 0));
         }
         CHECK(n_pass > 2 && n_pass < MANY);
-        CHECK_INT(lw_store_nearest(s, p, 200, closed, &f, n_pass, some, &n, NULL, &e), LW_OK);
+        CHECK_OK(lw_store_nearest(s, p, 200, closed, &f, n_pass, some, &n, NULL, &check_error));
         for (int i = 0, k = 0; i < n && k < n_pass; i++) {
             if (f.max_length > 0 && strcmp(some[i].type, "RRRR") != 0)
                 continue;
@@ -379,8 +377,7 @@ TEST(conditions_inside_the_search)
     lw_vec2 p[200];
     int n;
     target_of(0, true, p);
-    CHECK_INT(lw_store_nearest(s, p, 200, true, &none, 5, all, &n, NULL, &e), LW_NOTHING);
-    CHECK_HAS(e.text, "conditions");
+    CHECK_FAILS(lw_store_nearest(s, p, 200, true, &none, 5, all, &n, NULL, &check_error), LW_NOTHING, "conditions");
     free(all);
     free(some);
     lw_store_close(s);

@@ -295,27 +295,24 @@ TEST(limits_and_faults)
 {
     lw_atlas_html_options o = lw_atlas_html_options_default();
     size_t n_page, n_byte;
-    lw_error e = { 0 };
     o.n_linkage = 1;
     o.links = 4;
-    CHECK_INT(write_atlas(temporary_file("four"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK_OK(write_atlas(temporary_file("four"), &o, &n_page, &n_byte, &check_error));
     CHECK_INT(n_page, 5);
     o.n_linkage = 0;
     o.links = 6;
-    CHECK_INT(write_atlas(temporary_file("six"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK_OK(write_atlas(temporary_file("six"), &o, &n_page, &n_byte, &check_error));
     CHECK_INT(n_page, 5);
     o.links = 7;
-    CHECK_INT(write_atlas(temporary_file("seven"), &o, &n_page, &n_byte, &e), LW_NOTHING);
-    CHECK_HAS(e.text, "no chain");
+    CHECK_FAILS(write_atlas(temporary_file("seven"), &o, &n_page, &n_byte, &check_error), LW_NOTHING, "no chain");
     o.links = 0;
     o.goes_on = after_three;
-    CHECK_INT(write_atlas(temporary_file("three"), &o, &n_page, &n_byte, &e), LW_STOPPED);
+    CHECK_INT(write_atlas(temporary_file("three"), &o, &n_page, &n_byte, &check_error), LW_STOPPED);
     CHECK_INT(n_page, 4);                               /* three chains, one with sliders */
     CHECK(access(temporary_file("three/index.html"), F_OK) != 0);
     o.goes_on = NULL;
-    CHECK_INT(write_atlas(temporary_file("none/deep"), &o, &n_page, &n_byte, &e), LW_E_IO);
-    CHECK_HAS(e.text, "cannot be made");
-    CHECK_INT(write_atlas(temporary_file("a.db"), &o, &n_page, &n_byte, &e), LW_E_IO);
+    CHECK_FAILS(write_atlas(temporary_file("none/deep"), &o, &n_page, &n_byte, &check_error), LW_E_IO, "cannot be made");
+    CHECK_INT(write_atlas(temporary_file("a.db"), &o, &n_page, &n_byte, &check_error), LW_E_IO);
 }
 
 int main(void)

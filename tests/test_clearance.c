@@ -305,8 +305,7 @@ static void refused(lw_model *m, lw_status want, const char *text)
 TEST(bad_input)
 {
     OWN(lw_model) m = { 0 };
-    lw_error e = { 0 };
-    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    CHECK_OK(paper_c("m", 1, 0, false, &m, &check_error));
     lw_clearance good = m.clearance[2];
     m.clearance[2].model = LW_CLEARANCE_NONE;
     refused(&m, LW_E_ARG, "no joint has clearance");
@@ -344,7 +343,6 @@ TEST(bad_input)
     lw_clearance_scene *scene;
     o = lw_clearance_options_default();
     CHECK_INT(lw_clearance_make(&m, &scene, NULL), LW_OK);
-    CHECK_INT(lw_clearance_run(scene, &o, &r, &e), LW_E_NUMERIC);
-    CHECK_HAS(e.text, "\"rocker\"");
+    CHECK_FAILS(lw_clearance_run(scene, &o, &r, &check_error), LW_E_NUMERIC, "\"rocker\"");
     lw_clearance_free(scene);
 }

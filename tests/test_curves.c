@@ -220,19 +220,17 @@ TEST(laid_elsewhere)
 TEST(names_and_families)
 {
     lw_curve_maker *m, *again;
-    lw_error e;
-    CHECK_INT(lw_curve_maker_create("fourbar,nonsense", &m, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "nonsense");
-    CHECK_INT(lw_curve_maker_create("", &m, &e), LW_E_ARG);
-    CHECK_INT(lw_curve_maker_create("slidercrank,fourbar", &m, &e), LW_OK);
+    CHECK_FAILS(lw_curve_maker_create("fourbar,nonsense", &m, &check_error), LW_E_ARG, "nonsense");
+    CHECK_INT(lw_curve_maker_create("", &m, &check_error), LW_E_ARG);
+    CHECK_OK(lw_curve_maker_create("slidercrank,fourbar", &m, &check_error));
     CHECK_TEXT(lw_curve_maker_families(m), "slider-crank,any slider-crank,crank-rocker,drag-link,any four-bar");
-    CHECK_INT(lw_curve_maker_of(lw_curve_maker_families(m), &again, &e), LW_OK);
+    CHECK_OK(lw_curve_maker_of(lw_curve_maker_families(m), &again, &check_error));
     CHECK_TEXT(lw_curve_maker_families(again), lw_curve_maker_families(m));
     lw_curve_maker_free(m);
     lw_curve_maker_free(again);
-    CHECK_INT(lw_curve_maker_of("crank-rocker,flying carpet", &m, &e), LW_E_NOTATION);
+    CHECK_INT(lw_curve_maker_of("crank-rocker,flying carpet", &m, &check_error), LW_E_NOTATION);
     lw_curve_row row = { .family = 200 };
-    CHECK_INT(lw_curve_maker_create("all", &m, &e), LW_OK);
+    CHECK_OK(lw_curve_maker_create("all", &m, &check_error));
     char name[64];
     const char *type;
     lw_curve_work *work = NULL;

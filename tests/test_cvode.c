@@ -105,29 +105,27 @@ TEST(projection)
 TEST(failures_are_told)
 {
     lw_ode_options o = lw_ode_options_default();
-    lw_error e;
     lw_sundials w;
     double y[2] = { 1.0, 0.0 };
     lw_ode bad = { .n = 1, .rate = explodes };
-    CHECK_INT(lw_cvode_make(&w, &bad, &o, LW_CVODE_BDF, 0.0, y, &e), LW_OK);
-    CHECK_INT(sundials_to(&w, 2.0, &e), LW_E_NUMERIC);
-    CHECK_HAS(e.text, "CVODE gave up at t = ");
+    CHECK_OK(lw_cvode_make(&w, &bad, &o, LW_CVODE_BDF, 0.0, y, &check_error));
+    CHECK_FAILS(sundials_to(&w, 2.0, &check_error), LW_E_NUMERIC, "CVODE gave up at t = ");
     CHECK(w.t < 1.0 + 1e-6 && w.t > 0.9);
     lw_sundials_free(&w);
     bad.rate = breaks;
-    CHECK_INT(lw_cvode_make(&w, &bad, &o, LW_CVODE_BDF, 0.0, y, &e), LW_OK);
-    CHECK_INT(sundials_to(&w, 2.0, &e), LW_E_KIND);
+    CHECK_OK(lw_cvode_make(&w, &bad, &o, LW_CVODE_BDF, 0.0, y, &check_error));
+    CHECK_INT(sundials_to(&w, 2.0, &check_error), LW_E_KIND);
     lw_sundials_free(&w);
     lw_ode ode = { .n = 2, .rate = oscillator };
     o.max_step = 20;
-    CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &e), LW_OK);
-    CHECK_INT(sundials_to(&w, 1e3, &e), LW_STOPPED);
+    CHECK_OK(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &check_error));
+    CHECK_INT(sundials_to(&w, 1e3, &check_error), LW_STOPPED);
     lw_ode_stop stop;
-    CHECK_INT(lw_sundials_step(&w, -1.0, &stop, &e), LW_E_ARG);
+    CHECK_INT(lw_sundials_step(&w, -1.0, &stop, &check_error), LW_E_ARG);
     lw_sundials_free(&w);
     lw_sundials_free(&w);                                       /* twice is harmless */
     o = (lw_ode_options){ .relative = -1.0 };
-    CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &e), LW_E_ARG);
+    CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &check_error), LW_E_ARG);
     o = (lw_ode_options){ .relative = 1e-6, .absolute = 1e-6, .fixed = 0.1 };
-    CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &e), LW_E_ARG);
+    CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &check_error), LW_E_ARG);
 }

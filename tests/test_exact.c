@@ -390,13 +390,11 @@ TEST(wrong_numbers_of_stations)
     for (size_t i = 0; i < sizeof wrong/sizeof *wrong; i++) {
         OWN(lw_target) t = { 0 };
         lw_exact out;
-        lw_error e = { 0 };
         lw_fit_options o = lw_fit_options_default();
         o.spec.task = wrong[i].task;
         bool function = wrong[i].task == LW_TASK_FUNCTION;
-        CHECK_INT(lw_target_make(wrong[i].n, function ? NULL : x, function ? NULL : y, y, x, NULL, 0, &t, &e), LW_OK);
-        CHECK_INT(lw_exact_run(&t, &o, &out, &e), LW_E_ARG);
-        CHECK_HAS(e.text, "exactly");
+        CHECK_OK(lw_target_make(wrong[i].n, function ? NULL : x, function ? NULL : y, y, x, NULL, 0, &t, &check_error));
+        CHECK_FAILS(lw_exact_run(&t, &o, &out, &check_error), LW_E_ARG, "exactly");
     }
 }
 

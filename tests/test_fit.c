@@ -276,9 +276,7 @@ TEST(one_place_is_refused)
         OWN(lw_target) t = { 0 };
         lw_fit_options o;
         OWN(lw_fit) fit = { 0 };
-        lw_error e;
-        CHECK_INT(fit_points(each[i], "fourbar", 1, 0, &t, &o, &fit, &e), LW_E_ARG);
-        CHECK_HAS(e.text, "point");
+        CHECK_FAILS(fit_points(each[i], "fourbar", 1, 0, &t, &o, &fit, &check_error), LW_E_ARG, "point");
         CHECK_INT(fit.n, 0);
     }
 }
@@ -534,12 +532,10 @@ TEST(says_why_nothing_can_be_done)
     o = lw_fit_options_default();
     o.spec.length_lo = 2;
     o.spec.length_hi = 1;
-    CHECK_INT(lw_fit_run(&t, &o, &fit, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "bounds");
+    CHECK_FAILS(lw_fit_run(&t, &o, &fit, &check_error), LW_E_ARG, "bounds");
     o = lw_fit_options_default();
     o.spec.task = LW_TASK_MOTION;
-    CHECK_INT(lw_fit_run(&t, &o, &fit, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "theta");
+    CHECK_FAILS(lw_fit_run(&t, &o, &fit, &check_error), LW_E_ARG, "theta");
 }
 
 /* A crank-rocker with an input longer than every other link: bounds that Grashof's condition contradicts. */

@@ -127,13 +127,11 @@ TEST(too_large)
 {
     char text[4096] = "";
     lw_lam a;
-    lw_error e = { 0 };
     for (int i = 0; i < 33; i++)
         strcat(text, "0 ");
-    CHECK_INT(lw_lam_read(text, strlen(text), NULL, &a, &e), LW_E_NOTATION);
-    CHECK_HAS(e.text, "more than 32 entries");
+    CHECK_FAILS(lw_lam_read(text, strlen(text), NULL, &a, &check_error), LW_E_NOTATION, "more than 32 entries");
     text[0] = '\0';
     for (int i = 0; i < 33; i++)
         strcat(text, "0\n");
-    CHECK_INT(lw_lam_read(text, strlen(text), NULL, &a, &e), LW_E_NOTATION);
+    CHECK_INT(lw_lam_read(text, strlen(text), NULL, &a, &check_error), LW_E_NOTATION);
 }

@@ -355,17 +355,14 @@ TEST(a_resting_leg_is_a_point)
 TEST(refusals)
 {
     static lw_layers l;
-    lw_error e = { 0 };
     lw_linkage k = example("geared-five-bar");
     OWN(lw_scene) s = scene_of(&k, 12);
-    CHECK_INT(lw_layers_find(&s, NULL, &l, &e), LW_E_KIND);
-    CHECK_HAS(e.text, "gears");
+    CHECK_FAILS(lw_layers_find(&s, NULL, &l, &check_error), LW_E_KIND, "gears");
     lw_scene_free(&s);
     k = example("hoeken");
     k.n_input = 0;
     s = scene_of(&k, 12);
-    CHECK_INT(lw_layers_find(&s, NULL, &l, &e), LW_E_KIND);
-    CHECK_HAS(e.text, "need the motion");
+    CHECK_FAILS(lw_layers_find(&s, NULL, &l, &check_error), LW_E_KIND, "need the motion");
 }
 
 /* ---- plates in files ------------------------------------------------------------------------------------------ */

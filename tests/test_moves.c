@@ -205,16 +205,14 @@ TEST(profile_in_space)
         "'acceleration': 20, 'jerk': 400, 'moves': [{'to': 1}]}], 'inputs': [{'joint': 'S', 'motion': '%s'}]}";
     char own[900];
     lw_spatial m;
-    lw_error e = { 0 };
     json_format(own, sizeof own, text, "0.1 + 2*profile(go)");
-    CHECK_INT(lw_spatial_read(own, strlen(own), "f", &m, &e), LW_OK);
+    CHECK_OK(lw_spatial_read(own, strlen(own), "f", &m, &check_error));
     CHECK_NEAR(m.profile[0].end, 0.5, 1e-12, 0);
     for (double t = -0.1; t < 0.7; t += 0.05)
         CHECK_NEAR(lw_expression_value(m.input[0].motion, &t), 0.1 + 2*lw_moves_at(&m.profile[0], t).x, 1e-15, 0);
     lw_spatial_free(&m);
     json_format(own, sizeof own, text, "profile(gone)");
-    CHECK_INT(lw_spatial_read(own, strlen(own), "f", &m, &e), LW_E_NOTATION);
-    CHECK_HAS(e.text, "gone");
+    CHECK_FAILS(lw_spatial_read(own, strlen(own), "f", &m, &check_error), LW_E_NOTATION, "gone");
 }
 
 typedef struct end { lw_dynamics *d; double x, v; } end;

@@ -225,61 +225,54 @@ static void triad_linkage(lw_linkage *k)
 TEST(says_what_cannot_be_planned)
 {
     static planned q;
-    lw_error e;
     const lw_plan_options want = { .tracers = 1 };
     triad_linkage(&q.k);
-    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
-    CHECK_HAS(e.text, "\"L3\", \"L4\", \"L5\", \"L6\"");
-    CHECK_INT(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_HIGHER }, &q.p, &e), LW_OK);
+    CHECK_FAILS(lw_plan_make(&q.k, want, &q.p, &check_error), LW_E_KIND, "\"L3\", \"L4\", \"L5\", \"L6\"");
+    CHECK_OK(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_HIGHER }, &q.p, &check_error));
     CHECK_INT(q.p.n_higher, 1);
     CHECK_INT(q.p.higher[0].n_link, 4);
     CHECK_INT(q.p.n_mode, 5);
     lw_type_linkage(lw_type_find("fourbar"), &q.k);
-    CHECK_INT(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 0 }, &q.p, &e), LW_E_ARG);
-    CHECK_INT(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 2 }, &q.p, &e), LW_E_ARG);
+    CHECK_INT(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 0 }, &q.p, &check_error), LW_E_ARG);
+    CHECK_INT(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 2 }, &q.p, &check_error), LW_E_ARG);
     q.k.input[0].joint = 1;
-    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
-    CHECK_HAS(e.text, "does not touch the ground");
-    CHECK_INT(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_HIGHER }, &q.p, &e), LW_OK);
+    CHECK_FAILS(lw_plan_make(&q.k, want, &q.p, &check_error), LW_E_KIND, "does not touch the ground");
+    CHECK_OK(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_HIGHER }, &q.p, &check_error));
     CHECK_INT(q.p.n_higher, 1);
     CHECK_INT(q.p.n_dyad, 0);
     q.k.n_input = 0;
-    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
+    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &check_error), LW_E_KIND);
     lw_type_linkage(lw_type_find("fourbar"), &q.k);
     q.k.joint[2].kind = LW_JOINT_GEAR;
     q.k.joint[2].ratio = 2;
-    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
-    CHECK_HAS(e.text, "kind 'g'");
+    CHECK_FAILS(lw_plan_make(&q.k, want, &q.p, &check_error), LW_E_KIND, "kind 'g'");
     lw_type_linkage(lw_type_find("fourbar"), &q.k);
     strcpy(q.k.link_name[4], "loose");
     q.k.n_link = 5;
-    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_ARG);
+    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &check_error), LW_E_ARG);
     blank_linkage(&q.k, 4);                                /* two bars more than freedom one */
     add_joints(&q.k, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 1, 0), PIN(2, 3, 2, 1)));
     add_input(&q.k, 0, 0);
     add_tracer(&q.k, 1, lw_v2(1, 1));
-    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
+    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &check_error), LW_E_KIND);
 }
 
 TEST(postures_that_contradict_themselves)
 {
     static planned q;
-    lw_error e;
     jansen_linkage(&q.k);
     CHECK(plan_all(&q));
     lw_linkage bad = q.k;
     bad.joint[2].at.x += 1e-3;                            /* one pin at two places */
-    CHECK_INT(lw_plan_read(&q.p, &bad, q.dim, q.mode, &q.input, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "one pin in the plan");
+    CHECK_FAILS(lw_plan_read(&q.p, &bad, q.dim, q.mode, &q.input, &check_error), LW_E_ARG, "one pin in the plan");
     CHECK_INT(lw_plan_write(&q.p, q.dim, q.mode, q.input, &bad), LW_E_ARG);
     lw_type_linkage(lw_type_find("fourbar"), &q.k);
     CHECK(plan_all(&q));
     bad = q.k;
     bad.joint[2].at = bad.joint[1].at;                    /* a coupler of no length has no direction */
-    CHECK_INT(lw_plan_read(&q.p, &bad, q.dim, q.mode, &q.input, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "at one place");
+    CHECK_FAILS(lw_plan_read(&q.p, &bad, q.dim, q.mode, &q.input, &check_error), LW_E_ARG, "at one place");
     bad.joint[2].kind = LW_JOINT_SLIDER;
-    CHECK_INT(lw_plan_read(&q.p, &bad, q.dim, q.mode, &q.input, &e), LW_E_ARG);
+    CHECK_INT(lw_plan_read(&q.p, &bad, q.dim, q.mode, &q.input, &check_error), LW_E_ARG);
     lw_linkage same = q.k;
     CHECK_INT(lw_plan_write(&q.p, (double[9]){ 9, 1, 2, 3, 0, 0, 0, 0, 0 }, q.mode, 0, &same), LW_OPEN);
     CHECK(memcmp(&same, &q.k, sizeof same) == 0);

@@ -192,26 +192,24 @@ TEST(files_by_their_kind)
         { "x.gif", LW_DRAW_GIF }, { "index.html", LW_DRAW_HTML },
     };
     lw_draw_kind kind;
-    lw_error e;
     for (int i = 0; i < 5; i++) {
-        CHECK_INT(lw_draw_kind_of(known[i].name, &kind, &e), LW_OK);
+        CHECK_OK(lw_draw_kind_of(known[i].name, &kind, &check_error));
         CHECK_INT(kind, known[i].kind);
     }
-    CHECK_INT(lw_draw_kind_of("x.jpeg", &kind, &e), LW_E_ARG);
-    CHECK_HAS(e.text, ".svg");
+    CHECK_FAILS(lw_draw_kind_of("x.jpeg", &kind, &check_error), LW_E_ARG, ".svg");
     OWN(lw_scene) s = { 0 };
     CHECK_INT(model_scene("Crank-rocker", 4, &s), LW_OK);
     static const char *const begins[] = { "<?xml", "%PDF-", "\x89PNG", "GIF89a", "<!DOCTYPE html>" };
     for (int i = LW_DRAW_SVG; i <= LW_DRAW_HTML; i++) {
         OWN(lw_bytes) b = { 0 };
-        CHECK_INT(lw_draw_bytes(&s, (lw_draw_kind)i, 200, 150, &b, &e), LW_OK);
+        CHECK_OK(lw_draw_bytes(&s, (lw_draw_kind)i, 200, 150, &b, &check_error));
         CHECK(strncmp(b.data, begins[i], strlen(begins[i])) == 0);
     }
-    CHECK_INT(lw_draw_save(&s, LW_DRAW_SVG, "/dev/null/x.svg", 0, 0, &e), LW_E_IO);
+    CHECK_INT(lw_draw_save(&s, LW_DRAW_SVG, "/dev/null/x.svg", 0, 0, &check_error), LW_E_IO);
     lines l;
     make(&l, true, true);
-    CHECK_INT(lw_draw_plot(&l.p, "/dev/null/x.png", &e), LW_E_IO);
-    CHECK_INT(lw_draw_plot(&l.p, "/dev/null/x.gif", &e), LW_E_ARG);
+    CHECK_INT(lw_draw_plot(&l.p, "/dev/null/x.png", &check_error), LW_E_IO);
+    CHECK_INT(lw_draw_plot(&l.p, "/dev/null/x.gif", &check_error), LW_E_ARG);
 }
 
 /* A circle is as wide as high, whatever the page; points alone have no line */

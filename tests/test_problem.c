@@ -285,23 +285,19 @@ TEST(says_which_bounds_exclude_everything)
     OWN(lw_target) t = square(false, false);
     lw_fit_spec s = lw_fit_spec_default();
     lw_problem p;
-    lw_error e;
     s.length_lo = 5;
     s.length_hi = 4;
-    CHECK_INT(make(&t, &s, "crank-rocker", &p, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "lengths");
+    CHECK_FAILS(make(&t, &s, "crank-rocker", &p, &check_error), LW_E_ARG, "lengths");
     s.length_lo = -1;
-    CHECK_INT(make(&t, &s, "crank-rocker", &p, &e), LW_E_ARG);
+    CHECK_INT(make(&t, &s, "crank-rocker", &p, &check_error), LW_E_ARG);
     s = lw_fit_spec_default();
     s.n_bound = 1;
     s.bound[0] = (lw_bound){ "r3", 2, 1 };
-    CHECK_INT(make(&t, &s, "crank-rocker", &p, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "r3");
+    CHECK_FAILS(make(&t, &s, "crank-rocker", &p, &check_error), LW_E_ARG, "r3");
     s.bound[0] = (lw_bound){ "r3", -2, -1 };
-    CHECK_INT(make(&t, &s, "crank-rocker", &p, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "r3");
+    CHECK_FAILS(make(&t, &s, "crank-rocker", &p, &check_error), LW_E_ARG, "r3");
     s.bound[0] = (lw_bound){ "theta0", NAN, 1 };
-    CHECK_INT(make(&t, &s, "crank-rocker", &p, &e), LW_E_ARG);
+    CHECK_INT(make(&t, &s, "crank-rocker", &p, &check_error), LW_E_ARG);
 }
 
 TEST(says_what_a_target_lacks)
@@ -310,29 +306,21 @@ TEST(says_what_a_target_lacks)
     lw_fit_spec s = lw_fit_spec_default();
     lw_target path = square(false, false), function, point;
     lw_problem p;
-    lw_error e;
-    CHECK_INT(lw_target_make(3, NULL, NULL, angle, angle, NULL, 0, &function, &e), LW_OK);
-    CHECK_INT(make(&function, &s, "crank-rocker", &p, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "x and y");
+    CHECK_OK(lw_target_make(3, NULL, NULL, angle, angle, NULL, 0, &function, &check_error));
+    CHECK_FAILS(make(&function, &s, "crank-rocker", &p, &check_error), LW_E_ARG, "x and y");
     s.task = LW_TASK_MOTION;
-    CHECK_INT(make(&path, &s, "crank-rocker", &p, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "theta");
+    CHECK_FAILS(make(&path, &s, "crank-rocker", &p, &check_error), LW_E_ARG, "theta");
     s.task = LW_TASK_FUNCTION;
-    CHECK_INT(make(&path, &s, "crank-rocker", &p, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "theta");
-    CHECK_INT(make(&function, &s, "trammel", &p, &e), LW_E_KIND);
-    CHECK_HAS(e.text, "slide");
-    CHECK_INT(make(&function, &s, "slider-crank", &p, &e), LW_E_KIND);
-    CHECK_HAS(e.text, "slide");
+    CHECK_FAILS(make(&path, &s, "crank-rocker", &p, &check_error), LW_E_ARG, "theta");
+    CHECK_FAILS(make(&function, &s, "trammel", &p, &check_error), LW_E_KIND, "slide");
+    CHECK_FAILS(make(&function, &s, "slider-crank", &p, &check_error), LW_E_KIND, "slide");
     s.task = LW_TASK_PATH;
     s.timing = LW_TIMING_PRESCRIBED;
-    CHECK_INT(make(&path, &s, "crank-rocker", &p, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "angle");
+    CHECK_FAILS(make(&path, &s, "crank-rocker", &p, &check_error), LW_E_ARG, "angle");
     s.timing = LW_TIMING_FREE;
     for (size_t n = 1; n <= 3; n += 2) {                 /* one point; one place three times       */
-        CHECK_INT(lw_target_make(n, one, one, NULL, NULL, NULL, 0, &point, &e), LW_OK);
-        CHECK_INT(make(&point, &s, "crank-rocker", &p, &e), LW_E_ARG);
-        CHECK_HAS(e.text, "point");
+        CHECK_OK(lw_target_make(n, one, one, NULL, NULL, NULL, 0, &point, &check_error));
+        CHECK_FAILS(make(&point, &s, "crank-rocker", &p, &check_error), LW_E_ARG, "point");
         lw_target_free(&point);
     }
     lw_target_free(&path);

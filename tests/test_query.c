@@ -76,25 +76,22 @@ TEST(values)
 TEST(lists_columns_order)
 {
     OWN(lw_query) q = { 0 };
-    lw_error e;
     lw_query_options o = { .list = LW_LIST_CHAINS, .columns = "graph6,links", .sort = "-links,symmetry", .limit = 7 };
-    CHECK_INT(lw_query_compile("", &o, &q, &e), LW_OK);
+    CHECK_OK(lw_query_compile("", &o, &q, &check_error));
     CHECK_TEXT(q.sql.data, "SELECT c.graph6 AS \"graph6\", c.links AS \"links\" FROM chain c LEFT JOIN structure s ON "
                            "s.id = c.structure ORDER BY c.links DESC, c.symmetry LIMIT 7");
     lw_query_free(&q);
-    CHECK_INT(lw_query_compile("class=GCRR", &o, &q, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "chains have no field 'class'");
+    CHECK_FAILS(lw_query_compile("class=GCRR", &o, &q, &check_error), LW_E_ARG, "chains have no field 'class'");
     lw_query_free(&q);
     o = (lw_query_options){ .list = LW_LIST_ANY, .columns = "graph6,claas" };
-    CHECK_INT(lw_query_compile("", &o, &q, &e), LW_E_NOTATION);
-    CHECK_HAS(e.text, "did you mean 'class'?");
+    CHECK_FAILS(lw_query_compile("", &o, &q, &check_error), LW_E_NOTATION, "did you mean 'class'?");
     lw_query_free(&q);
     o.columns = "graph6,class";
-    CHECK_INT(lw_query_compile("", &o, &q, &e), LW_OK);
+    CHECK_OK(lw_query_compile("", &o, &q, &check_error));
     CHECK_INT(q.list, LW_LIST_LINKAGES);
     lw_query_free(&q);
     o = (lw_query_options){ .list = LW_LIST_ANY, .sort = "links,,id" };
-    CHECK_INT(lw_query_compile("", &o, &q, &e), LW_E_NOTATION);
+    CHECK_INT(lw_query_compile("", &o, &q, &check_error), LW_E_NOTATION);
 }
 
 TEST(faults)

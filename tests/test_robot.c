@@ -307,15 +307,14 @@ TEST(stops_and_cones_of_a_delta)
     for (int by_cone = 0; by_cone < 2; by_cone++) {
         OWN(lw_spatial) m = { 0 };
         OWN(lw_robot) r = { 0 };
-        lw_error e = { 0 };
         proportions d = { 0.4, 0.25, 0.35, 0.75, -0.65, by_cone ? 0 : 0.4, by_cone ? 0.5 : 0 };
         bool good = make_delta(&d, &m, &r);
         CHECK(good);
         for (int ray = 0; good && ray < 7; ray++) {
             double a = 0.9*ray, far, least = 0, most = 0.6;
             lw_robot_reset(&r);
-            CHECK_INT(lw_robot_reach(&r, lw_v3(cos(a), sin(a), 0), 3, &far, &e), LW_OK);
-            CHECK_HAS(e.text, by_cone ? "the cone of joint \"E" : "the stop of joint \"M");
+            CHECK_FAILS(lw_robot_reach(&r, lw_v3(cos(a), sin(a), 0), 3, &far, &check_error), LW_OK,
+                        by_cone ? "the cone of joint \"E" : "the stop of joint \"M");
             while (most - least > 1e-10) {
                 double middle = 0.5*(least + most);
                 *(stopped_at(&d, lw_v3(middle*cos(a), middle*sin(a), d.z)) ? &most : &least) = middle;
@@ -334,16 +333,14 @@ TEST(a_stop_beyond_half_a_turn)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     const double at = 190*LW_PI/180;
     read_spatial(text, "arm", &m);
-    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
-    CHECK_INT(lw_robot_drive(&r, (const double[]){ at, 0 }, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
-    CHECK_INT(lw_robot_move(&r, lw_v3(p.place.x, p.place.y + 0.01, 0), NULL, &e), LW_OK);
-    CHECK_INT(lw_robot_move(&r, lw_v3(p.place.x, p.place.y - 1, 0), NULL, &e), LW_OPEN);
-    CHECK_HAS(e.text, "the stop of joint \"A\"");
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_make(&m, NULL, &r, &check_error));
+    CHECK_OK(lw_robot_drive(&r, (const double[]){ at, 0 }, &check_error));
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
+    CHECK_OK(lw_robot_move(&r, lw_v3(p.place.x, p.place.y + 0.01, 0), NULL, &check_error));
+    CHECK_FAILS(lw_robot_move(&r, lw_v3(p.place.x, p.place.y - 1, 0), NULL, &check_error), LW_OPEN, "the stop of joint \"A\"");
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     CHECK_NEAR(p.drive[0], 200*LW_PI/180, 1e-6, 0);
 }
 
@@ -532,13 +529,11 @@ TEST(bad_robots)
 {
     OWN(lw_spatial) m = { 0 };
     lw_robot r;
-    lw_error e = { 0 };
     load_spatial("delta", &m);
-    CHECK_INT(lw_robot_make(&m, "tol", &r, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "tool");
+    CHECK_FAILS(lw_robot_make(&m, "tol", &r, &check_error), LW_E_ARG, "tool");
     lw_spatial_free(&m);
     load_spatial("top", &m);
-    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_E_ARG);
+    CHECK_INT(lw_robot_make(&m, NULL, &r, &check_error), LW_E_ARG);
 }
 
 /* ---- planar robots --------------------------------------------------------------------------------------- */
@@ -769,29 +764,27 @@ TEST(robots_with_couplings)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     if (!make("examples/space/corexy.json", &m, &r))
         return;
-    CHECK_INT(lw_robot_move(&r, lw_v3(0.12, -0.07, 0), NULL, &e), LW_OK);
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_move(&r, lw_v3(0.12, -0.07, 0), NULL, &check_error));
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     CHECK_NEAR(p.drive[0], 0.05/0.008, 1e-9, 0);
     CHECK_NEAR(p.drive[1], 0.19/0.008, 1e-9, 0);
     for (int i = 0; i < 2; i++) {
         CHECK_NEAR(p.jacobian[0][i], 0.004, 1e-14, 0);
         CHECK_NEAR(p.jacobian[1][i], i ? -0.004 : 0.004, 1e-14, 0);
     }
-    CHECK_INT(lw_robot_move(&r, lw_v3(0.25, 0, 0), NULL, &e), LW_OPEN);
-    CHECK_HAS(e.text, "the stop of joint \"X\"");
+    CHECK_FAILS(lw_robot_move(&r, lw_v3(0.25, 0, 0), NULL, &check_error), LW_OPEN, "the stop of joint \"X\"");
     lw_robot_free(&r);
     lw_spatial_free(&m);
     read_spatial(text, "belt", &m);
-    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+    CHECK_OK(lw_robot_make(&m, NULL, &r, &check_error));
     for (int i = 0; i < 4; i++) {
         double to = (const double[]){ 40, -25, 3, 100 }[i];
         if (i == 2)
             lw_robot_reset(&r);
-        CHECK_INT(lw_robot_drive(&r, &to, &e), LW_OK);
-        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_OK(lw_robot_drive(&r, &to, &check_error));
+        CHECK_OK(lw_robot_measure(&r, &p, &check_error));
         CHECK_POINT(p.place, 1 + 0.5*cos(0.617*to), 0.5*sin(0.617*to), 1e-11, 0);
         CHECK_NEAR(p.jacobian[5][0], 0.617, 1e-13, 0);
     }
@@ -1122,17 +1115,14 @@ TEST(more_drives_than_coordinates)
     OWN(lw_spatial) m = { 0 };
     OWN(lw_robot) r = { 0 };
     lw_robot_pose p;
-    lw_error e = { 0 };
     read_spatial(text, "3-RRR on a rail", &m);
-    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
-    CHECK_INT(lw_robot_move(&r, lw_v3(1, 0, 0), NULL, &e), LW_OPEN);
-    CHECK_HAS(e.text, "the drives do not hold the tool");
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_OK(lw_robot_make(&m, NULL, &r, &check_error));
+    CHECK_FAILS(lw_robot_move(&r, lw_v3(1, 0, 0), NULL, &check_error), LW_OPEN, "the drives do not hold the tool");
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     CHECK_NEAR(p.place.x, 0.5063, 1e-3, 0);
     lw_robot_reset(&r);
-    CHECK_INT(lw_robot_move(&r, lw_v3(0, 1, 0), NULL, &e), LW_OPEN);
-    CHECK_HAS(e.text, "what the drives can reach");
-    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_FAILS(lw_robot_move(&r, lw_v3(0, 1, 0), NULL, &check_error), LW_OPEN, "what the drives can reach");
+    CHECK_OK(lw_robot_measure(&r, &p, &check_error));
     double left = LW_PI*2/3 + 0.2, x = cos(left) - 0.25*cos(left + 0.4), y = sin(left) - 0.25*sin(left + 0.4), right = LW_PI*4/3 + 0.4;
     double of_left = y + sqrt((inner + outer)*(inner + outer) - x*x);
     x = cos(right) - 0.25*cos(right + 0.4), y = sin(right) - 0.25*sin(right + 0.4);

@@ -173,26 +173,24 @@ static void independent_reader(void)
 static void sizes(void)
 {
     lw_linkage k = example("hoeken");
-    lw_error e = { 0 };
     lw_plates *w;
     lw_export_options o = { .width = 0.008, .thickness = 0.003, .hole = 0.004, .clearance = 0.0002 };
-    CHECK_INT(lw_plates_make(LW_VIEW(&k), &o, &w, &e), LW_OK);
+    CHECK_OK(lw_plates_make(LW_VIEW(&k), &o, &w, &check_error));
     CHECK_NEAR(w->layers.radius, 0.004, 1e-15, 0);
     CHECK_NEAR(w->layers.bore, 0.002, 1e-15, 0);
     CHECK_NEAR(w->layers.pin_radius, 0.0019, 1e-15, 0);
     CHECK_NEAR(w->layers.thickness, 0.003, 1e-15, 0);
     lw_plates_free(w);
     o.hole = 0.009;
-    CHECK_INT(lw_plates_make(LW_VIEW(&k), &o, &w, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "plates 8 mm wide, holes of 9 mm");
+    CHECK_FAILS(lw_plates_make(LW_VIEW(&k), &o, &w, &check_error), LW_E_ARG, "plates 8 mm wide, holes of 9 mm");
     lw_bytes b = { 0 };
     k = example("trammel");                              /* its slots cross */
-    CHECK_INT(lw_export_step(LW_VIEW(&k), NULL, &b, &e), LW_E_KIND);
-    CHECK_INT(lw_export_stl(LW_VIEW(&k), NULL, &b, &e), LW_E_KIND);
+    CHECK_INT(lw_export_step(LW_VIEW(&k), NULL, &b, &check_error), LW_E_KIND);
+    CHECK_INT(lw_export_stl(LW_VIEW(&k), NULL, &b, &check_error), LW_E_KIND);
     CHECK(b.data == NULL);
     k = example("hoeken");
     o = (lw_export_options){ .hole = 0.001, .clearance = 0.001 };
-    CHECK_INT(lw_plates_make(LW_VIEW(&k), &o, &w, &e), LW_E_ARG);
+    CHECK_INT(lw_plates_make(LW_VIEW(&k), &o, &w, &check_error), LW_E_ARG);
 }
 
 int main(void)

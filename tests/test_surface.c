@@ -46,7 +46,6 @@ static lw_status stop_at_three(void *n, const lw_chain *chain)
 TEST(chains_are_made_asked_and_written)
 {
     lw_chain *c = NULL, *back = NULL;
-    lw_error e;
     char *text = NULL;
     bool same = false;
     int n_class = 0;
@@ -68,15 +67,14 @@ TEST(chains_are_made_asked_and_written)
     CHECK_INT(n_class, 1);
     static const char *const notations[] = { "graph6", "lam", "sentence", "franke", "edges", "json" };
     for (size_t i = 0; i < sizeof notations/sizeof *notations; i++) {
-        CHECK_INT(lw_chain_to_text(c, notations[i], &text, &e), LW_OK);
-        CHECK_INT(lw_chain_from_text(text, strlen(text), notations[i], &back, &e), LW_OK);
+        CHECK_OK(lw_chain_to_text(c, notations[i], &text, &check_error));
+        CHECK_OK(lw_chain_from_text(text, strlen(text), notations[i], &back, &check_error));
         CHECK_INT(lw_chain_is_isomorphic(c, back, &same), LW_OK);
         CHECK(same);
         lw_free(text);
         lw_chain_destroy(back);
     }
-    CHECK_INT(lw_chain_to_text(c, "prose", &text, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "graph6");
+    CHECK_FAILS(lw_chain_to_text(c, "prose", &text, &check_error), LW_E_ARG, "graph6");
     lw_chain_destroy(c);
 }
 
@@ -100,31 +98,29 @@ TEST(sentences_grow_by_rules)
 TEST(enumerations_stop_when_asked)
 {
     lw_enumeration what = lw_enumeration_default(8, 1);
-    lw_error e;
     uint64_t chains = 0, grounds = 0;
     int n = 0;
-    CHECK_INT(lw_enumerate_chains(&what, count, &n, &e), LW_OK);
+    CHECK_OK(lw_enumerate_chains(&what, count, &n, &check_error));
     CHECK_INT(n, 16);
     n = 0;
-    CHECK_INT(lw_enumerate_chains(&what, stop_at_three, &n, &e), LW_STOPPED);
+    CHECK_INT(lw_enumerate_chains(&what, stop_at_three, &n, &check_error), LW_STOPPED);
     CHECK_INT(n, 3);
-    CHECK_INT(lw_enumerate_count(&what, &chains, &grounds, &e), LW_OK);
+    CHECK_OK(lw_enumerate_count(&what, &chains, &grounds, &check_error));
     CHECK_INT(grounds, 71);
     what.links = 7;
-    CHECK_INT(lw_enumerate_chains(&what, count, &n, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "7");
+    CHECK_FAILS(lw_enumerate_chains(&what, count, &n, &check_error), LW_E_ARG, "7");
     what = lw_enumeration_default(8, 1);
     what.filter = "beautiful";
-    CHECK_INT(lw_enumerate_count(&what, &chains, &grounds, &e), LW_E_ARG);
+    CHECK_INT(lw_enumerate_count(&what, &chains, &grounds, &check_error), LW_E_ARG);
     what = lw_enumeration_default(8, 1);
     what.filter = "generating";
-    CHECK_INT(lw_enumerate_count(&what, &chains, NULL, &e), LW_OK);
+    CHECK_OK(lw_enumerate_count(&what, &chains, NULL, &check_error));
     CHECK_INT(chains, 16);
-    CHECK_INT(lw_enumerate_count(&what, &chains, &grounds, &e), LW_E_ARG);
+    CHECK_INT(lw_enumerate_count(&what, &chains, &grounds, &check_error), LW_E_ARG);
     char digits[40];
-    CHECK_INT(lw_enumerate_labelled(8, 1, digits, &e), LW_OK);
+    CHECK_OK(lw_enumerate_labelled(8, 1, digits, &check_error));
     CHECK_TEXT(digits, "247800");
-    CHECK_INT(lw_enumerate_labelled(9, 1, digits, &e), LW_E_ARG);
+    CHECK_INT(lw_enumerate_labelled(9, 1, digits, &check_error), LW_E_ARG);
 }
 
 /* ---- motion ------------------------------------------------------------------------------------------------------ */
@@ -206,12 +202,10 @@ TEST(linkages_move_and_are_written)
     lw_linkage_destroy(back);
     CHECK_INT(lw_linkage_load_result(name, 1, &back, &e), LW_OK);
     lw_linkage_destroy(back);
-    CHECK_INT(lw_linkage_load_result(name, 2, &back, &e), LW_E_NOTATION);
-    CHECK_HAS(e.text, "results[1]: this result has no linkage");
+    CHECK_FAILS(lw_linkage_load_result(name, 2, &back, &check_error), LW_E_NOTATION, "results[1]: this result has no linkage");
     CHECK_INT(lw_linkage_load_result(name, 3, &back, &e), LW_E_NOTATION);
     CHECK(e.line >= 3 && !back);
-    CHECK_INT(lw_linkage_load_result(name, 4, &back, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "result 4 is wanted, but there are 3");
+    CHECK_FAILS(lw_linkage_load_result(name, 4, &back, &check_error), LW_E_ARG, "result 4 is wanted, but there are 3");
     CHECK_INT(lw_linkage_load_result(name, 0, &back, &e), LW_E_ARG);
     unlink(name);
     lw_free(text);
@@ -283,7 +277,6 @@ TEST(fits_find_stop_and_explain)
     lw_results *r = NULL;
     lw_result_info info;
     lw_linkage *k = NULL;
-    lw_error e;
     double input[5], value;
     char *page = NULL;
     size_t size = 0;
@@ -291,9 +284,9 @@ TEST(fits_find_stop_and_explain)
     o.rounds = 1;
     o.results = 2;
     o.solver = "lm";
-    CHECK_INT(lw_target_create(5, x, y, NULL, NULL, NULL, 0, &t, &e), LW_OK);
+    CHECK_OK(lw_target_create(5, x, y, NULL, NULL, NULL, 0, &t, &check_error));
     CHECK_INT(lw_target_n(t), 5);
-    CHECK_INT(lw_fit_target(t, &o, &r, &e), LW_OK);
+    CHECK_OK(lw_fit_target(t, &o, &r, &check_error));
     CHECK(lw_results_count(r) >= 1);
     CHECK_INT(lw_results_info(r, 0, &info), LW_OK);
     CHECK(info.verified && info.error_max < 0.05);
@@ -301,13 +294,13 @@ TEST(fits_find_stop_and_explain)
     CHECK_TEXT(lw_results_dimension(r, 0, 0, &value), "r1");
     CHECK_INT(lw_results_linkage(r, 0, &k), LW_OK);
     lw_result_spread spread, twice;
-    CHECK_INT(lw_results_spread(r, t, 0, 1e-5, 0, &spread, &e), LW_OK);
-    CHECK_INT(lw_results_spread(r, t, 0, 2e-5, 0, &twice, &e), LW_OK);
+    CHECK_OK(lw_results_spread(r, t, 0, 1e-5, 0, &spread, &check_error));
+    CHECK_OK(lw_results_spread(r, t, 0, 2e-5, 0, &twice, &check_error));
     CHECK(spread.rms > 0 && spread.rms <= spread.worst && spread.within <= 4*spread.worst && spread.open == 0 && spread.dimension[0]);
     CHECK_NEAR(twice.rms, 2*spread.rms, 0, 1e-9);                      /* to first order in the tolerance */
     CHECK_NEAR(spread.trial_rms, spread.rms, 0, 0.1);                  /* 1000 random linkages: some 3 % */
-    CHECK_INT(lw_results_spread(r, t, 99, 1e-5, 0, &spread, &e), LW_E_ARG);
-    CHECK_INT(lw_results_page(r, "test", &page, &size, &e), LW_OK);
+    CHECK_INT(lw_results_spread(r, t, 99, 1e-5, 0, &spread, &check_error), LW_E_ARG);
+    CHECK_OK(lw_results_page(r, "test", &page, &size, &check_error));
     CHECK_HAS(page, "<!DOCTYPE html>");
     CHECK_HAS(page, "test: four-bar");
     CHECK_HAS(page, "download=\"test-1.json\"");
@@ -316,15 +309,14 @@ TEST(fits_find_stop_and_explain)
     lw_results_destroy(r);
     o.progress = not_a_step_more;
     o.rounds = 0;
-    CHECK_INT(lw_fit_target(t, &o, &r, &e), LW_STOPPED);
+    CHECK_INT(lw_fit_target(t, &o, &r, &check_error), LW_STOPPED);
     lw_results_destroy(r);
     o = lw_fit_request_default();
     o.task = "dance";
-    CHECK_INT(lw_fit_target(t, &o, &r, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "function");
+    CHECK_FAILS(lw_fit_target(t, &o, &r, &check_error), LW_E_ARG, "function");
     CHECK(!r);
     o = lw_fit_request_default();
-    CHECK_INT(lw_fit_precision_points(t, &o, &r, &e), LW_OK);
+    CHECK_OK(lw_fit_precision_points(t, &o, &r, &check_error));
     CHECK(lw_results_count(r) >= 1);
     lw_results_destroy(r);
     lw_target_destroy(t);
@@ -512,44 +504,42 @@ TEST(spatial_models)
     lw_spatial *m;
     lw_mobility_info info;
     lw_simulation_report report;
-    lw_error e = { 0 };
     lw_vec3 end;
     spatial_end at = { 0 };
     CHECK(lw_spatial_text(text, strlen(text)));
-    CHECK_INT(lw_spatial_parse(text, strlen(text), "arm", &m, &e), LW_OK);
+    CHECK_OK(lw_spatial_parse(text, strlen(text), "arm", &m, &check_error));
     CHECK_INT(lw_spatial_count(m, 'l'), 2);
     CHECK_TEXT(lw_spatial_name(m, 'i', 0), "A");
     CHECK(lw_spatial_name(m, 't', 1) == NULL);
-    CHECK_INT(lw_spatial_analyse_mobility(m, 1e-12, 1, &info, &e), LW_OK);
+    CHECK_OK(lw_spatial_analyse_mobility(m, 1e-12, 1, &info, &check_error));
     CHECK_INT(info.freedom, 1);
-    CHECK_INT(lw_spatial_trace(m, false, 0, 0.5, 5, last_place, &end, &e), LW_OK);
+    CHECK_OK(lw_spatial_trace(m, false, 0, 0.5, 5, last_place, &end, &check_error));
     CHECK_NEAR(end.x, cos(0.5), 1e-14, 0);
     lw_simulation_options o = lw_simulation_options_default();
-    CHECK_INT(lw_spatial_simulate(m, &o, last_sample, &at, &report, &e), LW_OK);
+    CHECK_OK(lw_spatial_simulate(m, &o, last_sample, &at, &report, &check_error));
     CHECK_INT(at.n, 101);
     CHECK_TEXT(report.formulation, "driven");
     CHECK_NEAR(at.torque, (0.1 + 2*0.25)*2, 1e-12, 0);
     CHECK_NEAR(at.w, 2, 1e-13, 0);
     CHECK_NEAR(at.fz, 20, 1e-12, 0);
-    CHECK_INT(lw_spatial_set_motion(m, 0, "t +", &e), LW_E_NOTATION);
+    CHECK_INT(lw_spatial_set_motion(m, 0, "t +", &check_error), LW_E_NOTATION);
     o.formulation = "reduced";                                    /* a driven motion needs none */
-    CHECK_INT(lw_spatial_simulate(m, &o, NULL, NULL, &report, &e), LW_OK);
+    CHECK_OK(lw_spatial_simulate(m, &o, NULL, NULL, &report, &check_error));
     CHECK_TEXT(report.formulation, "driven");
     o.formulation = "smaller";
-    CHECK_INT(lw_spatial_simulate(m, &o, NULL, NULL, NULL, &e), LW_E_ARG);
+    CHECK_INT(lw_spatial_simulate(m, &o, NULL, NULL, NULL, &check_error), LW_E_ARG);
     lw_spatial_destroy(m);
     char *free_text = strdup(text), *motion = strstr(free_text, ", \"motion\": \"t^2\"");
     memset(motion, ' ', strlen(", \"motion\": \"t^2\""));
-    CHECK_INT(lw_spatial_parse(free_text, strlen(free_text), "arm", &m, &e), LW_OK);
+    CHECK_OK(lw_spatial_parse(free_text, strlen(free_text), "arm", &m, &check_error));
     o.formulation = "reduced";                                    /* planar dyads only */
-    CHECK_INT(lw_spatial_simulate(m, &o, NULL, NULL, NULL, &e), LW_E_KIND);
-    CHECK_HAS(e.text, "the reduced formulation cannot do this model");
+    CHECK_FAILS(lw_spatial_simulate(m, &o, NULL, NULL, NULL, &check_error), LW_E_KIND, "the reduced formulation cannot do this model");
     o.formulation = "index1";
-    CHECK_INT(lw_spatial_simulate(m, &o, NULL, NULL, &report, &e), LW_OK);
+    CHECK_OK(lw_spatial_simulate(m, &o, NULL, NULL, &report, &check_error));
     CHECK_TEXT(report.formulation, "index1");
     free(free_text);
     lw_spatial_destroy(m);
-    CHECK_INT(lw_spatial_load("no/such/file", &m, &e), LW_E_IO);
+    CHECK_INT(lw_spatial_load("no/such/file", &m, &check_error), LW_E_IO);
     CHECK(m == NULL);
 }
 

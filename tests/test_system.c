@@ -249,12 +249,11 @@ TEST(the_carrier_is_found)
 {
     lw_linkage k;
     lw_gear g;
-    lw_error e = { 0 };
     enum { GROUND, BEAM, ROD, ARM, SUN };
     blank_linkage(&k, 5);
     add_joints(&k, JOINTS(PIN(GROUND, BEAM, -3, 5), PIN(BEAM, ROD, 0, 5), PIN(ROD, ARM, 1, 0), PIN(GROUND, ARM, 0, 0),
                           PIN(GROUND, SUN, 0, 0), GEAR(ROD, SUN, 0.5, 0, -1)));
-    CHECK_INT(lw_linkage_gear(&k, 5, &g, &e), LW_OK);
+    CHECK_OK(lw_linkage_gear(&k, 5, &g, &check_error));
     CHECK_INT(g.carrier, ARM);
     CHECK(g.slider[0] < 0 && g.slider[1] < 0);
     /* welded links are one: the planet as a link of its own */
@@ -264,21 +263,19 @@ TEST(the_carrier_is_found)
     int weld = add_joint(&k, LW_JOINT_FIXED, 2, 3, lw_v2(2, 1), 0);
     k.joint[weld].along = lw_v2(0, 0);
     add_gear(&k, 0, 3, lw_v2(1, 0), -1);
-    CHECK_INT(lw_linkage_gear(&k, 3, &g, &e), LW_OK);
+    CHECK_OK(lw_linkage_gear(&k, 3, &g, &check_error));
     CHECK_INT(g.carrier, 1);
     CHECK_INT(lw_linkage_mobility(&k), 1);
     /* none, and two of which the contact tells one */
     k.joint[3].link[0] = 1;
-    CHECK_INT(lw_linkage_gear(&k, 3, &g, &e), LW_E_KIND);
-    CHECK_HAS(e.text, "no link carries both");
+    CHECK_FAILS(lw_linkage_gear(&k, 3, &g, &check_error), LW_E_KIND, "no link carries both");
     blank_linkage(&k, 4);
     for (int i = 0; i < 4; i++)
         add_pin(&k, i, (i + 1)%4, lw_v2_polar(1, 1.5*i));
     add_gear(&k, 1, 3, lw_v2(9, 9), -2);
-    CHECK_INT(lw_linkage_gear(&k, 4, &g, &e), LW_E_KIND);
-    CHECK_HAS(e.text, "2 links in common");
+    CHECK_FAILS(lw_linkage_gear(&k, 4, &g, &check_error), LW_E_KIND, "2 links in common");
     k.joint[4].at = lw_v2_add(lw_v2_scale(k.joint[1].at, 1/3.0), lw_v2_scale(k.joint[2].at, 2/3.0));
-    CHECK_INT(lw_linkage_gear(&k, 4, &g, &e), LW_OK);
+    CHECK_OK(lw_linkage_gear(&k, 4, &g, &check_error));
     CHECK_INT(g.carrier, 2);
 }
 
@@ -326,28 +323,25 @@ TEST(scale_and_references_may_be_given)
 {
     lw_linkage k;
     lw_vec2 reference[2] = { { 0, 0 }, { 5, 6 } };
-    lw_error e = { 0 };
     KEPT_SYSTEM s = { 0 };
     double q[3];
     blank_linkage(&k, 2);
     add_pin(&k, 0, 1, lw_v2(1, 1));
-    CHECK_INT(lw_system_make(&k, reference, 1.0, &s, &e), LW_OK);
+    CHECK_OK(lw_system_make(&k, reference, 1.0, &s, &check_error));
     lw_system_posture(&s, q);
     CHECK(q[0] == 5 && q[1] == 6 && q[2] == 0 && s.unit == 1 && s.origin.x == 0 && s.origin.y == 0);
     lw_system_free(&s);
-    CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_OK);   /* no extent: any unit, or that of a tracer */
+    CHECK_OK(lw_system_make(&k, NULL, 0, &s, &check_error));   /* no extent: any unit, or that of a tracer */
     CHECK(s.unit == 1 && s.origin.x == 1 && s.origin.y == 1);
     add_tracer(&k, 1, lw_v2(4, 5));
     lw_system_free(&s);
-    CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_OK);
+    CHECK_OK(lw_system_make(&k, NULL, 0, &s, &check_error));
     CHECK(s.unit == 5);
     k.joint[0].link[1] = 7;
     lw_system_free(&s);
-    CHECK_INT(lw_system_make(&k, NULL, 1, &s, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "J1");
+    CHECK_FAILS(lw_system_make(&k, NULL, 1, &s, &check_error), LW_E_ARG, "J1");
     blank_linkage(&k, 3);
     add_joints(&k, JOINTS(PIN(0, 1, 1, 1), PIN(1, 2, 2, 1), GEAR(1, 2, 3, 1, 2)));
     lw_system_free(&s);
-    CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_E_KIND);
-    CHECK_HAS(e.text, "no link carries both");
+    CHECK_FAILS(lw_system_make(&k, NULL, 0, &s, &check_error), LW_E_KIND, "no link carries both");
 }

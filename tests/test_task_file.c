@@ -123,10 +123,9 @@ TEST(dwells_become_stations)
                                "'dwell':[{'from':1,'to':2,'theta':5,'points':3,'weight':4}]}";
     static const double angle[] = { 0, 1, 1.5, 2, 3 }, theta[] = { 1, 5, 5, 5, 2 }, weight[] = { 1, 4, 4, 4, 1 };
     OWN(lw_task_file) b = { 0 };
-    lw_error e;
     lw_target t;
-    CHECK_INT(read(text, &b, &e), LW_OK);
-    CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_OK);
+    CHECK_OK(read(text, &b, &check_error));
+    CHECK_OK(lw_task_file_target(&b, &b.stations, &t, &check_error));
     CHECK_INT(t.n, 5);
     for (size_t i = 0; i < 5 && i < t.n; i++) {
         CHECK_NEAR(t.angle[i], angle[i], 1e-15, 0);
@@ -135,8 +134,7 @@ TEST(dwells_become_stations)
     }
     lw_target_free(&t);
     b.dwell[0].from = -1;                                /* the first station is inside now        */
-    CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "station 1");
+    CHECK_FAILS(lw_task_file_target(&b, &b.stations, &t, &check_error), LW_E_ARG, "station 1");
 }
 
 TEST(tracers_have_targets_of_their_own)
@@ -148,9 +146,8 @@ TEST(tracers_have_targets_of_their_own)
                                   "{'x':0,'y':0,'x2':30,'y2':15,'theta2':90,'weight2':3},"
                                   "{'x':3,'y':1,'x2':5,'y2':5,'theta2':80,'weight2':2}],'point_links':['input'],'forbidden':[{'circle':[[30,15],1]}]}";
     OWN(lw_task_file) b = { 0 };
-    lw_error e;
     lw_target t;
-    CHECK_INT(read(text, &b, &e), LW_OK);
+    CHECK_OK(read(text, &b, &check_error));
     CHECK_INT(b.n_also, 2);
     CHECK(b.stations.n == 2 && !b.target[0] && b.also[0].stations.n == 0 && b.also[1].stations.n == 2);
     CHECK_TEXT(b.also[0].target, "b.csv");
@@ -158,29 +155,26 @@ TEST(tracers_have_targets_of_their_own)
     CHECK_INT(b.spec.carrier[1], LW_CARRIER_ANY);
     CHECK_NEAR(b.also[1].stations.theta[1], LW_PI/4, 0, 1e-15);
     lw_task_file_free(&b);
-    CHECK_INT(read(columns, &b, &e), LW_OK);
+    CHECK_OK(read(columns, &b, &check_error));
     CHECK_INT(b.stations.n_also, 1);
     CHECK_INT(b.spec.carrier[0], LW_CARRIER_INPUT);
     CHECK_NEAR(b.stations.also[0].x[0], 0.03, 0, 1e-15);
     CHECK_NEAR(b.stations.also[0].theta[0], LW_PI/2, 0, 1e-15);
     CHECK_NEAR(b.stations.also[0].weight[1], 2, 0, 0);
-    CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "station 1 of point 2 lies inside a forbidden zone");
+    CHECK_FAILS(lw_task_file_target(&b, &b.stations, &t, &check_error), LW_E_ARG, "station 1 of point 2 lies inside a forbidden zone");
     b.spec.n_zone = 0;
-    CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_OK);
+    CHECK_OK(lw_task_file_target(&b, &b.stations, &t, &check_error));
     CHECK(t.n_also == 1 && t.also[0].y[1] == b.stations.also[0].y[1]);
     lw_target_free(&t);
     b.n_dwell = 1;
-    CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_E_ARG);
+    CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &check_error), LW_E_ARG);
 }
 
 TEST(a_station_in_a_forbidden_zone)
 {
     static const char text[] = "{'linkwright-task':1,'stations':[{'x':0,'y':0},{'x':3,'y':1}],'forbidden':[{'circle':[[3,1.5],1]}]}";
     OWN(lw_task_file) b = { 0 };
-    lw_error e;
     lw_target t;
-    CHECK_INT(read(text, &b, &e), LW_OK);
-    CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "station 2 lies inside a forbidden zone");
+    CHECK_OK(read(text, &b, &check_error));
+    CHECK_FAILS(lw_task_file_target(&b, &b.stations, &t, &check_error), LW_E_ARG, "station 2 lies inside a forbidden zone");
 }
