@@ -1,4 +1,5 @@
 /* Contact between shapes, ropes and free links: formulas of textbooks, and the laws of contact themselves at random. */
+#include <signal.h>
 #include "mbs/analysis/reactions.h"
 #include "mbs/dynamics/statics.h"
 #include "mbs/equations/complementarity.h"
@@ -523,6 +524,32 @@ TEST(boxes)
         CHECK_NEAR(d.q[3*b + 2], 0, 1e-12, 0);
     }
     CHECK(d.report.energy_error < 1e-8*d.report.energy_scale);
+}
+
+/* A run that is interrupted, at whatever evaluation, in a step, at an event or behind one, says that it was stopped. */
+typedef struct interrupt { volatile sig_atomic_t stop; int calls, last; } interrupt;
+
+static void count_calls(void *context, double t, const lw_link_motion *link, lw_link_load *load)
+{
+    interrupt *i = context;
+    (void)t, (void)link, (void)load;
+    i->stop = ++i->calls >= i->last;
+}
+
+TEST(interrupted_runs_say_so)
+{
+    lw_status s = LW_STOPPED;
+    interrupt i = { 0 };
+    free_model(FREE(FLOOR, "'mass': 1, 'centre': [0, 0.3], 'inertia': 0.01", "{'circle': [0, 0.3], 'radius': 0.1}", "'restitution': 0.5"), 0, 0);
+    for (int last = 40; s == LW_STOPPED && last < 2000; last += 7) {
+        i = (interrupt){ .last = last };
+        d.o.stop = &i.stop;
+        d.o.force = (lw_caller_force){ &i, count_calls };
+        s = drun_to(&d, LW_FORMULATION_INDEX1, 1e-8, 0.5, 5);
+        CHECK(s == LW_OK || (s == LW_STOPPED && strncmp(d.e.text, "stopped at t = ", 15) == 0));
+    }
+    CHECK_INT(s, LW_OK);
+    CHECK(i.calls > 100 && d.report.n_event_seen > 1);
 }
 
 /* A disc in a groove: both sides carry, N = m g/(2 cos a). */

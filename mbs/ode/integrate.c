@@ -488,8 +488,7 @@ lw_status lw_integrate_restart(lw_integrator *w, const double *y, lw_error *e)
     memset(w->low, 0, bytes);
     lw_status s = rate_at(w, w->t, w->y, w->dy);
     if (s != LW_OK)
-        return lw_error_set(e, s, "the equations of motion have no meaning at t = %.9g s: %s", w->t,
-                            lw_status_text(s));
+        return told(e, s) ? s : lw_error_set(e, s, "the equations of motion have no meaning at t = %.9g s: %s", w->t, lw_status_text(s));
     s = look_at_events(w, e);
     if (s == LW_OK && w->events)
         s = look_ahead(w, w->h_done < 0.0 ? -1.0 : 1.0);
@@ -985,7 +984,7 @@ lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, l
         if (look == LW_OK)
             break;
         if (look != LW_OPEN || w->o.fixed > 0.0) {
-            s = lw_error_set(e, look, "an event near t = %.9g s cannot be located: %s", w->t, lw_status_text(look));
+            s = told(e, look) ? look : lw_error_set(e, look, "an event near t = %.9g s cannot be located: %s", w->t, lw_status_text(look));
             break;
         }
         /* f is undefined inside the step although its end is valid: try a shorter step */
