@@ -334,6 +334,31 @@ TEST(forces_without_a_value_behind_the_motion)
         }
 }
 
+/* Springs at the pins of a four-bar whose crank turns five times, while the coupler goes to and fro: those at the crank are wound up. */
+TEST(springs_at_pins_count_turns)
+{
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1, 'inertia': 0.1, 'centre': [0, 0.5]}, {'name': 'coupler', "
+        "'mass': 2, 'inertia': 1, 'centre': [1.25, 1.5]}, {'name': 'rocker', 'mass': 1, 'inertia': 0.5, 'centre': [2.5, 1]}], 'joints': [{'name': 'A', 'links': "
+        "['ground', 'crank'], 'at': [0, 0]}, {'name': 'B', 'links': ['%s'], 'at': [0, 1]}, {'name': 'C', 'links': ['coupler', 'rocker'], 'at': [2.5, 2]}, "
+        "{'name': 'D', 'links': ['rocker', 'ground'], 'at': [2.5, 0]}], 'input': {'joint': 'A', 'speed': 20}, 'springs': [{'joint': 'B', 'stiffness': 0.2}, "
+        "{'joint': 'C', 'stiffness': 3}, {'joint': 'D', 'stiffness': 2, 'damping': 0.1}], 'tracers': [{'name': 'P', 'link': 'crank', 'at': [0, 1]}]}";
+    static const char *const links[] = { "crank', 'coupler", "coupler', 'crank" };
+    for (int i = 0; i < 2; i++) {
+        char model[sizeof text + 32];
+        snprintf(model, sizeof model, text, links[i]);
+        drun_read_text(&d, model);
+        drun_read_text(&other, model);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, 1e-10, 2, 20), LW_OK);
+        CHECK_INT(drun_to(&other, LW_FORMULATION_INDEX1, 1e-10, 2, 20), LW_OK);
+        CHECK(other.q[2] > 10*LW_PI);
+        for (int k = 0; k <= 20; k++) {
+            CHECK_NEAR(d.tracer[k].x, other.tracer[k].x, 1e-7, 0);
+            CHECK_NEAR(d.tracer[k].y, other.tracer[k].y, 1e-7, 0);
+        }
+    }
+    other.n_moment = 0;
+}
+
 /* ---- friction ---------------------------------------------------------------------------------- */
 
 static const char incline[] = "{'linkwright': 1, 'links': ['ground', {'name': 'block', 'mass': 3, 'centre': [0, 0]}],'joints': [{'name': 'S', 'kind': "
