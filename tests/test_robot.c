@@ -979,8 +979,8 @@ TEST(ways_do_not_depend_on_the_ways_before)
         const double to = k ? 1.5 : 2;
         lw_space_watch w;
         lw_robot_reset(&r);
-        CHECK_INT(lw_space_watch_begin(&w, &r.follow, &e), LW_OK);
-        CHECK_INT(lw_robot_drive(&r, (const double[]){ to, 0, 0 }, &e), LW_OK);
+        CHECK_OK(lw_space_watch_begin(&w, &r.follow, &check_error));
+        CHECK_OK(lw_robot_drive(&r, (const double[]){ to, 0, 0 }, &check_error));
         CHECK_INT(w.lost, !k);
         CHECK(k || (w.between[0]*to < LW_PI/2 && w.between[1]*to > LW_PI/2));
         lw_space_watch_end(&w);
