@@ -73,6 +73,13 @@ static lw_error check_error __attribute__((unused));
              fprintf(stderr, "%s = %d: %s\n", #call, (int)s_, check_error.text); \
          check_error.text[0] = '\0'; } while (0)
 
+/* The call is LW_OK and leaves no message. */
+#define CHECK_SILENT(call) \
+    do { check_error.text[0] = '\0'; lw_status s_ = (call); \
+         if ((s_ != LW_OK || check_error.text[0]) && check_fail(__FILE__, __LINE__)) \
+             fprintf(stderr, "%s = %d: %s\n", #call, (int)s_, check_error.text); \
+         check_error.text[0] = '\0'; } while (0)
+
 /* The call returns this status, and the text of check_error has this part. */
 #define CHECK_FAILS(call, status, part) \
     do { lw_status s_ = (call), w_ = (status); const char *p_ = (part); \

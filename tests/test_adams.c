@@ -10,9 +10,7 @@
 static lw_bytes dataset(const lw_linkage *k)
 {
     lw_bytes b = { 0 };
-    lw_error e = { 0 };
-    CHECK_INT(lw_export_adams(LW_VIEW(k), NULL, &b, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
+    CHECK_SILENT(lw_export_adams(LW_VIEW(k), NULL, &b, &check_error));
     return b;
 }
 
@@ -140,11 +138,10 @@ static void there_and_back(const lw_linkage *k)
 {
     static lw_linkage back;
     static seen w;
-    lw_error e = { 0 };
     OWN(lw_bytes) b = dataset(k);
     int gears = 0;
     w = (seen){ .k = k };
-    CHECK_INT(lw_adams_scan(b.data, b.size, "t", look, &w, &e), LW_OK);
+    CHECK_OK(lw_adams_scan(b.data, b.size, "t", look, &w, &check_error));
     for (int j = 0; j < k->n_joint; j++)
         gears += k->joint[j].kind == LW_JOINT_GEAR;
     CHECK_INT(w.n_part, k->n_link);
@@ -155,8 +152,7 @@ static void there_and_back(const lw_linkage *k)
     CHECK_INT(w.n_marker, 2*(k->n_joint - gears) + k->n_tracer + 1);
     CHECK_INT(w.n_units, 1);
     CHECK_INT(w.n_other, 1);                           /* RESULTS */
-    CHECK_INT(read_back(b.data, b.size, &back, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
+    CHECK_SILENT(read_back(b.data, b.size, &back, &check_error));
     CHECK_INT(back.n_joint, k->n_joint);
     CHECK_INT(back.ground, k->ground);
     CHECK_TEXT(back.name, k->name);
@@ -212,9 +208,7 @@ TEST(written_by_others)
         "MOTION/1, ROTATION, JOINT = 4, FUNCTION = 30D*time\n,  + 1\nREQUEST/1, DISPLACEMENT, I = 3, J = 1\nEND\n"
         "rest /";
     static lw_linkage k;
-    lw_error e = { 0 };
-    CHECK_INT(read_back(text, sizeof text - 1, &k, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
+    CHECK_SILENT(read_back(text, sizeof text - 1, &k, &check_error));
     CHECK_TEXT(k.name, "some model");
     CHECK_TEXT(k.units.length, "mm");
     CHECK_INT(k.n_link, 2);
@@ -272,22 +266,19 @@ TEST(loads_are_written)
     for (size_t i = 0; i < LOADED_COUNT; i++) {
         static drun d;
         OWN(lw_bytes) b = { 0 };
-        lw_error e = { 0 };
         lw_linkage back;
         drun_read_format(&d, loaded[i], 0, 0);
         lw_export_options o = { .model = &d.model, .clearance = -1 };
-        CHECK_INT(lw_export_adams(LW_VIEW(d.model.small), &o, &b, &e), LW_OK);
-        CHECK_TEXT(e.text, "");
+        CHECK_SILENT(lw_export_adams(LW_VIEW(d.model.small), &o, &b, &check_error));
         for (int n = 0; n < 12 && has[i][n]; n++)
             CHECK_HAS(b.data, has[i][n]);
         CHECK(strstr(b.data, "MOTION/") == NULL);                      /* it runs freely */
-        CHECK_INT(read_back(b.data, b.size, &back, &e), LW_OK);
-        CHECK_TEXT(e.text, "");
+        CHECK_SILENT(read_back(b.data, b.size, &back, &check_error));
         CHECK_INT(back.n_link, d.model.small->n_link);
         CHECK_INT(back.n_joint, d.model.small->n_joint);
         CHECK_INT(back.n_tracer, 1);
         lw_bytes_free(&b);
-        CHECK_INT(lw_export_adams_commands(LW_VIEW(d.model.small), &o, &b, &e), LW_OK);
+        CHECK_OK(lw_export_adams_commands(LW_VIEW(d.model.small), &o, &b, &check_error));
         CHECK_HAS(b.data, "SIMULATE/DYNAMICS");
     }
 }

@@ -289,10 +289,8 @@ static void runs_alike(const char *text, double to)
     CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-9, to, 20), LW_OK);
     CHECK_TEXT(d.e.text, "");
     lw_bytes b = { 0 };
-    lw_error e = { 0 };
     lw_export_options o = { .model = &d.model, .clearance = -1 };
-    CHECK_INT(lw_export_mjcf(LW_VIEW(d.model.small), &o, &b, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
+    CHECK_SILENT(lw_export_mjcf(LW_VIEW(d.model.small), &o, &b, &check_error));
     mjModel *m = load_bytes(d.model.small, b);
     double size = lw_export_size(LW_VIEW(d.model.small)), worst = 0, moved = 0;
     if (m) {
@@ -337,9 +335,7 @@ static void urdf_moves_alike(void)
     for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
         lw_linkage k = strcmp(names[i], "yoke") == 0 ? scotch_yoke(1) : example(names[i]);
         lw_bytes b = { 0 };
-        lw_error e = { 0 };
-        CHECK_INT(lw_export_urdf(LW_VIEW(&k), NULL, &b, &e), LW_OK);
-        CHECK_TEXT(e.text, "");
+        CHECK_SILENT(lw_export_urdf(LW_VIEW(&k), NULL, &b, &check_error));
         CHECK((strstr(b.data, "close a loop") != NULL) == (k.n_joint >= k.n_link));
         mjModel *m[2] = { load(&k), load_bytes(&k, b) };
         if (!m[0] || !m[1])

@@ -119,9 +119,7 @@ static void check_layers(const lw_linkage *k, int most)
 {
     OWN(lw_scene) s = scene_of(k, 240), fine = scene_of(k, 4801);
     static lw_layers l;
-    lw_error e = { 0 };
-    CHECK_INT(lw_layers_find(&s, NULL, &l, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
+    CHECK_SILENT(lw_layers_find(&s, NULL, &l, &check_error));
     CHECK(l.n_layer >= 2 && l.n_layer <= most);
     CHECK_INT(l.layer[k->ground], 0);
     for (int j = 0; j < k->n_joint; j++)

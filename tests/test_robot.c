@@ -643,12 +643,10 @@ TEST(slots_in_space)
 
 static double lowest(lw_held *h, lw_robot *r, double radius, double angle)
 {
-    lw_error e = { 0 };
     double f = NAN;
     lw_robot_reset(r);
-    CHECK_INT(lw_robot_move(r, lw_v3(radius*cos(angle), radius*sin(angle), -0.65), NULL, &e), LW_OK);
-    CHECK_INT(lw_held_frequency(h, r, &f, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
+    CHECK_OK(lw_robot_move(r, lw_v3(radius*cos(angle), radius*sin(angle), -0.65), NULL, &check_error));
+    CHECK_SILENT(lw_held_frequency(h, r, &f, &check_error));
     return f;
 }
 

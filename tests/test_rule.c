@@ -85,12 +85,10 @@ TEST(every_step_keeps_its_promises)
         CHECK_INT(lw_sentence_mechanism(&s, &same, NULL), LW_OK);
         while (same.n_link < 24) {
             lw_production p = random_step(&rng, &s);
-            lw_error e = { 0 };
             lw_chain c;
-            CHECK_INT(lw_rule_apply(&s, &p, &s, &e), LW_OK);
+            CHECK_OK(lw_rule_apply(&s, &p, &s, &check_error));
             CHECK_INT(lw_mechanism_grow(&same, &p), LW_OK);
-            CHECK_INT(lw_sentence_mechanism(&s, &m, &e), LW_OK);
-            CHECK_TEXT(e.text, "");
+            CHECK_SILENT(lw_sentence_mechanism(&s, &m, &check_error));
             CHECK(lw_mechanism_same(&m, &same));
             lw_mechanism_chain(&m, &c);
             CHECK_INT(lw_chain_mobility(&c), 1);

@@ -178,7 +178,6 @@ static void check_motion(int n, const axis *a, int redundant)
     static const lw_formulation way[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_RADAU, LW_FORMULATION_CVODE };
     OWN(lw_spatial) m = { 0 };
     lw_dynamics *d;
-    lw_error e = { 0 };
     make_model(n, a, true, &m);
     for (size_t i = 0; i < sizeof way/sizeof *way; i++) {
         lw_dynamics_options o = lw_dynamics_options_default();
@@ -187,9 +186,8 @@ static void check_motion(int n, const axis *a, int redundant)
         o.formulation = way[i];
         o.to = 1;
         o.intervals = 4;
-        CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
-        CHECK_INT(lw_dynamics_analyse(d, watch, &s, &r, NULL, &e), LW_OK);
-        CHECK_TEXT(e.text, "");
+        CHECK_OK(lw_dynamics_make_spatial(&m, &o, &d, &check_error));
+        CHECK_SILENT(lw_dynamics_analyse(d, watch, &s, &r, NULL, &check_error));
         CHECK_INT(r.freedom, 1);
         CHECK_INT(r.redundant, redundant);
         CHECK(s.off < 1e-12 && s.off_rate < 1e-11);
@@ -213,14 +211,12 @@ static void turn_input(int n, const axis *a, double to, int steps, on_turns *see
     OWN(lw_spatial) m = { 0 };
     OWN(lw_space) s = { 0 };
     OWN(lw_space_follow) f = { 0 };
-    lw_error e = { 0 };
     double *turn = calloc((size_t)n, sizeof *turn), *near = calloc((size_t)n, sizeof *near);
     make_model(n, a, false, &m);
-    CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
-    CHECK_INT(lw_space_follow_make(&s, &m.input[0].measure, 1, false, &f, &e), LW_OK);
+    CHECK_OK(lw_space_make(&m, &s, &check_error));
+    CHECK_OK(lw_space_follow_make(&s, &m.input[0].measure, 1, false, &f, &check_error));
     for (int k = 1; k <= steps; k++) {
-        CHECK_INT(lw_space_follow_to(&f, own_value, NULL, to*k/steps, &e), LW_OK);
-        CHECK_TEXT(e.text, "");
+        CHECK_SILENT(lw_space_follow_to(&f, own_value, NULL, to*k/steps, &check_error));
         lw_space_place(&s, f.q, f.z.frame);
         lw_space_count_turns(&s, f.z.frame, near);
         see(context, near);
@@ -581,24 +577,21 @@ TEST(beside_flat_postures)
 {
     static const double beside[] = { 0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 0.1 };
     OWN(lw_spatial) m = { 0 };
-    lw_error e = { 0 };
     read_spatial(parallelogram, "parallelogram", &m);
     for (size_t i = 0; i < sizeof beside/sizeof *beside; i++)
         for (int side = -1; side < 2; side += 2) {
             double to = LW_PI/4 + side*beside[i]/2;
             int rows = 0;
             lw_space_trace t = { .in_time = true, .from = 0, .to = to, .intervals = 1 };
-            CHECK_INT(lw_space_trace_run(&m, &t, see_circle, &rows, &e), LW_OK);
-            CHECK_TEXT(e.text, "");
+            CHECK_SILENT(lw_space_trace_run(&m, &t, see_circle, &rows, &check_error));
             CHECK_INT(rows, 2);
             push p = { 0 };
             lw_dynamics_report r;
             lw_dynamics_options o = lw_dynamics_options_default();
             o.to = to;
             o.intervals = 1;
-            CHECK_INT(lw_dynamics_make_spatial(&m, &o, &p.d, &e), LW_OK);
-            CHECK_INT(lw_dynamics_analyse(p.d, see_push, &p, &r, NULL, &e), LW_OK);
-            CHECK_TEXT(e.text, "");
+            CHECK_OK(lw_dynamics_make_spatial(&m, &o, &p.d, &check_error));
+            CHECK_SILENT(lw_dynamics_analyse(p.d, see_push, &p, &r, NULL, &check_error));
             CHECK_INT(p.seen, 2);
             CHECK_INT(p.empty, beside[i] < 1e-8);
             CHECK_INT(r.without_forces, p.empty);

@@ -138,14 +138,12 @@ TEST(mass_of_meshes)
 {
     char path[2][300], text[700];
     lw_spatial m;
-    lw_error e;
     double s[10];
     for (int i = 0; i < 2; i++)
         snprintf(path[i], sizeof path[i], "%s/%s.stl", temporary_folder(), i ? "torus" : "cube");
     write_cube(path[0], true, 12);
     snprintf(text, sizeof text, ", 'mesh': {'file': '%s', 'density': 1, 'at': [0, 0, 1]}, 'frame': {'x': [0, 1, 0], 'y': [0, 0, 1]}", path[0]);
-    CHECK_INT(read_pendulum(text, ", 'axis': [0, 0, 1]", "", &m, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
+    CHECK_SILENT(read_pendulum(text, ", 'axis': [0, 0, 1]", "", &m, &check_error));
     const lw_spatial_body *b = &m.body[1];
     CHECK_NEAR(b->mass, 1, 1e-12, 0);
     CHECK_NEAR(b->centre.x, 0.5, 1e-12, 0);
@@ -157,8 +155,7 @@ TEST(mass_of_meshes)
 
     write_torus(path[1], s);
     snprintf(text, sizeof text, ", 'mass': 5, 'mesh': {'file': '%s', 'unit': 'cm'}", path[1]);
-    CHECK_INT(read_pendulum(text, ", 'axis': [0, 0, 1]", "", &m, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
+    CHECK_SILENT(read_pendulum(text, ", 'axis': [0, 0, 1]", "", &m, &check_error));
     b = &m.body[1];
     double xx = s[4] - s[1]*s[1]/s[0], yy = s[5] - s[2]*s[2]/s[0], zz = s[6] - s[3]*s[3]/s[0], scale = 5/s[0]*1e-4;
     const double want[6] = { yy + zz, xx + zz, xx + yy, s[1]*s[2]/s[0] - s[7], s[1]*s[3]/s[0] - s[8], s[2]*s[3]/s[0] - s[9] };

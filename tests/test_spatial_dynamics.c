@@ -391,7 +391,6 @@ TEST(a_planar_four_bar_in_space)
     lw_model p;
     lw_dynamics *d;
     lw_dynamics_report report;
-    lw_error e = { 0 };
     lw_vec3 normal;
     read_spatial(space, "space", &m);
     CHECK(lw_spatial_is_planar(&m, &normal));
@@ -404,8 +403,8 @@ TEST(a_planar_four_bar_in_space)
     o.to = 1;
     o.intervals = 10;
     o.relative = o.absolute = 1e-13;
-    CHECK_INT(lw_dynamics_make(&p, &o, &d, &e), LW_OK);
-    CHECK_INT(lw_dynamics_run(d, keep_planar, NULL, &report, &e), LW_OK);
+    CHECK_OK(lw_dynamics_make(&p, &o, &d, &check_error));
+    CHECK_OK(lw_dynamics_run(d, keep_planar, NULL, &report, &check_error));
     for (int i = 0; i < k.n && i < planar_n; i++)
         CHECK_NEAR(remainder(k.at[i].input - (planar_angle[i] - planar_angle[0]), 2*LW_PI), 0, 1e-12, 0);
     lw_dynamics_free(d);
@@ -423,10 +422,9 @@ TEST(a_planar_four_bar_in_space)
         }
         m.gravity = turned ? lw_v3(2, 0, -9.81) : m.gravity;
         planar_n = 0;
-        CHECK_INT(lw_spatial_in_plane(&m, &p, &e), LW_OK);
-        CHECK_TEXT(e.text, "");
-        CHECK_INT(lw_dynamics_make(&p, &o, &d, &e), LW_OK);
-        CHECK_INT(lw_dynamics_run(d, keep_planar, NULL, &report, &e), LW_OK);
+        CHECK_SILENT(lw_spatial_in_plane(&m, &p, &check_error));
+        CHECK_OK(lw_dynamics_make(&p, &o, &d, &check_error));
+        CHECK_OK(lw_dynamics_run(d, keep_planar, NULL, &report, &check_error));
         CHECK_INT(planar_n, 11);
         for (int i = 0; i < k.n && i < planar_n; i++)
             CHECK_NEAR(remainder(k.at[i].input - (planar_angle[i] - planar_angle[0]), 2*LW_PI), 0, 1e-12, 0);
@@ -472,7 +470,6 @@ TEST(a_pendulum_in_its_plane)
         OWN(lw_model) p = { 0 };
         OWNED(lw_dynamics) *d = NULL;
         lw_dynamics_report report;
-        lw_error e = { 0 };
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.4, 0.1, 0.2], 'inertia': [0.03, 0.04, 0.05]}], 'joints': "
                  "[{'name': 'A', 'links': [%s], 'at': [0, 0, 0], 'axis': [0, %d, 0], 'stop': {'greatest': 1, 'stiffness': 500, 'damping': 3}}], 'springs': "
                  "[{'joint': 'A', 'stiffness': 6, 'damping': 0.1, 'free': 0.3}], 'gravity': [0, 0, -9.81], 'tracers': [{'name': 'P', 'link': 'a', 'at': [0.5, 0, 0]}]}",
@@ -484,10 +481,9 @@ TEST(a_pendulum_in_its_plane)
         o.intervals = 10;
         o.relative = o.absolute = 1e-12;
         planar_n = 0;
-        CHECK_INT(lw_spatial_in_plane(&m, &p, &e), LW_OK);
-        CHECK_TEXT(e.text, "");
-        CHECK_INT(lw_dynamics_make(&p, &o, &d, &e), LW_OK);
-        CHECK_INT(lw_dynamics_run(d, keep_planar, NULL, &report, &e), LW_OK);
+        CHECK_SILENT(lw_spatial_in_plane(&m, &p, &check_error));
+        CHECK_OK(lw_dynamics_make(&p, &o, &d, &check_error));
+        CHECK_OK(lw_dynamics_run(d, keep_planar, NULL, &report, &check_error));
         CHECK_INT(planar_n, 11);
         for (int i = 0; i < k.n && i < planar_n; i++)
             CHECK_NEAR(remainder(planar_angle[i] - planar_angle[0] - atan2(-k.at[i].tracer.z, k.at[i].tracer.x), 2*LW_PI), 0, 1e-9, 0);

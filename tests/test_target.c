@@ -21,9 +21,7 @@ static lw_status read(const char *text, lw_target *t, lw_error *e)
 static void check_reads(const char *text, size_t n)
 {
     OWN(lw_target) t = { 0 };
-    lw_error e;
-    CHECK_INT(read(text, &t, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
+    CHECK_SILENT(read(text, &t, &check_error));
     CHECK_INT(t.n, n);
 }
 
@@ -211,9 +209,7 @@ TEST(units_by_comment_suffix_and_option)
     };
     for (size_t i = 0; i < sizeof cases/sizeof *cases; i++) {
         OWN(lw_target) t = { 0 };
-        lw_error e;
-        CHECK_INT(read(cases[i].text, &t, &e), LW_OK);
-        CHECK_TEXT(e.text, "");
+        CHECK_SILENT(read(cases[i].text, &t, &check_error));
         CHECK_NEAR(t.x[0], cases[i].x, 0, 1e-15);
         CHECK_NEAR(t.y[0], 2*cases[i].x, 0, 1e-15);
         CHECK_NEAR(t.angle[0], cases[i].angle, 0, 1e-15);
@@ -318,9 +314,7 @@ TEST(the_first_station_repeated_at_the_end)
 static void check_angles(const char *text, size_t n, const double *want)
 {
     OWN(lw_target) t = { 0 };
-    lw_error e;
-    CHECK_INT(read(text, &t, &e), LW_OK);
-    CHECK_TEXT(e.text, "");
+    CHECK_SILENT(read(text, &t, &check_error));
     for (size_t i = 0; i < n && i < t.n; i++)
         CHECK_NEAR(t.angle[i]*180/LW_PI, want[i], 1e-12, 1e-15);
 }
