@@ -136,7 +136,7 @@ static lw_status run_it(const cli_call *call, cli_simulate *c, lw_error *e)
     lw_status st = s->analysis == LW_ANALYSIS_STATIC ? rest(c, s->from, e)
                  : lw_dynamics_run(c->d, cli_simulate_row, c, &c->report, e);
     if (st == LW_OK && c->keep_postures && s->analysis != LW_ANALYSIS_STATIC)
-        cli_coarse_run_compare(c);
+        st = cli_coarse_run_compare(c, e);
     cli_simulate_tail(c, st, e);
     if (st == LW_OK && s->balance)
         st = cli_simulate_balance(c, stdout, e);

@@ -47,7 +47,7 @@ static int find_stride(const lw_dynamics_options *o, double step)
     return stride;
 }
 
-void cli_coarse_run_compare(cli_simulate *s)
+lw_status cli_coarse_run_compare(cli_simulate *s, lw_error *e)
 {
     cli_coarse_run *r = &s->coarse;
     bool captured = s->report.captured_step > 0;
@@ -56,22 +56,23 @@ void cli_coarse_run_compare(cli_simulate *s)
     lw_dynamics_options coarse = *o;
     lw_dynamics_report report;
     lw_dynamics *d = NULL;
-    lw_error e = { 0 };
+    lw_error why = { 0 };
     comparison c = { s, 0, (size_t)stride };
     *r = (cli_coarse_run){ .placed = "no link", .turned = "no link" };
     if (!captured && s->report.n_event_seen == 0)
-        return;
+        return LW_OK;
     coarse.formulation = s->report.formulation;
     coarse.relative = (captured ? longer : looser)*o->relative;
     coarse.absolute = (captured ? longer : looser)*o->absolute;
     coarse.intervals = o->intervals/stride;
-    lw_status status = lw_dynamics_make(s->model, &coarse, &d, &e);
+    lw_status status = lw_dynamics_make(s->model, &coarse, &d, &why);
     if (status == LW_OK)
-        status = lw_dynamics_run(d, compare, &c, &report, &e);
+        status = lw_dynamics_run(d, compare, &c, &report, &why);
     if (status == LW_OK) {
         double most = looser*coarse.relative;
         r->tolerance = coarse.relative;
         r->told = captured || r->place > most*lw_dynamics_system(s->d)->unit || r->turn > most;
     }
     lw_dynamics_free(d);
+    return status == LW_E_MEMORY ? lw_error_set(e, status, "%s", why.text) : LW_OK;
 }

@@ -10,7 +10,7 @@
 /* Can contacts act in a run of this model, so that its postures should be kept for the comparison?  No with so many rows that they would need 160 MB. */
 bool cli_coarse_run_suits(const cli_simulate *s);
 
-/* Repeat the run that s has made, and compare it with the postures kept in s: s->coarse. */
-void cli_coarse_run_compare(cli_simulate *s);
+/* Repeat the run that s has made, and compare it with the postures kept in s: s->coarse.  LW_E_MEMORY; a run that ends early is not compared. */
+lw_status cli_coarse_run_compare(cli_simulate *s, lw_error *e);
 
 #endif
