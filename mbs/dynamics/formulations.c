@@ -16,16 +16,6 @@ static const lw_formulation_row *const table[] = {
 #undef X
 };
 
-const char *lw_formulation_name(lw_formulation f)
-{
-    static const char *const names[] = { "auto",
-#define X(id, name, text) #name,
-        LW_FORMULATION_LIST(X)
-#undef X
-    };
-    return names[f];
-}
-
 /* ---- choice ---------------------------------------------------------------------------------------- */
 
 /* Forward dynamics needs masses; the error names the link that lacks one. */
