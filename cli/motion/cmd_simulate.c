@@ -246,6 +246,7 @@ static int run(const cli_call *call)
     cli_dynamics_notes(call, c->d, &c->report, &c->coarse);
     cli_suction_note(call, &c->suction);
     cli_note_pull(call, &c->pull, c->pull.chain ? lw_dynamics_model(c->d)->linkage.link_name[c->pull.chain->node[0]] : "");
+    st = cli_note_taut(call, &c->taut, c->taut.chain ? lw_dynamics_model(c->d)->linkage.link_name[c->taut.chain->node[0]] : "", st, &e);
     int code = st == LW_OK ? CLI_DONE : c->n_row > 0 && st == LW_STOPPED ? CLI_LIMIT : cli_fail(call, &e);
     if (code == CLI_LIMIT)
         cli_note(call, "%s; the rows so far are kept", e.text);

@@ -27,6 +27,7 @@ typedef struct cli_simulate {
     cli_suction     suction;
     cli_pull        pull;
     cli_coarse_run  coarse;
+    cli_taut        taut;
 } cli_simulate;
 
 /* Drive the inputs without a motion at this constant speed, as --speed gives it; NULL: none. */

@@ -25,6 +25,7 @@ typedef struct run {
     lw_frame_motion  *tracer, *link;
     lw_space_inner   *inner;             /* of the nodes of one elastic link */
     cli_pull          pull;
+    cli_taut          taut;
     cli_suction       suction;
     cli_column       *column;
     int               n_column, capacity;
@@ -180,6 +181,15 @@ static void see_pull(run *r, const lw_space_moment *o, const lw_elastic_chain *c
     }
 }
 
+static void see_taut(run *r, const lw_space_moment *o, const lw_elastic_chain *c)
+{
+    const lw_section *p = &c->elastic->section;
+    for (int i = 0; i + 1 < c->n_bound; i++) {
+        lw_vec3 along = lw_v3_sub(o->frame[r->s->body_of[c->node[i + 1]] + 1].at, o->frame[r->s->body_of[c->node[i]] + 1].at);
+        cli_taut_see(&r->taut, c, r->s->model->beam[c->first_beam + i].length, lw_v3_norm(along), fmin(p->iy, p->iz));
+    }
+}
+
 static double *put_inner(run *r, const lw_space_moment *o, double *to)
 {
     const lw_elastic_chain *c;
@@ -187,6 +197,8 @@ static double *put_inner(run *r, const lw_space_moment *o, double *to)
         lw_dynamics_space_inner(r->d, o, k, r->inner);
         if (c->condensed && c->elastic->n_node == 0)
             see_pull(r, o, c);
+        else if (c->elastic->n_node == 0)
+            see_taut(r, o, c);
         for (int i = 0; i < c->n_bound && c->elastic->n_node == 0; i++) {
             const lw_space_inner *p = &r->inner[i];
             const double all[] = { p->normal, p->shear[0], p->shear[1], p->torque, p->bending[0], p->bending[1], p->stress };
@@ -493,6 +505,7 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
             cli_dynamics_remarks(r.f, &r.report, NULL, st, &e);
         cli_dynamics_notes(call, r.d, &r.report, NULL);
         cli_note_pull(call, &r.pull, r.pull.chain ? r.m->body[r.pull.chain->node[0]].name : "");
+        st = cli_note_taut(call, &r.taut, r.taut.chain ? r.m->body[r.taut.chain->node[0]].name : "", st, &e);
         cli_suction_note(call, &r.suction);
         if (explain)
             note_contacts(call, &r, o->from, r.report.t);
