@@ -280,17 +280,29 @@ TEST(symmetry_is_exact)
     CHECK_NEAR(l.least_angle, 3*LW_PI/5, 1e-6, 0);
 }
 
+/* Chains that are not planar: one bar is cut, three bars of the complete graph of six links with a bar on each edge, and none of
+ * K(3,3), which has no bar. */
 TEST(same_chain_same_picture)
 {
-    lw_mechanism m;
-    lw_chain_layout a, b;
-    lw_chain c = nonplanar_chain();
-    lw_mechanism_from_chain(&c, &m);
-    CHECK_INT(lw_chain_layout_make(&m, &a, NULL), LW_OK);
-    CHECK_INT(lw_chain_layout_make(&m, &b, NULL), LW_OK);
-    CHECK_INT(memcmp(a.at, b.at, sizeof a.at), 0);
-    CHECK_INT(a.n_cross, 1);
-    CHECK(!a.planar);
+    lw_chain chain[3] = { nonplanar_chain(), { .n_link = 21 }, { .n_link = 6 } };
+    const int most[3] = { 1, 9, 99 };
+    for (int a = 0, bar = 6; a < 6; a++)
+        for (int b = 0; b < a; b++, bar++) {
+            CHECK_INT(lw_chain_join(&chain[1], a, bar, 1), LW_OK);
+            CHECK_INT(lw_chain_join(&chain[1], b, bar, 1), LW_OK);
+            if (a > 2 && b < 3)
+                CHECK_INT(lw_chain_join(&chain[2], a, b, 1), LW_OK);
+        }
+    for (int i = 0; i < 3; i++) {
+        lw_mechanism m;
+        lw_chain_layout a, b;
+        lw_mechanism_from_chain(&chain[i], &m);
+        CHECK_INT(lw_chain_layout_make(&m, &a, NULL), LW_OK);
+        CHECK_INT(lw_chain_layout_make(&m, &b, NULL), LW_OK);
+        CHECK_INT(memcmp(a.at, b.at, sizeof a.at), 0);
+        CHECK(a.n_cross >= (i == 1 ? 3 : 1) && a.n_cross <= most[i]);           /* K6 in the plane has three crossings at least */
+        CHECK(!a.planar && a.least_gap > 1e-3);
+    }
 }
 
 /* Open chains, fractionated ones, trees, crowds: any connected graph has a picture. */

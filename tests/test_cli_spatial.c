@@ -241,6 +241,28 @@ TEST(workspaces)
     expect("$P robot workspace examples/space/delta.json --rays 8 --json", 0, "\"without_limit\": 0", NULL);
 }
 
+/* The output of a controller in space is a column: its gain times the difference of what is wanted and measured in the same row. */
+TEST(controllers)
+{
+    expect("printf '{\"linkwright\": 1, \"gravity\": [0, 0, -9.81], \"links\": [\"ground\", {\"name\": \"b\", \"mass\": 1, \"centre\": [1, 0, 0], "
+           "\"inertia\": [0.1, 0.1, 0.1]}], \"joints\": [{\"name\": \"A\", \"kind\": \"revolute\", \"links\": [\"ground\", \"b\"], \"at\": [0, 0, 0], "
+           "\"axis\": [0, 1, 0]}], \"controllers\": [{\"name\": \"c\", \"wanted\": \"sin(t)\", \"measured\": \"q(A)\", \"proportional\": 2}]}' > $D/c.json; "
+           "$P simulate $D/c.json --to 0.2 -n 4 -q | awk -F, '/^t,/ { for (i = 1; i <= NF; i++) at[$i] = i } /^0/ { n++; d = $(at[\"c.output\"]) - "
+           "2*(sin($1) - 2*atan2($(at[\"b.qy\"]), $(at[\"b.qw\"]))); if (d*d > 1e-18) print; } END { print n }'", 0, "5\n", NULL);
+}
+
+/* A gear pair of a linkage with more links than a plan has: its carrier is found among the links around it. */
+TEST(gears_of_large_linkages)
+{
+    expect("python3 -c 'import json\n"
+           "links = [\"ground\"] + [{\"name\": \"b%d\" % i, \"mass\": 1, \"centre\": [i, -0.5], \"inertia\": 0.1} for i in range(38)]\n"
+           "joints = [{\"name\": \"J%d\" % i, \"links\": [\"ground\" if i < 2 else \"b%d\" % (i - 1), \"b%d\" % i], \"at\": [i, 0]} for i in range(38)]\n"
+           "joints.append({\"name\": \"G\", \"kind\": \"g\", \"links\": [\"b0\", \"b1\"], \"ratio\": -2})\n"
+           "print(json.dumps({\"linkwright\": 1, \"links\": links, \"joints\": joints, \"inputs\": [{\"joint\": \"J0\", \"speed\": 1}]}))' > $D/g.json; "
+           "$P simulate $D/g.json --to 0.02 -n 2 -q | awk -F, '/^t,/ { for (i = 1; i <= NF; i++) at[$i] = i } /^0/ { n++; d = $(at[\"b1.omega\"]) + 2; "
+           "if (d*d > 1e-12) print } END { print n }'", 0, "3\n", NULL);
+}
+
 TEST(files_for_other_programs)
 {
     expect("$P convert examples/space/top.json -o $D/a.adm && grep -c SPHERICAL $D/a.adm", 0, "1\n", NULL);

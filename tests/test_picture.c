@@ -413,6 +413,35 @@ TEST(every_kind_of_joint_is_drawn)
     CHECK_INT(guides, 3);                                       /* the slot and two pitch circles */
 }
 
+/* The teeth of a rack are as far apart as those of its pinion; a plate welded to the rack at an angle has a filled corner there. */
+TEST(rack_and_weld)
+{
+    lw_linkage k = { .units = lw_units_si(), .n_link = 5, .n_joint = 5, .n_input = 1, .n_tracer = 1, .input = { { .joint = 0 } },
+                     .link_name = { "ground", "arm", "wheel", "rack", "plate" }, .tracer = { { .name = "Q", .link = 4, .at = { 1.5, 0.4 } } },
+                     .joint = { { .name = "A", .kind = LW_JOINT_REVOLUTE, .link = { 0, 1 } }, { .name = "P", .kind = LW_JOINT_REVOLUTE, .link = { 1, 2 }, .at = { 1, 0.5 } },
+                                { .name = "S", .kind = LW_JOINT_SLIDER, .link = { 1, 3 }, .at = { 1, 0.2 }, .along = { 1, 0 } },
+                                { .name = "G", .kind = LW_JOINT_GEAR, .link = { 2, 3 }, .at = { 1, 0.2 }, .ratio = 0.3 },
+                                { .name = "W", .kind = LW_JOINT_FIXED, .link = { 3, 4 }, .at = { 1.4, 0.2 } } } };
+    OWN(lw_scene) s = { 0 };
+    lw_error e;
+    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    OWN(lw_drawing) d = draw(&s, 1000, 750);
+    double teeth = 0, pitch = 0;
+    int corners = 0;
+    for (size_t i = 0; i < d.n_shape; i++) {
+        const lw_shape *a = &d.shape[i];
+        const lw_vec2 *p = d.point + a->first;
+        if (a->role == LW_ROLE_GUIDE && a->closed && a->link == 2)
+            teeth = (double)a->n/4;
+        if (a->role == LW_ROLE_GUIDE && a->closed && a->link == 3 && a->n%4 == 2)
+            pitch = lw_v2_norm(lw_v2_sub(p[4], p[0]))/d.view[0].scale;
+        corners += a->role == LW_ROLE_JOINT && a->kind == LW_SHAPE_PATH && a->n == 3 && a->link == 4;
+    }
+    CHECK(teeth > 5);
+    CHECK_NEAR(pitch, 2*LW_PI*0.3/teeth, 0, 1e-9);
+    CHECK_INT(corners, 1);
+}
+
 /* The trammel: two blocks on hatched guides of the ground that cover their travel. */
 TEST(guides_cover_the_travel)
 {
