@@ -137,6 +137,22 @@ TEST(kept_counts)
     expect("$P chains --links 8 --keep $D/k", 2, NULL, "--count");
 }
 
+/* Each command with --mpi, as one process: a call for memory that fails is an error with a message, or the answer is whole. */
+static void processes_without_memory(void)
+{
+    static const char *const rows[] = {
+        "chains --links 6 -j 1", "fit examples/ellipse.csv --unlimited --starts 1 --rounds 1 --results 1 -j 1 -q",
+        "catalogue curves $D/short.db --links 4 --samples 40 -q", "bench fit --problems $D/problems --solvers lm --seeds 0 --time 0.01 -q",
+    };
+    expect("mkdir $D/problems && cp examples/ellipse.csv $D/problems", 0, NULL, NULL);
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
+        for (int n = 1; n <= 200; n += 1 + n/3) {
+            ran r = run_with("rm -f $D/short.db; LW_FAIL=malloc:%d $C %s --mpi", n, rows[i]);
+            CHECK(r.code == 0 || (r.code == 4 && r.err[0] && !r.out[0]));
+            ran_free(&r);
+        }
+}
+
 /* Needs a program built with `make MPI=1`. */
 TEST(processes)
 {
@@ -171,6 +187,7 @@ TEST(processes)
     expect("$P fit examples/figure-eight.csv --rounds 2 -q -o $D/f1.json && $RUN $P fit examples/figure-eight.csv --rounds 2 -q "
            "--mpi --keep $D/fk -o $D/f3.json && for f in f1 f3; do grep -v '\"seconds\"\\|\"command\"' $D/$f.json > $D/$f; done; "
            "cmp $D/f1 $D/f3 && echo same", 0, "same\n", NULL);
+    processes_without_memory();
     expect("$RUN $P catalogue curves /no/such/folder/x --samples 100 --mpi", 3, NULL, "/no/such/folder");
     expect("$RUN $P chains --links 5 --dof 2 --mpi", 0, "Dhc\n", NULL);
     expect("$RUN $P chains --links 8 --mpi -o /no/such/folder/x", 3, NULL, "/no/such/folder");

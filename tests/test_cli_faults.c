@@ -286,7 +286,7 @@ static bool has_option(const char *command, char letter, const char *option, con
     return false;
 }
 
-/* The line of an option in the help of a command: each has a row, except --mpi, and each format has one.  Pictures of chains do not
+/* The line of an option in the help of a command: each has a row, those of --mpi in test_cli_enumerate.c, and each format has one.  Pictures of chains do not
  * depend on the notation that the chains are read in (`draw`); the notations of grammar and mechanisms are those of chains. */
 static void check_option(const char *command, char *line)
 {
