@@ -738,6 +738,16 @@ static lw_status count_row(void *n, const lw_sweep_result *r)
     return *(int *)n += r->n_outcome, LW_OK;
 }
 
+typedef struct samples { int n; double t, most; } samples;
+
+static lw_status see_contact(void *context, double t, double input, double energy, int n_point, const lw_clearance_point *point)
+{
+    samples *s = context;
+    CHECK(t >= s->t && isfinite(input) && isfinite(energy) && n_point == 1);
+    *s = (samples){ s->n + 1, t, t >= 0.01 ? fmax(s->most, fabs(point[0].force)) : s->most };
+    return LW_OK;
+}
+
 TEST(clearances_run_alone_and_in_a_sweep)
 {
     lw_model *m = NULL;
@@ -751,6 +761,12 @@ TEST(clearances_run_alone_and_in_a_sweep)
     o.time = 0.02, o.settle = 0.01, o.speed = 8;
     CHECK_OK(lw_simulate_clearance(m, &o, NULL, NULL, &one, 1, &n, &check_error));
     CHECK(n == 1 && one.force_most >= 0);
+    samples seen = { 0 };
+    o.every = 1e-4;
+    CHECK_OK(lw_simulate_clearance(m, &o, see_contact, &seen, &one, 1, &n, &check_error));
+    CHECK_INT(seen.n, 201);
+    CHECK_NEAR(seen.most, one.force_most, 0, 2e-3);                /* samples and the greatest force fall beside the peak */
+    CHECK_NEAR(seen.t, 0.02, 1e-12, 0);
     CHECK_OK(lw_sweep_clearance(m, &o, &request, count_row, NULL, &rows, &check_error));
     CHECK_INT(rows, 2);
     CHECK_INT(lw_model_set_speed(m, 9, 1), LW_E_ARG);

@@ -59,6 +59,7 @@ typedef struct lw_clearance_work {
     lw_tree_state state;
     lw_contact_phase phase[LW_CLEARANCE_JOINT_MAX];
     double   struck[LW_CLEARANCE_JOINT_MAX];         /* rate at which contact began [m/s] */
+    double   pressed[LW_CLEARANCE_JOINT_MAX];        /* force at the end of the step before [N] */
     lw_vec2  offset[LW_CLEARANCE_JOINT_MAX], offset_rate[LW_CLEARANCE_JOINT_MAX];    /* for the start */
     int      n_u, n_c;
     double  *q, *v, *force, *series, *jac, *phi, *row;    /* of the bodies' system */

@@ -6,7 +6,7 @@
 #include "mbs/equations/limits_internal.h"
 #include "mbs/ode/integrate.h"
 
-#define LOOKS 8                          /* places in a step at which the criterion of `zero` is taken */
+#define LOOKS 8                          /* places in a step at which forces of a contact and the criterion of `zero` are taken */
 
 /* Greatest error of a step: parts of the gap, and of the depth over which damping grows. */
 #define FINEST_GAP   2e-3
@@ -186,7 +186,27 @@ static lw_status sample_at(lw_clearance_work *w, lw_clearance_sink *sink, double
     return sink(w->o.context, &s);
 }
 
-/* After a step: extremes, the criterion of Earles & Wu, speed of the input. */
+/* Take the extremes of a joint at k/LOOKS of the step; *most: the greatest force so far of this step. */
+static lw_status look(lw_clearance_work *w, lw_integrator *in, int i, int k, double *most)
+{
+    lw_clearance_outcome *o = &w->r->joint[i];
+    double t = in->t_old + (in->t - in->t_old)*k/LOOKS;
+    const double *y = k < LOOKS ? w->y : in->y;
+    lw_status s = k < LOOKS ? lw_integrate_dense(in, t, w->y) : LW_OK;
+    if (s != LW_OK)
+        return s;
+    place_bodies(w, y);
+    if (w->rows.link[i])
+        s = rate_of(w, k < LOOKS ? t : in->t, y, w->rate);
+    lw_play p = lw_clearance_play(w, i, y + w->n_u);
+    *most = fmax(*most, lw_clearance_press(w, i, &p));
+    o->force_most = fmax(o->force_most, *most);
+    if (!w->rows.link[i] || k == LOOKS)          /* a link keeps its length, its interpolated posture does not */
+        o->distance_most = fmax(o->distance_most, lw_v2_norm(p.d)*w->c->s.unit);
+    return s;
+}
+
+/* After a step: extremes, within it where there is contact, the criterion of Earles & Wu, speed of the input. */
 static lw_status take_step(lw_clearance_work *w, lw_integrator *in)
 {
     const lw_clearance_scene *c = w->c;
@@ -216,11 +236,12 @@ static lw_status take_step(lw_clearance_work *w, lw_integrator *in)
                 }
             }
         else {
-            if (w->rows.link[i])
-                s = rate_of(w, in->t, in->y, w->rate);
-            lw_play p = lw_clearance_play(w, i, in->y + w->n_u);
-            o->force_most = fmax(o->force_most, lw_clearance_press(w, i, &p));
-            o->distance_most = fmax(o->distance_most, lw_v2_norm(p.d)*c->s.unit);
+            double most = w->pressed[i], end = 0;
+            s = look(w, in, i, LOOKS, &end);
+            w->pressed[i] = end;
+            most = fmax(most, end);
+            for (int k = 1; s == LW_OK && k < LOOKS && most > 0.25*o->force_most && w->phase[i] != LW_CONTACT_APART; k++)
+                s = look(w, in, i, k, &most);
         }
     }
     return s;
