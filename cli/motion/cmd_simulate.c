@@ -137,6 +137,7 @@ static lw_status run_it(const cli_call *call, cli_simulate *c, lw_error *e)
                  : lw_dynamics_run(c->d, cli_simulate_row, c, &c->report, e);
     if (st == LW_OK && c->keep_postures && s->analysis != LW_ANALYSIS_STATIC)
         st = cli_coarse_run_compare(c, e);
+    st = cli_note_taut(call, &c->taut, c->taut.chain ? lw_dynamics_model(c->d)->linkage.link_name[c->taut.chain->node[0]] : "", st, e);
     cli_simulate_tail(c, st, e);
     if (st == LW_OK && s->balance)
         st = cli_simulate_balance(c, stdout, e);
@@ -246,7 +247,6 @@ static int run(const cli_call *call)
     cli_dynamics_notes(call, c->d, &c->report, &c->coarse);
     cli_suction_note(call, &c->suction);
     cli_note_pull(call, &c->pull, c->pull.chain ? lw_dynamics_model(c->d)->linkage.link_name[c->pull.chain->node[0]] : "");
-    st = cli_note_taut(call, &c->taut, c->taut.chain ? lw_dynamics_model(c->d)->linkage.link_name[c->taut.chain->node[0]] : "", st, &e);
     int code = st == LW_OK ? CLI_DONE : c->n_row > 0 && st == LW_STOPPED ? CLI_LIMIT : cli_fail(call, &e);
     if (code == CLI_LIMIT)
         cli_note(call, "%s; the rows so far are kept", e.text);
