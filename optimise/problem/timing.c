@@ -55,13 +55,33 @@ static void add_costs(const double *x, const lw_also_work *a, const lw_aim *aim,
     }
 }
 
-/* Cost of assigning station i to sample j. */
+/* The tangent of the curve at each sample, for a step to the next one, and 1 over its square; 0 where a neighbour does not close. */
+static void tangents(const lw_work *w, double *tx, double *ty, double *per)
+{
+    for (int j = 0; j < M; j++) {
+        int a = (j + M - 1) & (M - 1), b = (j + 1) & (M - 1);
+        bool closes = w->curve_m[a] >= 0 && w->curve_m[b] >= 0;
+        tx[j] = closes ? 0.5*(w->curve_x[b] - w->curve_x[a]) : 0;
+        ty[j] = closes ? 0.5*(w->curve_y[b] - w->curve_y[a]) : 0;
+        double t2 = tx[j]*tx[j] + ty[j]*ty[j];
+        per[j] = t2 > 0 ? 1/t2 : 0;
+    }
+}
+
+/* Cost of assigning station i to sample j.  On a path alone the piece of the curve half way to both neighbours stands for the sample:
+ * beside a cusp, samples of one branch may be nearer to a station of the other one than those of its own. */
 static void fill_costs(const lw_problem *p, const double *x, lw_work *w)
 {
+    double tx[M], ty[M], per[M], reach = p->theta || p->n_also > 0 ? 0 : 0.5;
+    tangents(w, tx, ty, per);
     for (size_t i = 0; i < p->n; i++) {
         double *c = w->cost + i*M;
         for (int j = 0; j < M; j++) {
-            double dx = w->curve_x[j] - p->x[i], dy = w->curve_y[j] - p->y[i];
+            double dx = p->x[i] - w->curve_x[j], dy = p->y[i] - w->curve_y[j];
+            double s = (dx*tx[j] + dy*ty[j])*per[j];
+            s = s > reach ? reach : s < -reach ? -reach : s;
+            dx -= s*tx[j];
+            dy -= s*ty[j];
             c[j] = p->w[i]*p->a*(dx*dx + dy*dy);
         }
         for (int j = 0; p->theta && j < M; j++) {
