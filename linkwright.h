@@ -946,7 +946,7 @@ typedef struct lw_clearance_outcome {
     double first;                    /* when first [s]; NaN: never                                     */
     long   losses;                   /* how often contact was left                                     */
     double apart;                    /* share of the time without contact                              */
-    double force_most;               /* of eight places in each step [N]                               */
+    double force_most;               /* of ends of steps, and of seven places within those that come near it [N] */
     double distance_most;            /* of the centres [m]                                             */
     double criterion;                /* zero: greatest |d direction of reaction/dt| / reaction [rad/(N s)], Earles &
                                         Wu 1977: contact is kept below 1 */

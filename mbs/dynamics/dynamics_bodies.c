@@ -171,6 +171,17 @@ static lw_status state_at(void *context, double t, double *y)
     return s == LW_OK && lw_run_correct(w->run, t, y) < 0 ? LW_E_NUMERIC : s;
 }
 
+/* Forces of contacts have peaks within steps: look at places of the last step, which began at t; y is overwritten. */
+static void watch_within(lw_run *run, stepper *w, double t, double *y)
+{
+    enum { LOOKS = 8 };
+    const lw_equations *eq = &run->d->eq;
+    double step = time_of(w) - t;
+    for (int k = 1; eq->watch && k < LOOKS; k++)
+        if (state_at(w, t + step*k/LOOKS, y) == LW_OK)
+            eq->watch(eq->context, t + step*k/LOOKS, y, y + run->d->n_q, false);
+}
+
 /* The last state at some distance from singular postures. */
 typedef struct good_state { double t, h, weak, *y; } good_state;
 
@@ -361,6 +372,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     if (s == LW_OK && w->sticks)
         memset(w->explicit_one.side, 1, (size_t)d->n_friction);
     for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
+        double from = time_of(w);
         s = step(w, step_end(run, w), &stop, run->e);
         s = w->implicit ? s : step_over_singular(run, w, &f, s, &stop);
         if (d->touch && s != LW_OK && s != LW_STOPPED && time_of(w) > redecided) {
@@ -387,6 +399,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         }
         s = LW_OK;
         stop = lw_run_stop(run, time_of(w), stop);
+        watch_within(run, w, from, y);
         lw_run_watch(run, state(w));
         s = lw_run_jumps(run, time_of(w), state(w));
         if (s == LW_OK && w->implicit && run->sides)

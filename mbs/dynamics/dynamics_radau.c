@@ -730,6 +730,17 @@ static lw_status take_rates(stages *g)
     return LW_OK;
 }
 
+/* Forces of contacts have peaks within steps: look at all stages but the last. */
+static void watch_stages(stages *g)
+{
+    const lw_equations *eq = &g->run->d->eq;
+    for (int k = 0; eq->watch && k + 1 < g->s; k++) {
+        memcpy(g->qi, g->q, (size_t)g->n_q*sizeof *g->qi);
+        eq->move(eq->context, g->qi, g->z + k*g->n);
+        eq->watch(eq->context, g->t + g->at[k]*g->h, g->qi, g->vi + k*g->n, false);
+    }
+}
+
 /* Take the stages as the step to t, and `ahead` as its end. */
 static void accept(stages *g, double t)
 {
@@ -1077,6 +1088,7 @@ static lw_status run_steps(stages *g)
         }
         if (s != LW_OK)
             break;
+        watch_stages(g);
         accept(g, t_end);
         g->added += error*tolerance(g);
         run->r->added = g->alpha && g->added > added_most*(d->o.relative + d->o.absolute) ? g->added : 0;

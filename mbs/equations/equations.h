@@ -98,7 +98,7 @@ typedef struct lw_equations {
      * < 0 beyond it; take the piece that begins at (q, v), or at the start of a run.  NULL: there is one piece only. */
     double (*piece_left)(void *context, const double *q);
     void   (*next_piece)(void *context, const double *q, const double *v, bool start);
-    void   (*watch)(void *context, double t, const double *q, const double *v, bool first);     /* after each step */
+    void   (*watch)(void *context, double t, const double *q, const double *v, bool first);     /* in steps, and after each; times rise */
     /* Where forces jump or have a kink that is no piece, as where compliant stops begin to push: side (n_switch) > 0 on one side;
      * the last are n_kink of functions with kinks in expressions, and n_jump of sign() and mod().  force (n_v): the forces, where there are any
      * of these. */
