@@ -42,10 +42,12 @@ static lw_status or_spatial(const char *path, const char *text, size_t size, lw_
     s = lw_spatial_read(text, size, path, m, e);
     for (const char *file = m->files; s == LW_OK && file && *file; file += strlen(file) + 1)
         s = cli_name_input(file, e);
-    if (s == LW_OK)
+    if (s == LW_OK) {
         *out = m;
-    else
+        *e = (lw_error){ 0 };                    /* why it is no planar linkage */
+    } else {
         cli_free_spatial(m);
+    }
     return s;
 }
 

@@ -88,10 +88,12 @@ static lw_status bend(struct lw_budget_part *p, const lw_robot *r, lw_vec3 load,
     lw_status s = lw_dynamics_place_on_rigid(d, &r->space, r->follow.q, p->q, e);
     if (s == LW_OK && !p->tangent.lu && lw_tangent_make(d, false, false, &p->tangent) != LW_OK)
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK && (s = lw_tangent_at_rest(d, d->o.from, p->q, p->still, p->a, p->l)) == LW_OK)
-        s = lw_tangent_factor(&p->tangent, d->o.from, p->q, p->still, p->l, none, none);
     if (s != LW_OK)
         return s;
+    if ((s = lw_tangent_at_rest(d, d->o.from, p->q, p->still, p->a, p->l)) == LW_OK)
+        s = lw_tangent_factor(&p->tangent, d->o.from, p->q, p->still, p->l, none, none);
+    if (s != LW_OK)
+        return lw_error_set(e, s, s == LW_E_MEMORY ? "out of memory" : "the equations of elastic links at rest are singular in this posture");
     const lw_space *space = &d->space->s;
     lw_space_point tool = space->tracer[r->tool];
     lw_space_place(space, p->q, d->space->frame);
