@@ -528,11 +528,11 @@ static lw_status read_conditions(const lw_json_node *root, lw_task_file *b, lw_e
     const char *why = s == LW_OK ? lw_contradiction(f) : NULL;
     if (why && (lw_json_member(root, "forbidden", &o) || lw_json_member(root, "pivots", &o)))
         s = lw_json_fault(&o, e, "%s: no linkage can do both", why);
+    if (s != LW_OK)
+        return s;
     b->links = (int)links;
     b->dof = (int)dof;
-    if (s == LW_OK && (links != b->links || dof != b->dof || !links_suit(b)))
-        s = links_fault(root, b, e);
-    return s;
+    return links != b->links || dof != b->dof || !links_suit(b) ? links_fault(root, b, e) : LW_OK;
 }
 
 static lw_status read_root(const lw_json_node *root, lw_task_file *b, lw_error *e)
