@@ -491,12 +491,12 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
     if (s == LW_E_NUMERIC)
         unpack(g, w->y, run->state);
     lw_sundials_free(w);
-    size_t said = strlen(run->e->text);
-    if (s == LW_E_NUMERIC && d->space)
-        snprintf(run->e->text + said, sizeof run->e->text - said, " ggl does not pass singular postures of models in space; if this is "
-                 "one, leave the formulation to auto, or take recursive or index1");
     if (s == LW_E_NUMERIC)
         s = lw_run_hand_over(run, run->state);
+    size_t said = strlen(run->e->text);
+    if (s == LW_E_NUMERIC && d->space && !run->r->gave_up)
+        snprintf(run->e->text + said, sizeof run->e->text - said, " ggl does not pass singular postures of models in space; if this is "
+                 "one, leave the formulation to auto, or take recursive or index1");
     return s;
 }
 

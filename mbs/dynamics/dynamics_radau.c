@@ -360,7 +360,6 @@ static void predict(stages *g)
 static const int most_newton = 10, most_rounded = 2;
 static const double rounded = 1e-13;         /* changes below it that fall no more are rounding */
 
-
 /* Steps of second order are short beside the time in which their errors die away, so errors add up: this part of the tolerance
  * gives errors of the size of those of Radau's method. */
 static const double alpha_part = 0.1, alpha_energy = 10;     /* its energy is off by more than its places */

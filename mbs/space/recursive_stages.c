@@ -119,8 +119,6 @@ static void put_loop(const lw_recursive *r, int cut, lw_tree_stages *s)
         p->arm[k] = lw_v3_scale(j->arm[k], 1/r->s->unit);
     }
     p->n_row = put_rows(j, p->row);
-    for (int i = 0; i < p->n_row; i++)
-        s->moves = s->moves || p->row[i].kind == LW_STAGE_LINE;
     for (int k = 0; k < 3; k++)
         n += p->n_path[k] = walk(s, p, k, p->path + n);
     for (int i = 0; i < n; i++) {
@@ -181,7 +179,6 @@ lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, b
         put_loop(r, i, s);
     for (int i = 0; i < s->n_spring; i++) {
         const lw_spatial_spring *p = &m->spring[i];
-        s->moves = s->moves || p->damping != 0;
         s->spring[i] = (lw_stage_spring){ .stiffness = p->stiffness, .damping = p->damping, .free = p->free };
         for (int k = 0; k < 2; k++) {
             lw_space_point end = f->spring_end[i][k];

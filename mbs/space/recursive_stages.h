@@ -41,7 +41,7 @@ enum { LW_STAGE_ROWS = 24, LW_STAGE_RATES = 64 };        /* most rows of loops, 
 
 typedef struct lw_tree_stages {
     int     n_body, n_x, n_u, n_angle, n_spring, n_loop, n_row, n_kept;
-    bool    has_work, moves;                 /* moves: velocities of the centres are needed, by dampers or rows */
+    bool    has_work;
     double  unit, weak;                      /* weak: least pivot of the loops over the first, of the states factored last; 1: no loops */
     lw_stage_body   *body;                   /* (n_body) */
     lw_stage_spring *spring;
