@@ -10,9 +10,9 @@
 #include "mbs/clearance/clearance_sweep.h"
 #include "mbs/dynamics/dynamics.h"
 #include "mbs/dynamics/dynamics_space.h"
-#include "mbs/dynamics/modes.h"
-#include "mbs/dynamics/statics.h"
-#include "mbs/dynamics/stepping.h"
+#include "mbs/equilibrium/modes.h"
+#include "mbs/equilibrium/statics.h"
+#include "mbs/formulations/stepping.h"
 #include "mbs/elastic/contact.h"
 
 /* ---- models ------------------------------------------------------------------------------------------------- */

@@ -3,9 +3,9 @@
 #include "mbs/analysis/freedoms.h"
 #include "mbs/dynamics/dynamics_equations_internal.h"
 #include "mbs/dynamics/follow.h"
-#include "mbs/dynamics/modes.h"
-#include "mbs/dynamics/statics.h"
-#include "mbs/dynamics/stepping.h"
+#include "mbs/equilibrium/modes.h"
+#include "mbs/equilibrium/statics.h"
+#include "mbs/formulations/stepping.h"
 #include "tests/dynamics_run.h"
 
 #include "grammar/model/spatial.h"

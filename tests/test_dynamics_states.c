@@ -1,6 +1,6 @@
 /* First-order states: answers known in closed form, derivatives against differences, formulations against each other,
  * balances of energy. */
-#include "mbs/dynamics/dynamics_ggl.c"
+#include "mbs/formulations/ggl.c"
 #include "base/vec2.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "tests/dynamics_run.h"

@@ -1,7 +1,7 @@
 /* Mechanisms of textbooks, examples/dynamics: every formulation that takes them against the equations of the
  * textbooks, in as few coordinates as there are freedoms. */
 #include "base/rank.h"
-#include "mbs/dynamics/modes.h"
+#include "mbs/equilibrium/modes.h"
 #include "tests/dynamics_run.h"
 
 static drun d;

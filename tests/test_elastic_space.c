@@ -1,8 +1,8 @@
 /* tests/test_elastic_space.c - elastic links in space: vibrations of bars, the planar model turned into space, large deflections,
  * spins, a DELTA robot. */
 #include "mbs/dynamics/dynamics_space.h"
-#include "mbs/dynamics/modes.h"
-#include "mbs/dynamics/statics.h"
+#include "mbs/equilibrium/modes.h"
+#include "mbs/equilibrium/statics.h"
 #include "mbs/elastic/expand_space.h"
 #include "tests/planar_models.h"
 #include "tests/spatial_models.h"

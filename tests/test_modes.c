@@ -1,6 +1,6 @@
 /* tests/test_modes.c - eigenfrequencies with closed forms: pendula, chains, oscillators; rest; redundant rows. */
 #include "mbs/dynamics/dynamics.h"
-#include "mbs/dynamics/modes.h"
+#include "mbs/equilibrium/modes.h"
 #include "tests/json_text.h"
 #include "base/vec2.h"
 

@@ -5,7 +5,7 @@
 
 #include "base/file.h"
 #include "base/vec3.h"
-#include "mbs/dynamics/modes.h"
+#include "mbs/equilibrium/modes.h"
 #include "mbs/space/space_adjust.h"
 #include "mbs/space/space_mobility.h"
 #include "tests/planar_models.h"

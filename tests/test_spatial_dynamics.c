@@ -2,8 +2,8 @@
  * library of benchmarks, Euler's free body, the heavy top, a DELTA robot), invariants, a planar model written in
  * space. */
 #include "mbs/dynamics/dynamics_space.h"
-#include "mbs/dynamics/modes.h"
-#include "mbs/dynamics/statics.h"
+#include "mbs/equilibrium/modes.h"
+#include "mbs/equilibrium/statics.h"
 #include "mbs/equations/equations_space.h"
 #include "mbs/space/kernel_tree_internal.h"
 #include "tests/dynamics_run.h"

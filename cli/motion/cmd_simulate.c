@@ -12,7 +12,7 @@
 #include "cli/motion/simulate.h"
 #include "cli/motion/spatial.h"
 #include "cli/motion/simulate_linear.h"
-#include "mbs/dynamics/statics.h"
+#include "mbs/equilibrium/statics.h"
 
 typedef struct settings {
     int         analysis, formulation, steps, max_steps;

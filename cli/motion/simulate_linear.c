@@ -8,7 +8,7 @@
 #include "cli/program/json.h"
 #include "cli/program/output.h"
 #include "mbs/dynamics/dynamics_space.h"
-#include "mbs/dynamics/modes.h"
+#include "mbs/equilibrium/modes.h"
 
 typedef struct linear {
     const cli_call   *call;

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "mbs/dynamics/dynamics_run_internal.h"
+#include "mbs/run/run_internal.h"
 #include "mbs/dynamics/tangent_internal.h"
 
 /* ---- elastic links, one at a time ---------------------------------------------------------------------------- */

@@ -2,7 +2,7 @@
 #include "mbs/analysis/elastic_rules.h"
 
 #include <stdlib.h>
-#include "mbs/dynamics/modes.h"
+#include "mbs/equilibrium/modes.h"
 
 /* d: made for a static analysis with its inputs held; freed here. */
 static double first_frequency(lw_dynamics *d, int n_q)

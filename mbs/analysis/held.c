@@ -2,7 +2,7 @@
 #include "mbs/analysis/held.h"
 
 #include <stdlib.h>
-#include "mbs/dynamics/modes.h"
+#include "mbs/equilibrium/modes.h"
 #include "mbs/dynamics/tangent_internal.h"
 
 lw_status lw_held_make(const lw_spatial *m, lw_held *h, lw_error *e)

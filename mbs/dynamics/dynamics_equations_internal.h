@@ -212,6 +212,7 @@ lw_status lw_mbs_state_rates(lw_dynamics *d, double t, const double *q, const do
  * d->o.from and on.  s becomes the system with these inputs only; it must outlive the motion, and needs
  * lw_system_free. */
 lw_input_function lw_mbs_driven_inputs;         /* the inputs with a motion, in the order of d->driven; context: d */
+lw_space_path     lw_mbs_driven_path;           /* the same of a spatial model */
 lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion **out, lw_error *e);
 
 /* Put q, then v on the constraints, by the least change in the metric of the masses or, by rank, of the coordinates.
@@ -246,7 +247,7 @@ void lw_mbs_least_norm(lw_dynamics *d, double *l);
 /* x and l of M x + J^T l = force, J x = rhs; factored.  force NULL: 0. */
 lw_status lw_mbs_linear(lw_dynamics *d, const double *force, const double *rhs, double *x, double *l);
 
-/* Rows of contacts beside the independent rows of the joints, kept (n): for dynamics_capture.c.  All stay in the pattern;
+/* Rows of contacts beside the independent rows of the joints, kept (n): for mbs/formulations/capture.c.  All stay in the pattern;
  * those set to 0 in d->jac take no part.  lw_mbs_linear solves.  LW_OPEN: dependent rows of joints. */
 lw_status lw_mbs_arrange_touch(lw_dynamics *d, const int *kept, int n);
 lw_status lw_mbs_factor_touch(lw_dynamics *d);
@@ -275,8 +276,11 @@ bool lw_mbs_friction_is_stiff(lw_dynamics *d);
 bool lw_mbs_is_damped(lw_dynamics *d, bool reduced);
 bool lw_mbs_vibrates(lw_dynamics *d);
 
-/* Are the derivatives complete that the dae solver asks for (mbs/dynamics/dynamics_ggl.c)? */
+/* Are the derivatives complete that the dae solver asks for (mbs/formulations/ggl.c)? */
 bool lw_mbs_has_derivatives(const lw_dynamics *d);
+
+/* "", or a note that a spatial model could be written as a planar one. */
+const char *lw_mbs_is_planar(const lw_dynamics *d);
 
 /* Is ggl faster than cvode: are dampers stiff, and are all derivatives known? */
 bool lw_mbs_suits_ggl(lw_dynamics *d);

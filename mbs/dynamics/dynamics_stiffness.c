@@ -9,7 +9,7 @@
 static const double damped = 300, damped_reduced = 3e3;      /* the same where an implicit method of high order serves; of one coordinate */
 static const double stiff = 1e4, stiff_space = 1e6;          /* where no implicit method with exact derivatives is known */
 /* Where springs vibrate by so many radians in a run, an implicit method is faster if dampers end the vibrations or nothing excites them;
- * if it is not, it goes on by the explicit one (dynamics_radau.c). */
+ * if it is not, it goes on by the explicit one (mbs/formulations/radau.c). */
 static const double vibrating = 2e3;
 /* Decay of first-order states times the length of the run above which an implicit method takes less time for the same error than
  * the explicit one of order 8: more at tighter tolerances, which cost it more steps but the explicit one, whose steps are short for

@@ -22,7 +22,7 @@ struct lw_touching {
     double *response;                    /* as that of lw_dynamics, n_slip more                         */
     double  determinant;                 /* of the friction equations; 1 without friction              */
     int     sense;                       /* its sign after the last event; 0: not known yet            */
-    bool    captured;                    /* rows are all near places, closed or not (dynamics_capture.c) */
+    bool    captured;                    /* rows are all near places, closed or not (mbs/formulations/capture.c) */
     bool    goes_on;                     /* the run goes on with the end of a piece, whose overlaps are known already */
     bool    events;                      /* where compliant contacts begin and end                     */
     double  least_force;                 /* a force below this is rounding                             */

@@ -3,7 +3,7 @@
  *
  * They are inlined into the single posture (mbs/batch/posture.c), into the loops over many lanes
  * (mbs/batch/kernel_steps.c), where `kind` is a constant, and into the equation in one coordinate
- * (mbs/dynamics/reduced_steps.c). */
+ * (mbs/reduced/steps.c). */
 #ifndef LW_MBS_PLAN_STEPS_INTERNAL_H
 #define LW_MBS_PLAN_STEPS_INTERNAL_H
 

@@ -1,0 +1,1053 @@
+/* mbs/formulations/capture.c - many rigid contacts at once: rest, stick and slip are captured in steps, and so are impacts where many follow each
+ * other (Moreau 1988, Jean 1999).  A chain of a thousand links that falls on the ground has more impacts than can be located one by one.
+ *
+ * A step of length h goes half of it with the old velocities v.  There bodies that approach and have a restitution bounce, by the law of impact of
+ * mbs/run/touch.c.  Then it finds the new velocities v' and goes the other half:
+ *
+ *     M (v' - v) = h Q - J^T l + N^T p + T^T f,   J v' = rates of the inputs,
+ *     p >= 0,  N v' >= 0,  one of them 0;   |f| <= mu p, and f = -mu p against the slip T v'
+ *
+ * over the places that are closed in the middle of the step.  Which of them press, and which stick, is found by Newton's
+ * method for complementarity: solve for a guess, change what contradicts it (Hintermueller, Ito & Kunisch 2002).  At
+ * places that slip friction is in proportion to the normal force, so that the system is not symmetric.  All rows stay in
+ * its pattern; those out of force become 0, so that a pass is one sparse factorisation.  Rows of contacts have a
+ * compliance of rounding, which shares loads that are undetermined.
+ *
+ * While no contact begins, ends, slips or sticks anew, the new velocities satisfy the constraints at the end of the step, to second order: the rows
+ * of joints, and those of the contacts that press and stick.  If they satisfied them in its middle, a linkage would lose energy in proportion to h.  So
+ * the error is of second order there, except for forces that depend on velocities.
+ *
+ * Where few places are struck within a step, it ends at the first impact: at the root of the gap by its rates and the accelerations of the step before.
+ * All places that are closed there take part in it, as at a located event.  So the times of impacts are of second order, too.  Impacts that follow each
+ * other within a part of a step, or many of them in one, are captured in its middle: their times, and overlaps, are of first order.  The report says
+ * the longest step in which that happened. */
+#include "base/real.h"
+#include "mbs/formulations/formulations_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "base/sparse_lu.h"
+#include "mbs/dynamics/touch_internal.h"
+#include "mbs/equations/complementarity.h"
+
+static const double finest = 1e-4, coarsest = 0.1;       /* way of a body in a step over its size */
+static const double slow = 1e-2;             /* below this part, steps of slow bodies are in proportion to it, too: so is what a low bounce takes */
+static const double closed = 1e-2;           /* a gap below this part of that way is closed */
+static const double shallow = 0.1;           /* an overlap below this part of that way is captured at any time of the step */
+static const double unseen = 0.5;            /* an overlap above this part of it is looked for in shorter steps */
+static const double ahead = 20;              /* places this many steps away are in the pattern */
+/* Rates below this times the speed count as 0: at first, and where the passes do not end with that. */
+static const double exact = 1e-8, allowed = 1e-5;
+static const double give = 1e-9;             /* share by which rows of contacts give way */
+static const double resolved = 0.1;          /* step over the time constant of a compliant place */
+static const double unstable = 1e-4;         /* change of a state whose rate turns, over that of other states */
+static const double moment = 1e-8;           /* a step for the forces at the start, over the length of the run */
+static const double soonest = 1/16.0;        /* an impact in less than this part of a step is captured in it */
+enum { STRUCK_MOST = 12 };                   /* with more places that are struck in a step, they are captured */
+enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENSE_MOST = 250, LEAST_CONTACTS = 24, HALVINGS = 8, BOUNCES = 200, TOGETHER_MOST = 60 };
+
+/* A place in the pattern: index, first of its rows (gap, then slip where it has friction), what holds there. */
+typedef struct place {
+    int    touch, row;
+    bool   rubs, shut, presses;              /* shut: closed in the middle of the step */
+    int    slips;                            /* 0: sticks */
+    double mu, normal, across;               /* impulses */
+    double target, glide;                    /* least rate of the gap; rate of the slip of what sticks */
+} place;
+
+typedef struct capture {
+    lw_run *run;
+    lw_dynamics *d;
+    int     n, n_kept, *kept;                /* places in the pattern; independent rows of the joints */
+    place  *at;
+    double  part;                            /* way of a body in a step over `size`; change of a state in it */
+    double  size;                            /* smallest body that touches, scaled */
+    double *q, *v, *after, *next_q, *next_v, *momentum, *wanted, *force, *full, *push;
+    lw_columns pattern;                      /* of the system, */
+    lw_sparse_lu *lu;                        /* its factors, */
+    double *value;                           /* its entries: where pairs of rows and their own products go */
+    int    *to, *diagonal;
+    bool    hits;                            /* a step ended at an impact, which is still to be applied */
+    double  rest;                            /* speed of the fastest bounce so far that counts as rest, scaled */
+    double  late;                            /* the step captures an impact: its length, else 0 */
+    double  t, work, power;                  /* power of forces without potential after the impacts of the step [W] */
+    double *z, *next_z, *mean_z, *try_z, *rate, *other;      /* first-order states, their mean over a step, their rates (n_z) */
+} capture;
+
+/* ---- states and compliant places ---------------------------------------------------------------------------- */
+
+/* Rates of the states z at (t, q, v). */
+static lw_status rates_of(capture *g, double t, const double *q, const double *v, const double *z, double *rate)
+{
+    g->d->eq.place_states(g->d->eq.context, z);
+    return lw_mbs_state_rates(g->d, t, q, v, rate);
+}
+
+/* Move the states z over `whole` from t on, at (q, v), and set mean (n_z, unless NULL) to their mean; by the midpoint rule, in so many parts that its two
+ * rates hardly differ: the states of motors are far faster than steps of contact.  Near rest the rates differ little in steps that are too
+ * long for the rule to be stable; there a rate must not turn to a greater one of the other sign. */
+static lw_status move_states(capture *g, double t, double whole, const double *q, const double *v, double *z, double *mean)
+{
+    const lw_equations *eq = &g->d->eq;
+    double done = 0, h = whole;
+    lw_status s = LW_OK;
+    if (eq->n_z == 0)
+        return LW_OK;
+    eq->place(eq->context, q);
+    if (mean)
+        memset(mean, 0, (size_t)eq->n_z*sizeof *mean);
+    while (s == LW_OK && done < whole) {
+        double off = 0, grows = 0;
+        h = fmin(h, whole - done);
+        if ((s = rates_of(g, t + done, q, v, z, g->rate)) != LW_OK)
+            break;
+        for (int i = 0; i < eq->n_z; i++)
+            g->try_z[i] = z[i] + 0.5*h*g->rate[i];
+        if ((s = rates_of(g, t + done + 0.5*h, q, v, g->try_z, g->other)) != LW_OK)
+            break;
+        for (int i = 0; i < eq->n_z; i++) {
+            double change = h*fabs(g->other[i] - g->rate[i])/(fabs(z[i]) + eq->state_scale(eq->context, i));
+            off = fmax(off, change);
+            if (fabs(g->other[i] - g->rate[i]) > fabs(g->rate[i]))
+                grows = fmax(grows, change);
+        }
+        if (!(off < g->part && grows < unstable*g->part) && h > 1e-6*whole) {
+            h *= 0.5;
+            continue;
+        }
+        for (int i = 0; i < eq->n_z; i++) {
+            z[i] += h*g->other[i];
+            if (mean)
+                mean[i] += h/whole*g->try_z[i];
+        }
+        done = h < whole - done ? done + h : whole;
+        h *= off < 0.2*g->part ? 2 : 1;
+    }
+    return s;
+}
+
+/* Set mean_z, whose first half is known, to the mean of the states over a step of length h: the second half follows from their rates in the middle. */
+static lw_status mean_states(capture *g, double h)
+{
+    const lw_equations *eq = &g->d->eq;
+    lw_status s = eq->n_z ? rates_of(g, g->t + 0.5*h, g->next_q, g->v, g->next_z, g->rate) : LW_OK;
+    for (int i = 0; i < eq->n_z; i++)
+        g->mean_z[i] = 0.5*(g->mean_z[i] + g->next_z[i] + 0.25*h*g->rate[i]);
+    return s;
+}
+
+/* The longest step in which compliant places that press, or may do so within a step `h`, are well resolved: a part of the
+ * period of the bodies there on the stiffness of the place. */
+static double compliant_step(capture *g, double h)
+{
+    lw_dynamics *d = g->d;
+    for (int i = 0; i < d->touch->list.n; i++) {
+        const lw_touch *p = &d->touch->list.touch[i];
+        lw_touch_motion m;
+        if (!(p->surface->stiffness > 0))
+            continue;
+        lw_touch_at(p, &d->eq, d->frames, g->v, &m);
+        double depth = fmax(-m.gap, fabs(m.rate)*h), gives = 0;
+        if (m.gap > fabs(m.rate)*h)
+            continue;
+        for (int k = 0; k < 6; k++)
+            if (p->body[k/3] >= 0)
+                gives += m.n[k]*m.n[k]*d->by_mass[3*p->body[k/3] + k%3];
+        double stiff = (lw_touch_force(p->surface, d->s.unit, 1.01*depth, 0) - lw_touch_force(p->surface, d->s.unit, 0.99*depth, 0))
+                     /fmax(0.02*depth, 1e-300)*d->s.unit;
+        double damped = (lw_touch_force(p->surface, d->s.unit, depth, fabs(m.rate) + 1e-3) - lw_touch_force(p->surface, d->s.unit, depth, fabs(m.rate)))
+                      /1e-3*d->s.unit;
+        if (stiff*gives > 0)
+            h = fmin(h, resolved/(sqrt(stiff*gives) + damped*gives));
+    }
+    return h;
+}
+
+/* ---- the pattern ------------------------------------------------------------------------------------------ */
+
+/* Time until the gap is less by `way`, by its rates and the accelerations of the step before; INFINITY: it never is.  rate: that of the gap then. */
+static double closes_in(const capture *g, const lw_touch *p, const lw_touch_motion *m, double way, double *rate)
+{
+    double curve = m->bias;
+    for (int i = 0; i < 6; i++)
+        if (p->body[i/3] >= 0)
+            curve += m->n[i]*g->d->a[3*p->body[i/3] + i%3];
+    double square = m->rate*m->rate - 2*curve*way, root = square > 0 ? sqrt(square) : 0;
+    *rate = -root;
+    if (m->rate > 0)
+        return curve < 0 && square > 0 ? (m->rate + root)/-curve : INFINITY;
+    return way > 0 && square > 0 ? 2*way/(root - m->rate) : INFINITY;
+}
+
+/* The time until the first impact, if it is within h, and few places are struck within h; else INFINITY.  `pull` is the greatest acceleration. */
+typedef struct ahead_of { double h, pull, first; int n; } ahead_of;
+
+/* Places that touch slowly, as those at rest do, are captured, if they overlap by no more than a small part of the way in a step at its end. */
+static void look_ahead(const capture *g, const lw_touch *p, const lw_touch_motion *m, ahead_of *to)
+{
+    double way = g->part*g->size, rate, later, in = closes_in(g, p, m, m->straight, &rate), along = m->place + m->place_rate*in;
+    bool on = p->kind != LW_TOUCH_FACE || !(p->length < INFINITY) || (along >= 0 && along <= p->length);
+    if (!((m->straight > 0 || m->rate > 0) && in <= to->h) || !on)
+        return;
+    bool overlaps = m->straight > closed*way && closes_in(g, p, m, m->straight + shallow*way, &later) < to->h;
+    if (!(rate < -3*to->h*to->pull || overlaps))
+        return;
+    to->first = fmin(to->first, in);
+    to->n++;
+}
+
+/* Speed of the fastest place, scaled; is a place that is not in the pattern nearer than `near`?  And impacts ahead, unless NULL. */
+static double look(capture *g, double near, bool *missing, ahead_of *to)
+{
+    lw_touch_list *list = &g->d->touch->list;
+    double fastest = 0;
+    int k = 0;
+    g->d->eq.place(g->d->eq.context, g->q);
+    for (int i = 0; i < list->n; i++) {
+        lw_touch_motion m;
+        lw_touch_at(&list->touch[i], &g->d->eq, g->d->frames, g->v, &m);
+        fastest = fmax(fastest, hypot(m.rate, m.slip));
+        if (list->touch[i].surface->stiffness > 0)
+            continue;
+        while (k < g->n && g->at[k].touch < i)
+            k++;
+        bool in = k < g->n && g->at[k].touch == i;
+        *missing = *missing || (!in && m.gap < near);
+        if (to && !(in && g->at[k].presses))
+            look_ahead(g, &list->touch[i], &m, to);
+    }
+    return fastest;
+}
+
+static void free_pattern(capture *g)
+{
+    lw_sparse_lu_free(g->lu);
+    lw_columns_free(&g->pattern);
+    free(g->value);
+    free(g->to);
+    g->lu = NULL;
+    g->value = NULL;
+    g->to = NULL;
+}
+
+/* The pattern of the system: an entry where two rows share a body. */
+static lw_status make_pattern(capture *g)
+{
+    lw_dynamics *d = g->d;
+    long n = d->n_pair;
+    free_pattern(g);
+    int *entry = malloc((4*(size_t)n + 1)*sizeof *entry);
+    g->to = malloc((2*(size_t)n + (size_t)d->n_kept + 1)*sizeof *g->to);
+    if (!entry || !g->to) {
+        free(entry);
+        return LW_E_MEMORY;
+    }
+    g->diagonal = g->to + 2*n;
+    for (long k = 0; k < n; k++) {
+        int i = d->place[d->pair[k].row/d->row_size], j = d->place[d->pair[k].other/d->row_size];
+        memcpy(entry + 4*k, (int[]){ i, j, j, i }, 4*sizeof *entry);
+    }
+    bool ok = lw_columns_make(&g->pattern, d->n_kept, entry, 2*n);
+    for (long k = 0; ok && k < n; k++) {
+        g->to[2*k] = lw_columns_find(&g->pattern, entry[4*k], entry[4*k + 1]);
+        g->to[2*k + 1] = lw_columns_find(&g->pattern, entry[4*k + 1], entry[4*k]);
+    }
+    for (int i = 0; ok && i < d->n_kept; i++)
+        g->diagonal[i] = lw_columns_find(&g->pattern, i, i);
+    free(entry);
+    ok = ok && (g->value = malloc(((size_t)g->pattern.at[d->n_kept] + 1)*sizeof *g->value)) != NULL;
+    ok = ok && (g->lu = lw_sparse_lu_create(&g->pattern, false, false)) != NULL;
+    return ok ? LW_OK : LW_E_MEMORY;
+}
+
+/* Put the places nearer than `reach` into the pattern; frames are those at q. */
+static lw_status choose_places(capture *g, double reach)
+{
+    lw_dynamics *d = g->d;
+    struct lw_touching *w = d->touch;
+    int n = 0, old = g->n, k = 0;
+    place *was = malloc(((size_t)old + 1)*sizeof *was);
+    if (!was)
+        return LW_E_MEMORY;
+    memcpy(was, g->at, (size_t)old*sizeof *was);
+    w->n_row = 0;
+    for (int i = 0; i < w->list.n; i++) {
+        const lw_touch *p = &w->list.touch[i];
+        lw_touch_motion m;
+        lw_touch_at(p, &d->eq, d->frames, NULL, &m);
+        while (k < old && was[k].touch < i)
+            k++;
+        bool in = k < old && was[k].touch == i;
+        if (p->surface->stiffness > 0 || (!(m.gap < reach) && !(in && was[k].presses)))
+            continue;
+        place *to = &g->at[n++];
+        *to = in ? was[k] : (place){ .touch = i, .mu = p->surface->friction };
+        to->rubs = p->kind <= LW_TOUCH_DISCS && to->mu > 0;
+        to->row = d->n_row + d->n_driven + w->n_row;
+        w->row[w->n_row++] = (lw_touch_row){ i, false };
+        if (to->rubs)
+            w->row[w->n_row++] = (lw_touch_row){ i, true };
+    }
+    free(was);
+    g->n = n;
+    lw_status s = lw_mbs_arrange_touch(d, g->kept, g->n_kept);
+    return s == LW_OK ? make_pattern(g) : s;
+}
+
+/* ---- a step ------------------------------------------------------------------------------------------------ */
+
+static void clear_row(lw_dynamics *d, int row) { memset(lw_mbs_jac(d, row), 0, (size_t)d->row_size*sizeof *d->jac); }
+
+static int first_row(const lw_dynamics *d) { return d->n_row + d->n_driven; }
+
+/* All rows of places as they are in the middle of the step. */
+static void restore_rows(const capture *g)
+{
+    lw_dynamics *d = g->d;
+    memcpy(lw_mbs_jac(d, first_row(d)), g->full, (size_t)((d->n_c - first_row(d))*d->row_size)*sizeof *d->jac);
+}
+
+/* The system for the guess: J M^-1 P^T, where P are the directions in which the multipliers push: the rows, and at a place
+ * that slips that of the gap less friction. */
+static lw_status factor_guess(capture *g)
+{
+    lw_dynamics *d = g->d;
+    memcpy(g->push, d->jac, (size_t)(d->n_c*d->row_size)*sizeof *g->push);
+    for (int k = 0; k < g->n; k++) {
+        const place *p = &g->at[k];
+        double *gap = g->push + p->row*d->row_size, *slip = gap + d->row_size;
+        for (int i = 0; p->presses && p->slips && i < d->row_size; i++)
+            gap[i] -= p->mu*p->slips*slip[i];
+        if (!p->presses)
+            clear_row(d, p->row), memset(gap, 0, (size_t)d->row_size*sizeof *gap);
+        if (p->rubs && (!p->presses || p->slips))
+            clear_row(d, p->row + 1), memset(slip, 0, (size_t)d->row_size*sizeof *slip);
+    }
+    memset(g->value, 0, (size_t)g->pattern.at[g->pattern.n]*sizeof *g->value);
+    for (int k = 0; k < d->n_pair; k++) {
+        const lw_row_pair *pair = &d->pair[k];
+        int row = pair->row/d->row_size, slot = pair->row%d->row_size/LW_BLOCK;
+        const double *m = d->by_mass + LW_BLOCK*lw_mbs_blocks(d, row)[slot], *a = d->jac + pair->row, *b = d->jac + pair->other;
+        const double *x = g->push + pair->row, *y = g->push + pair->other;
+        g->value[g->to[2*k]] += a[0]*y[0]*m[0] + a[1]*y[1]*m[1] + a[2]*y[2]*m[2];
+        if (row != pair->other/d->row_size)
+            g->value[g->to[2*k + 1]] += b[0]*x[0]*m[0] + b[1]*x[1]*m[1] + b[2]*x[2]*m[2];
+    }
+    for (int i = 0; i < d->n_kept; i++) {
+        double *diagonal = &g->value[g->diagonal[i]];
+        *diagonal = *diagonal == 0 ? 1 : d->kept[i] >= first_row(d) ? *diagonal*(1 + give) : *diagonal;
+    }
+    return lw_sparse_lu_factor(g->lu, g->value);
+}
+
+/* x += the rows given, each by its number in l. */
+static void add_rows(const lw_dynamics *d, const double *rows, const double *l, double *x)
+{
+    for (int r = 0; r < d->n_c; r++) {
+        const int *block = lw_mbs_blocks(d, r);
+        for (int k = 0; l[r] != 0 && k < d->eq.n_slot && block[k] >= 0; k++)
+            for (int i = 0; i < 3; i++)
+                x[LW_BLOCK*block[k] + i] += l[r]*rows[r*d->row_size + 3*k + i];
+    }
+}
+
+/* Take from v (n_v) what the rows in the factors hold back, so that they have the rates `wanted` (n_c; NULL: 0); d->l are the
+ * multipliers. */
+static void hold_back(capture *g, const double *wanted, double *v)
+{
+    lw_dynamics *d = g->d;
+    double *b = d->small, *x = g->momentum;
+    for (int i = 0; i < d->n_kept; i++)
+        b[i] = lw_mbs_row_rate(d, d->kept[i], v) - (wanted ? wanted[d->kept[i]] : 0);
+    lw_sparse_lu_solve(g->lu, b);
+    memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
+    for (int i = 0; i < d->n_kept; i++)
+        d->l[d->kept[i]] = b[i];
+    memset(x, 0, (size_t)d->n_v*sizeof *x);
+    add_rows(d, g->push, d->l, x);
+    for (int i = 0; i < d->n_v; i++)
+        v[i] -= x[i]*d->by_mass[i];
+}
+
+/* Velocities next_v and multipliers d->l with the places in force as guessed. */
+static lw_status solve_guess(capture *g, double h)
+{
+    lw_dynamics *d = g->d;
+    lw_status s = factor_guess(g);
+    if (s != LW_OK)
+        return s;
+    for (int i = 0; i < d->n_v; i++)
+        g->next_v[i] = g->after[i] + h*g->force[i]*d->by_mass[i];
+    for (int k = 0; k < g->n; k++) {
+        const place *p = &g->at[k];
+        g->wanted[p->row] = p->presses ? p->target : 0;
+        if (p->rubs)
+            g->wanted[p->row + 1] = p->presses && p->slips == 0 ? p->glide : 0;
+    }
+    hold_back(g, g->wanted, g->next_v);
+    return LW_OK;
+}
+
+/* Change what contradicts the velocities next_v and multipliers l at place p; true: it was changed.  What begins to press
+ * slips on; what sticks lets go before it leaves. */
+static bool revise_place(capture *g, place *p, const double *l, double tiny)
+{
+    const lw_dynamics *d = g->d;
+    double slip = p->rubs ? lw_mbs_row_rate(d, p->row + 1, g->next_v) - p->glide : 0;
+    p->normal = p->presses ? -l[p->row] : 0;
+    p->across = 0;
+    if (!p->presses) {
+        p->presses = lw_mbs_row_rate(d, p->row, g->next_v) < p->target - tiny;
+        p->slips = fabs(slip) > tiny ? slip > 0 ? 1 : -1 : 0;
+        return p->presses;
+    }
+    if (p->rubs && p->slips == 0) {
+        p->across = -l[p->row + 1];
+        if (fabs(p->across) <= p->mu*p->normal*(1 + 1e-6))
+            return false;
+        p->slips = p->across > 0 ? -1 : 1;               /* friction acts against the slip */
+        return true;
+    }
+    if (p->normal < 0) {
+        p->presses = false;
+        p->normal = 0;
+        return true;
+    }
+    p->across = -p->slips*p->mu*p->normal;
+    if (!(p->slips*slip < -tiny))
+        return false;
+    p->slips = 0;
+    return true;
+}
+
+/* Change all places that contradict; in later passes, where they go round in circles, half of them, drawn anew each time.
+ * Returns how many contradict. */
+static int revise(capture *g, const double *l, int pass, double tiny)
+{
+    int changes = 0;
+    for (int k = 0; k < g->n; k++) {
+        place was = g->at[k];
+        if (!was.shut || !revise_place(g, &g->at[k], l, tiny))
+            continue;
+        changes++;
+        if (pass >= TOGETHER && ((unsigned)k*2654435761u + (unsigned)pass*2246822519u) >> 31)
+            g->at[k].presses = was.presses, g->at[k].slips = was.slips;
+    }
+    return changes;
+}
+
+/* Set v (n_v) to the velocities that a unit of impulse along a row gives. */
+static void respond(capture *g, int row, double *v)
+{
+    const lw_dynamics *d = g->d;
+    const double *jac = lw_mbs_jac(d, row);
+    const int *block = lw_mbs_blocks(d, row);
+    memset(v, 0, (size_t)d->n_v*sizeof *v);
+    for (int k = 0; k < d->eq.n_slot && block[k] >= 0; k++)
+        for (int i = 0; i < LW_BLOCK; i++)
+            v[LW_BLOCK*block[k] + i] += jac[LW_BLOCK*k + i]*d->by_mass[LW_BLOCK*block[k] + i];
+    hold_back(g, NULL, v);
+}
+
+/* Velocities next_v and multipliers d->l for impulses (2 each: normal, across) at the m places that are shut. */
+static void adopt(capture *g, double h, int m, const int *row, const double *impulse)
+{
+    lw_dynamics *d = g->d;
+    memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
+    memset(g->momentum, 0, (size_t)d->n_v*sizeof *g->momentum);
+    for (int i = 0; i < 2*m; i++)
+        if (row[i] >= 0)
+            d->l[row[i]] = impulse[i];
+    add_rows(d, d->jac, d->l, g->momentum);
+    for (int i = 0; i < d->n_v; i++)
+        g->next_v[i] = g->after[i] + (h*g->force[i] + g->momentum[i])*d->by_mass[i];
+    hold_back(g, g->wanted, g->next_v);
+    for (int k = 0, i = 0; k < g->n; k++) {
+        place *p = &g->at[k];
+        if (!p->shut)
+            continue;
+        p->normal = impulse[2*i];
+        p->across = impulse[2*i++ + 1];
+        p->presses = p->normal > 0;
+        p->slips = !p->rubs || fabs(p->across) < (1 - 1e-9)*p->mu*p->normal ? 0 : p->across > 0 ? -1 : 1;
+        d->l[p->row] = -p->normal;
+        if (p->rubs)
+            d->l[p->row + 1] = p->slips ? 0 : -p->across;
+    }
+}
+
+/* A step in which the guesses go round in circles: Lemke's method over the m places that are shut, a dense problem.  Bodies that are
+ * wedged by friction have many solutions, and Newton's method may meet none of them.  LW_NOTHING: no solution was found. */
+static lw_status solve_densely(capture *g, double h, int m)
+{
+    const lw_dynamics *d = g->d;
+    size_t r = 2*(size_t)m;
+    double *w = calloc(r*r + 3*r + (size_t)d->n_v + 1, sizeof *w), *b = w ? w + r*r : NULL, *impulse = w ? b + r : NULL,
+           *rate = w ? impulse + r : NULL, *v = w ? rate + r : NULL;
+    lw_touch_law *law = calloc((size_t)m + 1, sizeof *law);
+    int *row = malloc((r + 1)*sizeof *row), n = 0;
+    lw_status s = w && law && row ? LW_OK : LW_E_MEMORY;
+    for (int k = 0; s == LW_OK && k < g->n; k++) {
+        place *p = &g->at[k];
+        p->presses = false;
+        if (!p->shut)
+            continue;
+        law[n].friction = p->rubs ? p->mu : 0;
+        row[2*n] = p->row;
+        row[2*n + 1] = p->rubs ? p->row + 1 : -1;
+        b[2*n + 1] = -p->glide;
+        b[2*n++] = -p->target;
+    }
+    if (s == LW_OK)
+        s = solve_guess(g, h);               /* without contacts */
+    restore_rows(g);
+    for (size_t j = 0; s == LW_OK && j < r; j++) {
+        if (row[j] < 0)
+            continue;
+        b[j] += lw_mbs_row_rate(d, row[j], g->next_v);
+        respond(g, row[j], v);
+        for (size_t i = 0; i < r; i++)
+            w[i*r + j] = row[i] < 0 ? 0 : lw_mbs_row_rate(d, row[i], v);
+    }
+    if (s == LW_OK)
+        s = lw_complementarity(m, w, b, law, impulse, rate);
+    if (s == LW_OK)
+        adopt(g, h, m, row, impulse);
+    free(w);
+    free(law);
+    free(row);
+    return s;
+}
+
+/* Where contacts change in a step, its end cannot be predicted from the old velocities: the rows are satisfied in its middle. */
+static lw_status aim_at_middle(capture *g, double t)
+{
+    lw_status s = lw_mbs_rate_wanted(g->d, t);
+    memcpy(g->wanted, g->d->rhs, (size_t)g->d->n_c*sizeof *g->wanted);
+    for (int k = 0; k < g->n; k++) {
+        g->at[k].glide = 0;
+        g->at[k].target = 0;
+    }
+    return s;
+}
+
+/* Does the gap stay open until the end of the step, of which half is left?  As that of a wheel and the next joint of a rail. */
+static bool stays_open(const lw_touch_motion *m, double half)
+{
+    return half > 0 && m->gap > 0 && m->rate < 0 && m->gap + half*(m->rate + 0.5*half*m->bias) > 0;
+}
+
+/* Which places are closed in the middle of a step, of which half is left; returns their number.  half 0: at an impact. */
+static int find_shut(capture *g, double half)
+{
+    lw_dynamics *d = g->d;
+    double near = closed*g->part*g->size;
+    int shut = 0;
+    for (int k = 0; k < g->n; k++) {
+        place *p = &g->at[k];
+        lw_touch *touch = &d->touch->list.touch[p->touch];
+        lw_touch_motion m;
+        lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
+        if (!p->presses && m.gap < 0) {
+            lw_touch_round_end(touch, &m, 2*half);
+            lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
+        }
+        p->shut = m.gap < near && (p->presses || !stays_open(&m, half)) && !lw_touch_past_end(touch, &m)
+               && !lw_touch_goes_on(touch, d->frames, &m, near) && !lw_touch_beside_end(touch, d->frames, &m);
+        shut += p->shut;
+        p->presses = p->presses && p->shut;
+        p->normal = p->across = 0;
+    }
+    return shut;
+}
+
+/* Forces in the middle of the step, at the mean of the states and the velocities v, and the power of those without potential [W]. */
+static double find_forces(capture *g, double t, const double *v)
+{
+    lw_dynamics *d = g->d;
+    double power = 0;
+    d->eq.place_states(d->eq.context, g->mean_z);
+    d->eq.forces(d->eq.context, t, g->next_q, v, g->force, &power);
+    lw_mbs_touch_forces(d, v, g->force, &power);
+    return power;
+}
+
+/* The forces at the velocities after the impacts of the step; returns the greatest change of a velocity by them. */
+static lw_status find_pull(capture *g, double t, double h, double *pull)
+{
+    const lw_dynamics *d = g->d;
+    *pull = 0;
+    g->power = find_forces(g, t, g->after);
+    for (int i = 0; i < d->n_v; i++) {
+        if (!isfinite(g->force[i]))
+            return LW_E_NUMERIC;
+        *pull = fmax(*pull, fabs(h*g->force[i]*d->by_mass[i]));
+    }
+    return LW_OK;
+}
+
+/* The rate at which the gap of a place that presses changes in half a step because bodies turn. */
+static double bend(const place *p, const lw_touch_motion *m, double h) { return p->presses ? -0.5*h*m->bias : 0; }
+
+/* Does it approach faster than forces make what rests?  At a located impact, for which h is 0, less is enough. */
+static bool is_struck(const place *p, const lw_touch_motion *m, double h, double pull)
+{
+    return m->rate < -(h > 0 ? 3 : shallow)*(pull + fabs(bend(p, m, h)));
+}
+
+/* Bodies that are faster than rest on each other needs bounce in the middle of the step, by the law of impact of located events (mbs/run/touch.c): at the
+ * places that approach, then at those that approach because of it.  Where nothing has a restitution, the step itself ends the approach; at a located
+ * impact, for which h is 0, all closed places take part in that then. */
+static lw_status bounce(capture *g, double t, double h, double pull)
+{
+    lw_dynamics *d = g->d;
+    const lw_touch *touch = d->touch->list.touch;
+    bool plastic = true;
+    for (int k = 0; k < g->n; k++)
+        plastic = plastic && !(g->at[k].shut && touch[g->at[k].touch].surface->restitution > 0);
+    lw_status s = LW_OK;
+    for (int pass = 0; s == LW_OK && pass < (plastic ? 1 : BOUNCES); pass++) {
+        int n = 0, struck[TOGETHER_MOST];
+        bool bounces = false;
+        for (int k = 0; k < g->n && n < TOGETHER_MOST; k++) {
+            lw_touch_motion m;
+            if (!g->at[k].shut)
+                continue;
+            lw_touch_at(&touch[g->at[k].touch], &d->eq, d->frames, g->after, &m);
+            bool hit = is_struck(&g->at[k], &m, h, pull);
+            if (hit || (plastic && h == 0))
+                struck[n++] = g->at[k].touch;
+            g->late = hit && h > 0 ? h : g->late;
+            bounces = bounces || (hit && (h == 0 || touch[g->at[k].touch].surface->restitution > 0));
+        }
+        if (!bounces)
+            break;
+        for (int r = first_row(d); pass == 0 && r < d->n_c; r++)
+            clear_row(d, r);                 /* the joints alone hold what an impulse moves */
+        s = pass == 0 ? lw_mbs_factor_touch(d) : LW_OK;
+        if (s == LW_OK)
+            s = lw_run_touch_impact(g->run, t, n, struck, g->after);
+    }
+    restore_rows(g);
+    return s == LW_NOTHING ? LW_OPEN : s;
+}
+
+/* Keep the rows of places: bounce and the passes of a step clear those that are not in force. */
+static void keep_rows(capture *g)
+{
+    const lw_dynamics *d = g->d;
+    memcpy(g->full, lw_mbs_jac(d, first_row(d)), (size_t)((d->n_c - first_row(d))*d->row_size)*sizeof *d->jac);
+}
+
+/* New velocities for a step of length h with the middle at next_q.  LW_OPEN: the passes do not end. */
+static lw_status solve_step(capture *g, double t, double h)
+{
+    lw_dynamics *d = g->d;
+    double fastest = 0, pull = 0;
+    lw_status s = lw_mbs_rows(d, t, g->next_q);
+    if (s != LW_OK)
+        return s;
+    keep_rows(g);
+    g->late = 0;
+    memcpy(g->after, g->v, (size_t)d->n_v*sizeof *g->v);
+    int shut = find_shut(g, 0.5*h);
+    s = find_pull(g, t, h, &pull);
+    if (s == LW_OK)
+        s = bounce(g, t, h, pull);
+    if (s == LW_OK && memcmp(g->after, g->v, (size_t)d->n_v*sizeof *g->v) != 0)
+        s = find_pull(g, t, h, &pull);
+    if (s == LW_OK)
+        s = lw_mbs_rate_wanted(d, t);
+    if (s != LW_OK)
+        return s;
+    memcpy(g->wanted, d->rhs, (size_t)d->n_c*sizeof *g->wanted);
+    if ((s = lw_mbs_acceleration_wanted(d, t, g->after)) != LW_OK)
+        return s;
+    for (int r = 0; r < first_row(d); r++)
+        g->wanted[r] += 0.5*h*d->rhs[r];
+    for (int i = 0; i < d->n_v; i++)
+        fastest = fmax(fastest, fabs(g->after[i]));
+    for (int k = 0; k < g->n; k++) {
+        place *p = &g->at[k];
+        lw_touch_motion m;
+        lw_touch_at(&d->touch->list.touch[p->touch], &d->eq, d->frames, g->after, &m);
+        p->target = is_struck(p, &m, h, pull) ? 0 : bend(p, &m, h);
+        if (p->shut && d->touch->list.touch[p->touch].state != LW_TOUCH_HELD)
+            g->rest = fmax(g->rest, -m.rate*d->touch->list.touch[p->touch].surface->restitution);
+        p->glide = p->presses && p->slips == 0 ? -0.5*h*m.slip_bias : 0;
+    }
+    for (int pass = 0; pass < PASSES; pass++) {
+        bool densely = shut <= DENSE_SOON ? pass == TOGETHER : pass == LATE && shut <= DENSE_MOST;
+        if (densely && (s = solve_densely(g, h, shut)) != LW_NOTHING)
+            return s;
+        s = pass == 1 ? aim_at_middle(g, t) : LW_OK;
+        if (s == LW_OK)
+            s = solve_guess(g, h);
+        restore_rows(g);
+        if (s != LW_OK || revise(g, d->l, pass, (pass < HARD ? exact : allowed)*(fastest + pull)) == 0)
+            return s;
+    }
+    return LW_OPEN;
+}
+
+/* Put q on the joints and out of the shapes; returns the greatest overlap before, scaled. */
+static lw_status put_back(capture *g, double t, double *q, double *overlap)
+{
+    lw_dynamics *d = g->d;
+    for (int pass = 0; pass < 12; pass++) {
+        lw_status s = lw_mbs_rows(d, t, q);
+        double off = 0;
+        if (s != LW_OK)
+            return s;
+        for (int r = 0; r < d->n_row + d->n_driven; r++) {
+            g->wanted[r] = -d->phi[r];
+            off = fmax(off, fabs(d->phi[r]));
+        }
+        for (int k = 0; k < g->n; k++) {
+            const place *p = &g->at[k];
+            bool held = d->touch->list.touch[p->touch].state == LW_TOUCH_HELD, in = p->presses && (held || d->phi[p->row] < 0);
+            g->wanted[p->row] = in ? -d->phi[p->row] : 0;
+            *overlap = pass || !p->presses ? *overlap : fmax(*overlap, -d->phi[p->row]);
+            off = in ? fmax(off, 1e-3*fabs(d->phi[p->row])) : off;
+            if (!in)
+                clear_row(d, p->row);
+            if (p->rubs) {
+                g->wanted[p->row + 1] = 0;
+                clear_row(d, p->row + 1);
+            }
+        }
+        if (off < 1e-13*fmax(1, fabs(q[0])) || pass == 11)
+            return LW_OK;
+        if ((s = lw_mbs_factor_touch(d)) != LW_OK)
+            return s;
+        lw_mbs_linear(d, NULL, g->wanted, d->hold, d->l_each);
+        d->eq.move(d->eq.context, q, d->hold);
+    }
+    return LW_OK;
+}
+
+/* What the impulses of a step do at the places: mean of the rates before and behind it.  Where a place held before, and sticks on, its rates are
+ * errors of the step, and no work. */
+static double work_of_places(const capture *g)
+{
+    const lw_dynamics *d = g->d;
+    double sum = 0;
+    for (int k = 0; k < g->n; k++) {
+        const place *p = &g->at[k];
+        const lw_touch *was = &d->touch->list.touch[p->touch];
+        if (was->state != LW_TOUCH_HELD)
+            sum += 0.5*p->normal*(lw_mbs_row_rate(d, p->row, g->after) + lw_mbs_row_rate(d, p->row, g->next_v));
+        if (p->rubs && !(was->sticks && p->slips == 0))
+            sum += 0.5*p->across*(lw_mbs_row_rate(d, p->row + 1, g->after) + lw_mbs_row_rate(d, p->row + 1, g->next_v));
+    }
+    return sum;
+}
+
+/* One step of length h: next_q, next_v; d->a and d->l are means over it. */
+static lw_status step(capture *g, double h, double *overlap)
+{
+    lw_dynamics *d = g->d;
+    double *way = d->hold, gained = 0, motion[3];
+    size_t n_v = (size_t)d->n_v;
+    for (size_t i = 0; i < n_v; i++)
+        way[i] = 0.5*h*g->v[i];
+    memcpy(g->next_q, g->q, (size_t)d->n_q*sizeof *g->q);
+    d->eq.move(d->eq.context, g->next_q, way);
+    memcpy(g->next_z, g->z, (size_t)d->eq.n_z*sizeof *g->z);
+    lw_status s = move_states(g, g->t, 0.5*h, g->next_q, g->v, g->next_z, g->mean_z);
+    if (s == LW_OK)
+        s = mean_states(g, h);
+    if (s == LW_OK)
+        s = solve_step(g, g->t + 0.5*h, h);
+    if (s == LW_OK) {
+        gained = 0.5*h*(g->power + find_forces(g, g->t + 0.5*h, g->next_v));
+        s = move_states(g, g->t + 0.5*h, 0.5*h, g->next_q, g->next_v, g->next_z, NULL);
+    }
+    if (s != LW_OK)
+        return s;
+    for (int i = 0; i < d->n_c; i++)
+        d->l[i] /= h;
+    gained += work_of_places(g) + d->eq.kinetic(d->eq.context, g->after) - d->eq.kinetic(d->eq.context, g->v);
+    for (size_t i = 0; i < n_v; i++) {
+        d->a[i] = (g->next_v[i] - g->after[i])/h;
+        way[i] = 0.5*h*g->next_v[i];
+    }
+    for (int i = 0; i < d->n_driven; i++)
+        if (lw_mbs_motion(d, i, g->t + 0.5*h, motion) == LW_OK)
+            gained -= h*d->l[d->n_row + i]*motion[1];
+    d->eq.move(d->eq.context, g->next_q, way);
+    g->work += gained;
+    return put_back(g, g->t + h, g->next_q, overlap);
+}
+
+/* Has a step ended with an overlap of more than half the way of a body in it, at a place that does not press?  As where the body in front of it is stopped. */
+static bool overlaps_unseen(const capture *g)
+{
+    const lw_dynamics *d = g->d;
+    const lw_touch_list *list = &d->touch->list;
+    d->eq.place(d->eq.context, g->next_q);
+    for (int i = 0, k = 0; i < list->n; i++) {
+        while (k < g->n && g->at[k].touch < i)
+            k++;
+        bool presses = k < g->n && g->at[k].touch == i && g->at[k].presses;
+        if (!(list->touch[i].surface->stiffness > 0) && !presses && lw_touch_gap(&list->touch[i], &d->eq, d->frames) < -unseen*g->part*g->size)
+            return true;
+    }
+    return false;
+}
+
+/* The impact at which a step has ended.  pull: the change of velocities by forces in a step. */
+static lw_status hit(capture *g, double pull, double *overlap)
+{
+    lw_dynamics *d = g->d;
+    size_t n_v = (size_t)d->n_v;
+    lw_status s = lw_mbs_rows(d, g->t, g->q);
+    if (s != LW_OK || find_shut(g, 0) >= TOGETHER_MOST)
+        return s;                            /* too many: the next step captures it */
+    for (int k = 0; k < g->n; k++)
+        g->at[k].presses = g->at[k].shut;
+    s = put_back(g, g->t, g->q, overlap);
+    if (s == LW_OK)
+        s = lw_mbs_rows(d, g->t, g->q);
+    if (s != LW_OK)
+        return s;
+    keep_rows(g);
+    memcpy(g->after, g->v, n_v*sizeof *g->v);
+    s = bounce(g, g->t, 0, pull);
+    if (s != LW_OK)
+        return s == LW_OPEN ? LW_OK : s;
+    g->work += d->eq.kinetic(d->eq.context, g->after) - d->eq.kinetic(d->eq.context, g->v);
+    memcpy(g->v, g->after, n_v*sizeof *g->v);
+    return LW_OK;
+}
+
+/* ---- the run ------------------------------------------------------------------------------------------------- */
+
+static void note_impacts(capture *g, double t)
+{
+    lw_dynamics *d = g->d;
+    lw_dynamics_report *r = g->run->r;
+    for (int k = 0; k < g->n; k++) {
+        lw_touch *p = &d->touch->list.touch[g->at[k].touch];
+        bool held = p->state == LW_TOUCH_HELD;
+        if (g->at[k].presses != held) {
+            bool stop = p->kind == LW_TOUCH_STOP;
+            if (r->n_event < LW_REPORT_EVENT_MAX)
+                r->event[r->n_event++] = (lw_run_event){ t, stop ? p->owner : -1, p->sign < 0, !held,
+                                                         lw_mbs_row_rate(d, g->at[k].row, g->v)*d->s.unit,
+                                                         stop ? d->model->linkage.joint[p->owner].name
+                                                              : lw_touch_name(d->model, p), !stop };
+            r->n_event_seen++;
+        }
+        p->state = g->at[k].presses ? LW_TOUCH_HELD : LW_TOUCH_APART;
+        p->sticks = g->at[k].presses && g->at[k].rubs && g->at[k].slips == 0;
+        p->slips = g->at[k].presses && g->at[k].rubs ? g->at[k].slips : 0;
+    }
+}
+
+static double *fill_state(const capture *g, double *y)
+{
+    const lw_dynamics *d = g->d;
+    memcpy(y, g->q, (size_t)d->n_q*sizeof *y);
+    memcpy(y + d->n_q, g->v, (size_t)d->n_v*sizeof *y);
+    y[d->n_q + d->n_v] = g->work;
+    memcpy(y + lw_run_states(g->run), g->z, (size_t)d->eq.n_z*sizeof *y);
+    return y;
+}
+
+/* Velocities are on the rows of the middle of the step: for the sample they are put on those at its end. */
+static lw_status show(capture *g, double *y)
+{
+    lw_dynamics *d = g->d;
+    fill_state(g, y);
+    lw_status s = lw_mbs_rows(d, g->t, g->q);
+    for (int r = d->n_row + d->n_driven; r < d->n_c; r++)
+        clear_row(d, r);
+    if (s == LW_OK)
+        s = lw_mbs_factor_touch(d);
+    if (s == LW_OK)
+        s = lw_mbs_project_v(d, g->t, y + d->n_q);
+    return s == LW_OK ? lw_run_show_solved(g->run, lw_run_time(d, g->run->next), y) : s;      /* a kink there is passed already */
+}
+
+static lw_status say_unsolved(const capture *g)
+{
+    return lw_error_set(g->run->e, LW_E_NUMERIC, "at t = %.9g s no forces of contact were found that satisfy all conditions; give the "
+                        "contacts a \"stiffness\"", g->t);
+}
+
+static lw_status run_steps(capture *g, double *y)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = run->d;
+    lw_touch_list *list = &d->touch->list;
+    double part = g->part, longest = part*(d->o.to - d->o.from), h = longest;
+    lw_status s = LW_OK;
+    while (s == LW_OK && run->next <= d->o.intervals) {
+        bool missing = false;
+        double speed = look(g, 0, &missing, NULL), pull = 0, end = fmin(lw_run_time(d, run->next), lw_run_near(run, g->t));
+        for (int i = 0; i < d->n_v; i++)
+            pull = fmax(pull, fabs(d->a[i]));
+        h = fmin(longest, fmin(2*h, part*g->size/fmax(speed, sqrt(fmax(part, slow)*g->size*pull))));
+        h = compliant_step(g, h);
+        missing = false;
+        double overlap = 0, left = end - g->t, whole = left/ceil(left/h - 1e-9);     /* a short last step would have wrong mean forces */
+        ahead_of to = { .h = whole, .pull = pull, .first = INFINITY };
+        look(g, 2*h*speed + closed*g->part*g->size, &missing, &to);
+        if (missing)
+            s = choose_places(g, ahead*h*speed + 0.1*g->size);
+        bool locates = to.n <= STRUCK_MOST && to.first < whole && (to.first > soonest*whole || !g->hits);
+        whole = locates ? to.first : whole;
+        s = s == LW_OK ? LW_OPEN : s;
+        for (int k = 0; s == LW_OPEN && k < HALVINGS; k++) {
+            g->hits = locates && k == 0;
+            bool last = g->t + whole > end - 1e-9*whole;
+            s = step(g, last ? end - g->t : whole, &overlap);
+            if (s == LW_OK && k < HALVINGS - 1 && overlaps_unseen(g))
+                s = LW_OPEN;
+            if (s == LW_OPEN) {
+                run->r->refused++;
+                whole *= 0.5;
+                continue;
+            }
+            h = last || g->hits ? h : whole;
+            note_impacts(g, g->t);
+            g->t = last ? end : g->t + whole;
+        }
+        if (s != LW_OK)
+            return s == LW_OPEN ? say_unsolved(g) : s;
+        double *q = g->q, *v = g->v, *z = g->z;
+        g->q = g->next_q, g->next_q = q;
+        g->z = g->next_z, g->next_z = z;
+        g->v = g->next_v, g->next_v = v;
+        run->r->t = g->t;
+        run->r->steps++;
+        run->r->captured_step = fmax(run->r->captured_step, whole);
+        run->r->captured_late = fmax(run->r->captured_late, g->late);
+        d->eq.place(d->eq.context, g->q);
+        for (int i = 0; i < list->n; i++)
+            if (list->touch[i].state == LW_TOUCH_APART)
+                lw_touch_choose_side(&list->touch[i], d->frames, false, g->part*g->size);       /* it may overlap by that much */
+        s = lw_run_touch_crossed(run, g->t, g->part*g->size);
+        lw_run_watch(run, fill_state(g, y));
+        if (s == LW_OK && lw_run_at_kink(run, g->t))
+            s = lw_run_pass_kink(run, &g->t, NULL, NULL);
+        if (s == LW_OK && g->t >= lw_run_time(d, run->next)) {
+            s = show(g, y);
+            run->next++;
+        }
+        if (s == LW_OK && g->hits)
+            s = hit(g, whole*pull, &overlap);
+        run->r->overlap = fmax(run->r->overlap, overlap*d->s.unit);
+        run->r->captured_rest = g->rest*d->s.unit;
+        if (s == LW_OK)
+            s = lw_run_limits(run, g->t, 0);
+    }
+    return s;
+}
+
+/* Extent of the smallest moving body that touches, from its centre to its farthest disc, scaled. */
+static double smallest(const lw_dynamics *d)
+{
+    const lw_touch_list *list = &d->touch->list;
+    double least = INFINITY, *extent = d->hold;          /* of body i at 3i, as coordinates are */
+    memset(extent, 0, (size_t)d->n_q*sizeof *extent);
+    for (int i = 0; i < list->n; i++) {
+        const lw_touch *p = &list->touch[i];
+        for (int end = 0; p->kind <= LW_TOUCH_DISCS && end <= (p->kind == LW_TOUCH_DISCS); end++)
+            if (p->body[end] >= 0)
+                extent[3*p->body[end]] = fmax(extent[3*p->body[end]], lw_v2_norm(p->arm[end]) + p->radius[end]);
+    }
+    for (int i = 0; i < d->n_q; i += 3)
+        least = extent[i] > 0 ? fmin(least, extent[i]) : least;
+    return least < INFINITY ? least : 1;
+}
+
+/* The moment at the start may stop slips by friction, as where a brake jams.  They still slip at the start. */
+static void forget_slips(capture *g)
+{
+    lw_dynamics *d = g->d;
+    d->eq.place(d->eq.context, g->q);
+    for (int k = 0; k < g->n; k++) {
+        lw_touch *p = &d->touch->list.touch[g->at[k].touch];
+        lw_touch_motion m;
+        lw_touch_at(p, &d->eq, d->frames, g->v, &m);
+        p->sticks = p->sticks && fabs(m.slip) <= exact;
+    }
+}
+
+static lw_status run_capture(lw_run *run)
+{
+    lw_dynamics *d = run->d;
+    size_t n_q = (size_t)d->n_q, n_v = (size_t)d->n_v, rows = (size_t)d->n_c + (size_t)d->touch->row_max;
+    capture g = { .run = run, .d = d, .t = d->o.from, .n_kept = d->n_kept, .size = smallest(d),
+                  .part = fmin(fmax(pow(d->o.relative, 0.2), finest), coarsest) };
+    size_t n_z = (size_t)d->eq.n_z;
+    double *memory = calloc(6*n_z + 2*n_q + 5*n_v + rows + 2*rows*(size_t)d->row_size + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
+    g.at = calloc((size_t)d->touch->list.n + 1, sizeof *g.at);
+    g.kept = calloc((size_t)d->n_kept + 1, sizeof *g.kept);
+    lw_status s = memory && g.at && g.kept ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK) {
+        g.q = p, p += n_q, g.next_q = p, p += n_q, g.v = p, p += n_v, g.after = p, p += n_v, g.next_v = p, p += n_v;
+        g.momentum = p, p += n_v, g.force = p, p += n_v, g.wanted = p, p += rows, g.full = p, p += rows*(size_t)d->row_size;
+        g.push = p, p += rows*(size_t)d->row_size;
+        g.z = p, p += n_z, g.next_z = p, p += n_z, g.mean_z = p, p += n_z, g.try_z = p, p += n_z, g.rate = p, p += n_z, g.other = p, p += n_z, y = p;
+        memcpy(g.kept, d->kept, (size_t)d->n_kept*sizeof *g.kept);
+        lw_dynamics_start(d, g.q, g.v);
+        if (n_z)
+            memcpy(g.z, d->start_z, n_z*sizeof *g.z);
+        d->touch->events = false;            /* compliant places press by their depth alone */
+        fill_state(&g, y);
+        d->eq.place(d->eq.context, g.q);
+        s = lw_run_touch_choose_sides(run);
+        if (s == LW_OK && !d->touch->goes_on)
+            s = lw_run_touch_check(run, g.t);
+        d->touch->captured = true;
+        for (int i = 0; i < d->touch->list.n; i++)
+            d->touch->list.touch[i].loose = g.part*g.size;
+        if (s == LW_OK)
+            s = choose_places(&g, 0.1*g.size);
+        if (s == LW_OK)                      /* a moment, for accelerations and forces at the start */
+            s = step(&g, moment*(d->o.to - d->o.from), &(double){ 0 });
+        s = s == LW_OPEN ? say_unsolved(&g) : s;
+        g.work = 0;
+        note_impacts(&g, g.t);
+        forget_slips(&g);
+        if (s == LW_OK)
+            s = lw_run_begin_solved(run, y);
+        if (s == LW_OK)
+            s = run_steps(&g, y);
+        d->touch->captured = false;
+        for (int i = 0; i < d->touch->list.n; i++)
+            d->touch->list.touch[i].loose = 0;
+    }
+    free_pattern(&g);
+    free(g.at);
+    free(g.kept);
+    free(memory);
+    return s;
+}
+
+static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
+{
+    if (!d->touch)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it is for contacts and ropes");
+    int rigid = 0;
+    for (int i = 0; i < d->touch->list.n; i++) {
+        const lw_surface *p = d->touch->list.touch[i].surface;
+        rigid += !(p->stiffness > 0);
+        if (p->stiffness > 0 && p->friction > 0 && !(p->friction_speed > 0))
+            return lw_formulation_say(r, LW_E_KIND, 0, "it knows friction of compliant contacts with a \"friction_speed\" only");
+    }
+    if (!asked && (rigid == 0 || d->eq.n_z))
+        return lw_formulation_say(r, LW_E_KIND, 0, "without rigid contacts, and with first-order states, index1 is of higher order");
+    if (d->space || d->elastic || d->n_friction || d->has_zero_mass)
+        return lw_formulation_say(r, LW_E_KIND, 0, d->space ? "it knows no spatial models" : d->elastic ? "it knows no elastic links" : d->n_friction
+                                  ? "it knows no friction of joints" : "every link needs a mass and an inertia");
+    if (!asked && d->model->n_contact < LEAST_CONTACTS)
+        return lw_formulation_say(r, LW_E_KIND, 0, "few contacts: index1 locates each event");
+    return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : "many contacts: they are captured in steps, "
+                              "instead of locating each event (index1)");
+}
+
+const lw_formulation_row lw_formulation_capture = { able, run_capture };

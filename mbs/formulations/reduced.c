@@ -1,0 +1,650 @@
+/* mbs/formulations/reduced.c - a run in one coordinate.  Where the coordinate turns back (a dead point of the
+ * input) the run goes on in the coordinates of all bodies.
+ *
+ * With friction the linkage slides one way, slides the other way or sticks.  It slides until p = 0; the side on which
+ * a joint's friction acts changes where the joint turns back.  Both are events.  It sticks as long as it would
+ * accelerate neither way, against its friction in that way. */
+#include "base/real.h"
+#include "mbs/formulations/formulations_internal.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "mbs/reduced/reduced_internal.h"
+#include "mbs/ode/integrate.h"
+
+static const int turns_every = 4;
+static const double hold_most = 10;          /* greatest correction of p over the error allowed in a step */
+static const double most_change = 1e-4;     /* greatest correction of s and p */
+
+typedef struct motion {
+    lw_run        *run;
+    lw_reduced    *r;
+    lw_integrator *w;
+    double kinetic, potential, least_mass;   /* kinetic, potential: at the start */
+    double *memory;                            /* of the integrator */
+    double next_reversal;                    /* of a joint with friction, in multiples of scale */
+    bool   slides;                           /* a slide has friction */
+    int    turning;                          /* the friction whose slide has the least reaction */
+    double x[LW_JOINT_MAX], y[LW_JOINT_MAX]; /* reactions of joints with friction, where the step begins */
+    bool   in_step;
+    const double *from;                      /* (n) bodies' coordinates before the last step */
+} motion;
+
+static lw_status rate(void *context, double t, const double *y, double *dy)
+{
+    const motion *m = context;
+    double power, scale = m->r->scale;
+    lw_status s = lw_run_busy(m->run, t);
+    if (s == LW_OK)
+        s = lw_reduced_rate(m->r, t, y[0]*scale, y[1], &dy[0], &dy[1], &power);
+    dy[0] /= scale;
+    if (m->run->has_work)
+        dy[2] = power;
+    return s;
+}
+
+/* Correct the energy H after a step: by p alone where the correction is as small as the error allowed in the step,
+ * which costs nothing; near turning points by the least change, along the gradient (-Q, p). */
+static lw_status hold_energy(void *context, double t, double *y)
+{
+    motion *m = context;
+    const lw_dynamics_options *o = &m->run->d->o;
+    double scale = m->r->scale, ds, dp, mass, power;
+    lw_status s = lw_reduced_registers(m->r, y[0]*scale);
+    if (s != LW_OK)
+        return s;
+    double off = 0.5*y[1]*y[1] - m->kinetic + lw_reduced_potential(m->r, y[0]*scale) - m->potential;
+    if (fabs(off) <= hold_most*(o->absolute + o->relative*fabs(y[1]))*fabs(y[1])) {
+        y[1] -= off/y[1];
+    } else if (lw_reduced_rate(m->r, t, y[0]*scale, y[1], &ds, &dp, &power) == LW_OK
+               && lw_reduced_mass(m->r, y[0]*scale, &mass) == LW_OK) {
+        double push = dp*sqrt(mass)*scale, steep = push*push + y[1]*y[1];
+        if (!(fabs(off) < most_change*steep))
+            return LW_OK;                        /* at rest in equilibrium */
+        y[0] += push*off/steep;
+        y[1] -= y[1]*off/steep;
+    }
+    m->run->r->energy_held += fabs(off);
+    return LW_OK;
+}
+
+/* The coordinates of all bodies for s = (s, p, work); turns are taken near those in y. */
+static lw_status bodies_state(const motion *m, const double *s, double *y)
+{
+    const lw_dynamics *d = m->run->d;
+    double mass;
+    lw_status st = lw_reduced_mass(m->r, s[0]*m->r->scale, &mass);
+    if (st == LW_OK)
+        lw_reduced_state(m->r, d, s[1]/sqrt(mass), y, y + d->n_q);
+    if (m->run->has_work)
+        y[2*d->n_q] = s[2];
+    return st;
+}
+
+/* Predict the turns of the links after h from the rates before and those in the registers. */
+static void predict_turns(const motion *m, const double *from, double h, double ds, double *to)
+{
+    const lw_dynamics *d = m->run->d;
+    for (int b = 0; b < d->s.n_body; b++) {
+        double before = from[d->n_q + 3*b + 2], after = ds*m->r->reg[m->r->centre[b].dir].d.x;
+        to[3*b + 2] = from[3*b + 2] + 0.5*h*(before + after);
+        to[d->n_q + 3*b + 2] = after;
+    }
+}
+
+/* The state at t, within the last step. */
+static lw_status state_at(void *context, double t, double *y)
+{
+    motion *m = context;
+    lw_integrator *w = m->w;
+    double s3[3], mass;
+    memcpy(s3, w->y, (size_t)w->ode->n*sizeof *s3);
+    lw_status s = t == w->t ? LW_OK : lw_integrate_dense(w, t, s3);
+    if (s != LW_OK)
+        return s;
+    lw_reduced_mass(m->r, s3[0]*m->r->scale, &mass);
+    predict_turns(m, m->from, t - w->t_old, s3[1]/sqrt(mass), y);
+    return bodies_state(m, s3, y);
+}
+
+/* Energies come from the registers, so that a step costs little more than its evaluations.  The turns of the links
+ * are found every few steps only, which is often enough to count revolutions, unless lw_run_jumps looks at them. */
+static lw_status watch(motion *m, const lw_integrator *w, double *y)
+{
+    lw_run *run = m->run;
+    lw_status s = lw_reduced_registers(m->r, w->y[0]*m->r->scale);
+    double potential = lw_reduced_potential(m->r, w->y[0]*m->r->scale), kinetic = 0.5*w->y[1]*w->y[1];
+    double change = potential - m->potential, mass;
+    lw_run_note_energy(run, kinetic, change, run->has_work ? w->y[2] : 0, m->kinetic);
+    if (s != LW_OK)
+        return s;
+    lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
+    lw_reduced_count_turns(m->r);
+    predict_turns(m, y, w->t - w->t_old, w->y[1]/sqrt(mass), y);
+    return w->n_step % turns_every && !run->sides && !run->pulses && !run->kinks ? LW_OK : bodies_state(m, w->y, y);
+}
+
+/* Near a dead point the links move like the square root of the distance to it, which magnifies rounding and the
+ * allowed error of the coordinate.  Take back a step that came near one: y becomes the state before it.  LW_OPEN:
+ * taken back. */
+static lw_status stay_off(motion *m, lw_integrator *w, double *y)
+{
+    double mass, s3[3];
+    lw_status s = lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
+    m->least_mass = fmin(m->least_mass, mass);
+    if (s == LW_OK && mass <= LW_REDUCED_TURNING_BACK*m->least_mass)
+        return LW_OK;
+    s = lw_integrate_dense(w, w->t_old, s3);
+    if (s == LW_OK)
+        s = bodies_state(m, s3, y);
+    m->run->r->t = w->t_old;
+    return s == LW_OK ? LW_OPEN : s;
+}
+
+/* ---- friction ------------------------------------------------------------------------------------ */
+
+/* Does the size of a pin's reaction fall to nearly 0 and rise again within the step, so that the equation nearly has a kink?
+ * The stages of a step may lie so that its error is not seen.  A step of length h in which a reaction changes p' by s has an error of
+ * about s h/144 there, of s h x^2 if the kink is at a part x of the step from its nearer end.  A reaction that does not fall to 0 has a
+ * singularity at a complex time; rho is the sum of the half axes of the ellipse through it with foci at the ends of the step, over half the
+ * step.  Beyond `sharp`, errors of polynomials fall by a power of rho (Bernstein's ellipse); with the sixth they were at most 8 tolerances
+ * in 124 linkages.  The error grows at least as h^2: then w->retry is the length that is allowed. */
+static const double sharp = 1.6;             /* a quarter of a step beside its middle */
+
+static bool steps_over_dip(const motion *m)
+{
+    const lw_reduced_friction *f = m->r->friction;
+    lw_integrator *w = m->w;
+    double allowed = w->o.absolute + w->o.relative*fabs(w->y[1]), h = fabs(w->h_done), most = 1;
+    for (int i = 0; i < f->n && m->in_step; i++) {
+        lw_vec2 before = { m->x[i], m->y[i] }, change = { f->x[i] - m->x[i], f->y[i] - m->y[i] };
+        double square = lw_v2_dot(change, change), x = -lw_v2_dot(before, change)/square, side = fmin(x, 1 - x);
+        if (f->press[i] != 0 || !(side > 0))
+            continue;
+        double off = lw_v2_cross(before, change)/square, axis = hypot(x, off) + hypot(1 - x, off);
+        double rho = fmax(1, (axis + sqrt(fmax(axis*axis - 1, 0)))/sharp), cube = rho*rho*rho;
+        most = fmax(most, f->feel[i]*sqrt(square)*h*fmin(side*side + off*off, 1/144.)/(cube*cube*allowed));
+    }
+    if (most > 1)
+        w->retry = h*fmin(fmax(0.9/sqrt(most), 0.1), 0.5);
+    return most > 1;
+}
+
+/* Rest, the next reversal of a joint, and where the reaction of a slide changes its sign (m->slides). */
+static lw_status friction_events(motion *m, double t, const double *y, double *g)
+{
+    lw_reduced_friction *f = m->r->friction;
+    double ds, dp, power, greatest = 0;
+    g[0] = f->sense*y[1];
+    g[1] = f->sense*(m->next_reversal - y[0]);
+    if (t == m->w->t && steps_over_dip(m))
+        return LW_OPEN;                      /* a shorter step */
+    if (!m->slides)
+        return LW_OK;
+    lw_status s = lw_reduced_rate(m->r, t, y[0]*m->r->scale, y[1], &ds, &dp, &power);
+    g[2] = 1;
+    for (int i = 0; i < f->n && s == LW_OK; i++)
+        greatest = fmax(greatest, fabs(f->size[i]));
+    for (int i = 0; i < f->n && s == LW_OK; i++)
+        if (f->press[i] != 0 && f->press[i]*f->x[i] < g[2]*greatest) {
+            g[2] = f->press[i]*f->x[i]/greatest;
+            m->turning = i;
+        }
+    return s;
+}
+
+/* After the events of friction, the next kink. */
+static lw_status events(void *context, double t, const double *y, double *g)
+{
+    motion *m = context;
+    lw_status s = LW_OK;
+    int n = m->r->friction ? 2 + m->slides : 0;
+    if (m->run->kinks) {
+        memcpy(m->run->y, m->r->q, (size_t)m->run->d->n_q*sizeof *y);       /* turns of the last evaluation */
+        s = bodies_state(m, y, m->run->y);
+        g[n] = s == LW_OK ? lw_run_kink_ahead(m->run, t, m->run->y) : 0;
+    }
+    return s == LW_OK && n > 0 ? friction_events(m, t, y, g) : s;
+}
+
+/* Find the signs of the reactions of slides for the sense of the motion. */
+static lw_status find_press(motion *m, double t, const double *y)
+{
+    lw_reduced_friction *f = m->r->friction;
+    double ds, dp, power;
+    memset(f->press, 0, sizeof f->press);
+    if (!m->slides)
+        return LW_OK;
+    lw_status s = lw_reduced_rate(m->r, t, y[0]*m->r->scale, y[1], &ds, &dp, &power);
+    for (int i = 0; i < f->n && s == LW_OK; i++)
+        f->press[i] = !m->r->joint[f->joint[i]].slides ? 0 : f->x[i] < 0 ? -1 : 1;
+    return s;
+}
+
+/* Tell the equations of the bodies which friction acts. */
+static void show_friction(const motion *m, bool held)
+{
+    const lw_reduced_friction *f = m->r->friction;
+    for (int i = 0; i < f->n; i++) {
+        m->run->d->friction[i].held = held;
+        m->run->d->friction[i].part = f->sense*f->side[i];
+    }
+}
+
+/* p' at rest for a sense of the friction. */
+static lw_status push_at_rest(motion *m, double t, double s, double sense, double *push)
+{
+    double ds, power;
+    m->r->friction->sense = sense;
+    return lw_reduced_rate(m->r, t, s*m->r->scale, 0, &ds, push, &power);
+}
+
+/* The sense in which a linkage at rest starts to move; 0: it sticks, with the part of the friction that acts in
+ * f->sense.  LW_OPEN: it could start either way. */
+static lw_status leave_rest(motion *m, double t, double s, double *sense)
+{
+    lw_reduced_friction *f = m->r->friction;
+    double x[2] = { -1, 1 }, push[2], now = 0;
+    int side = 0;
+    memset(f->press, 0, sizeof f->press);
+    lw_status st = push_at_rest(m, t, s, 0, &now);
+    if (st == LW_OK)
+        st = lw_reduced_friction_sides(m->r, s*m->r->scale, now);
+    for (int k = 0; k < 2 && st == LW_OK; k++)
+        st = push_at_rest(m, t, s, x[k], &push[k]);
+    if (st == LW_OK && push[1] > 0 && push[0] < 0)
+        return LW_OPEN;
+    if (st != LW_OK)
+        return st;
+    *sense = f->sense = push[1] > 0 ? 1 : push[0] < 0 ? -1 : 0;
+    /* zero of the push in between, by the Illinois method */
+    for (int k = 0; *sense == 0 && st == LW_OK && k < 60 && push[0] > push[1]; k++) {
+        double at = x[0] + (x[1] - x[0])*push[0]/(push[0] - push[1]);
+        st = push_at_rest(m, t, s, at, &now);
+        if (now == 0 || at == x[0] || at == x[1])
+            break;
+        int to = now < 0;
+        x[to] = at, push[to] = now;
+        push[1 - to] *= k && side == to ? 0.5 : 1;
+        side = to;
+    }
+    return st;
+}
+
+/* The state at rest at t. */
+static lw_status state_at_rest(void *context, double t, double *y)
+{
+    motion *m = context;
+    double sense;
+    lw_status s = leave_rest(m, t, m->w->y[0], &sense);
+    show_friction(m, true);
+    return s == LW_OK ? bodies_state(m, m->w->y, y) : s;
+}
+
+/* Rates for the steps that look for the end of rest: their error control finds how fast the loads change. */
+static lw_status rest_rate(void *context, double t, const double *y, double *dy)
+{
+    motion *m = context;
+    (void)y;
+    lw_status s = lw_run_busy(m->run, t);
+    for (int k = 0; k < 2 && s == LW_OK; k++)
+        s = push_at_rest(m, t, m->w->y[0], k ? 1 : -1, &dy[k]);
+    return s;
+}
+
+static lw_status rest_events(void *context, double t, const double *y, double *g)
+{
+    lw_status s = rest_rate(context, t, y, g);
+    g[1] = -g[1];
+    return s;
+}
+
+/* Rest from w->t until the linkage starts to move in some sense, or to the end of the run; *end: when. */
+static lw_status rest_until(motion *m, double *end, double *sense)
+{
+    const lw_dynamics_options *o = &m->run->d->o;
+    lw_ode ode = { .n = 2, .context = m, .rate = rest_rate, .n_event = 2, .event = rest_events,
+                   .direction = { -1, -1 } };
+    lw_ode_options each = lw_ode_options_default();
+    lw_integrator w;
+    lw_ode_stop stop = LW_ODE_STEP;
+    double memory[LW_INTEGRATE_WORK(2, 2)], start[2] = { 0, 0 }, push[2];
+    *end = o->to;
+    if (m->r->constant_loads)
+        return LW_OK;
+    lw_status s = rest_rate(m, m->w->t, NULL, push);
+    each.relative = 0;
+    each.absolute = fmax(o->relative, 1e-9)*fmax(fmax(fabs(push[0]), fabs(push[1])), 1e-300)*(o->to - o->from);
+    each.greatest = 0.01*(o->to - o->from);
+    if (s == LW_OK)
+        s = lw_integrate_start(&w, &ode, &each, memory, m->w->t, start, m->run->e);
+    lw_timed timed = m->run->timed;
+    while (s == LW_OK && w.t < o->to && stop != LW_ODE_EVENT) {
+        s = lw_integrate_step(&w, lw_timed_end(&timed, w.t), &stop, m->run->e);
+        if (s == LW_OK && stop != LW_ODE_EVENT && lw_timed_at_kink(&timed, w.t)) {
+            w.t = lw_timed_behind(&timed);
+            w.t_low = 0;
+            s = lw_integrate_restart(&w, NULL, m->run->e);
+            if (s == LW_OK && (w.side[0] < 0 || w.side[1] < 0)) {        /* the loads jump */
+                stop = LW_ODE_EVENT;
+                w.events = w.side[0] < 0 ? 1 : 2;
+            }
+        }
+    }
+    if (s == LW_OK && stop == LW_ODE_EVENT) {
+        *end = w.t;
+        *sense = w.events & 1 ? -1 : 1;
+    }
+    return s;
+}
+
+/* At a moment at rest: go on in some way, if need be after resting for a while.  Where the push just exceeds the
+ * friction, rounding decides the sign of their difference, so that the event itself tells the sense. */
+static lw_status from_rest(motion *m)
+{
+    lw_integrator *w = m->w;
+    double sense, end;
+    lw_status s;
+    w->y[1] = 0;
+    s = leave_rest(m, w->t, w->y[0], &sense);
+    if (s == LW_OK && sense == 0) {
+        s = rest_until(m, &end, &sense);
+        if (s == LW_OK)
+            s = lw_run_samples(m->run, end, state_at_rest, m);
+        m->r->friction->sense = sense;
+        w->t = end;
+        w->t_low = 0;
+    }
+    m->run->r->t = w->t;
+    show_friction(m, true);
+    return s;
+}
+
+/* Begin to slide from y in the sense of the friction: sides of the joints, reactions of slides, next event. */
+static lw_status slide(motion *m, double t, const double *y)
+{
+    lw_reduced *r = m->r;
+    double next = INFINITY, s = y[0]*r->scale;
+    lw_status st = lw_reduced_friction_sides(r, s, r->friction->sense);
+    if (st == LW_OK)
+        st = lw_reduced_next_reversal(r, s, r->friction->sense, &next);
+    m->next_reversal = next/r->scale;
+    show_friction(m, true);
+    return st == LW_OK ? find_press(m, t, y) : st;
+}
+
+/* After a step that ended at an event, or at a start at rest. */
+static lw_status change_friction(motion *m, bool rests)
+{
+    lw_integrator *w = m->w;
+    double to = m->run->d->o.to;
+    if (w->events == 4) {
+        m->r->friction->press[m->turning] *= -1;
+        return lw_integrate_restart(w, w->y, m->run->e);
+    }
+    lw_status s = rests ? from_rest(m) : LW_OK;
+    if (s == LW_OK && w->t < to)
+        s = slide(m, w->t, w->y);
+    w->events = 0;                           /* the functions are others now, and not near 0 */
+    if (s == LW_OK && w->t < to)
+        s = lw_integrate_restart(w, w->y, m->run->e);
+    return s;
+}
+
+static lw_status friction_at_start(motion *m, double t, const double *s)
+{
+    lw_reduced_friction *f = m->r->friction;
+    f->sense = s[1] < 0 ? -1 : 1;
+    if (s[1] != 0)
+        return slide(m, t, s);
+    double sense;
+    m->next_reversal = 0;
+    lw_status st = leave_rest(m, t, s[0], &sense);
+    show_friction(m, true);
+    return st;
+}
+
+/* ---- what repeats itself ------------------------------------------------------------------------- */
+
+/* Without losses and loads that depend on time, a motion that comes to rest goes back the same way and repeats
+ * itself for ever.  The period is measured over so many periods, between rests on one side.  Each later sample is
+ * reached from the last rest measured, within one period, so rounding and the errors of steps do not add up. */
+enum { MEASURED = 10 };
+static const double much_longer = 10;        /* periods left from which on this is worth while */
+
+typedef struct rests { int n; double t[2*MEASURED + 1], y[3]; lw_turn_count count; } rests;
+
+/* Find where the last step came to rest, p = 0, by bisection in the dense output. */
+static lw_status note_rest(rests *r, lw_integrator *w)
+{
+    double low = w->t_old, high = w->t;
+    if (!(w->y_old[1]*w->y[1] < 0) || r->n == 2*MEASURED + 1)
+        return LW_OK;
+    for (int i = 0; i < 60 && low < high; i++) {
+        double at = 0.5*(low + high);
+        if (at == low || at == high)
+            break;
+        lw_status s = lw_integrate_dense(w, at, r->y);
+        if (s != LW_OK)
+            return s;
+        *((r->y[1] < 0) == (w->y_old[1] < 0) ? &low : &high) = at;
+    }
+    r->y[1] = 0;
+    r->t[r->n++] = high;
+    return LW_OK;
+}
+
+/* The period [s]; 0: not known yet, or the rests are not evenly spaced. */
+static double period_of(const rests *r, double tolerance)
+{
+    double length = (r->t[2*MEASURED] - r->t[0])/MEASURED;
+    if (r->n < 2*MEASURED + 1)
+        return 0;
+    for (int i = 0; i + 2 < r->n; i++)
+        if (!(fabs(r->t[i + 2] - r->t[i] - length) <= (1000*tolerance + 1e-13)*length))
+            return 0;
+    return length;
+}
+
+/* Advance to the time phase_time after the last rest, with y near it; begin anew at that rest when it lies behind. */
+static lw_status reach(motion *m, lw_integrator *w, const rests *r, double phase_time, const double *base, double *y)
+{
+    lw_run *run = m->run;
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_status s = LW_OK;
+    if (phase_time < w->t) {
+        lw_ode_options o = w->o;
+        run->r->steps += w->n_step, run->r->refused += w->n_refused, run->r->rates += w->n_rate;
+        o.max_step = lw_run_steps_left(run);
+        memcpy(y, base, (size_t)run->n*sizeof *y);
+        m->r->count = r->count;
+        s = lw_integrate_start(w, w->ode, &o, m->memory, 0, r->y, run->e);
+    }
+    while (s == LW_OK && stop != LW_ODE_END && phase_time > w->t) {
+        s = lw_integrate_step(w, phase_time, &stop, run->e);
+        if (s == LW_OK)
+            s = watch(m, w, y);
+    }
+    return s;
+}
+
+/* Take the samples that are left.  y: coordinates of the bodies near the last rest; base: scratch for those there. */
+static lw_status repeat(motion *m, lw_integrator *w, const rests *r, double length, double *y, double *base)
+{
+    lw_run *run = m->run;
+    double start = r->t[2*MEASURED];
+    memcpy(base, y, (size_t)run->n*sizeof *y);
+    lw_status s = bodies_state(m, r->y, base);
+    run->r->period = length;
+    w->t = INFINITY;                         /* begin at the rest */
+    for (long k = 1; s == LW_OK && run->next <= run->d->o.intervals; run->next++, k++) {
+        double t = lw_run_time(run->d, run->next), phase = (t - start)/length;
+        s = reach(m, w, r, (phase - floor(phase))*length, base, y);
+        memcpy(run->y, y, (size_t)run->n*sizeof *y);
+        if (s == LW_OK)
+            s = bodies_state(m, w->y, run->y);
+        if (s == LW_OK)
+            s = lw_run_show(run, t, run->y);
+        if (s == LW_OK)
+            s = lw_run_limits(run, t, w->n_step);
+    }
+    return s;
+}
+
+static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *before)
+{
+    lw_run *run = m->run;
+    lw_dynamics *d = run->d;
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_status s = LW_OK;
+    bool taken_back = false;
+    rests rest = { .n = 0 };
+    double good[3], t_good = w->t, longest = 0;      /* the last state before steps became short */
+    memcpy(good, w->y, (size_t)w->ode->n*sizeof *good);
+    lw_reduced_mass(m->r, w->y[0]*m->r->scale, &m->least_mass);
+    m->kinetic = 0.5*w->y[1]*w->y[1];
+    lw_reduced_registers(m->r, w->y[0]*m->r->scale);
+    m->potential = lw_reduced_potential(m->r, w->y[0]*m->r->scale);
+    for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
+        if (m->r->friction) {
+            memcpy(m->x, m->r->friction->x, sizeof m->x);
+            memcpy(m->y, m->r->friction->y, sizeof m->y);
+        }
+        m->in_step = true;
+        s = lw_integrate_step(w, lw_run_end(run, w->t), &stop, run->e);
+        m->in_step = false;
+        if (s != LW_OK)
+            break;
+        run->r->t = w->t;
+        stop = lw_run_stop(run, w->t, stop);
+        s = stay_off(m, w, y);
+        if (s == LW_OPEN) {
+            taken_back = true;
+            break;
+        }
+        longest = fmax(longest, w->t - w->t_old);
+        if (w->t - w->t_old > 0.1*longest) {
+            memcpy(good, w->y, (size_t)w->ode->n*sizeof *good);
+            t_good = w->t;
+        }
+        memcpy(before, y, (size_t)run->n*sizeof *y);
+        if (s == LW_OK)
+            s = watch(m, w, y);
+        if (s == LW_OK)
+            s = lw_run_jumps(run, w->t, y);
+        if (s == LW_OK)
+            s = lw_run_samples(run, w->t, state_at, m);
+        if (s == LW_OK)
+            s = lw_run_limits(run, w->t, k);
+        unsigned long long kink = run->kinks ? 1ull << (w->ode->n_event - 1) : 0;
+        bool passed = s == LW_OK && lw_run_pass_kinks(run, w->t, y, w->events & kink);
+        w->events &= ~kink;
+        if (s == LW_OK && stop == LW_ODE_EVENT && w->events) {
+            s = change_friction(m, w->events & 1);
+            stop = lw_run_stop(run, w->t, LW_ODE_STEP);
+            longest = 0;
+        } else if (s == LW_OK && passed && stop != LW_ODE_END) {
+            s = lw_integrate_restart(w, NULL, run->e);
+            longest = 0;
+        }
+        if (s == LW_OK && lw_run_at_kink(run, w->t)) {
+            s = lw_run_pass_kink(run, &w->t, state_at, m);
+            stop = lw_run_stop(run, w->t, LW_ODE_STEP);
+            if (s == LW_OK && m->r->friction)
+                s = find_press(m, w->t, w->y);
+            if (s == LW_OK && stop != LW_ODE_END)
+                s = lw_integrate_restart(w, NULL, run->e);
+            longest = 0;
+        }
+        if (s == LW_OK && !run->has_work)
+            s = note_rest(&rest, w);
+        double length = s == LW_OK ? period_of(&rest, d->o.relative) : 0;
+        if (length > 0 && d->o.to - w->t > much_longer*length) {
+            rest.count = m->r->count;
+            s = repeat(m, w, &rest, length, y, before);
+            break;
+        }
+    }
+    if ((s == LW_E_NUMERIC || s == LW_OPEN) && !taken_back) {    /* the run goes on from there */
+        bodies_state(m, good, y);
+        run->r->t = t_good;
+    }
+    run->r->steps += w->n_step;
+    run->r->refused += w->n_refused;
+    run->r->rates += w->n_rate;
+    return s;
+}
+
+static lw_status run_one(motion *m, double *y)
+{
+    lw_run *run = m->run;
+    lw_dynamics *d = run->d;
+    double s[3] = { 0 }, memory[LW_INTEGRATE_WORK(3, 4)], *before = y + run->n;
+    lw_ode ode = { .n = 2 + run->has_work, .context = m, .rate = rate,
+                   .project = run->has_work ? NULL : hold_energy };
+    if (m->r->friction) {
+        m->slides = m->r->friction->n_slide > 0;
+        ode.n_event = 2 + m->slides;
+    }
+    ode.n_event += run->kinks != NULL;
+    ode.event = events;
+    memset(ode.direction, -1, sizeof ode.direction);
+    lw_ode_options o = lw_ode_options_default();
+    lw_integrator w;
+    o.relative = d->o.relative;
+    o.absolute = d->o.absolute;
+    o.max_step = d->o.max_step;
+    o.smooth = true;
+    lw_dynamics_start(d, y, y + d->n_q);
+    lw_status st = lw_reduced_start(m->r, d, y, &s[0], &s[1]);
+    if (st != LW_OK)
+        return st;
+    m->memory = memory;
+    m->w = &w;
+    m->from = before;
+    s[0] /= m->r->scale;
+    if (m->r->friction)
+        st = friction_at_start(m, d->o.from, s);
+    if (st == LW_OK)
+        st = lw_run_begin(run, y);
+    assert(lw_integrate_work(ode.n, ode.n_event) <= sizeof memory/sizeof *memory);
+    if (st == LW_OK)
+        st = lw_integrate_start(&w, &ode, &o, memory, d->o.from, s, run->e);
+    if (st == LW_OK && m->r->friction && s[1] == 0)
+        st = change_friction(m, true);
+    return st == LW_OK && w.t < d->o.to ? run_steps(m, &w, y, before) : st;
+}
+
+static lw_status run_reduced(lw_run *run)
+{
+    motion m = { .run = run, .r = run->d->reduced };
+    double *y = calloc(3*(size_t)run->n, sizeof *y);
+    if (!y)
+        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    run->y = y + 2*run->n;
+    lw_status s = run_one(&m, y);
+    if (m.r->friction)
+        show_friction(&m, false);
+    if ((s == LW_E_NUMERIC || s == LW_OPEN) && m.r->friction && m.r->friction->undetermined)
+        s = lw_error_set(run->e, LW_E_NUMERIC, "friction at joint \"%s\" leaves its reaction undetermined for rigid "
+                         "links (Painleve's paradox) at t = %.9g s: the linkage jams; lower the coefficient or give "
+                         "the joint compliance", run->d->model->linkage.joint[m.r->friction->joint[0]].name, run->r->t);
+    else if (s == LW_E_NUMERIC || s == LW_OPEN)
+        s = lw_run_go_on(run, y);
+    free(y);
+    return s;
+}
+
+static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
+{
+    if (!asked && lw_mbs_is_damped(d, true))
+        return lw_formulation_say(r, LW_E_KIND, 0, "dampers make the equations stiff");
+    lw_status s = lw_reduced_able(d);
+    return s != LW_OK ? lw_formulation_say(r, s, 0, d->not_reduced)
+         : lw_formulation_say(r, LW_OK, 2, asked ? "asked for"
+                              : "one freedom, rigid, solved in closed form by dyads: one coordinate");
+}
+
+const lw_formulation_row lw_formulation_reduced = { able, run_reduced };

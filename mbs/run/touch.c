@@ -1,0 +1,995 @@
+/* mbs/run/touch.c - contact, ropes and rigid stops during a run: impacts, rest, stick, slip, departure.
+ *
+ * Between events the states of all places are fixed and the motion is smooth.  An event is where a gap closes, a force
+ * would have to pull, friction no longer holds a place that sticks, a slip ends, or a disc leaves a face over its end.
+ * There all places that are closed are looked at together:
+ *
+ * Impacts.  Poisson's law with friction: the impulses of the compression end the approach, and those of the expansion
+ * are at least `restitution` times as great; both satisfy Coulomb's law (Glocker & Pfeiffer 1995).  Only places that
+ * approach take part; then those that approach because of it, and so on: impacts travel through touching bodies as
+ * in Newton's cradle.  Without restitution all places take part at once.  Where this would gain energy, the
+ * restitution is halved until it does not.
+ *
+ * Forces.  The accelerations after the event and the forces satisfy the same conditions (mbs/equations/complementarity.h);
+ * they decide which places are held, stick or slip.  Of several solutions the method takes the one it finds first from
+ * that without contact forces.  Where there is none (Painleve 1895), friction stops slips at once, by impulses at places
+ * that do not approach. */
+#include "base/real.h"
+#include "mbs/run/run_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "mbs/dynamics/touch_internal.h"
+#include "mbs/equations/complementarity.h"
+
+static const double missed = 1e-9;           /* a gap below minus this was not seen to close, scaled           */
+static const double overlap = 1e-6;          /* a gap below minus this: shapes overlap, scaled                 */
+static const double struck = 1e-13;          /* a gap below this takes part in an impact, scaled                */
+static const double late = 1e-14;            /* events happen where a gap is below minus this, scaled          */
+/* Rates of gaps and slips below this times a speed count as 0.  The speed is the fastest velocity, or that which free
+ * accelerations reach over the size of the linkage. */
+static const double still = 1e-12, no_slip = 1e-10;
+static const double rounded = 1e-6;          /* slips that may be rounding, over the fastest velocity */
+static const double trace = 1e-11;           /* share of the speed that free accelerations may change          */
+static const double least_share = 1e-10;     /* pivot of a row that depends on others, over its diagonal       */
+static const double undetermined = 2e-6;     /* the friction equations below this determinant have no use      */
+static const double resolved_turn = 0.4;     /* angle of a body in a step while one of its discs may touch [rad] */
+enum { PASSES = 400, TOGETHER = 100, STALLED_MOST = 5000 };
+
+static bool is_rigid(const lw_touch *p) { return !(p->surface->stiffness > 0); }
+
+/* ---- events -------------------------------------------------------------------------------------------- */
+
+enum { GAP, PULL, STICK, SLIP, END, COMPLIANT, DETERMINANT };
+
+static double pressed_force(const lw_dynamics *d, const lw_touch *p, const lw_touch_motion *m)
+{
+    return lw_touch_force(p->surface, d->s.unit, -m->gap, -m->rate)*d->s.unit;
+}
+
+static void least(double *g, double value) { *g = fmin(*g, value); }
+
+lw_status lw_run_touch_events(void *context, double t, const double *y, double *g)
+{
+    lw_run *run = context;
+    lw_dynamics *d = run->d;
+    struct lw_touching *w = d->touch;
+    const double *v = y + d->n_q;
+    for (int i = 0; i < LW_TOUCH_EVENTS; i++)
+        g[i] = 1;
+    if (run->kinks)
+        g[LW_TOUCH_EVENTS] = lw_run_kink_ahead(run, t, y);
+    if (w->n_row > 0) {
+        d->eq.place_states(d->eq.context, y + lw_run_states(run));
+        lw_status s = lw_mbs_accelerate(d, t, y, v, d->a, d->l, NULL);
+        if (s != LW_OK)
+            return s;
+    }
+    w->sense = w->sense != 0 ? w->sense : w->determinant < 0 ? -1 : 1;
+    if (w->n_slip > 0)                           /* with its sign at the last event: it may fall through 0 within a step */
+        g[DETERMINANT] = w->sense*w->determinant - undetermined;
+    const double *l = d->l + d->n_c - w->n_row;
+    d->eq.place(d->eq.context, y);
+    for (int k = 0; k < w->n_row; k++)
+        if (!w->row[k].tangent) {
+            double force = w->list.touch[w->row[k].touch].force = -l[k];
+            least(&g[PULL], fmin(w->n_redundant ? INFINITY : force + w->least_force, w->most_force - force));
+        }
+    if (w->n_redundant)                          /* one event for both: another one at the limit would be a jump, which cannot be located */
+        least(&g[STICK], lw_mbs_touch_share(d, v, d->l));
+    for (int k = 0; k < w->n_row && !w->n_redundant; k++) {
+        lw_touch *p = &w->list.touch[w->row[k].touch];
+        if (!w->row[k].tangent)
+            continue;
+        p->yields = true;
+        lw_touch_motion m;
+        double normal = p->force;
+        if (p->state == LW_TOUCH_PRESSED) {
+            lw_touch_at(p, &d->eq, d->frames, v, &m);
+            normal = pressed_force(d, p, &m);
+        }
+        least(&g[STICK], p->surface->friction*normal - fabs(l[k]) + w->least_force);
+    }
+    for (int i = 0; i < w->list.n; i++) {
+        const lw_touch *p = &w->list.touch[i];
+        bool compliant = p->surface->stiffness > 0;
+        if (compliant && !w->events)
+            continue;
+        lw_touch_motion m;
+        if (p->state == LW_TOUCH_HELD || p->slips != 0)
+            lw_touch_at(p, &d->eq, d->frames, v, &m);
+        else
+            m.gap = lw_touch_gap(p, &d->eq, d->frames);
+        if (p->state == LW_TOUCH_APART)
+            least(&g[compliant ? COMPLIANT : GAP], m.gap + late + p->passed);
+        else if (p->state == LW_TOUCH_PASSIVE)
+            least(&g[GAP], m.gap + LW_TOUCH_CLOSED + p->passed);
+        else if (p->state == LW_TOUCH_PRESSED)
+            least(&g[COMPLIANT], -m.gap + late);
+        if (p->slips != 0)
+            least(&g[SLIP], p->slips*m.slip + late);
+        if (p->state == LW_TOUCH_HELD && p->kind == LW_TOUCH_FACE && isfinite(p->length))
+            least(&g[END], fmin(m.place, p->length - m.place) + LW_TOUCH_END);
+    }
+    return LW_OK;
+}
+
+lw_status lw_run_touch_accept(lw_run *run, double t, const double *y)
+{
+    lw_dynamics *d = run->d;
+    d->eq.place(d->eq.context, y);
+    for (int i = 0; i < d->touch->list.n; i++) {
+        lw_touch *p = &d->touch->list.touch[i];
+        bool rigid_apart = p->state == LW_TOUCH_APART && is_rigid(p);
+        if (rigid_apart || p->state == LW_TOUCH_PASSIVE) {
+            double gap = lw_touch_gap(p, &d->eq, d->frames);
+            if (gap + p->passed < -missed)
+                return lw_error_set(run->e, LW_E_NUMERIC, "contact \"%s\" was closed before t = %.9g s without being seen; "
+                                    "ask for a smaller tolerance", lw_touch_name(d->model, p), t);
+            bool open = gap > LW_TOUCH_CLOSED;
+            p->state = p->state == LW_TOUCH_PASSIVE && open ? LW_TOUCH_APART : p->state;
+            p->passed = open ? 0 : p->passed;            /* the next closure is where the gap is 0 again */
+        }
+        if (p->state == LW_TOUCH_APART)
+            lw_touch_choose_side(p, d->frames, false, LW_TOUCH_END);
+    }
+    return lw_run_touch_crossed(run, t, overlap);
+}
+
+lw_status lw_run_touch_crossed(lw_run *run, double t, double by)
+{
+    const lw_dynamics *d = run->d;
+    for (int i = 0; i < d->touch->list.n; i++)
+        if (is_rigid(&d->touch->list.touch[i]) && lw_touch_crosses(&d->touch->list.touch[i], d->frames, by))
+            return lw_error_set(run->e, LW_E_NUMERIC, "\"%s\": a corner has passed the other shape unseen before t = %.9g s; sharp corners that meet end on need "
+                                "round ends, as those of a segment with a \"radius\"", lw_touch_name(d->model, &d->touch->list.touch[i]), t);
+    return LW_OK;
+}
+
+/* Time in which a disc with this speed and acceleration goes the way. */
+static double time_over(double way, double speed, double pull)
+{
+    double root = speed + sqrt(speed*speed + 2*pull*way);
+    return way < INFINITY && root > 0 ? 2*way/root : INFINITY;
+}
+
+/* Events are looked for at four points of a step.  Between two of them a disc must neither jump over a thin body, nor into and out of
+ * one because its body turns. */
+double lw_run_touch_step(lw_run *run, const double *y)
+{
+    lw_dynamics *d = run->d;
+    const double *v = y + d->n_q;
+    double longest = INFINITY;
+    d->eq.place(d->eq.context, y);
+    for (int i = 0; i < d->touch->list.n; i++) {
+        const lw_touch *p = &d->touch->list.touch[i];
+        lw_touch_motion m;
+        if (p->state != LW_TOUCH_APART || p->kind == LW_TOUCH_STOP)
+            continue;
+        lw_touch_at(p, &d->eq, d->frames, v, &m);
+        double speed = hypot(m.rate, m.slip), pull = 0, turn = 0, size = lw_touch_size(p, &m);
+        for (int end = 0; end < 2; end++) {
+            const int b = 3*p->body[end];
+            double lever = end ? 1 : lw_v2_norm(p->arm[0]);
+            if (b < 0 || lever == 0)
+                continue;
+            pull += fabs(d->a[b]) + fabs(d->a[b + 1]) + fabs(d->a[b + 2]) + v[b + 2]*v[b + 2]*lever;
+            turn = fmax(turn, fabs(v[b + 2]));
+        }
+        double arrival = time_over(0.5*fmax(m.gap, 0), speed, pull);
+        longest = fmin(longest, fmin(time_over(fmax(0.5*size, 0.5*m.gap), speed, pull), fmax(arrival, resolved_turn/turn)));
+    }
+    return longest;
+}
+
+/* ---- the places that are closed ---------------------------------------------------------------------- */
+
+/* m places: their numbers, rows (12 m: gap, slip), responses (2m x n_q), W (2m x 2m) and rates u (2m). */
+typedef struct closed {
+    int     m, *place;
+    double *row, *response, *w, *u, *b, *force, *rate, *gap, *sub;
+    lw_touch_law *law;
+    bool   *in, *noted;                  /* takes part; its impact has been reported                    */
+    double  slow;                        /* slips below this are rounding                               */
+} closed;
+
+static void free_closed(closed *c)
+{
+    free(c->place);
+    free(c->row);
+    free(c->law);
+    free(c->in);
+}
+
+static bool allocate(closed *c, size_t most, size_t n_q)
+{
+    size_t r = 2*most;
+    c->place = calloc(2*most + 1, sizeof *c->place);
+    c->row = calloc(12*most + r*n_q + r*r + 5*r + r*r + 6*r + 1, sizeof *c->row);
+    c->law = calloc(2*most + 1, sizeof *c->law);
+    c->in = calloc(2*most + 1, sizeof *c->in);
+    if (!c->place || !c->row || !c->law || !c->in)
+        return false;
+    c->noted = c->in + most;
+    c->response = c->row + 12*most;
+    c->w = c->response + r*n_q;
+    c->u = c->w + r*r;
+    c->b = c->u + r;
+    c->force = c->b + r;
+    c->rate = c->force + r;
+    c->gap = c->rate + r;
+    c->sub = c->gap + r;
+    return true;
+}
+
+static bool has_set_valued_friction(const lw_touch *p)
+{
+    return p->surface->friction > 0 && !(p->surface->friction_speed > 0) && p->kind <= LW_TOUCH_DISCS;
+}
+
+/* Is the place closed at (t, y)?  Sets the state of a compliant one. */
+static lw_status look_at(lw_run *run, double t, lw_touch *p, const lw_touch_motion *m, bool *is)
+{
+    *is = false;
+    if (!is_rigid(p)) {
+        bool in = m->gap < -LW_TOUCH_CLOSED || (m->gap <= LW_TOUCH_CLOSED && m->rate < 0);
+        p->state = in ? LW_TOUCH_PRESSED : LW_TOUCH_APART;
+        *is = in && has_set_valued_friction(p);
+        return LW_OK;
+    }
+    if (m->gap < -overlap)
+        return lw_error_set(run->e, LW_E_ARG, "\"%s\": %s at t = %.9g s", lw_touch_name(run->d->model, p),
+                            p->kind == LW_TOUCH_STOP ? "the stop of this joint is passed" :
+                            p->kind == LW_TOUCH_ROPE ? "this rope is longer than its length" : "these shapes overlap", t);
+    bool on = m->gap <= LW_TOUCH_CLOSED && !lw_touch_past_end(p, m);
+    *is = on && !lw_touch_beside_end(p, run->d->frames, m);
+    p->state = on ? LW_TOUCH_PASSIVE : LW_TOUCH_APART;
+    return LW_OK;
+}
+
+lw_status lw_run_touch_choose_sides(lw_run *run)
+{
+    lw_dynamics *d = run->d;
+    for (int i = 0; i < d->touch->list.n; i++)
+        if (!lw_touch_choose_side(&d->touch->list.touch[i], d->frames, !d->o.pieces, LW_TOUCH_END))
+            return lw_error_set(run->e, LW_E_ARG, "\"%s\": an end lies on a segment without thickness, and it is not known on which side; give "
+                                "one of them a \"radius\"", lw_touch_name(d->model, &d->touch->list.touch[i]));
+    return LW_OK;
+}
+
+lw_status lw_run_touch_check(lw_run *run, double t)
+{
+    lw_dynamics *d = run->d;
+    lw_status s = LW_OK;
+    for (int i = 0; s == LW_OK && i < d->touch->list.n; i++) {
+        lw_touch_motion m;
+        bool is;
+        lw_touch_at(&d->touch->list.touch[i], &d->eq, d->frames, NULL, &m);
+        s = look_at(run, t, &d->touch->list.touch[i], &m, &is);
+        d->touch->list.touch[i].state = LW_TOUCH_APART;
+    }
+    return s;
+}
+
+static double row_dot(const lw_touch *p, const double *row, const double *x)
+{
+    double sum = 0;
+    for (int i = 0; i < 6; i++)
+        if (p->body[i/3] >= 0)
+            sum += row[i]*x[3*p->body[i/3] + i%3];
+    return sum;
+}
+
+/* Memory of c has room for one more place. */
+static void add_place(const lw_dynamics *d, int place, const double *v, closed *c)
+{
+    lw_touch_motion m;
+    lw_touch_at(&d->touch->list.touch[place], &d->eq, d->frames, v, &m);
+    c->gap[c->m] = m.gap;
+    memcpy(c->row + 12*c->m, m.n, sizeof m.n);
+    memcpy(c->row + 12*c->m + 6, m.t, sizeof m.t);
+    c->place[c->m++] = place;
+}
+
+/* Responses and W of the places of c.  Rows of the joints are factored, without those of places. */
+static void find_responses(lw_dynamics *d, closed *c)
+{
+    const lw_touch_list *list = &d->touch->list;
+    size_t r = 2*(size_t)c->m, n_q = (size_t)d->n_q;
+    for (size_t k = 0; k < r; k++) {
+        const lw_touch *p = &list->touch[c->place[k/2]];
+        double *g = d->hold;
+        memset(g, 0, n_q*sizeof *g);
+        if (k%2 && !has_set_valued_friction(p))
+            continue;                        /* no such force: zeros */
+        for (int i = 0; i < 6; i++)
+            if (p->body[i/3] >= 0)
+                g[3*p->body[i/3] + i%3] += c->row[6*k + (size_t)i];
+        lw_mbs_impulse(d, g, c->response + k*n_q);
+        for (size_t j = 0; j < r; j++)
+            c->w[j*r + k] = row_dot(&list->touch[c->place[j/2]], c->row + 6*j, c->response + k*n_q);
+    }
+}
+
+/* The places that are closed, with rows, responses and W. */
+static lw_status find_closed(lw_run *run, double t, const double *y, closed *c)
+{
+    lw_dynamics *d = run->d;
+    size_t n_q = (size_t)d->n_q, most = 0;
+    lw_touch_list *list = &d->touch->list;
+    lw_status s = LW_OK;
+    for (int pass = 0; s == LW_OK && pass < 2; pass++) {
+        if (pass && !allocate(c, most, n_q))
+            return LW_E_MEMORY;
+        for (int i = 0; s == LW_OK && i < list->n; i++) {
+            lw_touch_motion m;
+            bool is;
+            lw_touch_at(&list->touch[i], &d->eq, d->frames, y + n_q, &m);
+            s = look_at(run, t, &list->touch[i], &m, &is);
+            most += is && !pass;
+            if (is && pass)
+                add_place(d, i, y + n_q, c);
+        }
+    }
+    if (s == LW_OK)
+        find_responses(d, c);
+    return s;
+}
+
+static void find_rates(const lw_dynamics *d, const double *v, closed *c)
+{
+    for (int k = 0; k < 2*c->m; k++)
+        c->u[k] = row_dot(&d->touch->list.touch[c->place[k/2]], c->row + 6*k, v);
+}
+
+static void apply_impulse(const lw_dynamics *d, const closed *c, const double *impulse, double *v)
+{
+    for (int k = 0; k < 2*c->m; k++)
+        for (int i = 0; impulse[k] != 0 && i < d->n_q; i++)
+            v[i] += impulse[k]*c->response[(size_t)k*(size_t)d->n_q + (size_t)i];
+}
+
+/* Solve for the places of c that are `in`, with c->law and the rates `b`; c->force and c->rate (2m) of all places. */
+static lw_status solve(const closed *c, const double *b, double *force, double *rate)
+{
+    int n = 0, *at = c->place + c->m;
+    size_t r = 2*(size_t)c->m;
+    lw_touch_law *law = c->law + c->m;
+    for (int i = 0; i < c->m; i++)
+        if (c->in[i]) {
+            law[n] = c->law[i];
+            at[n++] = i;
+        }
+    size_t q = 2*(size_t)n;
+    double *w = c->sub, *own = w + r*r, *f = own + r, *u = f + r;
+    for (size_t i = 0; i < q; i++) {
+        own[i] = b[2*(size_t)at[i/2] + i%2];
+        for (size_t j = 0; j < q; j++)
+            w[i*q + j] = c->w[(2*(size_t)at[i/2] + i%2)*r + 2*(size_t)at[j/2] + j%2];
+    }
+    lw_status s = lw_complementarity(n, w, own, law, f, u);
+    memset(force, 0, r*sizeof *force);
+    for (size_t i = 0; i < q; i++)
+        force[2*(size_t)at[i/2] + i%2] = f[i];
+    for (size_t i = 0; i < r; i++) {
+        rate[i] = b[i];
+        for (size_t j = 0; j < r; j++) {
+            bool counted = c->law[j/2].fixed && j%2 == 0;
+            rate[i] += counted ? 0 : c->w[i*r + j]*force[j];
+        }
+    }
+    return s;
+}
+
+/* ---- impacts ------------------------------------------------------------------------------------------- */
+
+static void note(lw_run *run, int place, double t, bool impact, double rate)
+{
+    lw_dynamics_report *r = run->r;
+    const lw_touch *p = &run->d->touch->list.touch[place];
+    bool stop = p->kind == LW_TOUCH_STOP;
+    double unit = stop ? lw_system_joint_unit(&run->d->s, p->owner) : run->d->s.unit;
+    if (r->n_event < LW_REPORT_EVENT_MAX)
+        r->event[r->n_event++] = (lw_run_event){ t, stop ? p->owner : -1, p->sign < 0, impact, rate*unit,
+                                                 stop ? run->d->model->linkage.joint[p->owner].name
+                                                      : lw_touch_name(run->d->model, p), !stop };
+    r->n_event_seen++;
+}
+
+/* Impulses c->force that end the approach of the places in c->in, and the rates c->rate after them.  A linkage that comes to rest has no slip then, and
+ * its friction may be anything up to the limit; but it slipped until then, and friction was at the limit.  So slips go on where that satisfies
+ * Coulomb's law. */
+static lw_status compress(const lw_dynamics *d, const closed *c)
+{
+    double fastest = 0;
+    for (int k = 0; k < 2*c->m; k++)
+        fastest = fmax(fastest, fabs(c->u[k]));
+    for (int i = 0; i < c->m; i++) {
+        const lw_touch *p = &d->touch->list.touch[c->place[i]];
+        double slip = c->u[2*i + 1], friction = has_set_valued_friction(p) ? p->surface->friction : 0;
+        bool slips = c->in[i] && friction > 0 && fabs(slip) > no_slip*fastest;
+        c->law[i] = (lw_touch_law){ .friction = friction, .slips = !slips ? 0 : slip > 0 ? 1 : -1 };
+    }
+    for (;;) {
+        lw_status s = solve(c, c->u, c->force, c->rate);
+        bool changed = false;
+        for (int i = 0; i < c->m; i++) {
+            int slips = c->law[i].slips;
+            if (slips != 0 && (s == LW_NOTHING || slips*c->rate[2*i + 1] < -no_slip*fastest)) {
+                c->law[i].slips = 0;
+                changed = true;
+            }
+        }
+        if (!changed)
+            return s;
+    }
+}
+
+/* Compression, then expansion with `part` of the restitution, of the places in c->in: c->force is the impulse, c->rate the
+ * rates after it.  *gains: energy is gained, by more than rounding. */
+static lw_status impact_once(const lw_dynamics *d, const closed *c, double part, bool *gains)
+{
+    bool bounces = false;
+    lw_status s = compress(d, c);
+    for (int i = 0; s == LW_OK && i < c->m; i++) {
+        c->law[i].slips = 0;
+        c->law[i].least = part*d->touch->list.touch[c->place[i]].surface->restitution*c->force[2*i];
+        bounces = bounces || c->law[i].least > 0;
+    }
+    if (s == LW_OK && bounces) {
+        size_t r = 2*(size_t)c->m;
+        double *first = c->b, *before = c->sub + r*r + 3*r;  /* neither is in use here */
+        memcpy(first, c->force, r*sizeof *first);
+        memcpy(before, c->rate, r*sizeof *before);
+        s = solve(c, before, c->force, c->rate);
+        for (size_t k = 0; k < r; k++)
+            c->force[k] += first[k];
+    }
+    double gain = 0, size = 0;
+    for (int k = 0; k < 2*c->m; k++) {
+        gain += 0.5*c->force[k]*(c->u[k] + c->rate[k]);
+        size += 0.5*fabs(c->force[k])*(fabs(c->u[k]) + fabs(c->rate[k]));
+    }
+    *gains = gain > 1e-12*size;
+    return s;
+}
+
+/* The same with as much of the restitution as gains no energy, at most `part`. */
+static lw_status impact(const lw_dynamics *d, const closed *c, double part)
+{
+    bool gains;
+    lw_status s = impact_once(d, c, part, &gains);
+    for (int k = 0; s == LW_OK && gains && part > 0; k++) {
+        part = k < 30 ? 0.5*part : 0;
+        s = impact_once(d, c, part, &gains);
+    }
+    return s;
+}
+
+lw_status lw_run_touch_impact(lw_run *run, double t, int n, const int *place, double *v)
+{
+    lw_dynamics *d = run->d;
+    closed c = { 0 };
+    lw_status s = allocate(&c, (size_t)n, (size_t)d->n_q) ? LW_OK : LW_E_MEMORY;
+    for (int i = 0; s == LW_OK && i < n; i++) {
+        add_place(d, place[i], v, &c);
+        c.in[i] = true;
+    }
+    if (s == LW_OK) {
+        find_responses(d, &c);
+        find_rates(d, v, &c);
+        s = impact(d, &c, 1);
+    }
+    for (int i = 0; s == LW_OK && i < n; i++)
+        note(run, place[i], t, true, c.u[2*i]);
+    if (s == LW_OK)
+        apply_impulse(d, &c, c.force, v);
+    free_closed(&c);
+    return s;
+}
+
+/* Impacts at places that approach faster than *tiny, and those that follow from them.  Impulses between wedged
+ * bodies may be far greater than what they change; then rates within the rounding of the solution count as 0, too. */
+static lw_status strike(lw_run *run, double t, closed *c, double *tiny, double *v, bool *any)
+{
+    lw_dynamics *d = run->d;
+    const lw_touch *touch = d->touch->list.touch;
+    bool plastic = true;
+    for (int i = 0; i < c->m; i++)
+        plastic = plastic && !(touch[c->place[i]].surface->restitution > 0);
+    for (int pass = 0; pass < PASSES; pass++) {
+        bool hit = false;
+        for (int i = 0; i < c->m; i++) {
+            c->in[i] = is_rigid(&touch[c->place[i]]) && c->gap[i] < struck && c->u[2*i] < -*tiny;
+            hit = hit || c->in[i];
+            if (c->in[i] && !c->noted[i] && (pass == 0 || !plastic)) {
+                note(run, c->place[i], t, true, c->u[2*i]);
+                c->noted[i] = true;
+            }
+        }
+        if (!hit)
+            return LW_OK;
+        for (int i = 0; (plastic || pass >= TOGETHER) && i < c->m; i++)
+            c->in[i] = is_rigid(&touch[c->place[i]]);
+        lw_status s = impact(d, c, pass < TOGETHER);
+        if (s == LW_E_MEMORY)
+            return s;
+        double blocked = 0;
+        for (int i = 0; i < c->m; i++)
+            blocked = c->in[i] && !(c->w[4*(size_t)c->m*(size_t)i + 2*(size_t)i] > 0) ? 1 : blocked;
+        if (s != LW_OK || blocked > 0)
+            return lw_error_set(run->e, LW_E_NUMERIC, "the impact at t = %.9g s has no solution: what is hit cannot give way",
+                                t);
+        apply_impulse(d, c, c->force, v);
+        find_rates(d, v, c);
+        for (int i = 0; i < c->m; i++)
+            *tiny = c->in[i] ? fmax(*tiny, -2*fmin(c->rate[2*i], c->u[2*i])) : *tiny;
+        *any = true;
+    }
+    return lw_error_set(run->e, LW_E_NUMERIC, "impacts follow each other without end at t = %.9g s", t);
+}
+
+/* Where the complementarity problem of the forces has no solution, or none is found: the impulses of a time h in which free
+ * accelerations change the rates by a trace.  That problem always has a solution.  Impulses of the order of h are forces
+ * (c->force, c->rate).  Others remain when h goes to 0: friction ends slips at once, at places that do not approach
+ * (Painleve); they are applied and *any is set.  LW_NOTHING: no solution was found. */
+static lw_status solve_impulses(lw_run *run, double t, closed *c, double speed, double *v, bool *any)
+{
+    size_t r = 2*(size_t)c->m;
+    double *after = c->sub + r*r + 3*r, most = 0, change = 0;
+    for (size_t k = 0; k < r; k++)
+        most = fmax(most, fabs(c->b[k]));
+    double h = trace*speed/fmax(most, 1e-300);
+    for (int i = 0; i < c->m; i++) {
+        after[2*i] = (c->in[i] ? fmin(c->u[2*i], 0) : c->u[2*i]) + h*c->b[2*i];
+        after[2*i + 1] = c->u[2*i + 1] + h*c->b[2*i + 1];
+        c->law[i].slips = 0;
+        c->law[i].least *= h;
+    }
+    lw_status s = solve(c, after, c->force, c->rate);
+    for (size_t k = 0; s == LW_OK && k < r; k++)
+        change = fmax(change, fabs(c->rate[k] - after[k]));
+    *any = change > 30*trace*speed;
+    for (int i = 0; s == LW_OK && i < c->m; i++) {
+        bool strikes = c->in[i] && !c->law[i].fixed && c->force[2*i]*c->w[2*(size_t)i*(r + 1)] > 30*trace*speed;
+        if (*any && strikes)
+            note(run, c->place[i], t, true, 0);
+    }
+    if (s == LW_OK && *any) {
+        apply_impulse(run->d, c, c->force, v);
+        find_rates(run->d, v, c);
+    }
+    for (size_t k = 0; s == LW_OK && !*any && k < r; k++) {
+        c->rate[k] = c->b[k] + (c->rate[k] - after[k])/h;
+        c->force[k] /= h;
+    }
+    return s;
+}
+
+/* ---- forces and states -------------------------------------------------------------------------------- */
+
+/* Free rates of gaps and slips at v into c->b, and what forces act at compliant places. */
+static lw_status find_free(lw_run *run, double t, const double *y, closed *c)
+{
+    lw_dynamics *d = run->d;
+    const double *v = y + d->n_q;
+    lw_status s = lw_mbs_solve(d, t, y, v, d->a, d->l, NULL);
+    for (int i = 0; s == LW_OK && i < c->m; i++) {
+        const lw_touch *p = &d->touch->list.touch[c->place[i]];
+        lw_touch_motion m;
+        lw_touch_at(p, &d->eq, d->frames, v, &m);
+        c->b[2*i] = row_dot(p, c->row + 12*i, d->a) + m.bias;
+        c->b[2*i + 1] = row_dot(p, c->row + 12*i + 6, d->a) + m.slip_bias;
+        c->law[i].least = is_rigid(p) ? 0 : pressed_force(d, p, &m);
+    }
+    return s;
+}
+
+static void set_laws(const lw_dynamics *d, const closed *c, double speed)
+{
+    for (int i = 0; i < c->m; i++) {
+        const lw_touch *p = &d->touch->list.touch[c->place[i]];
+        double slip = c->u[2*i + 1];
+        bool rubs = has_set_valued_friction(p);
+        c->law[i].fixed = !is_rigid(p);
+        c->law[i].friction = rubs ? p->surface->friction : 0;
+        c->law[i].slips = !rubs || fabs(slip) <= fmax(no_slip*speed, c->slow) ? 0 : slip > 0 ? 1 : -1;
+    }
+}
+
+/* Forces at the places that rest: those whose gap has no rate.  A bounce that stays below the least height is rest. */
+static lw_status find_forces(closed *c, double tiny)
+{
+    for (int i = 0; i < c->m; i++)
+        c->in[i] = c->law[i].fixed || fabs(c->u[2*i]) <= tiny;
+    for (bool again = true; again;) {
+        lw_status s = solve(c, c->b, c->force, c->rate);
+        again = false;
+        if (s != LW_OK)
+            return s;
+        for (int i = 0; i < c->m; i++) {
+            double u = c->u[2*i], a = c->rate[2*i];
+            bool low = !c->in[i] && u > 0 && a < 0 && u*u <= -2*a*LW_STOP_LEAST_BOUNCE;
+            c->in[i] = c->in[i] || low;
+            again = again || low;
+        }
+    }
+    return LW_OK;
+}
+
+/* Add row k of c to those that are held if it is independent of them: by Cholesky's method on W.  `factor` (rows x rows)
+ * holds what is factored so far, `taken` the rows of c. */
+static bool take_row(const closed *c, double *factor, int *taken, int n, int most, int k)
+{
+    size_t r = 2*(size_t)c->m;
+    double *to = factor + (size_t)n*(size_t)most, whole = c->w[(size_t)k*r + (size_t)k], left = whole;
+    for (int j = 0; j < n; j++) {
+        const double *row = factor + (size_t)j*(size_t)most;
+        double sum = c->w[(size_t)k*r + (size_t)taken[j]];
+        for (int i = 0; i < j; i++)
+            sum -= to[i]*row[i];
+        to[j] = sum/row[j];
+        left -= to[j]*to[j];
+    }
+    if (!(left > least_share*whole))
+        return false;
+    to[n] = sqrt(left);
+    taken[n] = k;
+    return true;
+}
+
+/* A place that begins to stick stays where it is; frames are those of the event. */
+static void set_anchor(const lw_dynamics *d, lw_touch *p)
+{
+    lw_touch_motion m;
+    lw_touch_at(p, &d->eq, d->frames, NULL, &m);
+    p->anchor_angle = atan2(m.normal.y, m.normal.x);
+    lw_touch_at(p, &d->eq, d->frames, NULL, &m);
+    p->anchor = m.path;
+}
+
+/* The row that take_row refused is the sum of those taken by x (n). */
+static const double *find_shares(const closed *c, const double *factor, int n, int most)
+{
+    const double *left = factor + (size_t)n*(size_t)most;        /* the first half of the solution is there */
+    double *x = c->sub;                                          /* not in use here */
+    for (int i = n - 1; i >= 0; i--) {
+        x[i] = left[i];
+        for (int j = i + 1; j < n; j++)
+            x[i] -= factor[(size_t)j*(size_t)most + (size_t)i]*x[j];
+        x[i] /= factor[(size_t)i*(size_t)most + (size_t)i];
+    }
+    return x;
+}
+
+/* Does the row that take_row refused share its force with the normal force of a place that slips? */
+static bool shares_with_slip(const struct lw_touching *w, const closed *c, const double *factor, const int *taken, int n, int most)
+{
+    const double *x = find_shares(c, factor, n, most);
+    bool shares = false;
+    for (int i = 0; i < n; i++)
+        shares = shares || (taken[i]%2 == 0 && fabs(x[i]) > 1e-9 && w->list.touch[c->place[taken[i]/2]].slips != 0);
+    return shares;
+}
+
+/* Friction at place i per unit of its normal force, if it is at its limit there, as it is where there is no normal force yet. */
+static double friction_at_limit(const closed *c, int i)
+{
+    double mu = c->law[i].friction, across = c->force[2*i + 1], sense = across != 0 ? across : -c->rate[2*i + 1];
+    if (c->law[i].slips != 0)
+        return -c->law[i].slips*mu;
+    return fabs(across) < mu*c->force[2*i]*(1 - 1e-9) ? 0 : sense > 0 ? mu : sense < 0 ? -mu : 0;
+}
+
+/* Normal forces of the n rows taken can be shared with place `own`, whose row depends on them.  Does friction then move the bodies in another way? */
+static bool moves_otherwise(const closed *c, const double *factor, const int *taken, int n, int most, int own)
+{
+    const double *x = find_shares(c, factor, n, most);
+    double *f = c->sub + n, change = 0, size = 0;
+    size_t r = 2*(size_t)c->m;
+    for (int a = 0; a <= n; a++) {
+        int i = a < n ? taken[a]/2 : own;
+        f[a] = (a < n ? -x[a] : 1)*friction_at_limit(c, i);
+        for (int b = 0; b <= a; b++) {
+            int j = b < n ? taken[b]/2 : own;
+            double part = (a == b ? 1 : 2)*f[a]*f[b]*c->w[(2*(size_t)i + 1)*r + 2*(size_t)j + 1];
+            change += part;
+            size += fabs(part);
+        }
+    }
+    return change > 1e-9*size;
+}
+
+/* Report it if friction leaves several motions: a place at its limit shares its load in several ways.  The n rows taken are all normal forces.
+ * Where something sticks, that may take the difference, and nothing is said. */
+static void note_several_motions(lw_run *run, double t, const closed *c, double *factor, int *taken, int n, int most)
+{
+    bool slips = false, sticks = false;
+    for (int i = 0; i < c->m; i++)
+        if (c->in[i] && c->law[i].friction > 0) {
+            bool at_limit = friction_at_limit(c, i) != 0;
+            slips |= at_limit;
+            sticks |= !at_limit;
+        }
+    for (int i = 0; slips && !sticks && !run->r->undetermined && i < c->m; i++) {
+        const lw_touch *p = &run->d->touch->list.touch[c->place[i]];
+        if (c->in[i] && p->state == LW_TOUCH_PASSIVE && !take_row(c, factor, taken, n, most, 2*i) && moves_otherwise(c, factor, taken, n, most, i)) {
+            run->r->undetermined = lw_touch_name(run->d->model, p);
+            run->r->undetermined_t = t;
+        }
+    }
+}
+
+/* Places that stay closed though the forces found need none of theirs can share those of the n rows taken, on which they depend: equal places so carry
+ * equal loads.  The other places that were held and do not press leave. */
+static void keep_passive(lw_run *run, double t, const closed *c, double *factor, int *taken, int n, int most)
+{
+    struct lw_touching *w = run->d->touch;
+    for (int i = 0; i < c->m; i++) {
+        lw_touch *p = &w->list.touch[c->place[i]];
+        if (is_rigid(p) && p->state == LW_TOUCH_PASSIVE && !p->redundant && !take_row(c, factor, taken, n, most, 2*i)) {
+            p->redundant = true;
+            w->redundant[w->n_redundant++] = (lw_touch_row){ c->place[i], false };
+        }
+        if (is_rigid(p) && p->held && p->state != LW_TOUCH_HELD && !p->redundant)
+            note(run, c->place[i], t, false, 0);
+    }
+}
+
+/* States of the places from forces and rates; the rows that are held.  lets_go: friction no longer holds a place that
+ * stuck, at which the slip has no acceleration yet. */
+static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go)
+{
+    lw_dynamics *d = run->d;
+    struct lw_touching *w = d->touch;
+    int n = 0, most = 2*c->m;
+    double top = 0, fastest = 0;
+    for (int i = 0; i < c->m; i++) {
+        top = fmax(top, c->force[2*i]);
+        fastest = fmax(fastest, fmax(fabs(c->rate[2*i]), fabs(c->rate[2*i + 1])));
+        fastest = fmax(fastest, fmax(fabs(c->b[2*i]), fabs(c->b[2*i + 1])));
+    }
+    w->least_force = 1e-11*top;
+    w->most_force = 100*top;
+    double *factor = calloc((size_t)(most + 1)*(size_t)most + 1, sizeof *factor);
+    int *taken = calloc((size_t)most + 1, sizeof *taken);
+    if (!factor || !taken) {
+        free(factor);
+        free(taken);
+        return LW_E_MEMORY;
+    }
+    w->n_redundant = 0;
+    for (int pass = 0; pass < 5; pass++) {               /* gaps with friction, other gaps, slips, what sticks, what could */
+        if (pass == 2) {
+            note_several_motions(run, t, c, factor, taken, n, most);
+            keep_passive(run, t, c, factor, taken, n, most);
+        }
+        for (int i = 0; i < c->m; i++) {
+            lw_touch *p = &w->list.touch[c->place[i]];
+            bool presses = c->in[i] && c->force[2*i] > w->least_force;
+            if (pass == !(c->law[i].friction > 0) && is_rigid(p)) {
+                bool leaves = !c->in[i] || c->rate[2*i] > 1e-9*fastest;
+                p->state = presses ? LW_TOUCH_HELD : leaves ? LW_TOUCH_APART : LW_TOUCH_PASSIVE;
+                p->passed = fmax(0, -c->gap[i]);
+                if (presses && take_row(c, factor, taken, n, most, 2*i))
+                    w->row[n++] = (lw_touch_row){ c->place[i], false };
+                else if (presses) {
+                    p->state = LW_TOUCH_PASSIVE;
+                    p->redundant = true;
+                    w->redundant[w->n_redundant++] = (lw_touch_row){ c->place[i], false };
+                }
+            }
+            bool bears = p->state == LW_TOUCH_HELD || p->state == LW_TOUCH_PRESSED || p->redundant;
+            if (pass < 2 || !bears || !(c->law[i].friction > 0))
+                continue;
+            double slip = c->rate[2*i + 1], across = c->force[2*i + 1], reserve = c->law[i].friction*c->force[2*i] - fabs(across);
+            bool at_limit = reserve <= 1e-9*top, starts = lets_go && p->stuck && p->yields && at_limit && fabs(slip) <= 1e-9*fastest;
+            bool holds = c->law[i].slips == 0 && !starts && (fabs(slip) <= 1e-9*fastest || !at_limit);
+            if (pass == 2 && !holds && !p->redundant)
+                p->slips = c->law[i].slips != 0 ? c->law[i].slips : (starts ? -across : slip) > 0 ? 1 : -1;
+            if (!holds || pass != (presses ? 3 : 4))
+                continue;
+            bool independent = take_row(c, factor, taken, n, most, 2*i + 1);
+            p->sticks = true;
+            if (independent && presses)
+                w->row[n++] = (lw_touch_row){ c->place[i], true };
+            else if (independent)
+                p->sticks = false;                       /* where nothing presses yet, nothing holds */
+            else if (at_limit && !p->redundant && shares_with_slip(w, c, factor, taken, n, most)) {
+                p->sticks = false;                       /* its limit is part of the motion, though it does not slip yet */
+                p->slips = across > 0 ? -1 : 1;
+            } else
+                w->redundant[w->n_redundant++] = (lw_touch_row){ c->place[i], true };
+            if (p->sticks && !p->stuck)
+                set_anchor(d, p);
+        }
+    }
+    free(factor);
+    free(taken);
+    w->n_row = n;
+    int slipping = 0;
+    for (int k = 0; k < n; k++) {
+        const lw_touch *p = &w->list.touch[w->row[k].touch];
+        if (w->row[k].tangent || p->slips == 0)
+            continue;
+        int at = d->n_friction + slipping++;
+        d->friction[at] = (lw_friction_joint){ .joint = -1 };
+        d->friction_row[at] = d->n_row + d->n_driven + d->n_resting + k;
+    }
+    w->n_slip = slipping;
+    free(w->response);
+    size_t rows = (size_t)(d->n_row + d->n_driven + d->n_resting + n), rubs = (size_t)(d->n_friction + slipping);
+    w->response = calloc(rubs*((size_t)d->n_q + rows + 2) + lw_friction_doubles((int)rubs, 2) + 1, sizeof *w->response);
+    return w->response ? lw_mbs_touch_share_make(d) : LW_E_MEMORY;
+}
+
+/* Duration of the shortest bounce that begins, by the accelerations found. */
+static double find_flight(const closed *c)
+{
+    double flight = 0;
+    for (int i = 0; i < c->m; i++) {
+        double u = c->u[2*i], a = c->rate[2*i], f = !c->in[i] && u > 0 && a < 0 ? -2*u/a : 0;
+        if (f > 0 && (flight == 0 || f < flight))
+            flight = f;
+    }
+    return flight;
+}
+
+static double greatest_of(const lw_dynamics *d, const double *v)
+{
+    double most = 0;
+    for (int i = 0; i < d->n_q; i++)
+        most = fmax(most, fabs(v[i]));
+    return most;
+}
+
+static lw_status decide(lw_run *run, double t, double *y, closed *c, bool undecided, bool *any)
+{
+    lw_dynamics *d = run->d;
+    double *v = y + d->n_q;
+    lw_status s = find_free(run, t, y, c);
+    double speed = fmax(greatest_of(d, v), sqrt(greatest_of(d, d->a))), tiny = still*speed;
+    find_rates(d, v, c);
+    for (int tries = 0; s == LW_OK && tries < 20; tries++) {
+        s = strike(run, t, c, &tiny, v, any);
+        if (s == LW_OK)
+            s = find_free(run, t, y, c);
+        if (s != LW_OK)
+            return s;
+        set_laws(d, c, speed);
+        s = find_forces(c, tiny);
+        if ((s == LW_OK && !undecided) || (s != LW_OK && s != LW_NOTHING))
+            return s;
+        bool impulsive, known = s == LW_OK;
+        undecided = false;
+        s = solve_impulses(run, t, c, speed, v, &impulsive);
+        *any = *any || impulsive;
+        if (s == LW_NOTHING)
+            break;
+        if (s == LW_OK && !impulsive) {
+            set_laws(d, c, speed);
+            return known ? find_forces(c, tiny) : LW_OK;     /* impulses are known to fewer digits */
+        }
+    }
+    return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s no forces of rigid contact with friction go on with the motion "
+                        "(Painleve's paradox); give the contacts a \"stiffness\"", t);
+}
+
+/* Does the run stand still between events? */
+static lw_status check_progress(lw_run *run, double t)
+{
+    struct lw_touching *w = run->d->touch;
+    const lw_dynamics_options *o = &run->d->o;
+    bool still_here = t - w->last < 1e-12*(o->to - o->from);
+    w->stalled = still_here ? w->stalled + 1 : 0;
+    w->last = still_here ? w->last : t;
+    return w->stalled < STALLED_MOST ? LW_OK
+         : lw_error_set(run->e, LW_E_NUMERIC, "contacts close and open without end at t = %.9g s", t);
+}
+
+/* Putting y on the constraints can move open gaps by rounding: their closure is an event from there on. */
+static void note_gaps(lw_dynamics *d, const double *y)
+{
+    d->eq.place(d->eq.context, y);
+    for (int i = 0; i < d->touch->list.n; i++) {
+        lw_touch *p = &d->touch->list.touch[i];
+        if (!is_rigid(p) || (p->state != LW_TOUCH_APART && p->state != LW_TOUCH_PASSIVE))
+            continue;
+        p->passed = fmax(p->passed, -lw_touch_gap(p, &d->eq, d->frames));
+    }
+}
+
+/* The greatest slip of a place against the direction found for it. */
+static double slip_against(lw_dynamics *d, const double *y)
+{
+    double most = 0;
+    d->eq.place(d->eq.context, y);
+    for (int i = 0; i < d->touch->list.n; i++) {
+        const lw_touch *p = &d->touch->list.touch[i];
+        lw_touch_motion m;
+        if (p->slips == 0)
+            continue;
+        lw_touch_at(p, &d->eq, d->frames, y + d->n_q, &m);
+        most = fmax(most, -p->slips*m.slip);
+    }
+    return most;
+}
+
+/* Find the states of all places, and what impulses change at once.  Slips below `slow` count as 0. */
+static lw_status find_states(lw_run *run, double t, double *y, unsigned long long events, double slow)
+{
+    lw_dynamics *d = run->d;
+    struct lw_touching *w = d->touch;
+    closed c = { .slow = slow };
+    bool any = false;
+    d->eq.place_states(d->eq.context, y + lw_run_states(run));
+    double before = d->eq.kinetic(d->eq.context, y + d->n_q);
+    lw_status s = check_progress(run, t);
+    for (int i = 0; i < w->list.n; i++) {
+        w->list.touch[i].stuck = w->list.touch[i].sticks;
+        w->list.touch[i].sticks = false;
+        w->list.touch[i].slips = 0;
+        w->list.touch[i].passed = 0;
+        w->list.touch[i].redundant = false;
+        w->list.touch[i].held = w->list.touch[i].state == LW_TOUCH_HELD;
+        if (w->list.touch[i].held)
+            w->list.touch[i].state = LW_TOUCH_PASSIVE;
+    }
+    bool had = w->n_row > 0;
+    w->n_row = w->n_slip = w->n_redundant = 0;
+    w->determinant = 1;
+    w->sense = 0;
+    if (s == LW_OK && had)
+        s = lw_mbs_arrange(d, t, y);
+    if (s == LW_OK)
+        s = lw_mbs_rows(d, t, y);
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, false);
+    if (s == LW_OK && t == d->o.from)
+        s = lw_run_touch_choose_sides(run);
+    for (int i = 0; s == LW_OK && i < w->list.n; i++)
+        if (w->list.touch[i].state == LW_TOUCH_APART)            /* a disc may have come round an end since the step before */
+            lw_touch_choose_side(&w->list.touch[i], d->frames, false, LW_TOUCH_END);
+    if (s == LW_OK)
+        s = find_closed(run, t, y, &c);
+    if (s == LW_OK)
+        s = decide(run, t, y, &c, events >> DETERMINANT & 1, &any);
+    if (s == LW_OK)
+        s = set_states(run, t, &c, events >> STICK & 1);
+    run->flight = s == LW_OK ? find_flight(&c) : 0;
+    free_closed(&c);
+    if (s == LW_OK && w->n_row > 0)
+        s = lw_mbs_arrange(d, t, y);
+    if (s == LW_OK)
+        s = lw_run_project(run, t, y);
+    if (s == LW_OK)
+        note_gaps(d, y);
+    if (s == LW_OK)
+        y[2*d->n_q] += d->eq.kinetic(d->eq.context, y + d->n_q) - before;
+    return s;
+}
+
+/* Rates of a light body that impulses of a heavy one move are rounded by more than no_slip.  Putting them on the constraints shows that: such a slip changes its
+ * direction.  Its end would not be seen then, and friction would push it. */
+lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long events)
+{
+    lw_status s = LW_OK;
+    double slow = 0, against = 0;
+    for (int tries = 0; tries < 4 && s == LW_OK && (tries == 0 || against > late); tries++) {
+        s = find_states(run, t, y, events, slow);
+        against = s == LW_OK ? slip_against(run->d, y) : 0;
+        slow = against < rounded*greatest_of(run->d, y + run->d->n_q) ? 2*against : slow;
+    }
+    return s;
+}
+
+void lw_run_touch_jams(lw_run *run, double t)
+{
+    const struct lw_touching *w = run->d->touch;
+    const lw_touch *first = NULL;
+    for (int k = 0; k < w->n_row && !first; k++)
+        first = w->list.touch[w->row[k].touch].slips != 0 ? &w->list.touch[w->row[k].touch] : NULL;
+    if (first && fabs(w->determinant) < undetermined)
+        lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s friction leaves the force of contact \"%s\" undetermined for rigid bodies "
+                     "(Painleve's paradox); give the contacts a \"stiffness\"", t, lw_touch_name(run->d->model, first));
+}
