@@ -131,12 +131,13 @@ ARCHIVES = $(foreach l,$(LIBS) -lamd -lcolamd -lbtf -lsuitesparseconfig,$(or $(i
            $(filter-out -lm -lpthread -ldl $(LATE:%=-l%),$l),$(call ARCHIVE,$l)),$l))
 $B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $B/tests/fail_at_call.o $B/tests/fake_processor.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) -Wl,--build-id -no-pie $(WRAPPED:%=-Wl,--wrap=%) $^ $(ARCHIVES) -o $@
-$(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a
+$(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/tests/fuzz/program.a $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $(PIE) $(FAST_LINK) $(filter %.o,$^) $(filter %.a,$^) $(LIBS) -o $@
 $B/tests/test_flexible_crank $B/tests/test_elastic: $B/cli/bench/flexible_crank.o
 STUDIO_OBJ := $(patsubst %.c,$B/%.o,$(wildcard studio/*.c))
-$B/tests/test_studio $B/tests/fuzz/fuzz_studio: $(STUDIO_OBJ)
-$B/tests/fuzz/fuzz_answers: $B/cli/program/kept_answers.o
+$B/tests/test_studio: $(STUDIO_OBJ)
+$B/tests/fuzz/program.a: $(STUDIO_OBJ) $B/cli/program/kept_answers.o $B/cli/program/mpi_jobs.o
+	rm -f $@; ar rcs $@ $^
 # the page in Chromium, where there is one
 $B/tests/test_studio_page: tests/browser/studio.sh
 	@mkdir -p $(@D)
@@ -255,9 +256,9 @@ browser-test: $B/tests/test_atlas_html $B/linkwright     # the atlas and the stu
 fuzz:      # FUZZ_SECONDS=60 for each target
 	$(MAKE) $(JOBS) B=$B/fuzz CC=clang KERNEL_CFLAGS="-O1 -fno-sanitize=all" \
 	    CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all" run-fuzz
-run-fuzz: $B/liblinkwright.a $(FUZZ:=.o) $(STUDIO_OBJ) $B/cli/program/kept_answers.o
+run-fuzz: $B/tests/fuzz/program.a $B/liblinkwright.a $(FUZZ:=.o)
 	@for t in $(notdir $(basename $(wildcard tests/fuzz/fuzz_*.c))); do \
-	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $(filter-out $(FUZZ:=.o),$(filter %.o,$^)) $B/liblinkwright.a $(LIBS) -o $B/$$t && mkdir -p $B/found/$$t && \
+	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $(filter %.a,$^) $(LIBS) -o $B/$$t && mkdir -p $B/found/$$t && \
 	    $B/$$t -max_total_time=$(or $(FUZZ_SECONDS),20) -artifact_prefix=$B/found/ $B/found/$$t tests/fuzz/corpus/$${t#fuzz_} || exit 1; done
 bench: $(BENCHES) $(PEER_BIN) $B/linkwright
 	@for b in $(BENCHES); do echo "$$b"; $$b || exit 1; done

@@ -510,6 +510,8 @@ TEST(a_kept_fit_survives_a_kill)
     expect("$C fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/other.json --keep $D/kept", 3, "", "build of linkwright");
     expect("printf x >> $D/kept; truncate -s -9 $D/kept; $P fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/again.json --keep "
            "$D/kept && grep -v '\"seconds\"\\|\"command\"' $D/again.json | cmp - $D/whole && echo same", 0, "same\n", NULL);
+    expect("sed '0,/^task 1 /s//task 3 /' $D/kept > $D/renumbered; $P fit examples/figure-eight.csv --links 4 --rounds 1 -q --keep "
+           "$D/renumbered", 3, "", "the answer of task 3 is damaged");
     expect("$P fit examples/ellipse.csv --keep $D/more --time 5", 2, NULL, "--budget");
 }
 

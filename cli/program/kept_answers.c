@@ -78,6 +78,12 @@ lw_status cli_kept_run(const char *line, int n_file, const char *const *file, ui
     return LW_OK;
 }
 
+uint64_t cli_kept_check(size_t task, const char *data, size_t size)
+{
+    char number[24];
+    return hash(hash(FNV_START, number, (size_t)snprintf(number, sizeof number, "%zu", task)), data, size);
+}
+
 static lw_status put(cli_kept *k, size_t task, const char *data, size_t size)
 {
     if (task >= k->n) {
@@ -124,7 +130,7 @@ static lw_status read_all(cli_kept *k, const char *text, size_t size, size_t *en
                                 record + 1, k->path);
         if (n >= size - first)
             return LW_OK;
-        if (hash(FNV_START, text + first, n) != check || text[first + n] != '\n' || task > 100000000)
+        if (cli_kept_check(task, text + first, n) != check || text[first + n] != '\n' || task > 100000000)
             return lw_error_set(e, LW_E_NOTATION, "%s: the answer of task %zu is damaged", k->path, task);
         lw_status status = put(k, task, text + first, n);
         if (status != LW_OK)
@@ -202,7 +208,7 @@ const char *cli_kept_get(const cli_kept *k, size_t task, size_t *size)
 lw_status cli_kept_add(cli_kept *k, size_t task, const char *data, size_t size, lw_error *e)
 {
     char head[96];
-    int n = snprintf(head, sizeof head, "task %zu bytes %zu check %016" PRIx64 "\n", task, size, hash(FNV_START, data, size));
+    int n = snprintf(head, sizeof head, "task %zu bytes %zu check %016" PRIx64 "\n", task, size, cli_kept_check(task, data, size));
     char *all = malloc((size_t)n + size + 1);
     if (!all)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");

@@ -2,8 +2,8 @@
  * work.
  *
  * The file holds a line `linkwright answers of H`, where H says which run it is, and for each answer a line
- * `task K bytes N check C`, N bytes and a line end.  C is the FNV-1a hash of the bytes.  Files of the same run can be
- * joined by `cat`. */
+ * `task K bytes N check C`, N bytes and a line end.  C is the FNV-1a hash of K and of the bytes.  Files of the same
+ * run can be joined by `cat`. */
 #ifndef CLI_PROGRAM_KEPT_ANSWERS_H
 #define CLI_PROGRAM_KEPT_ANSWERS_H
 
@@ -21,6 +21,10 @@ lw_status cli_kept_run(const char *line, int n_file, const char *const *file, ui
  * LW_E_IO, also while another program has it open; LW_E_MEMORY. */
 lw_status cli_kept_open(const char *path, uint64_t run, cli_kept **k, lw_error *e);
 void      cli_kept_close(cli_kept *k);
+
+/* The check sum of an answer.  It covers the number of the task: an answer whose number has changed would be taken for
+ * that of another task. */
+uint64_t cli_kept_check(size_t task, const char *answer, size_t size);
 
 /* The answer of a task; NULL: it is not there. */
 const char *cli_kept_get(const cli_kept *k, size_t task, size_t *size);
