@@ -716,6 +716,13 @@ typedef struct lw_caller_force {
     void (*apply)(void *context, double t, const lw_link_motion *link, lw_link_load *load);
 } lw_caller_force;
 
+/* Receives what is to be said about a run: sentences without a line end, valid during the call, as the program prints them.  What was assumed, how
+ * accurate it is, which events it had. */
+typedef struct lw_note_sink {
+    void *context;
+    void (*say)(void *context, const char *text);
+} lw_note_sink;
+
 /* Force and moment of a joint on its link[1], about the joint's point on that link (of a gear: on the carrier), without its friction,
  * springs, motors and drives. */
 typedef struct lw_reaction { lw_vec2 force; double moment; } lw_reaction;     /* [N] [N m]             */
@@ -731,6 +738,8 @@ typedef struct lw_simulation_options {
     const volatile int *stop;          /* *stop not 0 ends the run; may be set by a signal          (NULL)        */
     lw_caller_force force;             /* apply NULL: none                                          (NULL)        */
     bool           rigid;              /* elastic links as rigid bars of the same mass              (false)       */
+    bool           once;               /* do not repeat runs with contacts for the estimate of their error (false) */
+    lw_note_sink   note;               /* say: called after a run, or after each advance of a stepper (NULL)      */
 } lw_simulation_options;
 LW_API lw_simulation_options lw_simulation_options_default(void);
 
@@ -768,6 +777,9 @@ typedef struct lw_simulation_report {
     double      t;                     /* how far it came [s]                                                     */
     double      energy_error;          /* greatest |E - E(start) - work| [J]                                       */
     double      residual;
+    /* Planar models with contacts, unless max_seconds is set: how far places [m] and angles [rad] are from those of a second run at a tolerance
+     * of coarse_tolerance.  0: there was none.  Steppers make none. */
+    double      coarse_tolerance, place_off, turn_off;
 } lw_simulation_report;
 
 /* The model must outlive the simulation.  LW_E_ARG: a mass is missing; LW_E_KIND: the formulation cannot do this model;

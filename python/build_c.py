@@ -29,6 +29,7 @@ extern "Python" {
     lw_status lw_py_spatial_sample(void *context, const lw_spatial_sample *sample);
     lw_status lw_py_row(void *context, int n_column, const char *const *name, const lw_value *value);
     lw_status lw_py_hit(void *context, const lw_catalogue_hit *hit);
+    void      lw_py_note(void *context, const char *text);
     void      lw_py_force(void *context, double t, const lw_link_motion *link, lw_link_load *load);
 }
 """

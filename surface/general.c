@@ -6,7 +6,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/real.h"
-#include "mbs/dynamics/dynamics.h"
+#include "mbs/analysis/notes.h"
 
 const char *lw_version(void) { return LW_VERSION_STRING; }
 
@@ -116,7 +116,14 @@ lw_status lw_surface_options(const lw_simulation_options *options, lw_dynamics_o
     out->stop = all.stop;
     out->force = all.force;
     out->rigid = all.rigid;
+    out->compare = !all.once;
     return LW_OK;
+}
+
+void lw_surface_notes(lw_note_sink to, const lw_dynamics *d, const lw_dynamics_report *r)
+{
+    if (to.say)
+        lw_dynamics_notes(to, d, r);
 }
 
 void lw_surface_report(const lw_dynamics_report *r, lw_simulation_report *out)
@@ -124,6 +131,7 @@ void lw_surface_report(const lw_dynamics_report *r, lw_simulation_report *out)
     *out = (lw_simulation_report){ .formulation = lw_formulation_name(r->formulation), .freedom = r->freedom,
                                    .unknowns = r->unknowns, .redundant = r->redundant, .steps = r->steps,
                                    .refused = r->refused, .evaluations = r->rates, .t = r->t,
-                                   .energy_error = r->energy_error, .residual = r->worst_off };
+                                   .energy_error = r->energy_error, .residual = r->worst_off, .coarse_tolerance = r->coarse.tolerance,
+                                   .place_off = r->coarse.place, .turn_off = r->coarse.turn };
     memcpy(out->why, r->why, sizeof out->why);
 }

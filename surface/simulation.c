@@ -57,6 +57,7 @@ struct lw_simulation {
     const lw_model      *model;
     lw_dynamics         *d;
     lw_dynamics_options  o;
+    lw_note_sink         note;
     lw_simulation_callback *visit;
     void                *context;
     /* one sample */
@@ -97,6 +98,7 @@ static lw_status make_simulation(const lw_model *model, const lw_simulation_opti
         return lw_error_set(error, LW_E_MEMORY, "out of memory");
     s->model = model;
     s->o = o;
+    s->note = options ? options->note : (lw_note_sink){ 0 };
     *out = s;
     return reserve_sample(s) == LW_OK ? LW_OK : lw_error_set(error, LW_E_MEMORY, "out of memory");
 }
@@ -202,6 +204,7 @@ lw_status lw_simulation_run(lw_simulation *simulation, lw_simulation_callback *v
     lw_status s = lw_dynamics_analyse(simulation->d, hand_over, simulation, &r, &rest, error);
     if (report)
         lw_surface_report(&r, report);
+    lw_surface_notes(simulation->note, simulation->d, &r);
     return s;
 }
 
@@ -210,6 +213,7 @@ lw_status lw_simulation_run(lw_simulation *simulation, lw_simulation_callback *v
 struct lw_stepper {
     lw_simulation       *memory;              /* of samples; its d belongs to steps; NULL: in space               */
     lw_surface_spatial   space;
+    lw_note_sink         note;
     lw_error            *e;                   /* of the advance under way                                         */
     lw_stepping         *steps;
     double              *state;
@@ -248,11 +252,12 @@ lw_status lw_stepper_create(const lw_model *model, const lw_simulation_options *
         status = reserve_nodes(s->memory, s->memory->d) == LW_OK ? LW_OK : lw_error_set(error, LW_E_MEMORY, "out of memory");
     }
     if (status == LW_OK) {
-        status = lw_stepping_advance(s->steps, options->from, keep_sample, s, NULL, error);
+        status = lw_stepping_advance(s->steps, s->memory->o.from, keep_sample, s, NULL, error);
     }
-    if (status == LW_OK)
+    if (status == LW_OK) {
+        s->note = s->memory->note;
         *out = s;
-    else
+    } else
         lw_stepper_destroy(s);
     return status;
 }
@@ -273,9 +278,10 @@ lw_status lw_spatial_stepper_create(const lw_spatial *model, const lw_simulation
         status = lw_surface_spatial_make((lw_dynamics *)(uintptr_t)lw_stepping_dynamics(s->steps), &s->space, error);
     if (status == LW_OK)
         status = lw_stepper_advance(s, o.from, error);
-    if (status == LW_OK)
+    if (status == LW_OK) {
+        s->note = options ? options->note : (lw_note_sink){ 0 };
         *out = s;
-    else
+    } else
         lw_stepper_destroy(s);
     return status;
 }
@@ -310,7 +316,11 @@ lw_status lw_stepper_advance(lw_stepper *stepper, double t, lw_error *error)
 {
     lw_error own = { 0 };
     stepper->e = error ? error : &own;
-    return lw_stepping_advance(stepper->steps, t, stepper->memory ? keep_sample : keep_spatial_sample, stepper, NULL, stepper->e);
+    lw_dynamics_report r;
+    lw_status s = lw_stepping_advance(stepper->steps, t, stepper->memory ? keep_sample : keep_spatial_sample, stepper, &r, stepper->e);
+    if (s == LW_OK && t == lw_stepping_time(stepper->steps))
+        lw_surface_notes(stepper->note, lw_stepping_dynamics(stepper->steps), &r);
+    return s;
 }
 
 lw_status lw_stepper_set_load(lw_stepper *stepper, int link, lw_link_load load)

@@ -144,6 +144,7 @@ lw_status lw_spatial_simulate(const lw_spatial *model, const lw_simulation_optio
         s = lw_dynamics_analyse(d, visit ? hand_on : ignore, &v, &q, &rest, error);
     if (report)
         lw_surface_report(&q, report);
+    lw_surface_notes(options ? options->note : (lw_note_sink){ 0 }, d, &q);
     lw_surface_spatial_free(&v.now);
     lw_dynamics_free(d);
     return s;

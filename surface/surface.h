@@ -26,6 +26,10 @@ struct lw_dynamics_report;
 lw_status lw_surface_options(const lw_simulation_options *options, struct lw_dynamics_options *out, lw_error *error);
 void      lw_surface_report(const struct lw_dynamics_report *r, lw_simulation_report *out);
 
+/* The notes about a run of d, to the sink of its options (all 0: none). */
+struct lw_dynamics;
+void      lw_surface_notes(lw_note_sink to, const struct lw_dynamics *d, const struct lw_dynamics_report *r);
+
 /* Samples of a spatial model: the arrays hold until the next one. */
 typedef struct lw_surface_spatial {
     struct lw_dynamics *d;

@@ -490,6 +490,45 @@ static lw_status last_sample(void *context, const lw_spatial_sample *s)
     return LW_OK;
 }
 
+typedef struct heard { int notes; char told[512]; } heard;
+
+static void hear(void *context, const char *text)
+{
+    heard *h = context;
+    h->notes++;
+    if (strncmp(text, "a run with a tolerance of", 25) == 0)
+        snprintf(h->told, sizeof h->told, "%s", text);
+}
+
+/* A ball that bounces between two discs: each impact multiplies an error, and a second run tells by how much. */
+TEST(runs_tell_their_error)
+{
+    static const char text[] = "{\"linkwright\": 1, \"gravity\": [0, -9.81], \"links\": [{\"name\": \"ground\", \"shapes\": [{\"circle\": [0, 0], "
+        "\"radius\": 1}, {\"polygon\": [[1.5, -2], [2, -2], [2, 3], [1.5, 3]]}]}, {\"name\": \"ball\", \"mass\": 1, \"centre\": [0.3, 2], \"inertia\": 0.01, "
+        "\"shapes\": [{\"circle\": [0.3, 2], \"radius\": 0.1}]}], \"joints\": [{\"name\": \"F\", \"kind\": \"n\", \"links\": [\"ground\", \"ball\"]}], "
+        "\"contacts\": [{\"links\": [\"ground\", \"ball\"], \"restitution\": 1}]}";
+    lw_simulation_report report[2];
+    for (int once = 0; once < 2; once++) {
+        heard h = { 0 };
+        lw_model *m;
+        lw_simulation *run;
+        CHECK_OK(lw_model_parse(text, strlen(text), NULL, &m, &check_error));
+        lw_simulation_options o = lw_simulation_options_default();
+        o.formulation = "capture";
+        o.to = 3;
+        o.once = once;
+        o.note = (lw_note_sink){ &h, hear };
+        CHECK_OK(lw_simulation_create(m, &o, &run, &check_error));
+        CHECK_OK(lw_simulation_run(run, NULL, NULL, &report[once], &check_error));
+        CHECK(h.notes > 3);
+        CHECK_INT(h.told[0] != '\0', !once);
+        lw_simulation_destroy(run);
+        lw_model_destroy(m);
+    }
+    CHECK_NEAR(report[0].coarse_tolerance, 3.2e-9, 1e-20, 0);
+    CHECK(report[0].place_off > 1e-10 && report[0].place_off < 1e-6 && report[1].coarse_tolerance == 0);
+}
+
 TEST(spatial_models)
 {
     static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"arm\", \"mass\": 2, "

@@ -189,7 +189,7 @@ static int begin(const cli_call *call, job *j)
         return cli_fail(call, &j->e);
     j->m = &j->adjusted.model;
     if (j->adjusted.moved > 0)
-        cli_note_adjusted(call, j->adjusted.moved, j->adjusted.turned);
+        lw_note_adjusted(cli_notes(call), j->adjusted.moved, j->adjusted.turned);
     j->unit = j->m->units.length[0] ? j->m->units.length : "m";
     j->metre = j->m->units.metre;
     st = lw_robot_make(j->m, j->s->tool, &j->r, &j->e);

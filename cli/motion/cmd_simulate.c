@@ -8,7 +8,6 @@
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "cli/motion/dynamics_report.h"
-#include "cli/motion/coarse_run.h"
 #include "cli/motion/simulate.h"
 #include "cli/motion/spatial.h"
 #include "cli/motion/simulate_linear.h"
@@ -94,6 +93,7 @@ static lw_dynamics_options dynamics_options(const cli_call *call, bool elastic)
     o.max_step = s->max_steps;
     o.until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
     o.stop = cli_stop_flag();
+    o.compare = call->common.json || !call->common.quiet;
     return o;
 }
 
@@ -107,36 +107,17 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
     lw_status st = cli_simulate_speed(c->model, s->speed, call->parsed.word[0], e);
     if (st != LW_OK)
         return st;
-    st = cli_simulate_make(c, &o, call->parsed.word[0], e);
-    c->keep_postures = st == LW_OK && (call->common.json || !call->common.quiet) && !(call->common.time > 0) && cli_coarse_run_suits(c);
-    return st;
-}
-
-/* Print one row: the rest position. */
-static lw_status rest(cli_simulate *c, double t, lw_error *e)
-{
-    double *q = calloc((size_t)lw_dynamics_system(c->d)->n_q + 1, sizeof *q);
-    lw_rest r;
-    lw_status s = q ? lw_statics_rest(c->d, t, q, &r, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
-    if (s != LW_OK)
-        return free(q), s;
-    cli_note(c->call, "at rest after %d iterations, force left %.3g J, %s", r.iterations, r.residual,
-             lw_rest_text(&r));
-    s = lw_statics_moment(c->d, t, q, cli_simulate_row, c, e);
-    free(q);
-    if (s == LW_OPEN)
-        s = LW_OK, c->report.without_forces = 1, c->report.without_forces_t = t;
-    return s;
+    return cli_simulate_make(c, &o, call->parsed.word[0], e);
 }
 
 static lw_status run_it(const cli_call *call, cli_simulate *c, lw_error *e)
 {
     const settings *s = call->settings;
     cli_simulate_head(c);
-    lw_status st = s->analysis == LW_ANALYSIS_STATIC ? rest(c, s->from, e)
-                 : lw_dynamics_run(c->d, cli_simulate_row, c, &c->report, e);
-    if (st == LW_OK && c->keep_postures && s->analysis != LW_ANALYSIS_STATIC)
-        st = cli_coarse_run_compare(c, e);
+    lw_rest r;
+    lw_status st = lw_dynamics_analyse(c->d, cli_simulate_row, c, &c->report, &r, e);
+    if (s->analysis == LW_ANALYSIS_STATIC && c->report.samples > 0)
+        cli_note(call, "at rest after %d iterations, force left %.3g J, %s", r.iterations, r.residual, lw_rest_text(&r));
     st = cli_note_taut(call, &c->taut, c->taut.chain ? lw_dynamics_model(c->d)->linkage.link_name[c->taut.chain->node[0]] : "", st, e);
     cli_simulate_tail(c, st, e);
     if (st == LW_OK && s->balance)
@@ -244,7 +225,7 @@ static int run(const cli_call *call)
     if (s->explain)
         cli_explain_elastic(c->call, c->model, c->d, s->from, s->to);
     lw_status st = run_it(call, c, &e);
-    cli_dynamics_notes(call, c->d, &c->report, &c->coarse);
+    cli_dynamics_notes(call, c->d, &c->report);
     cli_suction_note(call, &c->suction);
     cli_note_pull(call, &c->pull, c->pull.chain ? lw_dynamics_model(c->d)->linkage.link_name[c->pull.chain->node[0]] : "");
     int code = st == LW_OK ? CLI_DONE : c->n_row > 0 && st == LW_STOPPED ? CLI_LIMIT : cli_fail(call, &e);

@@ -371,7 +371,7 @@ static lw_status adjust(const job *j, cli_curve_trace *t, lw_error *e)
     lw_system_posture(&t->s, t->drawn);
     lw_status st = lw_system_adjust(&t->s, t->drawn, &by, e);
     if (st == LW_OK)
-        cli_note_adjusted(j->call, by*t->s.unit, 0);
+        lw_note_adjusted(cli_notes(j->call), by*t->s.unit, 0);
     return st == LW_NOTHING ? LW_OK : st;
 }
 

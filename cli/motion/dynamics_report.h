@@ -11,17 +11,8 @@
 /* The formulation chosen, and why. */
 void cli_dynamics_explain(const cli_call *call, const lw_dynamics_report *r);
 
-/* How far a run with contacts is from the same run with less accuracy (cli/motion/coarse_run.h). */
-typedef struct cli_coarse_run {
-    double tolerance;                    /* of the coarse run; 0: there was none, or it ended early */
-    double place, place_t;               /* greatest difference of a centre of mass [m], and when [s] */
-    double turn, turn_t;                 /* of the angle of a link [rad], and when [s] */
-    const char *placed, *turned;         /* these links */
-    bool   told;                         /* captured, or more than 100 times what its tolerance allows in a step */
-} cli_coarse_run;
-
-/* Notes to standard error after a run.  coarse: NULL, if the run was made once. */
-void cli_dynamics_notes(const cli_call *call, const lw_dynamics *d, const lw_dynamics_report *r, const cli_coarse_run *coarse);
+/* Notes to standard error after a run. */
+void cli_dynamics_notes(const cli_call *call, const lw_dynamics *d, const lw_dynamics_report *r);
 
 /* The lowest pressure of a cylinder in the rows so far: 0 where none is below that of the air. */
 typedef struct cli_suction { const char *state; double pressure, t; } cli_suction;
@@ -30,8 +21,8 @@ void cli_suction_see(cli_suction *low, const lw_states *states, const double *z,
 void cli_suction_note(const cli_call *call, const cli_suction *low);     /* if it is below vacuum */
 
 /* Comment lines at the end of CSV rows; the end of the rows of a JSON object, and the object's end. */
-void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, const cli_coarse_run *coarse, lw_status status, const lw_error *e);
-void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_report *r, const cli_coarse_run *coarse, lw_status status, const lw_error *e);
+void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status, const lw_error *e);
+void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_report *r, lw_status status, const lw_error *e);
 
 /* A piece of a condensed bar bends as if it had no axial force.  The greatest such force over the buckling load of the piece with hinged ends
  * [-], negative in compression, and the bar; at first { 0, NULL }. */

@@ -293,7 +293,7 @@ static void fill(cli_simulate *s, const lw_moment *m, double *row)
 static lw_status grow(cli_simulate *s)
 {
     size_t n_q = (size_t)lw_dynamics_system(s->d)->n_q, capacity = s->capacity ? 2*s->capacity : 256;
-    double *row = realloc(s->row, (s->keep ? capacity*(size_t)s->n_column : 1)*sizeof *row);
+    double *row = realloc(s->row, capacity*(size_t)s->n_column*sizeof *row);
     if (row)
         s->row = row;
     double *q = realloc(s->q, capacity*n_q*sizeof *q);
@@ -310,11 +310,10 @@ lw_status cli_simulate_row(void *context, const lw_moment *m)
     size_t n = (size_t)s->n_column, n_q = (size_t)lw_dynamics_system(s->d)->n_q;
     fill(s, m, row);
     cli_suction_see(&s->suction, &s->model->states, m->z, m->t);
-    if (s->keep || s->keep_postures) {
+    if (s->keep) {
         if (s->n_row == s->capacity && grow(s) != LW_OK)
             return LW_E_MEMORY;
-        if (s->keep)
-            memcpy(s->row + s->n_row*n, row, n*sizeof *row);
+        memcpy(s->row + s->n_row*n, row, n*sizeof *row);
         memcpy(s->q + s->n_row*n_q, m->q, n_q*sizeof *m->q);
     }
     s->n_row++;
@@ -382,9 +381,9 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
     if (!s->f)
         return;
     if (s->json)
-        cli_dynamics_tail(&s->j, s->d, &s->report, &s->coarse, status, e);
+        cli_dynamics_tail(&s->j, s->d, &s->report, status, e);
     else
-        cli_dynamics_remarks(s->f, &s->report, &s->coarse, status, e);
+        cli_dynamics_remarks(s->f, &s->report, status, e);
 }
 
 void cli_simulate_free(cli_simulate *s)

@@ -13,8 +13,7 @@ typedef struct cli_simulate {
     lw_dynamics_options options;
     lw_dynamics    *d;
     FILE           *f;                   /* where rows are written; NULL: nowhere                      */
-    bool            json, keep;          /* keep: rows and postures stay in memory,                        */
-    bool            keep_postures;       /* postures alone                                                 */
+    bool            json, keep;          /* keep: rows and postures stay in memory                         */
     cli_json        j;
     int             n_column;
     cli_column     *column;
@@ -26,7 +25,6 @@ typedef struct cli_simulate {
     lw_dynamics_report       report;
     cli_suction     suction;
     cli_pull        pull;
-    cli_coarse_run  coarse;
     cli_taut        taut;
 } cli_simulate;
 

@@ -501,10 +501,10 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
         st = lw_dynamics_analyse(r.d, put_row, &r, &r.report, &r.rest, &e);
         st = cli_note_taut(call, &r.taut, r.taut.chain ? r.m->body[r.taut.chain->node[0]].name : "", st, &e);
         if (r.as_json)
-            cli_dynamics_tail(&r.json, r.d, &r.report, NULL, st, &e);
+            cli_dynamics_tail(&r.json, r.d, &r.report, st, &e);
         else
-            cli_dynamics_remarks(r.f, &r.report, NULL, st, &e);
-        cli_dynamics_notes(call, r.d, &r.report, NULL);
+            cli_dynamics_remarks(r.f, &r.report, st, &e);
+        cli_dynamics_notes(call, r.d, &r.report);
         cli_note_pull(call, &r.pull, r.pull.chain ? r.m->body[r.pull.chain->node[0]].name : "");
         cli_suction_note(call, &r.suction);
         if (explain)

@@ -248,22 +248,6 @@ void cli_trace_json(cli_trace *t)
     cli_json_end(&j);
 }
 
-void cli_note_adjusted(const cli_call *call, double moved, double turned)
-{
-    char axes[64] = "";
-    if (turned > 0)
-        snprintf(axes, sizeof axes, " and their axes turned by up to %.3g rad", turned);
-    cli_note(call, "the linkage is overconstrained and moves only if its dimensions fit: joints were moved by up to %.3g m%s so that they do, "
-             "by least squares", moved, axes);
-}
-
-void cli_note_lost(const cli_call *call, const char *what, const double between[2], double unit, const char *name)
-{
-    cli_note(call, "between %s = %.9g and %.9g %s the motion passes a posture in which the drives lose the links: they can move there while all drives stand "
-             "still, loads need drives without limit beside it, and a machine may leave it on another way (robot reachability, workspace)", what, between[0]/unit,
-             between[1]/unit, name);
-}
-
 void cli_note_nearly_flat(const cli_call *call, const lw_linkage *linkage)
 {
     cli_trace *t = calloc(1, sizeof *t);

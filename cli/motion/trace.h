@@ -41,12 +41,6 @@ void cli_trace_pieces(cli_trace *t, bool only_file);
 void cli_trace_csv(cli_trace *t);
 void cli_trace_json(cli_trace *t);
 
-/* Joints of an overconstrained linkage were adjusted: places [m], directions of axes [rad] (0: not said). */
-void cli_note_adjusted(const cli_call *call, double moved, double turned);
-
-/* The drives lose the links between these values of the input or the time, in multiples of `unit`, which has this name. */
-void cli_note_lost(const cli_call *call, const char *what, const double between[2], double unit, const char *name);
-
 /* Say so where the circuit of the posture passes close to a change point of exact dimensions. */
 void cli_note_nearly_flat(const cli_call *call, const lw_linkage *linkage);
 

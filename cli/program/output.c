@@ -92,6 +92,10 @@ void cli_note(const cli_call *call, const char *format, ...)
     va_end(arg);
 }
 
+static void say(void *context, const char *text) { cli_note(context, "%s", text); }
+
+lw_note_sink cli_notes(const cli_call *call) { return (lw_note_sink){ (void *)(uintptr_t)call, say }; }
+
 /* The only state that a signal handler changes: the first signal, and when the program is ended by force. */
 static volatile sig_atomic_t interrupted;
 static double                forced_end;         /* monotonic [s]                                    */

@@ -5,6 +5,7 @@
 #include <signal.h>
 #include "base/file.h"
 #include "cli/program/command.h"
+#include "mbs/analysis/notes.h"
 #include "optimise/solvers/solver.h"
 
 /* Exit code for a status of the library that is not LW_OK. */
@@ -18,6 +19,9 @@ int cli_usage(const cli_call *call, const char *format, ...) __attribute__((form
 
 /* Print a remark on standard error, unless --quiet is given. */
 void cli_note(const cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The same for what the library has to say. */
+lw_note_sink cli_notes(const cli_call *call);
 
 /* May the command write the file `path`? CLI_DONE; else CLI_USAGE after a message that says what to do: the file is an
  * input of the same run (compared by device and inode, so links and other spellings of the path count), or it exists,

@@ -71,6 +71,7 @@ typedef struct lw_dynamics_options {
     bool pieces;                 /* the run is continued in pieces: use no formulation that needs the motion after the end, or the posture of the file */
     bool           hold_inputs;  /* keep inputs without a motion where they are */
     bool           rigid;        /* treat elastic links as rigid bars of the same mass */
+    bool           compare;      /* lw_dynamics_analyse repeats a run of a planar model with contacts with less accuracy (lw_coarse_run) */
     bool           closed;       /* spatial: treat joints with clearance as ideal joints; analyses other than dynamic do so anyway */
 } lw_dynamics_options;
 
@@ -93,6 +94,16 @@ typedef struct lw_moment {
 typedef lw_status lw_moment_sink(void *context, const lw_moment *m);
 
 #define LW_REPORT_EVENT_MAX 64
+
+/* How far a run with contacts is from the same run with less accuracy.  Each impact amplifies errors, and captured contacts leave an error that
+ * the energy does not show; the difference of two runs shows both. */
+typedef struct lw_coarse_run {
+    double tolerance;            /* of the coarse run; 0: there was none, or it ended early */
+    double place, place_t;       /* greatest difference of a centre of mass [m], and when [s] */
+    double turn, turn_t;         /* of the angle of a link [rad], and when [s] */
+    const char *placed, *turned; /* these links; the model owns the names */
+    bool   large;                /* contacts were captured, or it is more than 100 times what its tolerance allows in a step */
+} lw_coarse_run;
 
 /* A rigid stop struck (impact) or left: joint, which end, rate of the gap [rad/s] or [m/s].  name: of the joint, or
  * where touch is set of a contact or rope; the model owns it. */
@@ -126,6 +137,7 @@ typedef struct lw_dynamics_report {
     double captured_step, captured_late, overlap;        /* of the capture formulation: longest step, longest one with an impact that was not located [s];
                                               * greatest overlap [m] */
     double captured_rest;                    /* speed of the fastest bounce that counts as rest [m/s] */
+    lw_coarse_run coarse;
     bool   smooth_friction;      /* friction without a "speed" was regularised, and creeps instead of sticking */
     bool   no_friction;          /* friction of joints was left out, as in every equilibrium */
     double t;                    /* time reached */

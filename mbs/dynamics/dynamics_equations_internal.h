@@ -33,7 +33,8 @@ typedef struct lw_row_pair { int row, other, to; } lw_row_pair;
 typedef struct lw_weld { bool at_row; int from, to; double by; } lw_weld;
 
 struct lw_dynamics {
-    const lw_model      *model;               /* that of the caller, or `expansion.model` or `rigid` */
+    const lw_model      *given;               /* that of the caller; NULL: a spatial one */
+    const lw_model      *model;               /* the same, or `expansion.model` or `rigid` */
     lw_elastic_expansion         expansion;           /* elastic links as chains of elements */
     lw_model             rigid;               /* elastic links as rigid bars */
     lw_spatial_expansion spatial_expansion;   /* the same in space */

@@ -27,7 +27,9 @@ lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_er
 lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment_sink *sink, void *context,
                             lw_error *e);
 
-/* The analysis of d, whichever it is: a run, or for a static one the moment of rest at its beginning, with *rest. */
+/* The analysis of d, whichever it is: a run, or for a static one the moment of rest at its beginning, with *rest.  With options.compare a run of a
+ * planar model with contacts is repeated with less accuracy, and r->coarse tells how far they differ, if there is no limit of time and the
+ * postures of its samples fit in 160 MB. */
 lw_status lw_dynamics_analyse(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_rest *rest,
                               lw_error *e);
 

@@ -148,7 +148,7 @@ lw_status lw_dynamics_make(const lw_model *m, const lw_dynamics_options *o, lw_d
     lw_dynamics *d = begin(o, out, e);
     if (!d)
         return LW_E_MEMORY;
-    d->model = m;
+    d->given = d->model = m;
     return finish(d, lw_dynamics_prepare(d, e ? e : &own), out, e ? e : &own);
 }
 

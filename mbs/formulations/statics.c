@@ -127,22 +127,3 @@ lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment
     lw_status shown = sink(context, &m);
     return shown == LW_OK ? s : shown;
 }
-
-lw_status lw_dynamics_analyse(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_rest *rest,
-                              lw_error *e)
-{
-    if (d->o.analysis != LW_ANALYSIS_STATIC)
-        return lw_dynamics_run(d, sink, context, r, e);
-    *r = d->choice;
-    double *q = calloc((size_t)d->n_q + 1, sizeof *q);
-    lw_status s = q ? lw_statics_rest(d, d->o.from, q, rest, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
-    r->steps = rest->iterations;
-    if (s == LW_OK) {
-        s = lw_statics_moment(d, d->o.from, q, sink, context, e);
-        r->samples = s == LW_OK || s == LW_OPEN;
-        if (s == LW_OPEN)
-            s = LW_OK, r->without_forces = 1, r->without_forces_t = d->o.from;
-    }
-    free(q);
-    return s;
-}

@@ -151,7 +151,7 @@ def plain(value, kind=None):
 def simulation_options(options, keep):
     """lw_simulation_options with these fields; "from_" stands for "from"."""
     named = {"from" if name == "from_" else name: value for name, value in options.items()}
-    return fill(ffi.new("lw_simulation_options *", lib.lw_simulation_options_default()), named, keep, special=("stop", "force"))
+    return fill(ffi.new("lw_simulation_options *", lib.lw_simulation_options_default()), named, keep, special=("stop", "force", "note"))
 
 
 class Calls:
@@ -163,7 +163,7 @@ class Calls:
 
     def __init__(self, visit=None, progress=None, force=None):
         self.visit, self.progress, self.force, self.failure = visit, progress, force, None
-        self.stopped = False
+        self.stopped, self.notes = False, []
         self.handle = ffi.new_handle(self)
 
     def run_visit(self, *arguments):
@@ -203,6 +203,11 @@ def _progress(context, done, seconds, best):
             calls.failure = failure
             return False
     return True
+
+
+@ffi.def_extern(name="lw_py_note")
+def _note(context, text):
+    ffi.from_handle(context).notes.append(text_of(text))
 
 
 @ffi.def_extern(name="lw_py_force")

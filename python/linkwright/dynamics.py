@@ -19,7 +19,7 @@ class Simulation:
     angular velocity; acceleration (n, links, 3); reaction (n, joints, 3): force and moment on the joint's second
     link; input, drive (n, inputs); tracer (n, tracers, 2); state (n, states) in the order of Model.states; shaking
     (n, 3); energy (n, 3): kinetic, potential, work done; residual (n); node (n, nodes, 9) of elastic links: link, number
-    along it, x, y, turn, tension, shear force, bending moment, stress.  report: how it was computed.
+    along it, x, y, turn, tension, shear force, bending moment, stress.  report: how it was computed; notes: what was assumed, how accurate it is, its events.
     """
 
     t: np.ndarray
@@ -35,13 +35,14 @@ class Simulation:
     residual: np.ndarray
     node: np.ndarray
     report: dict
+    notes: list[str]
 
-    def __init__(self, samples, report):
+    def __init__(self, samples, report, notes):
         names = ("t", "link", "acceleration", "reaction", "input", "drive", "tracer", "state", "shaking", "energy",
                  "residual", "node")
         for name, column in zip(names, zip(*samples)):
             setattr(self, name, np.array(column))
-        self.report = report
+        self.report, self.notes = report, notes
 
     def __repr__(self):
         return (f"<linkwright.Simulation: {len(self.t)} samples to {self.t[-1]:g} s, "
@@ -151,7 +152,7 @@ class Model:
         force(t, motion, load): your own loads; motion (links, 6) as in Simulation.link, load (links, 3): write force
         and torque into it.  Options: analysis ("transient", "static", "quasistatic", "kinematic", "dynamic"),
         formulation ("auto"), tolerance (1e-7 suits elastic links), max_steps, max_seconds, rigid (elastic links as
-        rigid bars).  Ctrl-C ends it.
+        rigid bars), once (no estimate of the error of contacts by a second run).  Ctrl-C ends it.
         """
         keep, error, stop, samples = [], new_error(), ffi.new("int *"), []
         what = simulation_options({**options, "to": to, "intervals": n}, keep)
@@ -172,6 +173,7 @@ class Model:
                   np.frombuffer(ffi.buffer(load, 24*links), np.float64).reshape(links, 3))
 
         calls = Calls(visit, force=apply)
+        what.note.context, what.note.say = calls.handle, lib.lw_py_note
         if force is not None:
             what.force.context, what.force.apply = calls.handle, lib.lw_py_force
         out, report = ffi.new("lw_simulation **"), ffi.new("lw_simulation_report *")
@@ -182,7 +184,7 @@ class Model:
         if interrupted:
             raise KeyboardInterrupt
         calls.finish(status, error)
-        return Simulation(samples, plain(report[0]))
+        return Simulation(samples, plain(report[0]), calls.notes)
 
     def vibrations(self, rest: bool = False, hold: bool = False) -> list[dict]:
         """Small vibrations about the drawn posture, or the equilibrium near it: re, im [1/s], frequency, natural [Hz],

@@ -46,6 +46,7 @@ class SpatialSimulation(NamedTuple):
     residual: np.ndarray                 #: (n) of the constraints, over the size of the model
     report: dict                         #: how it was computed
     coupling: np.ndarray                 #: (n, couplings) times a factor: torque [N m] or force [N] on the second link
+    notes: list                          #: what was assumed, how accurate it is, its events
 
     def __repr__(self):
         return (f"<linkwright.SpatialSimulation: {len(self.t)} samples to {self.t[-1]:g} s, "
@@ -158,17 +159,20 @@ class SpatialModel:
                             _bytes(s.input, 8*inputs), _bytes(s.rate, 8*inputs), _bytes(s.drive, 8*drives),
                             (s.kinetic, s.potential, s.work), s.residual, _bytes(s.coupling, 8*couplings)))
 
-        self._run(lambda calls, error: lib.lw_spatial_simulate(self._handle, what, lib.lw_py_spatial_sample,
-                                                               calls.handle, report, error), visit, stop)
+        def work(calls, error):
+            what.note.context, what.note.say = calls.handle, lib.lw_py_note
+            return lib.lw_spatial_simulate(self._handle, what, lib.lw_py_spatial_sample, calls.handle, report, error)
+
+        notes = self._run(work, visit, stop).notes
         t, link, tracer, joint, place, rate, drive, energy, residual, coupling = zip(*samples)
         return SpatialSimulation(np.array(t), _frames(link, links), _frames(tracer, tracers), _numbers(joint, joints, 6),
                                  _numbers(place, inputs), _numbers(rate, inputs), _numbers(drive, drives),
                                  np.array(energy), np.array(residual), plain(report[0]),
-                                 _numbers(coupling, couplings))
+                                 _numbers(coupling, couplings), notes)
 
     @staticmethod
     def _run(work, visit, end=None):
-        """Do work(calls, error), which calls visit; Ctrl-C ends it by the int at end, or at the next visit."""
+        """Do work(calls, error), which calls visit; Ctrl-C ends it by the int at end, or at the next visit.  Returns calls."""
         calls, error = Calls(visit), new_error()
 
         def stop():
@@ -180,3 +184,4 @@ class SpatialModel:
         if interrupted:
             raise KeyboardInterrupt
         calls.finish(status, error)
+        return calls

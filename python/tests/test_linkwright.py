@@ -164,6 +164,7 @@ def test_pendulum_keeps_its_energy_and_obeys_a_force_of_ones_own():
     run = model.simulate(to=2, n=50)
     total = run.energy[:, 0] + run.energy[:, 1]
     assert len(run.t) == 51 and np.ptp(total) < 1e-9*np.abs(run.energy[:, 0]).max()
+    assert any("energy error" in note for note in run.notes)
     pushed = model.simulate(to=2, n=50, force=lambda t, motion, load: load.__setitem__((1, 2), 0.0))
     assert np.allclose(pushed.link, run.link, atol=1e-7)
     held = model.simulate(to=0.1, n=10, force=lambda t, motion, load: load.__setitem__((1, 2), 5.0))
@@ -221,6 +222,7 @@ def test_runs_in_space_against_the_balance_of_energy_and_momentum():
     assert np.allclose(weight, weight[0], atol=1e-9) and "<table>" in run._repr_html_()
     delta = lw.SpatialModel.load(EXAMPLES / "space" / "delta.json")
     run, path = delta.simulate(to=0.1, n=10), delta.trace(10, time=(0, 0.1))
+    assert any("constraint residual" in note for note in run.notes)
     assert run.drive.shape == (11, 3) and np.allclose(path.tracer.place, run.tracer.place, atol=1e-12)
     assert np.allclose(path.tracer.place[-1, 0], (0.2, 0, -0.65), atol=1e-9)      # the motion in the file
     with pytest.raises(lw.Error, match="nope"):
