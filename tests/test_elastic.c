@@ -844,6 +844,28 @@ TEST(states)
     CHECK(fabs(by[1].p[20].y) > 1e-3);
 }
 
+/* Few steps of Radau's method are refused: a thin rod at a loose tolerance, whose bending Newton's method does not follow in long steps; and a
+ * thick one, whose fast vibrations are about as large as the tolerance, so that the error hardly falls with the step. */
+TEST(few_steps_are_refused)
+{
+    static const struct { double side, tolerance; } rod[] = { { 0.008, 1e-3 }, { 0.02, 1e-5 }, { 0.3, 1e-5 }, { 0.3, 1e-7 } };
+    for (int k = 0; k < 4; k++) {
+        static record r;
+        lw_dynamics_report report;
+        OWN(scene) s = { 0 };
+        CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 0.36, 'centre': [0, 0], 'inertia': 0.0027}, {'name': "
+                             "'rod', 'elastic': {'section': {'shape': 'rectangle', 'width': %g, 'height': %g}, 'material': 'steel', 'damping': {'ratio': "
+                             "0.01, 'at': 203}}}, {'name': 'slider', 'mass': 0.0756, 'centre': [0.45, 0], 'inertia': 1e-5}], 'joints': [{'name': 'A', "
+                             "'links': ['ground', 'crank'], 'at': [0, 0]}, {'name': 'B', 'links': ['crank', 'rod'], 'at': [0.15, 0]}, {'name': 'C', "
+                             "'links': ['rod', 'slider'], 'at': [0.45, 0]}, {'name': 'D', 'kind': 't', 'links': ['ground', 'slider'], 'at': [0.45, 0], "
+                             "'along': [1, 0]}], 'input': {'joint': 'A', 'motion': '150*t'}, 'tracers': [{'name': 'P', 'link': 'rod', 'at': [0.3, 0]}]}",
+                             rod[k].side, rod[k].side), LW_OK);
+        s.o.formulation = LW_FORMULATION_RADAU;
+        CHECK_INT(run(&s, rod[k].tolerance, 0.1, 20, &r, &report), LW_OK);
+        CHECK(report.refused < report.steps/3);
+    }
+}
+
 /* ---- slider-crank with an elastic rod ---------------------------------------------------------------------------------- */
 
 /* The crank comes up to speed within a time T, smoothly: its angle and two rates. */

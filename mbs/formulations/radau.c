@@ -1018,11 +1018,29 @@ static bool is_pushed_back(stages *g)
     return back;
 }
 
+/* Where Newton's method does not converge: the next step over that one, the limit that it sets for later steps over it, and the growth of
+ * that limit with each later step. */
+static const double shorter = 0.3, less = 0.7, relax = 1.1;
+
+typedef struct trial { double h, error; } trial;
+
+/* The part of a refused step to try, from the order that it and the refused one before it show (Gustafsson 1991): the error of vibrations
+ * faster than the steps falls more slowly than the order of the method says, or not at all. */
+static double shorter_after(trial before, trial now)
+{
+    if (!(before.h > now.h))
+        return 1;
+    double order = log(before.error/now.error)/log(before.h/now.h);
+    return 0.9*pow(now.error, -1/fmax(order, 0.1));
+}
+
 static lw_status run_steps(stages *g)
 {
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
     double h = 1e-4*(d->o.to - d->o.from), end, error_old = 1;
+    double most = INFINITY;                              /* limit of h, for Newton's method */
+    trial refused = { 0 };                               /* just before this one */
     double to_piece = 0, to_switch = 0;                  /* steps to the end of a piece, to a switch; 0: none */
     bool passed = false;                                 /* a switch just before this step */
     lw_status s = LW_OK;
@@ -1039,7 +1057,8 @@ static lw_status run_steps(stages *g)
                                 "velocities change at once, as where a light crank passes its dead point, or the tolerance is below rounding", g->t);
         s = solve_stages(g);
         if (s == LW_OPEN) {
-            h = 0.3*g->h;
+            most = less*g->h;
+            h = shorter*g->h;
             to_piece = to_switch = 0;
             run->r->refused++;
             g->since = 0;
@@ -1050,7 +1069,8 @@ static lw_status run_steps(stages *g)
             break;
         double error = fmax(error_of(g), 1e-6), root = -1.0/(g->alpha ? 3 : g->s + 1), factor = 0.9*pow(error, root);
         if (error > 1) {
-            h = g->h*fmax(factor, 0.2);
+            h = g->h*fmax(fmin(factor, shorter_after(refused, (trial){ g->h, error })), 0.2);
+            refused = (trial){ g->h, error };
             to_piece = to_switch = 0;
             run->r->refused++;
             continue;
@@ -1076,11 +1096,12 @@ static lw_status run_steps(stages *g)
         if (g->since)                        /* Gustafsson's control */
             factor = fmin(factor, factor*g->h/g->h_old*pow(error/error_old, root));
         error_old = fmax(error, 1e-2);
+        refused = (trial){ 0 };
         bool cut = g->h < 0.99*h;
         double t_end = end > 0 ? end : g->t + g->h;
         s = end_state(g, t_end);
         if (s == LW_OPEN) {
-            h = 0.3*g->h;
+            h = shorter*g->h;
             run->r->refused++;
             s = LW_OK;
             continue;
@@ -1093,7 +1114,8 @@ static lw_status run_steps(stages *g)
         run->r->added = g->alpha && g->added > added_most*(d->o.relative + d->o.absolute) ? g->added : 0;
         run->r->steps++;
         double next = g->h_old*fmin(fmax(factor, 0.2), g->contraction > 0.3 ? 1 : 8);
-        h = cut ? fmax(h, next) : next;
+        h = fmin(cut ? fmax(h, next) : next, fmax(most, g->h_old));
+        most *= relax;
         run->r->t = g->t;
         if (switches)
             d->eq.next_piece(d->eq.context, g->q, g->v, false);
