@@ -163,6 +163,27 @@ TEST(length_and_size)
 /* ---- forms ------------------------------------------------------------------------------------- */
 
 /* docs/notation.md, "Target"; there every line is set in by four blanks. */
+/* The size of a target, which limits are counted in, does not depend on how it is turned or where it lies. */
+TEST(size_of_a_turned_target)
+{
+    const double x[] = { 0, 4, 4, 0, 1 }, y[] = { 0, 0, 3, 3, 1 }, far_x[] = { 4, 4, 12, 4, 4 }, far_y[] = { 3, 3, 6, 3, 3 };
+    for (int k = 0; k < 12; k++) {
+        const double c = cos(0.29*k), s = sin(0.29*k);
+        OWN(lw_target) t = { 0 };
+        double px[5], py[5], qx[5], qy[5];
+        for (int i = 0; i < 5; i++) {
+            px[i] = c*x[i] - s*y[i] - 70*k;
+            py[i] = s*x[i] + c*y[i] + 30*k;
+            qx[i] = c*far_x[i] - s*far_y[i] - 70*k;
+            qy[i] = s*far_x[i] + c*far_y[i] + 30*k;
+        }
+        const lw_also also = { .x = qx, .y = qy };
+        CHECK_OK(lw_target_make_all(5, px, py, NULL, NULL, NULL, &also, 1, 0, &t, &check_error));
+        CHECK_NEAR(t.size, 5, 1e-9, 0);
+        CHECK_NEAR(t.extent, hypot(12, 6), 1e-9, 0);
+    }
+}
+
 TEST(the_example_of_the_manual)
 {
     static const char example[] = "    # units: mm deg\n    # closed: no\n    x,y,theta,angle,weight\n"

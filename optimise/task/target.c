@@ -100,18 +100,59 @@ static double step(const double *x, const double *y, size_t i, size_t k)
     return hypot(x[k] - x[i], y[k] - y[i]);
 }
 
-/* Extend the box by n points. Returns the length of the open polygon through them; *longest: its longest side. */
-static double run_along(const double *x, const double *y, size_t n, lw_vec2 *lo, lw_vec2 *hi, double *longest)
+/* Returns the length of the open polygon through n points; *longest: its longest side. */
+static double run_along(const double *x, const double *y, size_t n, double *longest)
 {
     double length = 0;
-    for (size_t i = 0; i < n; i++) {
-        *lo = lw_v2(fmin(lo->x, x[i]), fmin(lo->y, y[i]));
-        *hi = lw_v2(fmax(hi->x, x[i]), fmax(hi->y, y[i]));
-        double d = i ? step(x, y, i - 1, i) : 0;
+    *longest = 0;
+    for (size_t i = 1; i < n; i++) {
+        double d = step(x, y, i - 1, i);
         *longest = fmax(*longest, d);
         length += d;
     }
     return length;
+}
+
+/* Extend the box, in axes with this direction, by n points. */
+static void put_in_box(const double *x, const double *y, size_t n, lw_vec2 direction, lw_vec2 *lo, lw_vec2 *hi)
+{
+    for (size_t i = 0; i < n; i++) {
+        lw_vec2 p = { direction.x*x[i] + direction.y*y[i], direction.x*y[i] - direction.y*x[i] };
+        *lo = lw_v2(fmin(lo->x, p.x), fmin(lo->y, p.y));
+        *hi = lw_v2(fmax(hi->x, p.x), fmax(hi->y, p.y));
+    }
+}
+
+/* The diagonal of the rectangle with a side in this direction around the path and the first n_also further ones. */
+static double diagonal_along(const lw_target *t, int n_also, double angle)
+{
+    lw_vec2 lo = { INFINITY, INFINITY }, hi = { -INFINITY, -INFINITY }, direction = { cos(angle), sin(angle) };
+    put_in_box(t->x, t->y, t->n, direction, &lo, &hi);
+    for (int i = 0; i < n_also; i++)
+        if (t->also[i].x)
+            put_in_box(t->also[i].x, t->also[i].y, t->n, direction, &lo, &hi);
+    return hypot(hi.x - lo.x, hi.y - lo.y);
+}
+
+/* The least diagonal over all directions: the size of a target does not depend on how it is turned. */
+static double diagonal(const lw_target *t, int n_also)
+{
+    enum { DIRECTIONS = 32 };
+    const double apart = LW_PI/2/DIRECTIONS, less = 1 - 1e-13;          /* of the least so far, so that rounding decides nothing */
+    double at = 0, least = diagonal_along(t, n_also, 0), now;
+    for (int k = 1; k < DIRECTIONS; k++)
+        if ((now = diagonal_along(t, n_also, k*apart)) < less*least) {
+            least = now;
+            at = k*apart;
+        }
+    for (double h = apart/2; h > 1e-12; h /= 2)
+        for (int side = -1; side <= 1; side += 2)
+            if ((now = diagonal_along(t, n_also, at + side*h)) < less*least) {
+                least = now;
+                at += side*h;
+                break;
+            }
+    return least;
 }
 
 /* Do angles at the stations come back to the first one, as far as their steps tell?  Input angles have to go on to whole turns, body
@@ -138,14 +179,12 @@ static bool looks_closed(const lw_target *t, double gap, double longest)
            (!t->theta || angles_close(t->theta, t->n, false)) && (!t->angle || angles_close(t->angle, t->n, true));
 }
 
-/* Set bounding box, length, and whether the path is closed. */
+/* Set sizes, length, and whether the path is closed. */
 static void measure(lw_target *t, int closed)
 {
-    lw_vec2 lo = { t->x[0], t->y[0] }, hi = lo;
-    double longest = 0, other = 0;
-    t->length = run_along(t->x, t->y, t->n, &lo, &hi, &longest);
-    double gap = step(t->x, t->y, t->n - 1, 0);
-    t->size = hypot(hi.x - lo.x, hi.y - lo.y);
+    double longest, other, gap = step(t->x, t->y, t->n - 1, 0);
+    t->length = run_along(t->x, t->y, t->n, &longest);
+    t->size = t->extent = diagonal(t, 0);
     t->closed = closed >= 0 ? closed > 0 : looks_closed(t, gap, longest);
     if (t->closed)
         t->length += gap;
@@ -153,11 +192,12 @@ static void measure(lw_target *t, int closed)
         lw_also *a = &t->also[i];
         if (!a->x)
             continue;
-        a->length = run_along(a->x, a->y, t->n, &lo, &hi, &other);
+        a->length = run_along(a->x, a->y, t->n, &other);
         if (t->closed)
             a->length += step(a->x, a->y, t->n - 1, 0);
     }
-    t->extent = hypot(hi.x - lo.x, hi.y - lo.y);
+    if (t->n_also > 0)
+        t->extent = diagonal(t, t->n_also);
 }
 
 lw_status lw_target_finish(lw_target *t, int closed, lw_target_place *place, lw_error *e)

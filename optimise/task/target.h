@@ -44,10 +44,11 @@ typedef struct lw_target {
     long    *line;              /* line of the file, for messages; 0 by _make           (n)        */
     bool     closed;            /* the last station is followed by the first                      */
     double   length;            /* length of the polygon through the stations, closed if so [m]    */
-    double   size;              /* diagonal of the bounding box [m]; both 0 for a function         */
+    double   size;              /* least diagonal of a rectangle around it, in any direction, so that a target may be turned [m]; both 0 for
+                                 * a function                                                      */
     int      n_also;
     lw_also  also[LW_ALSO_MAX]; /* further points, in the order of their numbers          (n_also) */
-    double   extent;            /* diagonal of the box of all points [m]; size when there is one   */
+    double   extent;            /* the same around all points [m]                                  */
     double   noise;             /* RMS distance of the points from the path they were smoothed to: an error below it says
                                  * nothing [m]; 0: not smoothed                                   */
     lw_units units;
