@@ -414,6 +414,29 @@ TEST(two_links_more_cost_as_much_as_a_small_error)
     }
 }
 
+/* The best four-bar is the second row, not the last one after all linkages of six links. */
+TEST(the_best_of_each_number_of_links_comes_first)
+{
+    lw_rng rng = check_rng(22);
+    four_and_six p;
+    OWN(lw_fit_results) found = { 0 };
+    make_four_and_six(&rng, 0, 0.015, &p);
+    lw_fit_report larger = p.r[0];
+    lw_candidate c[3] = { p.c[0], p.c[0], p.c[1] };
+    larger.size *= 1.5;                                      /* comes first by error */
+    larger.stray.to_curve = larger.stray.to_target = 0;
+    p.r[0].error_max = p.r[0].stray.to_curve = p.r[0].stray.to_target = 0.001*p.k.t.extent;
+    c[0].objective = pow(p.r[0].error_max, 2);
+    c[1].report = &larger;
+    c[1].dim[0] *= 1.5;                                      /* not the same mechanisms */
+    c[2].dim[0] *= 1.1;
+    lw_fit fit = { .n = 3, .candidate = c };
+    CHECK_INT(lw_fit_results_make(&p.k.t, &p.k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
+    CHECK(found.n == 3 && lw_candidate_links(&c[found.candidate[0]]) == 6 && lw_candidate_links(&c[found.candidate[1]]) == 4);
+    CHECK(found.n == 3 && found.report[1].counts_as > found.report[2].counts_as);
+    lw_target_free(&p.k.t);
+}
+
 /* Between few stations a linkage may go on an arc through them, whether it meets them or not: its error there is what it surely misses
  * them by.  For a search that may go on, only a four-bar that meets them is as near. */
 TEST(few_stations_are_missed_by_their_errors)

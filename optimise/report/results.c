@@ -270,6 +270,23 @@ static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_re
          + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min) + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
 }
 
+/* Move the first row with each number of links before the others: which linkage is the best with fewer links is the first thing to know
+ * beside the first row. */
+static void put_numbers_of_links_first(const lw_fit *fit, lw_fit_results *out)
+{
+    const int n = out->n;
+    int firsts = 0;
+    for (int i = 0; i < n; i++) {
+        int now = out->candidate[i];
+        out->n = firsts;
+        if (!first_with_its_links(out, fit, now))
+            continue;
+        memmove(out->candidate + firsts + 1, out->candidate + firsts, sizeof now*(size_t)(i - firsts));
+        out->candidate[firsts++] = now;
+    }
+    out->n = n;
+}
+
 /* Sort the front by cost and keep `most` rows, among them the best in each measure, and the first of each number of links. */
 static void order_front(const lw_target *t, const lw_fit *fit, int most, const lw_fit_report *all, const front *f,
                         lw_fit_results *out)
@@ -298,6 +315,7 @@ static void order_front(const lw_target *t, const lw_fit *fit, int most, const l
             out->candidate[n++] = now;
     }
     out->n = n;
+    put_numbers_of_links_first(fit, out);
     for (int i = 0; i < n; i++)
         out->report[i] = all[out->candidate[i]];
 }
