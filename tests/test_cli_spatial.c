@@ -115,19 +115,6 @@ TEST(advice_for_a_shaken_arm)
            "0.902 times the frequency of the drive, 400 rad/s (its speed, or acceleration over speed): vibrations matter");
 }
 
-/* 100 N pull a wire of 2 mm in 4 elements: 100 h^2/(12 E I) = 3.158, in the plane and in space. */
-TEST(elements_of_a_taut_wire)
-{
-    for (int space = 0; space < 2; space++) {
-        const char *root = space ? "[0, 0, 0]" : "[0, 0]", *end = space ? "[1, 0, 0]" : "[1, 0]";
-        OWN(ran) r = run_with("echo '{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"wire\", \"elastic\": {\"section\": {\"shape\": \"round\", \"diameter\": 0.002}, "
-                         "\"material\": \"steel\", \"axis\": [%s, %s], \"segments\": 4}}], \"joints\": [{\"name\": \"A\", \"kind\": \"f\", \"links\": [\"ground\", \"wire\"], "
-                         "\"at\": %s}], \"forces\": [{\"link\": \"wire\", \"at\": %s, \"fx\": 100}]}' | $P simulate - --analysis static", root, end, root, end);
-        CHECK_INT(r.code, 4);
-        CHECK_HAS(r.err, "the tension in \"wire\" reaches 3.16 of 12 E I/h^2");
-    }
-}
-
 /* 20 kN pull at a closed cylinder: F/A1 is far beyond 1 bar, in the plane and in space; 100 N are not. */
 TEST(oil_below_vacuum)
 {

@@ -139,14 +139,14 @@ TEST(element)
         double x[6], v[6], still[6] = { 0 }, h = 1e-5;
         lw_beam b = random_beam(&rng, x, v), back = b;
         lw_beam_state z, at[2];
-        lw_beam_at(&b, x, still, false, &z);
+        lw_beam_at(&b, x, still, false, NULL, &z);
         for (int i = 0; i < 6; i++) {
             double up[6], down[6];
             memcpy(up, x, sizeof x), memcpy(down, x, sizeof x);
             up[i] += h, down[i] -= h;
             CHECK_NEAR(z.force[i], -(lw_beam_energy(&b, up) - lw_beam_energy(&b, down))/(2*h), 1e-6, 1e-6);
         }
-        lw_beam_at(&b, x, v, true, &z);
+        lw_beam_at(&b, x, v, true, NULL, &z);
         CHECK_NEAR(z.force[0] + z.force[3], 0, 1e-12, 0);
         CHECK_NEAR(z.force[1] + z.force[4], 0, 1e-12, 0);
         CHECK_NEAR((x[3] - x[0])*z.force[4] - (x[4] - x[1])*z.force[3] + z.force[2] + z.force[5], 0, 1e-11, 0);
@@ -155,20 +155,20 @@ TEST(element)
                 double up[6], down[6];
                 memcpy(up, rate ? v : x, sizeof x), memcpy(down, up, sizeof x);
                 up[i] += h, down[i] -= h;
-                lw_beam_at(&b, rate ? x : up, rate ? up : v, false, &at[0]);
-                lw_beam_at(&b, rate ? x : down, rate ? down : v, false, &at[1]);
+                lw_beam_at(&b, rate ? x : up, rate ? up : v, false, NULL, &at[0]);
+                lw_beam_at(&b, rate ? x : down, rate ? down : v, false, NULL, &at[1]);
                 for (int j = 0; j < 6; j++)
                     CHECK_NEAR(rate ? z.by_v[j][i] : z.by_x[j][i], (at[0].force[j] - at[1].force[j])/(2*h), 1e-6, 1e-6);
             }
         back.direction += LW_PI;
         const double turned[6] = { x[3], x[4], x[5], x[0], x[1], x[2] }, turned_v[6] = { v[3], v[4], v[5], v[0], v[1], v[2] };
-        lw_beam_at(&back, turned, turned_v, false, &at[0]);
+        lw_beam_at(&back, turned, turned_v, false, NULL, &at[0]);
         for (int i = 0; i < 6; i++)
             CHECK_NEAR(at[0].force[i], z.force[(i + 3)%6], 1e-11, 1e-13);
         double a = lw_rng_range(&rng, -20, 20);              /* the undeformed element, turned and moved */
         lw_vec2 along = lw_v2_polar(b.length, b.direction + a);
         const double rigid[6] = { x[0], x[1], a, x[0] + along.x, x[1] + along.y, a };
-        lw_beam_at(&b, rigid, still, false, &at[0]);
+        lw_beam_at(&b, rigid, still, false, NULL, &at[0]);
         for (int i = 0; i < 6; i++)
             CHECK_NEAR(at[0].force[i], 0, 1e-11, 0);
     }
@@ -183,7 +183,7 @@ TEST(flexibility)
     lw_beam b = { .length = 1 };
     lw_beam_state z;
     lw_beam_stiffness(&s, &m, 1, b.stiffness);
-    lw_beam_at(&b, x, v, true, &z);
+    lw_beam_at(&b, x, v, true, NULL, &z);
     double k[2][2] = { { -z.by_x[4][4], -z.by_x[4][5] }, { -z.by_x[5][4], -z.by_x[5][5] } };
     double det = k[0][0]*k[1][1] - k[0][1]*k[1][0];
     out[1] = k[1][1]/det*force[1];
@@ -485,6 +485,33 @@ TEST(thin_strips)
     CHECK_NEAR(tip[1].y, tip[0].y, 1e-4, 0);
     CHECK_NEAR(100*f[1][0], f[0][0], 0, 2e-3);
     CHECK_NEAR(100*f[1][1], f[0][1], 0, 2e-4);
+}
+
+/* A wire of 2 mm under 1 kN, which is 2 and 31 times 12 EI/h^2 for its elements: it stretches by F L/EA and vibrates as a string, in elements as a
+ * string of lumps does, and little of its frequency comes from bending: (n pi/L)^4 EI against (n pi/L)^2 F. */
+TEST(taut_wire)
+{
+    double ei = 210e9*LW_PI*pow(0.002, 4)/64, ea = 210e9*LW_PI*1e-6;
+    for (int n = 4; n <= 16; n *= 4) {
+        OWN(scene) s = { 0 };
+        lw_rest r;
+        double f[2];
+        CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'wire', 'elastic': {'section': {'shape': 'round', 'diameter': 0.002}, 'material': "
+                             "'steel', 'segments': %d}}, {'name': 's', 'mass': 1e-6, 'centre': [1, 0], 'inertia': 1e-6}], 'joints': [{'name': 'A', 'links': "
+                             "['ground', 'wire'], 'at': [0, 0]}, {'name': 'B', 'links': ['wire', 's'], 'at': [1, 0]}, {'name': 'C', 'kind': 't', 'links': "
+                             "['ground', 's'], 'at': [1, 0], 'along': [1, 0]}], 'tracers': [{'name': 'P', 'link': 'wire', 'at': [1, 0]}], 'forces': "
+                             "[{'link': 's', 'at': [1, 0], 'fx': 1000}]}", n), LW_OK);
+        CHECK_INT(open_scene(&s, LW_ANALYSIS_STATIC), LW_OK);
+        CHECK_INT(lw_statics_rest(s.d, 0, s.q, &r, &s.e), LW_OK);
+        CHECK(r.stable);
+        CHECK_NEAR(tracer(&s, 0, s.q).x, 1 + 1000/ea, 1e-9, 0);
+        lw_dynamics_free(s.d), free(s.q);
+        frequencies(&s, 2, true, f);
+        for (int k = 1; k <= 2; k++) {
+            double a = k*LW_PI, lumps = sin(a/(2*n))/(a/(2*n));
+            CHECK_NEAR(f[k - 1], lumps*sqrt(a*a*a*a*ei + a*a*1000)/(2*LW_PI*sqrt(7850*LW_PI*1e-6)), 0, 1.5e-3);
+        }
+    }
 }
 
 /* A column beyond its buckling load pi^2/4, which damping does not change: P/P_cr = (2 K(k)/pi)^2, tip at 2 k/sqrt(P), k = sin(half the

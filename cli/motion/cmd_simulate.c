@@ -118,7 +118,6 @@ static lw_status run_it(const cli_call *call, cli_simulate *c, lw_error *e)
     lw_status st = lw_dynamics_analyse(c->d, cli_simulate_row, c, &c->report, &r, e);
     if (s->analysis == LW_ANALYSIS_STATIC && c->report.samples > 0)
         cli_note(call, "at rest after %d iterations, force left %.3g J, %s", r.iterations, r.residual, lw_rest_text(&r));
-    st = cli_note_taut(call, &c->taut, c->taut.chain ? lw_dynamics_model(c->d)->linkage.link_name[c->taut.chain->node[0]] : "", st, e);
     cli_simulate_tail(c, st, e);
     if (st == LW_OK && s->balance)
         st = cli_simulate_balance(c, stdout, e);

@@ -150,24 +150,3 @@ void cli_note_pull(const cli_call *c, const cli_pull *p, const char *node)
         cli_note(c, "the axial force in \"%.*s\" reaches %.3g of the buckling load of one of its superelements, in %s, and they bend as if they had "
                  "none; take more \"superelements\"", (int)strlen(node) - 2, node, fabs(p->share), p->share > 0 ? "tension" : "compression");
 }
-
-void cli_taut_see(cli_taut *p, const lw_elastic_chain *c, double h, double apart, double second)
-{
-    double share = c->elastic->section.area*(apart/h - 1)*h*h/(12*second);
-    if (share > p->share)
-        *p = (cli_taut){ share, c };
-}
-
-lw_status cli_note_taut(const cli_call *c, const cli_taut *p, const char *node, lw_status st, lw_error *e)
-{
-    static const double lost = 0.9, large = 0.1;
-    int n = p->chain ? (int)strlen(node) - 2 : 0, elements = p->chain ? p->chain->n_node - 1 : 0;
-    double needed = ceil(elements*sqrt(p->share/large));
-    if (p->share > lost && (st == LW_OK || st == LW_STOPPED))
-        return lw_error_set(e, LW_E_NUMERIC, "the tension in \"%.*s\" reaches %.3g of 12 E I/h^2, where elements of its length h turn out of their direction and stretch "
-                            "without resistance: the motion is not that of the link; take at least %.0f \"segments\"", n, node, p->share, needed);
-    if (p->share > large)
-        cli_note(c, "the tension in \"%.*s\" reaches %.3g of 12 E I/h^2, where elements of its length h turn out of their direction: how it bends may be off by a like "
-                 "share; %.0f \"segments\" bring it below 0.1", n, node, p->share, needed);
-    return st;
-}

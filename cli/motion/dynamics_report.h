@@ -31,15 +31,6 @@ typedef struct cli_pull { double share; const lw_elastic_chain *chain; } cli_pul
 /* Look at a piece with this axial force [N], length [m] and least second moment [m^4]. */
 void cli_pull_see(cli_pull *p, const lw_elastic_chain *c, double normal, double length, double second);
 
-/* Elements turn out of their direction under a tension of 12 EI/h^2 and resist stretch no more.  The greatest tension over that, and the bar; at first { 0, NULL }. */
-typedef cli_pull cli_taut;
-
-/* Look at an element of the length h now `apart` long, with the least second moment [m^4]. */
-void cli_taut_see(cli_taut *p, const lw_elastic_chain *c, double h, double apart, double second);
-
-/* Say so where that share is above a tenth.  LW_E_NUMERIC with a text where it is nearly reached; else `st`. */
-lw_status cli_note_taut(const cli_call *c, const cli_taut *p, const char *node, lw_status st, lw_error *e);
-
 /* Say so where the bending may be off by a hundredth: of a cantilever by 0.3 to 0.6 of the share in tension, by more in compression.  node: name of
  * the first node of the bar, NAME.0. */
 void cli_note_pull(const cli_call *c, const cli_pull *p, const char *node);

@@ -223,13 +223,9 @@ static double *put_inner(cli_simulate *s, const lw_moment *m, int chain, double 
     int n = c->n_bound;
     double most = 0;
     lw_reactions_inner(s->d, m, chain, s->inner);
-    for (int i = 0; c->elastic->n_node == 0 && i + 1 < n; i++) {
+    for (int i = 0; c->condensed && i + 1 < n; i++) {
         lw_vec2 from = lw_system_point(sys, sys->body[c->node[i]], lw_v2(0, 0), m->q), end = lw_system_point(sys, sys->body[c->node[i + 1]], lw_v2(0, 0), m->q);
-        double apart = lw_v2_norm(lw_v2_sub(end, from));
-        if (c->condensed)
-            cli_pull_see(&s->pull, c, (s->inner[i].normal + s->inner[i + 1].normal)/2, apart, c->elastic->section.iz);
-        else
-            cli_taut_see(&s->taut, c, lw_dynamics_elastic(s->d)->model.beam[c->first_beam + i].length, apart, c->elastic->section.iz);
+        cli_pull_see(&s->pull, c, (s->inner[i].normal + s->inner[i + 1].normal)/2, lw_v2_norm(lw_v2_sub(end, from)), c->elastic->section.iz);
     }
     for (int i = 0; i < n; i++) {
         *to++ = s->inner[i].normal;

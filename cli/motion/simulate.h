@@ -25,7 +25,6 @@ typedef struct cli_simulate {
     lw_dynamics_report       report;
     cli_suction     suction;
     cli_pull        pull;
-    cli_taut        taut;
 } cli_simulate;
 
 /* Drive the inputs without a motion at this constant speed, as --speed gives it; NULL: none. */

@@ -25,7 +25,6 @@ typedef struct run {
     lw_frame_motion  *tracer, *link;
     lw_space_inner   *inner;             /* of the nodes of one elastic link */
     cli_pull          pull;
-    cli_taut          taut;
     cli_suction       suction;
     cli_column       *column;
     int               n_column, capacity;
@@ -181,15 +180,6 @@ static void see_pull(run *r, const lw_space_moment *o, const lw_elastic_chain *c
     }
 }
 
-static void see_taut(run *r, const lw_space_moment *o, const lw_elastic_chain *c)
-{
-    const lw_section *p = &c->elastic->section;
-    for (int i = 0; i + 1 < c->n_bound; i++) {
-        lw_vec3 along = lw_v3_sub(o->frame[r->s->body_of[c->node[i + 1]] + 1].at, o->frame[r->s->body_of[c->node[i]] + 1].at);
-        cli_taut_see(&r->taut, c, r->s->model->beam[c->first_beam + i].length, lw_v3_norm(along), fmin(p->iy, p->iz));
-    }
-}
-
 static double *put_inner(run *r, const lw_space_moment *o, double *to)
 {
     const lw_elastic_chain *c;
@@ -197,8 +187,6 @@ static double *put_inner(run *r, const lw_space_moment *o, double *to)
         lw_dynamics_space_inner(r->d, o, k, r->inner);
         if (c->condensed && c->elastic->n_node == 0)
             see_pull(r, o, c);
-        else if (c->elastic->n_node == 0)
-            see_taut(r, o, c);
         for (int i = 0; i < c->n_bound && c->elastic->n_node == 0; i++) {
             const lw_space_inner *p = &r->inner[i];
             const double all[] = { p->normal, p->shear[0], p->shear[1], p->torque, p->bending[0], p->bending[1], p->stress };
@@ -499,7 +487,6 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
         kept.column = r.column;
         head(&r, call);
         st = lw_dynamics_analyse(r.d, put_row, &r, &r.report, &r.rest, &e);
-        st = cli_note_taut(call, &r.taut, r.taut.chain ? r.m->body[r.taut.chain->node[0]].name : "", st, &e);
         if (r.as_json)
             cli_dynamics_tail(&r.json, r.d, &r.report, st, &e);
         else

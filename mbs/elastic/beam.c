@@ -24,7 +24,7 @@ static frame frame_of(const lw_beam *b, const double x[6])
 
 static void strain(const lw_beam *b, const frame *f, const double x[6], double e[3])
 {
-    e[0] = f->along - b->length;
+    e[0] = f->along - b->length + 0.5*f->across*f->across/b->length;
     e[1] = f->across;
     e[2] = x[5] - x[2];
 }
@@ -37,7 +37,7 @@ double lw_beam_energy(const lw_beam *b, const double x[6])
     return 0.5*(b->stiffness[0]*e[0]*e[0] + b->stiffness[1]*e[1]*e[1] + b->stiffness[2]*e[2]*e[2]);
 }
 
-/* Second derivatives of e[0] (k = 0) and e[1]; those of e[2] are 0. */
+/* Second derivatives of along (k = 0) and across. */
 static void bend_of(const frame *f, int k, double h[6][6])
 {
     double ux = k ? -f->c : -f->s, uy = k ? -f->s : f->c;      /* derivative of the axis by the turn of the frame */
@@ -52,15 +52,29 @@ static void bend_of(const frame *f, int k, double h[6][6])
         }
 }
 
-void lw_beam_at(const lw_beam *b, const double x[6], const double v[6], bool derivatives, lw_beam_state *out)
+/* Second derivatives of e[0] (k = 0) and e[1], g: derivative of e[1]; those of e[2] are 0. */
+static void strain_bend(const lw_beam *b, const frame *f, const double g[6], int k, double h[6][6])
+{
+    double across[6][6];
+    bend_of(f, k, h);
+    if (k == 1)
+        return;
+    bend_of(f, 1, across);
+    for (int i = 0; i < 6; i++)
+        for (int j = 0; j < 6; j++)
+            h[i][j] += (f->across*across[i][j] + g[i]*g[j])/b->length;
+}
+
+void lw_beam_at(const lw_beam *b, const double x[6], const double v[6], bool derivatives, const double *pull, lw_beam_state *out)
 {
     frame f = frame_of(b, x);
-    const double g[3][6] = {
+    double inner[3], g[3][6] = {
         { -f.c, -f.s, 0.5*f.across, f.c, f.s, 0.5*f.across },
         { f.s, -f.c, -0.5*f.along, -f.s, f.c, -0.5*f.along },
         { 0, 0, -1, 0, 0, 1 }
     };
-    double inner[3];
+    for (int i = 0; i < 6; i++)
+        g[0][i] += f.across/b->length*g[1][i];
     strain(b, &f, x, out->e);
     for (int k = 0; k < 3; k++) {
         out->rate[k] = 0;
@@ -72,12 +86,14 @@ void lw_beam_at(const lw_beam *b, const double x[6], const double v[6], bool der
         out->force[i] = -(inner[0]*g[0][i] + inner[1]*g[1][i] + inner[2]*g[2][i]);
     if (!derivatives)
         return;
+    if (pull)
+        inner[0] = *pull;
     memset(out->by_x, 0, sizeof out->by_x);
     memset(out->by_v, 0, sizeof out->by_v);
     for (int k = 0; k < 3; k++) {
         double h[6][6], hv[6] = { 0 };
         if (k < 2)
-            bend_of(&f, k, h);
+            strain_bend(b, &f, g[1], k, h);
         for (int i = 0; k < 2 && b->damping > 0 && i < 6; i++)
             for (int j = 0; j < 6; j++)
                 hv[i] += h[i][j]*v[j];

@@ -1,11 +1,14 @@
 /* mbs/elastic/beam.h - one Timoshenko beam element between two nodes, in the frame half-way between their rotations
  * (corotational; Crisfield 1990).
  *
- * In this frame the stiffness of the beam is diagonal: stretch EA/h, shear 12 EI/(h^3 (1 + k)), bending EI/h, torsion GJ/h,
- * with k = 12 zeta EI/(G A h^2); about an undeformed element it is the matrix of Makkonen (1999, appendix A).  The strain
- * energy is U = 1/2 sum of k_i e_i^2, with e functions of the nodes that rigid motions leave unchanged, and forces are its
- * gradient: so forces and moments of an element balance exactly, and exchanging its ends changes nothing.  Makkonen's frame
- * is fixed to one end and takes moments about the undeformed arm (eq. 37, 38), which loses both.
+ * The strains are the stretch x - h + y^2/2h of the vector (x, y) between the nodes in this frame, the shear y, and the turn from
+ * node to node.  The stretch is that of the distance between the nodes, to second order: with x - h alone the element would turn
+ * out of its direction under a tension above 12 EI/h^2, and a taut string would not resist across.  In these strains the stiffness
+ * of the beam is diagonal: stretch EA/h, shear 12 EI/(h^3 (1 + k)), bending EI/h, torsion GJ/h, with k = 12 zeta EI/(G A h^2); about
+ * an undeformed element it is the matrix of Makkonen (1999, appendix A).  The strain energy is U = 1/2 sum of k_i e_i^2, with e
+ * functions of the nodes that rigid motions leave unchanged, and forces are its gradient: so forces and moments of an element
+ * balance exactly, and exchanging its ends changes nothing.  Makkonen's frame is fixed to one end and takes moments about the
+ * undeformed arm (eq. 37, 38), which loses both.
  *
  * Damping is proportional to stiffness: force k_i d e_i' with the time d [s]. */
 #ifndef LW_MBS_ELASTIC_BEAM_H
@@ -23,7 +26,8 @@ typedef struct lw_beam_state {
     double by_x[6][6], by_v[6][6];   /* derivatives of force; filled if asked for */
 } lw_beam_state;
 
-void lw_beam_at(const lw_beam *b, const double x[6], const double v[6], bool derivatives, lw_beam_state *out);
+/* pull: tension at which derivatives are taken [N]; NULL: that of the stretch and its rate. */
+void lw_beam_at(const lw_beam *b, const double x[6], const double v[6], bool derivatives, const double *pull, lw_beam_state *out);
 
 /* Strain energy [J]. */
 double lw_beam_energy(const lw_beam *b, const double x[6]);

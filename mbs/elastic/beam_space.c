@@ -7,7 +7,7 @@
  *     T turns by  m - q g x w  in its own axes,   q = tan(f/2)/(4 f)
  *     dp = T^T (d r_b - d r_a) + p x (that turn)
  *
- * With the force N and the moment M of the strains, c = N x p and h = A M - q c x g, the gradient of U is T N by r_b, T (c/2 + h) by
+ * With the force N by p and the moment M of the strains, c = N x p and h = A M - q c x g, the gradient of U is T N by r_b, T (c/2 + h) by
  * t_b, T (c/2 - h) by t_a.  All is written in the mid frame and turned to ground axes at the end. */
 #include "mbs/elastic/beam_space.h"
 
@@ -81,6 +81,10 @@ static change change_of(const strain *s, const lw_vec3 r[2], const lw_vec3 turn[
     return c;
 }
 
+/* Change of the stretch and the shears, e = (p.x - h + (p.y^2 + p.z^2)/2h, p.y, p.z), by that of p; and the force by p of forces w by e. */
+static lw_vec3 strain_change(const lw_beam_space *b, lw_vec3 p, lw_vec3 dp) { return lw_v3(dp.x + (p.y*dp.y + p.z*dp.z)/b->length, dp.y, dp.z); }
+static lw_vec3 force_of(const lw_beam_space *b, lw_vec3 p, lw_vec3 w) { return lw_v3(w.x, w.y + w.x*p.y/b->length, w.z + w.x*p.z/b->length); }
+
 static lw_vec3 scaled(const double k[3], lw_vec3 a) { return lw_v3(k[0]*a.x, k[1]*a.y, k[2]*a.z); }
 
 static void put(const lw_mat3 *t, lw_vec3 a, double *out)
@@ -107,24 +111,29 @@ static lw_vec3 moment_change(const strain *s, lw_vec3 c, lw_vec3 m, lw_vec3 dc, 
     return lw_v3_sub(out, lw_v3_scale(lw_v3_add(lw_v3_cross(dc, s->g), lw_v3_cross(c, dg)), z->q));
 }
 
-void lw_beam_space_at(const lw_beam_space *b, const lw_beam_node node[2], bool derivatives, lw_beam_space_state *out)
+void lw_beam_space_at(const lw_beam_space *b, const lw_beam_node node[2], bool derivatives, const double *pull, lw_beam_space_state *out)
 {
     const double *k = b->stiffness;
     strain s = strain_of(b, node);
-    lw_vec3 e = lw_v3(s.p.x - b->length, s.p.y, s.p.z);
+    lw_vec3 e = lw_v3(s.p.x - b->length + 0.5*(s.p.y*s.p.y + s.p.z*s.p.z)/b->length, s.p.y, s.p.z);
     lw_vec3 v[2] = { lw_m3_unapply(&s.t, node[0].v), lw_m3_unapply(&s.t, node[1].v) };
     lw_vec3 omega[2] = { lw_m3_unapply(&s.t, node[0].omega), lw_m3_unapply(&s.t, node[1].omega) };
     change rate = change_of(&s, v, omega);
-    lw_vec3 n = scaled(k, lw_v3_add(e, lw_v3_scale(rate.p, b->damping)));
+    lw_vec3 rate_e = strain_change(b, s.p, rate.p), w = scaled(k, lw_v3_add(e, lw_v3_scale(rate_e, b->damping))), n = force_of(b, s.p, w);
     lw_vec3 m = scaled(k + 3, lw_v3_add(s.g, lw_v3_scale(rate.g, b->damping)));
     lw_vec3 c = lw_v3_cross(n, s.p), h = moment(&s, c, m), half = lw_v3_scale(c, 0.5);
     out->frame = s.t;
+    out->stretch = e.x, out->stretch_rate = rate_e.x;
     out->energy = 0.5*(lw_v3_dot(e, scaled(k, e)) + lw_v3_dot(s.g, scaled(k + 3, s.g)));
-    out->power = -b->damping*(lw_v3_dot(rate.p, scaled(k, rate.p)) + lw_v3_dot(rate.g, scaled(k + 3, rate.g)));
+    out->power = -b->damping*(lw_v3_dot(rate_e, scaled(k, rate_e)) + lw_v3_dot(rate.g, scaled(k + 3, rate.g)));
     put(&s.t, n, out->force);
     put(&s.t, lw_v3_sub(h, half), out->force + 3);
     put(&s.t, lw_v3_scale(n, -1), out->force + 6);
     put(&s.t, lw_v3_scale(lw_v3_add(h, half), -1), out->force + 9);
+    if (pull) {
+        w.x = *pull, n = force_of(b, s.p, w), c = lw_v3_cross(n, s.p);
+        h = moment(&s, c, m), half = lw_v3_scale(c, 0.5);
+    }
     for (int column = 0; derivatives && column < 12; column++) {
         lw_vec3 axis = lw_v3(column%3 == 0, column%3 == 1, column%3 == 2), own = lw_m3_unapply(&s.t, axis);
         lw_vec3 r[2] = { { 0, 0, 0 }, { 0, 0, 0 } }, turn[2] = { { 0, 0, 0 }, { 0, 0, 0 } };
@@ -132,7 +141,9 @@ void lw_beam_space_at(const lw_beam_space *b, const lw_beam_node node[2], bool d
         change z = change_of(&s, r, turn);
         for (int damp = 0; damp < 2; damp++) {
             double part = damp ? b->damping : 1;
-            lw_vec3 dn = lw_v3_scale(scaled(k, z.p), part), dm = lw_v3_scale(scaled(k + 3, z.g), part), zero = { 0, 0, 0 };
+            lw_vec3 dn = lw_v3_scale(force_of(b, s.p, scaled(k, strain_change(b, s.p, z.p))), part), dm = lw_v3_scale(scaled(k + 3, z.g), part), zero = { 0, 0, 0 };
+            if (!damp)
+                dn = lw_v3_add(dn, lw_v3_scale(lw_v3(0, z.p.y, z.p.z), w.x/b->length));
             lw_vec3 dc = lw_v3_add(lw_v3_cross(dn, s.p), damp ? zero : lw_v3_cross(n, z.p));
             lw_vec3 dh = moment_change(&s, c, m, dc, dm, damp ? zero : z.g), dhalf = lw_v3_scale(dc, 0.5);
             if (!damp) {                         /* the frame turns with what it shows */

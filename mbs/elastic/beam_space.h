@@ -23,6 +23,7 @@ typedef struct lw_beam_node { lw_vec3 at; lw_mat3 turn; lw_vec3 v, omega; } lw_b
 
 typedef struct lw_beam_space_state {
     double  energy;
+    double  stretch, stretch_rate;   /* [m] [m/s] */
     double  power;               /* of the dampers [W] */
     lw_mat3 frame;               /* the mid frame; columns are its axes */
     double  force[12];           /* force and moment on each node, in ground axes [N] [N m] */
@@ -38,7 +39,8 @@ typedef struct lw_mid_frame { lw_mat3 turn; lw_vec3 g; double q, dq, k, n; } lw_
 lw_mid_frame lw_mid_frame_of(const lw_mat3 *first, const lw_mat3 *second);
 
 void lw_beam_space_stiffness(const lw_section *s, const lw_material *m, double h, double out[6]);
-void lw_beam_space_at(const lw_beam_space *b, const lw_beam_node node[2], bool derivatives, lw_beam_space_state *out);
+/* pull: as for lw_beam_at. */
+void lw_beam_space_at(const lw_beam_space *b, const lw_beam_node node[2], bool derivatives, const double *pull, lw_beam_space_state *out);
 
 /* Consistent mass of an element less the lumps at its nodes, by displacements and turns of the nodes in its own axes: Timoshenko's
  * shape functions in both planes (mbs/elastic/beam.h), linear ones for stretch and torsion. */

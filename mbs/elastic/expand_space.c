@@ -375,7 +375,7 @@ static lw_status condense(const lw_spatial *m, int first, int last, const lw_ela
         for (int side = 0; side < 2; side++)
             node[side].turn = lw_m3_columns(lw_v3(1, 0, 0), lw_v3(0, 1, 0), lw_v3(0, 0, 1));
         memcpy(b.stiffness, beam->stiffness, sizeof b.stiffness);
-        lw_beam_space_at(&b, node, true, &z);
+        lw_beam_space_at(&b, node, true, NULL, &z);
         if (p->consistent)
             lw_beam_space_mass(beam, more);
         const double half = beam->mass/2, *gyration = beam->gyration;

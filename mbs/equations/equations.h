@@ -83,6 +83,9 @@ typedef struct lw_equations {
     void   (*derivatives)(void *context, double t, const double *q, const double *v, double *force,
                           const lw_force_sink *sink);
     void   (*pattern)(void *context, const lw_force_sink *sink);
+    /* Until the next call derivatives are taken with the tensions in elements that a small displacement `by` (n_v) from q changes linearly; by NULL:
+     * with those at hand.  Newton's method needs it where elements resist stretch far more than bending.  NULL: there are no elements. */
+    void   (*foresee)(void *context, const double *q, const double *by);
     /* Entries of the mass matrix besides its diagonal at q, to by_q of a sink (consistent masses of elements, which only
      * modes and equilibrium know, and of superelements).  NULL: there are none. */
     void   (*more_mass)(void *context, const double *q, const lw_force_sink *sink);

@@ -203,6 +203,7 @@ static void state_start(void *context, double t, const double *q, const double *
     lw_forces_state_start(((const lw_planar *)context)->f, t, q, v, z);
 }
 
+static void foresee(void *context, const double *q, const double *by) { lw_forces_foresee(((const lw_planar *)context)->f, q, by); }
 static double state_scale(void *context, int i) { return ((const lw_planar *)context)->f->model->states.state[i].scale; }
 
 static double kinetic(void *context, const double *v)
@@ -433,7 +434,7 @@ lw_equations lw_planar_equations(lw_planar *p)
                            .row_blocks = row_blocks, .measure_blocks = measure_blocks, .place = place, .rows = rows,
                            .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias, .measure_bends = measure_bends,
                            .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
-                           .pattern = pattern,
+                           .pattern = pattern, .foresee = m->n_beam ? foresee : NULL,
                            .more_mass = consistent || m->n_super ? more_mass : NULL,
                            .more_inertia = m->n_super && !consistent ? more_inertia : NULL, .damper = damper,
                            .expressions = has_expressions(m) ? expressions : NULL,

@@ -317,6 +317,13 @@ static void derivatives(void *context, double t, const double *q, const double *
     lw_space_forces_apply(&c->f, t, c->frame, v, force, NULL, &(lw_space_sink){ sink->context, sink->add, sink->add_state });
 }
 
+static void foresee(void *context, const double *q, const double *by)
+{
+    lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_foresee(&c->f, c->frame, by);
+}
+
 static void more_mass(void *context, const double *q, const lw_force_sink *sink)
 {
     const lw_spatial_scene *c = context;
@@ -606,7 +613,7 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .row_blocks = row_blocks, .measure_blocks = measure_blocks, .place = place, .rows = rows,
                            .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias,
                            .bends = bends, .measure_bends = measure_bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
-                           .pattern = pattern, .more_mass = lw_space_more_mass(&c->f, NULL, NULL) ? more_mass : NULL,
+                           .pattern = pattern, .foresee = c->model->n_beam ? foresee : NULL, .more_mass = lw_space_more_mass(&c->f, NULL, NULL) ? more_mass : NULL,
                            .more_inertia = c->model->n_super ? more_inertia : NULL,
                            .damper = damper, .n_z = c->model->states.n_state, .z = c->f.z, .place_states = place_states, .state_rates = state_rates,
                            .state_start = state_start, .state_scale = state_scale,

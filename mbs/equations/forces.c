@@ -103,10 +103,10 @@ static bool is_own_law(const lw_expression *law)
 
 lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force *caller, lw_forces *f, lw_error *e)
 {
-    size_t n = (size_t)s->n_q, springs = (size_t)m->n_spring, forces = (size_t)m->n_force;
+    size_t n = (size_t)s->n_q, springs = (size_t)m->n_spring, forces = (size_t)m->n_force, beams = (size_t)m->n_beam;
     *f = (lw_forces){ .model = m, .system = s, .conservative = m->n_force == 0 && m->n_motor == 0 };
     size_t calls = caller && caller->apply ? 1 : 0, links = calls*(size_t)m->linkage.n_link;
-    f->memory = calloc((2 + 3*calls)*n + 4*springs + 2*forces + 1 + (size_t)m->states.n_state, sizeof *f->memory);
+    f->memory = calloc((2 + 3*calls)*n + 4*springs + 2*forces + 1 + beams + (size_t)m->states.n_state, sizeof *f->memory);
     f->stop_joint = calloc((size_t)s->n_joint + 1, sizeof *f->stop_joint);
     f->caller_link = calloc(links + 1, sizeof *f->caller_link);
     f->caller_load = calloc(links + 1, sizeof *f->caller_load);
@@ -119,7 +119,10 @@ lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_
     f->spring_arm = (lw_vec2 (*)[2])(void *)(f->weight + n);
     f->force_arm = (lw_vec2 *)(void *)(f->weight + n + 4*springs);
     f->caller_x = f->weight + n + 4*springs + 2*forces;
-    f->z = f->caller_x + 3*calls*n;
+    f->pull = f->caller_x + 3*calls*n;
+    f->z = f->pull + beams;
+    for (int i = 0; i < m->n_beam; i++)
+        f->pull[i] = NAN;
     for (int b = 0; b < s->n_body; b++) {
         const lw_body *body = &m->body[s->link[b]];
         f->mass[3*b] = f->mass[3*b + 1] = body->mass*s->unit*s->unit;
@@ -551,7 +554,17 @@ void lw_forces_beam(const lw_forces *f, int beam, const double *q, const double 
 {
     double x[6], rate[6];
     beam_nodes(f, &f->model->beam[beam], q, v, x, rate);
-    lw_beam_at(&f->model->beam[beam], x, rate, derivatives, out);
+    lw_beam_at(&f->model->beam[beam], x, rate, derivatives, isnan(f->pull[beam]) ? NULL : &f->pull[beam], out);
+}
+
+void lw_forces_foresee(const lw_forces *f, const double *q, const double *by)
+{
+    lw_beam_state z;
+    for (int i = 0; i < f->model->n_beam; i++) {
+        if (by)
+            lw_forces_beam(f, i, q, by, false, &z);
+        f->pull[i] = by ? f->model->beam[i].stiffness[0]*(z.e[0] + z.rate[0]) : NAN;
+    }
 }
 
 static void apply_beams(const lw_forces *f, const double *q, const double *v, sum *to)

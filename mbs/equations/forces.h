@@ -28,6 +28,7 @@ typedef struct lw_forces {
     bool    conservative;                   /* gravity, springs without damping, compliant stops */
     bool    any_state;                      /* loads other than gravity */
     bool    coupled;                        /* first-order states, or laws of other quantities than their own measure */
+    double *pull;                           /* (n_beam) tension at which derivatives of elements are taken [N]; NAN: that of the stretch */
     double *z;                              /* (model->n_state) the states at which forces are wanted */
     lw_expression_sink_at *see;             /* is shown the expressions with their values as they are evaluated; NULL: not */
     void    *see_of;
@@ -79,6 +80,10 @@ lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t
 
 /* side (2 n_stop): > 0 where a compliant stop is touched, and where it pushes. */
 void lw_forces_stop_sides(const lw_forces *f, const double *q, const double *v, double *side);
+
+/* Derivatives are taken with the tensions that a small displacement `by` (n_q) from q changes linearly, until the next call; NULL: with
+ * those at hand. */
+void lw_forces_foresee(const lw_forces *f, const double *q, const double *by);
 
 /* An element of the model at a moment (mbs/elastic/beam.h). */
 void lw_forces_beam(const lw_forces *f, int beam, const double *q, const double *v, bool derivatives, lw_beam_state *out);

@@ -19,7 +19,8 @@ typedef struct search {
     int     n_q, n, c;                       /* coordinates, velocities, kept rows */
     double  t, soft;                         /* soft: masses in the matrix of balance */
     lw_status factored;                      /* of the matrix of the last step */
-    double *q, *l, *load, *residual, *step, *still, *old_q, *old_l, *aside;
+    double first;                            /* length of the first step of Newton's method */
+    double *q, *l, *load, *residual, *step, *walked, *still, *old_q, *old_l, *aside;       /* walked: sum of the steps under a load */
 } search;
 
 static const int most_newton = 30, most_parts = 400, most_downhill = 2000;
@@ -64,6 +65,8 @@ static double newton_step(search *s, double mass)
 static void move(search *s)
 {
     s->d->eq.move(s->d->eq.context, s->q, s->step);
+    for (int i = 0; i < s->n; i++)
+        s->walked[i] += s->step[i];
     for (int k = 0; k < s->c; k++)
         s->l[k] += s->step[s->n + k];
 }
@@ -77,10 +80,19 @@ static bool is_last(const search *s, double size, double still, double before)
 
 static lw_status look_at_limits(const search *s) { return lw_limits_check(s->d->o.stop, s->d->o.until, true, s->t, NULL); }
 
+/* Derivatives with the tensions in elements that the step about to be made leads to by its linear part: the stretch is of second order in the
+ * deflection, and what it adds to the tension is gone after the next step (Magisano, Leonetti & Garcea 2017); by NULL: with those at hand. */
+static void foresee(const search *s, const double *by)
+{
+    if (s->d->eq.foresee)
+        s->d->eq.foresee(s->d->eq.context, s->q, by);
+}
+
 /* Newton's method under these loads. */
-static lw_status balance(search *s, loads w, int *iterations)
+static lw_status newton(search *s, loads w, int *iterations)
 {
     double before = INFINITY;
+    memset(s->walked, 0, (size_t)s->n*sizeof *s->walked);
     for (int pass = 0; pass < most_newton; pass++) {
         if (look_at_limits(s) != LW_OK)
             return LW_STOPPED;
@@ -88,17 +100,26 @@ static lw_status balance(search *s, loads w, int *iterations)
         if (st != LW_OK)
             return LW_OPEN;
         double size = newton_step(s, s->soft);
+        s->first = pass == 0 ? size : s->first;
         ++*iterations;
         if (s->factored == LW_E_MEMORY)
             return s->factored;
         if (!(size < longest) || (pass > 3 && size > 2*before))
             return LW_OPEN;
+        foresee(s, s->step);
         move(s);
         if (is_last(s, size, s->soft > 0 ? drifts : rounded, pass > 2 ? before : INFINITY))
             return find_residual(s, w) == LW_OK ? LW_OK : LW_OPEN;
         before = size;
     }
     return LW_OPEN;
+}
+
+static lw_status balance(search *s, loads w, int *iterations)
+{
+    lw_status st = newton(s, w, iterations);
+    foresee(s, NULL);
+    return st;
 }
 
 static void keep(search *s)
@@ -113,6 +134,14 @@ static void put_back(search *s)
     memcpy(s->l, s->old_l, (size_t)s->c*sizeof *s->l);
 }
 
+/* Has Newton's method left the path of the posture kept last, as beyond a snap-through?  On the path the motion is little more than that along
+ * its tangent. */
+static bool off_path(const search *s)
+{
+    double moved = lw_greatest_or_infinite(s->n, s->walked);
+    return moved > longest || moved > 1.5*s->first + 1e-6;
+}
+
 /* From one pair of loads to another in parts. */
 static lw_status load_steps(search *s, loads from, loads to, lw_rest *r)
 {
@@ -124,7 +153,7 @@ static lw_status load_steps(search *s, loads from, loads to, lw_rest *r)
         lw_status st = balance(s, w, &r->iterations);
         if (st == LW_STOPPED || st == LW_E_MEMORY)
             return st;
-        if (st == LW_OK) {
+        if (st == LW_OK && !off_path(s)) {
             keep(s);
             part = end;
             next *= 2;
@@ -206,12 +235,12 @@ static lw_status downhill(search *s, lw_rest *r)
 static lw_status prepare(search *s, lw_dynamics *d, double t, double *q)
 {
     size_t n = (size_t)d->n_v, c = (size_t)d->n_kept, n_q = (size_t)d->n_q;
-    double *p = calloc(4*n + n_q + 4*(n + c), sizeof *p);
+    double *p = calloc(5*n + n_q + 4*(n + c), sizeof *p);
     *s = (search){ .d = d, .n_q = d->n_q, .n = d->n_v, .c = d->n_kept, .t = t, .q = q, .load = p };
     if (!p || lw_tangent_make(d, false, false, &s->tangent) != LW_OK)
         return LW_E_MEMORY;
     p += n;
-    s->aside = p, p += n;
+    s->aside = p, p += n, s->walked = p, p += n;
     s->still = p, p += n, s->old_q = p, p += n_q, s->l = p, p += n + c;
     s->old_l = p, p += n + c, s->residual = p, p += n + c, s->step = p;
     lw_status st = lw_tangent_at_rest(d, t, q, s->still, d->a, s->l);

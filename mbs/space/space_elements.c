@@ -87,7 +87,7 @@ void lw_space_beam(const lw_space_forces *f, const lw_space_frame *frame, const 
         node[k] = (lw_beam_node){ frame[b + 1].at, frame[b + 1].turn, lw_space_point_velocity(s, frame, centre, v),
                                   lw_space_omega(frame, b, v) };
     }
-    lw_beam_space_at(&f->beam[i], node, derivatives, out);
+    lw_beam_space_at(&f->beam[i], node, derivatives, isnan(f->pull[i]) ? NULL : &f->pull[i], out);
     /* Derivatives of forces hold where velocity coordinates stay, which turn with the node. */
     for (int k = 0; k < 2 && derivatives && f->beam[i].damping > 0; k++)
         for (int c = 0; c < 3; c++) {
@@ -97,6 +97,16 @@ void lw_space_beam(const lw_space_forces *f, const lw_space_frame *frame, const 
                 out->by_x[a][6*k + 3 + c] += w[0]*by.x + w[1]*by.y + w[2]*by.z;
             }
         }
+}
+
+void lw_space_foresee(const lw_space_forces *f, const lw_space_frame *frame, const double *by)
+{
+    lw_beam_space_state z;
+    for (int i = 0; i < f->s->model->n_beam; i++) {
+        if (by)
+            lw_space_beam(f, frame, by, i, false, &z);
+        f->pull[i] = by ? f->beam[i].stiffness[0]*(z.stretch + z.stretch_rate) : NAN;
+    }
 }
 
 /* Nodes of a superelement at one moment, behind the matrices of the scratch; v NULL: at rest. */
@@ -152,7 +162,7 @@ double lw_space_elements_energy(const lw_space_forces *f, const lw_space_frame *
             node[k] = (lw_beam_node){ .at = p->at, .turn = p->turn };
         }
         lw_beam_space_state z;
-        lw_beam_space_at(&f->beam[i], node, false, &z);
+        lw_beam_space_at(&f->beam[i], node, false, NULL, &z);
         energy += z.energy;
     }
     for (int i = 0; i < s->model->n_super; i++)
@@ -210,7 +220,7 @@ bool lw_space_more_mass(const lw_space_forces *f, const lw_space_frame *frame, c
             const lw_space_frame *at = &frame[s->body_of[p->link[k]] + 1];
             node[k] = (lw_beam_node){ .at = at->at, .turn = at->turn };
         }
-        lw_beam_space_at(&f->beam[i], node, false, &z);
+        lw_beam_space_at(&f->beam[i], node, false, NULL, &z);
         lw_beam_space_mass(p, m);
         add_mass(s, frame, &z.frame, 2, p->link, &m[0][0], sink);
     }

@@ -13,7 +13,7 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
     size_t springs = (size_t)m->n_spring, forces = (size_t)m->n_force, joints = (size_t)m->n_joint, v = (size_t)s->n_v,
            beams = (size_t)m->n_beam, contacts = (size_t)m->n_contact;
     *f = (lw_space_forces){ .s = s, .conservative = m->n_force == 0 && m->n_motor == 0 };
-    size_t bytes = springs*sizeof *f->spring_end + forces*sizeof *f->force_at + (joints + v + (size_t)m->states.n_state)*sizeof *f->turn +
+    size_t bytes = springs*sizeof *f->spring_end + forces*sizeof *f->force_at + (joints + v + beams + (size_t)m->states.n_state)*sizeof *f->turn +
                    beams*sizeof *f->beam + contacts*sizeof *f->contact + 1;
     char *at = f->memory = calloc(1, bytes);
     if (!at)
@@ -24,7 +24,10 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
     f->contact = (lw_space_contact *)(void *)at, at += contacts*sizeof *f->contact;
     f->weight = (double *)(void *)at, at += v*sizeof *f->weight;
     f->turn = (double *)(void *)at;
-    f->z = f->turn + joints;
+    f->pull = f->turn + joints;
+    f->z = f->pull + beams;
+    for (int i = 0; i < m->n_beam; i++)
+        f->pull[i] = NAN;
     for (int i = 0; i < m->n_spring; i++) {
         for (int k = 0; k < 2; k++)
             f->spring_end[i][k] = lw_space_point_of(s, m->spring[i].link[k], m->spring[i].at[k]);

@@ -35,6 +35,7 @@ typedef struct lw_space_forces {
     lw_space_point (*spring_end)[2];     /* (n_spring) */
     lw_space_point  *force_at;           /* (n_force) */
     lw_beam_space   *beam;               /* (n_beam) */
+    double          *pull;               /* (n_beam) tension at which derivatives are taken [N]; NAN: that of the stretch */
     lw_space_contact *contact;           /* (n_contact) */
     int              n_super;
     lw_super        *super;              /* (n_super) */
@@ -113,6 +114,10 @@ lw_status lw_space_elements_make(const lw_space *s, lw_space_forces *f, lw_error
 void      lw_space_push_elements(const lw_space_forces *f, const lw_space_frame *frame, const double *v, double *force, double *power,
                                  const lw_space_sink *sink);
 double    lw_space_elements_energy(const lw_space_forces *f, const lw_space_frame *frame, double energy);
+
+/* Derivatives are taken with the tensions that a small displacement `by` (n_v) changes linearly, until the next call; NULL: with those at
+ * hand. */
+void lw_space_foresee(const lw_space_forces *f, const lw_space_frame *frame, const double *by);
 
 /* Beam element i at one moment. */
 void lw_space_beam(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i, bool derivatives,
