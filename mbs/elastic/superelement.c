@@ -149,6 +149,20 @@ static void strain_matrix(const lw_super *s, const lw_beam_node *node, double *m
     }
 }
 
+/* B^T x: a row of B has entries at its own node and at those of the frame. */
+static void transposed_times(const lw_super *s, const double *b, const double *x, double *out)
+{
+    int rows = 6*s->p->n;
+    memset(out, 0, (size_t)rows*(size_t)rows*sizeof *out);
+    for (int l = 0; l < rows; l++) {
+        const int node[3] = { l/6, s->a, s->b };
+        for (int c = 0; c < 3; c++)
+            for (int j = 6*node[c]; j < 6*node[c] + 6 && (c == 0 || node[c] != node[0]); j++)
+                for (int i = 0; b[l*rows + j] != 0 && i < rows; i++)
+                    out[j*rows + i] += b[l*rows + j]*x[l*rows + i];
+    }
+}
+
 double lw_super_at(const lw_super *s, lw_beam_node *node, double *force, double *by_x, double *by_v, double *power)
 {
     const double step = 1e-6;                /* the differences are off by its square */
@@ -189,21 +203,15 @@ double lw_super_at(const lw_super *s, lw_beam_node *node, double *force, double 
         force[i] = -force[i];
     if (!by_x)
         return energy;
+    transposed_times(s, matrix, k, product);
     for (int i = 0; i < rows; i++)           /* K B */
-        for (int j = 0; j < rows; j++) {
-            double sum = 0;
-            for (int l = 0; l < rows; l++)
-                sum += k[i*rows + l]*matrix[l*rows + j];
-            product[i*rows + j] = sum;
+        for (int j = 0; j < i; j++) {
+            double swap = product[i*rows + j];
+            product[i*rows + j] = product[j*rows + i], product[j*rows + i] = swap;
         }
-    for (int i = 0; i < rows; i++)
-        for (int j = 0; j < rows; j++) {
-            double sum = 0;
-            for (int l = 0; l < rows; l++)
-                sum += matrix[l*rows + i]*product[l*rows + j];
-            by_x[i*rows + j] = -sum;
-            by_v[i*rows + j] = -s->p->damping*sum;
-        }
+    transposed_times(s, matrix, product, by_x);
+    for (size_t i = 0; i < square; i++)
+        by_x[i] = -by_x[i], by_v[i] = s->p->damping*by_x[i];
     for (int column = 0; column < rows; column++) {
         lw_beam_node *at = &node[column/6], old = *at;
         double h = column%6 < 3 ? step*s->size : step;
@@ -272,6 +280,14 @@ static void multiply(int rows, const double *a, double by, const double *x, doub
             sum += a[i*rows + j]*x[j];
         out[i] += by*sum;
     }
+}
+
+/* The same for a symmetric matrix, with little work where few x are not 0. */
+static void multiply_symmetric(int rows, const double *a, const double *x, double *out)
+{
+    for (int j = 0; j < rows; j++)
+        for (int i = 0; x[j] != 0 && i < rows; i++)
+            out[i] += a[j*rows + i]*x[j];
 }
 
 static const lw_vec3 none = { 0, 0, 0 };
@@ -407,8 +423,9 @@ static double inertia(const lw_super *s, const lw_beam_node *node, const lw_vec3
     motion m = motion_of(s, node, rate);
     momenta t = { .p = work, .dp = work + rows, .by_e = work + 2*rows };
     memset(work, 0, 3*(size_t)rows*sizeof *work);
-    multiply(rows, s->p->rate, 1, m.u, t.p);
-    multiply(rows, s->p->rate, rate ? 1 : 0, m.du, t.dp);
+    multiply_symmetric(rows, s->p->rate, m.u, t.p);
+    if (rate)
+        multiply_symmetric(rows, s->p->rate, m.du, t.dp);
     t.twice = lw_dot(rows, m.u, t.p);
     if (s->p->turn)
         add_turning(s->p, &m, again, work + 3*rows, work + 4*rows, work + 7*rows, &t);
