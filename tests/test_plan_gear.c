@@ -273,7 +273,7 @@ TEST(a_posture_elsewhere_is_the_same_linkage)
             for (int j = 0; j < there.n_joint; j++)
                 if (there.joint[j].kind == LW_JOINT_GEAR) {
                     CHECK(lw_linkage_gear(&there, j, &g, NULL) == LW_OK);
-                    CHECK_NEAR(lw_v2_norm(lw_v2_sub(lw_linkage_contact(&there, j, &g), there.joint[j].at)), 0, 1e-9, 0);
+                    CHECK_NEAR(lw_v2_norm(lw_v2_sub(lw_gear_contact(there.joint, j, &g), there.joint[j].at)), 0, 1e-9, 0);
                 }
             CHECK(lw_plan_read(&p.plan, &there, dim, mode, &input, NULL) == LW_OK);
             for (int s = 0; s < 5; s++) {

@@ -227,7 +227,7 @@ TEST(rack_and_pinion)
         CHECK_INT(lw_linkage_gear(&k, 2, &g, NULL), LW_OK);
         CHECK_INT(g.carrier, 0);
         CHECK_INT(g.slider[way & 1 ? 0 : 1], 1);
-        CHECK_NEAR(lw_v2_norm(lw_v2_sub(lw_linkage_contact(&k, 2, &g), contact)), 0, 1e-15, 0);
+        CHECK_NEAR(lw_v2_norm(lw_v2_sub(lw_gear_contact(k.joint, 2, &g), contact)), 0, 1e-15, 0);
         KEPT_SYSTEM s = make(&k);
         lw_system_posture(&s, q);
         double turn = 0.7;
@@ -277,6 +277,29 @@ TEST(the_carrier_is_found)
     k.joint[4].at = lw_v2_add(lw_v2_scale(k.joint[1].at, 1/3.0), lw_v2_scale(k.joint[2].at, 2/3.0));
     CHECK_OK(lw_linkage_gear(&k, 4, &g, &check_error));
     CHECK_INT(g.carrier, 2);
+}
+
+/* A sun on an arm that carries more planets than a linkage holds links; the arm turns on the pin of the sun. */
+TEST(the_carrier_of_many_gears_is_found)
+{
+    enum { PLANETS = 40, GROUND = 0, ARM, SUN, N_LINK, N_JOINT = 2 + 2*PLANETS };
+    static char name[N_LINK + PLANETS][LW_NAME_SIZE];
+    static lw_joint joint[N_JOINT];
+    lw_assembly a = { .n_link = N_LINK + PLANETS, .n_joint = N_JOINT, .link_name = name, .joint = joint };
+    joint[0] = (lw_joint){ .kind = LW_JOINT_REVOLUTE, .link = { GROUND, ARM } };
+    joint[1] = (lw_joint){ .kind = LW_JOINT_REVOLUTE, .link = { GROUND, SUN } };
+    for (int i = 0; i < PLANETS; i++) {
+        lw_vec2 at = lw_v2_polar(3, 2*LW_PI*i/PLANETS);
+        joint[2 + i] = (lw_joint){ .kind = LW_JOINT_REVOLUTE, .link = { ARM, N_LINK + i }, .at = at };
+        joint[2 + PLANETS + i] = (lw_joint){ .kind = LW_JOINT_GEAR, .link = { N_LINK + i, SUN }, .ratio = -0.5 };
+    }
+    for (int i = 0; i < PLANETS; i++) {
+        lw_gear g;
+        lw_vec2 contact;
+        CHECK_OK(lw_assembly_gear(&a, 2 + PLANETS + i, &g, &contact, &check_error));
+        CHECK_INT(g.carrier, ARM);
+        CHECK_NEAR(lw_v2_norm(lw_v2_sub(contact, lw_v2_polar(2, 2*LW_PI*i/PLANETS))), 0, 1e-14, 0);
+    }
 }
 
 /* A moved linkage written down is a posture of a system again, whose input counts on. */

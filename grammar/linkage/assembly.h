@@ -49,8 +49,7 @@ double    lw_assembly_posture_input(const lw_assembly *a, int joint);
 lw_status lw_assembly_set_inputs(lw_assembly *a, const bool *given);
 lw_status lw_assembly_check(const lw_assembly *a, lw_error *e);
 
-/* As lw_linkage_gear; *contact is the pitch point (lw_linkage_contact) unless NULL.  LW_E_KIND: more than
- * LW_LINK_MAX links are joined to the two wheels and to their neighbours. */
+/* As lw_linkage_gear; *contact is the pitch point (lw_gear_contact) unless NULL.  LW_E_MEMORY. */
 lw_status lw_assembly_gear(const lw_assembly *a, int joint, lw_gear *g, lw_vec2 *contact, lw_error *e);
 
 #endif

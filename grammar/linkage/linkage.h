@@ -86,8 +86,8 @@ lw_status lw_linkage_gear(const lw_linkage *linkage, int joint, lw_gear *g, lw_e
 /* Unit of a ratio, with `metre` the length unit: metre if link[1] is a rack, 1/metre if link[0] is, else 1. */
 double lw_linkage_gear_unit(const lw_gear *g, double metre);
 
-/* The pitch point of a gear, where both sides have the same velocity; the middle of the centres for ratio 1. */
-lw_vec2 lw_linkage_contact(const lw_linkage *linkage, int joint, const lw_gear *g);
+/* The pitch point of joint number `gear` of `joint`, where both sides have the same velocity; the middle of the centres for ratio 1. */
+lw_vec2 lw_gear_contact(const lw_joint *joint, int gear, const lw_gear *g);
 
 #define LW_COORDINATE_MAX 1e100   /* larger ones overflow when squared: refused [m] */
 

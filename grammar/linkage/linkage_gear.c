@@ -1,78 +1,110 @@
 /* grammar/linkage/linkage_gear.c - finds the link that carries a gear pair, or a rack and its pinion. */
 #include "base/real.h"
-#include "grammar/linkage/linkage.h"
+#include "grammar/linkage/assembly.h"
 
 #include <stdbool.h>
+#include <stdlib.h>
 
 #define CONTACT_TOLERANCE 1e-6
 
-/* Links welded together, as bits; bit of `link` included. */
-static uint32_t welded(const lw_linkage *linkage, int link)
+/* Scratch of one search.  A set of links or joints is named by one of them, its root. */
+typedef struct pin_place { lw_vec2 at; int joint; } pin_place;
+typedef struct bearings {
+    int *weld;           /* (n_link) links welded together */
+    int *pin;            /* (n_joint) joints that share links at one place and so make one pin */
+    int *first[2];       /* (n_link) of each weld: the first joint in which side 0, 1 runs on it; -1: none */
+    int *side_joint;     /* (n_joint) of each pin: its first joint with a link of the side; -1: none */
+    int *last_joint;     /* (n_link) */
+    pin_place *place;    /* (n_joint) */
+} bearings;
+
+static int root(int *set, int i)
 {
-    uint32_t set = 1u << link, before = 0;
-    while (set != before) {
-        before = set;
-        for (int j = 0; j < linkage->n_joint; j++) {
-            uint32_t pair = 1u << linkage->joint[j].link[0] | 1u << linkage->joint[j].link[1];
-            if (lw_joint_freedoms(linkage->joint[j].kind) == 0 && set & pair)
-                set |= pair;
-        }
-    }
-    return set;
+    while (set[i] != i)
+        i = set[i] = set[set[i]];
+    return i;
+}
+
+static void join(int *set, int a, int b) { set[root(set, a)] = root(set, b); }
+
+static int by_place(const void *first, const void *second)
+{
+    const pin_place *a = first, *b = second;
+    int order = (a->at.x > b->at.x) - (a->at.x < b->at.x);
+    order = order ? order : (a->at.y > b->at.y) - (a->at.y < b->at.y);
+    return order ? order : (a->joint > b->joint) - (a->joint < b->joint);
 }
 
 static bool same_place(lw_vec2 a, lw_vec2 b) { return a.x == b.x && a.y == b.y; }
 
-/* The links in `set` and all links that share a pin with them at `at`: joints at one place make one pin. */
-static uint32_t on_pin(const lw_linkage *linkage, uint32_t set, lw_vec2 at)
+/* Find the links that are welded together and the joints that make one pin. */
+static void find_sets(const lw_assembly *a, bearings *b)
 {
-    uint32_t before = 0;
-    while (set != before) {
-        before = set;
-        for (int j = 0; j < linkage->n_joint; j++) {
-            const lw_joint *q = &linkage->joint[j];
-            uint32_t pair = 1u << q->link[0] | 1u << q->link[1];
-            if (lw_joint_turns(q->kind) && same_place(q->at, at) && set & pair)
-                set |= pair;
-        }
+    int n = 0;
+    for (int i = 0; i < a->n_link; i++) {
+        b->weld[i] = i;
+        b->last_joint[i] = -1;
     }
-    return set;
+    for (int j = 0; j < a->n_joint; j++) {
+        const lw_joint *q = &a->joint[j];
+        b->pin[j] = j;
+        if (lw_joint_freedoms(q->kind) == 0)
+            join(b->weld, q->link[0], q->link[1]);
+        if (lw_joint_turns(q->kind))
+            b->place[n++] = (pin_place){ q->at, j };
+    }
+    qsort(b->place, (size_t)n, sizeof *b->place, by_place);
+    for (int k = 0; k < n; k++)
+        for (int end = 0; end < 2; end++) {
+            int j = b->place[k].joint, *last = &b->last_joint[a->joint[j].link[end]];
+            if (*last >= 0 && same_place(a->joint[*last].at, a->joint[j].at))
+                join(b->pin, *last, j);
+            *last = j;
+        }
 }
 
-/* True if a link of side i turns or slides on a link of `carrier`; g gets the place. */
-static bool runs_on(const lw_linkage *linkage, uint32_t side, uint32_t carrier, int i, lw_gear *g)
+static void keep_first(int *joint, int j) { *joint = *joint < 0 || j < *joint ? j : *joint; }
+
+/* Find where side i of the gear, the weld `side`, turns or slides on other links. */
+static void find_bearings(const lw_assembly *a, bearings *b, int i, int side)
 {
-    for (int j = 0; j < linkage->n_joint; j++) {
-        const lw_joint *q = &linkage->joint[j];
-        uint32_t a = 1u << q->link[0], b = 1u << q->link[1];
-        bool touches = (a | b) & side;
-        g->centre[i] = q->at;
-        g->slider[i] = lw_joint_translates(q->kind) ? j : -1;
-        g->way[i] = b & side ? 1.0 : -1.0;
-        if (lw_joint_translates(q->kind) && ((a & side && b & carrier) || (b & side && a & carrier)))
-            return true;
-        if (lw_joint_turns(q->kind) && touches && on_pin(linkage, side & (a | b), q->at) & carrier)
-            return true;
+    for (int c = 0; c < a->n_link; c++)
+        b->first[i][c] = -1;
+    for (int j = 0; j < a->n_joint; j++)
+        b->side_joint[j] = -1;
+    for (int j = 0; j < a->n_joint; j++) {
+        const lw_joint *q = &a->joint[j];
+        int weld[2] = { root(b->weld, q->link[0]), root(b->weld, q->link[1]) };
+        if (weld[0] != side && weld[1] != side)
+            continue;
+        if (lw_joint_translates(q->kind))
+            keep_first(&b->first[i][weld[weld[0] == side]], j);
+        if (lw_joint_turns(q->kind))
+            keep_first(&b->side_joint[root(b->pin, j)], j);
     }
-    return false;
+    for (int j = 0; j < a->n_joint; j++) {
+        int at_side = b->side_joint[root(b->pin, j)];
+        for (int end = 0; at_side >= 0 && end < 2; end++)
+            keep_first(&b->first[i][root(b->weld, a->joint[j].link[end])], at_side);
+    }
 }
 
 /* From the pinion's centre to the point that moves by `way` along the rack as the pinion turns by 1. */
-static lw_vec2 pitch_arm(const lw_linkage *linkage, int slider, double way)
+static lw_vec2 pitch_arm(const lw_joint *joint, int slider, double way)
 {
-    return lw_v2_scale(lw_v2_perp(linkage->joint[slider].along), -way);
+    return lw_v2_scale(lw_v2_perp(joint[slider].along), -way);
 }
 
-lw_vec2 lw_linkage_contact(const lw_linkage *linkage, int joint, const lw_gear *g)
+lw_vec2 lw_gear_contact(const lw_joint *joint, int gear, const lw_gear *g)
 {
-    double ratio = linkage->joint[joint].ratio;
+    double ratio = joint[gear].ratio;
     const lw_vec2 *c = g->centre;
     if (g->slider[0] >= 0 && g->slider[1] >= 0)
-        return linkage->joint[joint].at;
+        return joint[gear].at;
     if (g->slider[1] >= 0)
-        return lw_v2_add(c[0], pitch_arm(linkage, g->slider[1], ratio));
+        return lw_v2_add(c[0], pitch_arm(joint, g->slider[1], ratio));
     if (g->slider[0] >= 0)
-        return lw_v2_add(c[1], pitch_arm(linkage, g->slider[0], 1.0/ratio));
+        return lw_v2_add(c[1], pitch_arm(joint, g->slider[0], 1.0/ratio));
     if (ratio == 1.0)
         return lw_v2_scale(lw_v2_add(c[0], c[1]), 0.5);
     return lw_v2_scale(lw_v2_sub(c[0], lw_v2_scale(c[1], ratio)), 1.0/(1.0 - ratio));
@@ -83,40 +115,86 @@ double lw_linkage_gear_unit(const lw_gear *g, double metre)
     return (g->slider[1] >= 0 ? metre : 1.0)/(g->slider[0] >= 0 ? metre : 1.0);
 }
 
-static bool touches_there(const lw_linkage *linkage, int joint, const lw_gear *g)
+static bool touches_there(const lw_joint *joint, int gear, const lw_gear *g)
 {
-    double off = lw_v2_norm(lw_v2_sub(lw_linkage_contact(linkage, joint, g), linkage->joint[joint].at));
+    double off = lw_v2_norm(lw_v2_sub(lw_gear_contact(joint, gear, g), joint[gear].at));
     return off <= CONTACT_TOLERANCE*lw_v2_norm(lw_v2_sub(g->centre[0], g->centre[1]));
 }
 
-lw_status lw_linkage_gear(const lw_linkage *linkage, int joint, lw_gear *g, lw_error *e)
+/* The gear of two sides (welds) that run on link `carrier`. */
+static lw_gear gear_on(const lw_assembly *a, bearings *b, const int *side, int carrier)
 {
-    const lw_joint *q = &linkage->joint[joint];
-    uint32_t side[2] = { welded(linkage, q->link[0]), welded(linkage, q->link[1]) }, seen = 0;
-    int found = 0, touching = 0;
+    lw_gear g = { .carrier = carrier };
+    for (int i = 0; i < 2; i++) {
+        int j = b->first[i][root(b->weld, carrier)];
+        const lw_joint *q = &a->joint[j];
+        g.centre[i] = q->at;
+        g.slider[i] = lw_joint_translates(q->kind) ? j : -1;
+        g.way[i] = root(b->weld, q->link[1]) == side[i] ? 1.0 : -1.0;
+    }
+    return g;
+}
+
+static lw_status find_carrier(const lw_assembly *a, int joint, bearings *b, lw_gear *g, lw_error *e)
+{
+    const lw_joint *q = &a->joint[joint];
+    int found = 0, touching = 0, side[2];
     lw_gear any = { 0 }, best = { 0 };
-    for (int c = 0; c < linkage->n_link; c++) {
-        uint32_t carrier = welded(linkage, c);
-        lw_gear try = { .carrier = c };
-        if (carrier & (side[0] | side[1] | seen))
+    find_sets(a, b);
+    for (int i = 0; i < 2; i++) {
+        side[i] = root(b->weld, q->link[i]);
+        find_bearings(a, b, i, side[i]);
+    }
+    for (int c = 0; c < a->n_link; c++) {
+        int weld = root(b->weld, c);
+        if (weld == side[0] || weld == side[1] || b->first[0][weld] < 0 || b->first[1][weld] < 0)
             continue;
-        seen |= carrier;
-        if (!runs_on(linkage, side[0], carrier, 0, &try) || !runs_on(linkage, side[1], carrier, 1, &try))
-            continue;
+        lw_gear try = gear_on(a, b, side, c);
+        b->first[0][weld] = -1;                              /* count links welded to c no more */
         any = try;
         found++;
-        if (touches_there(linkage, joint, &try)) {
+        if (touches_there(a->joint, joint, &try)) {
             best = try;
             touching++;
         }
     }
     if (found == 0)
         return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a gear, but no link carries both \"%s\" and \"%s\": give a "
-                            "link that both turn (\"r\") or slide (\"t\") on", q->name, linkage->link_name[q->link[0]],
-                            linkage->link_name[q->link[1]]);
+                            "link that both turn (\"r\") or slide (\"t\") on", q->name, a->link_name[q->link[0]],
+                            a->link_name[q->link[1]]);
     if (found > 1 && touching != 1)
         return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a gear whose two links turn on %d links in common; put "
                             "\"at\" at the point of contact, so that the line of centres tells which", q->name, found);
     *g = found == 1 ? any : best;
     return LW_OK;
+}
+
+lw_status lw_assembly_gear(const lw_assembly *a, int joint, lw_gear *g, lw_vec2 *contact, lw_error *e)
+{
+    int small[4*LW_LINK_MAX + 2*LW_JOINT_MAX], *ints = small;
+    pin_place few[LW_JOINT_MAX], *place = few;
+    size_t n_link = (size_t)a->n_link, n_joint = (size_t)a->n_joint;
+    if (n_link > LW_LINK_MAX || n_joint > LW_JOINT_MAX) {
+        ints = malloc((4*n_link + 2*n_joint)*sizeof *ints);
+        place = malloc(n_joint*sizeof *place);
+    }
+    lw_status s = ints && place ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK) {
+        int *of_joint = ints + 4*n_link;
+        bearings b = { .weld = ints, .first = { ints + n_link, ints + 2*n_link }, .last_joint = ints + 3*n_link,
+                       .pin = of_joint, .side_joint = of_joint + n_joint, .place = place };
+        s = find_carrier(a, joint, &b, g, e);
+    }
+    if (ints != small) {
+        free(ints);
+        free(place);
+    }
+    if (s == LW_OK && contact)
+        *contact = lw_gear_contact(a->joint, joint, g);
+    return s;
+}
+
+lw_status lw_linkage_gear(const lw_linkage *linkage, int joint, lw_gear *g, lw_error *e)
+{
+    return lw_assembly_gear(LW_VIEW(linkage), joint, g, NULL, e);
 }

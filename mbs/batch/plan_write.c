@@ -73,7 +73,7 @@ static void move_gears(const lw_plan *p, const double *dim, lw_linkage *linkage)
     }
     for (int j = 0; j < linkage->n_joint; j++)
         if (lw_joint_has_ratio(linkage->joint[j].kind) && lw_linkage_gear(linkage, j, &g, NULL) == LW_OK)
-            linkage->joint[j].at = lw_linkage_contact(linkage, j, &g);
+            linkage->joint[j].at = lw_gear_contact(linkage->joint, j, &g);
 }
 
 static void move_tracers(const lw_frames *f, const placed *q, const double *dim, lw_linkage *linkage)
