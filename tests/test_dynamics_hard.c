@@ -103,10 +103,10 @@ TEST(pendulum_and_stop)
     for (int f = 1; f < 4; f++) {
         CHECK_INT(drun_to(&d, all[f], 1e-11, 2, 1000), LW_OK);
         CHECK(d.report.energy_error < (f == 1 ? 1e-8 : 1e-5)*d.report.energy_scale);
-        CHECK_NEAR(d.tracer[1000].y, other.n_moment ? other.tracer[1000].y : d.tracer[1000].y, 1e-5, 0);
+        if (f > 1)
+            CHECK_NEAR(d.tracer[1000].y, other.tracer[1000].y, 1e-5, 0);
         drun_keep_path(&other, &d);
     }
-    other.n_moment = 0;
 }
 
 /* A five-bar with a heavy link whose joint bounces on its stop, rests and leaves, three times.  When it leaves, force and acceleration
@@ -356,7 +356,6 @@ TEST(springs_at_pins_count_turns)
             CHECK_NEAR(d.tracer[k].y, other.tracer[k].y, 1e-7, 0);
         }
     }
-    other.n_moment = 0;
 }
 
 /* ---- friction ---------------------------------------------------------------------------------- */
@@ -411,11 +410,10 @@ TEST(painleve)
         drun_read_format(&d, text, 1, 0.5);
         CHECK_INT(drun_to(&d, all[f], 1e-9, 0.3, 3), LW_OK);
         CHECK(d.report.energy_error < 1e-4*d.report.energy_scale);
-        if (other.n_moment)
+        if (f > 1)
             CHECK_NEAR(d.tracer[3].x, other.tracer[3].x, 1e-6, 0);
         drun_keep_path(&other, &d);
     }
-    other.n_moment = 0;
     drun_read_format(&d, text, 1, 8);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-9, 0.3, 3), LW_E_NUMERIC);
     CHECK_HAS(d.e.text, "\"D\"");
