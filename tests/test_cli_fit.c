@@ -46,7 +46,8 @@ TEST(four_bars_near_a_change_point_are_marked)
     expect("cat $D/table", 0, "* near a change point:", NULL);
 }
 
-/* The motion of an open target over a limit says so, as that of a closed one does. */
+/* The motion of an open target over a limit says so, as that of a closed one does.  At a change point to rounding it is not determined how
+ * the motion goes on. */
 TEST(open_targets_over_limits_have_legs_and_modes)
 {
     json_t *root = json_of("$P fit examples/pick-and-place.csv --unlimited --rounds 1 --json -q"), *r;
@@ -54,7 +55,7 @@ TEST(open_targets_over_limits_have_legs_and_modes)
     int n = 0;
     CHECK(json_is_false(json_object_get(json_object_get(root, "target"), "closed")));
     json_array_foreach(json_object_get(root, "results"), i, r)
-        if (strcmp(json_string_value(json_object_get(r, "input_motion")), "limit") == 0) {
+        if (strcmp(json_string_value(json_object_get(r, "input_motion")), "limit") == 0 && member(r, "class_margin") > 1e-9) {
             CHECK_INT(json_array_size(json_object_get(r, "modes")), points);
             CHECK(member(r, "legs") >= 2);
             n++;
