@@ -414,6 +414,26 @@ TEST(two_links_more_cost_as_much_as_a_small_error)
     }
 }
 
+/* Two four-bars of equal transmission angles: 1.5 diagonals with 0.5 % of error come before 2.6 diagonals with 0.2 %, 2.3 diagonals do not
+ * come before 2.6. */
+TEST(linkages_larger_than_compact_ones_cost_more)
+{
+    lw_rng rng = check_rng(23);
+    for (int trial = 0; trial < 2; trial++) {
+        four_and_six p;
+        OWN(lw_fit_results) found = { 0 };
+        make_four_and_six(&rng, 0.002, 0.005, &p);
+        p.c[0].family = p.c[1].family;
+        p.r[0].size = 2.6*p.k.t.extent;
+        p.r[1].size = (trial == 0 ? 1.5 : 2.3)*p.k.t.extent;
+        p.c[1].dim[0] *= 1.1;                                /* not the same mechanism */
+        lw_fit fit = { .n = 2, .candidate = p.c };
+        CHECK_INT(lw_fit_results_make(&p.k.t, &p.k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
+        CHECK(found.n > 0 && found.candidate[0] == (trial == 0 ? 1 : 0));
+        lw_target_free(&p.k.t);
+    }
+}
+
 /* The best four-bar is the second row, not the last one after all linkages of six links. */
 TEST(the_best_of_each_number_of_links_comes_first)
 {

@@ -978,7 +978,7 @@ const cli_command cli_fit_command = {
         "off. The rows are a front: none is worse than another in error, size, transmission angle and number of links.\n"
         "The first row is the one with the least error as it is made: what it misses the target by, and what 95 of 100\n"
         "such linkages stray from it if every length varies by +-1/2500 of the target, or by --tolerances. Half this\n"
-        "error counts as much as 0.45 of the size (beyond one diagonal of the target; beyond 3 as 0.65 of it), 35 degrees\n"
+        "error counts as much as 0.45 of the size (beyond one diagonal of the target; beyond 1.5 as 0.65 of it), 35 degrees\n"
         "of transmission angle (up to 45), or 1.4 links. The product counts as the error of a four-bar of the target's\n"
         "size with 45 degrees that is as good (`counts_as` in JSON). An error below 1/1000 of the target, or\n"
         "below what --smooth moved its points by, hardly counts, one above 1/50 more. Of a function the ratio of the\n"

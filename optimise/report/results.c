@@ -28,9 +28,10 @@ static bool first_with_its_links(const lw_fit_results *r, const lw_fit *fit, int
 
 /* How large a linkage is: its longest link in diagonals of the target.  A function has no length to compare with: of its
  * linkage a quarter of the ratio of the longest to the shortest link. */
+#define PER_DIAGONAL 4.0
 static double bulk_of(const lw_target *t, const lw_fit_report *r)
 {
-    return t->extent > 0 ? r->size/t->extent : 0.25*lw_fit_report_ratio(t, r);
+    return t->extent > 0 ? r->size/t->extent : lw_fit_report_ratio(t, r)/PER_DIAGONAL;
 }
 
 /* A result is worth a row beside one with less error if it is smaller or strays less by this factor, or ... */
@@ -239,17 +240,18 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 }
 
 /* Properties that a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
-#define PER_SIZE     0.85          /* twice the longest link, if longer than the target, counts as 1.8 times the error, beyond BULKY as ... */
+#define PER_SIZE     0.85          /* twice the longest link, if longer than the target, counts as 1.8 times the error, beyond compact ones as ... */
 #define PER_LESS     0.1           /* ... 3.2 times; half the longest link, if shorter than the target, as 0.93 times            */
 #define PER_RATIO    0.85          /* beyond LW_EVEN, twice the ratio of longest to shortest link counts as 1.8 times the error */
-#define PER_MISS     0.8           /* beyond LW_NEAR twice the error counts as 3.5 times                            */
+#define PER_MISS     1.5           /* beyond LW_NEAR twice the error counts as 5.7 times                            */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
 #define PER_LINK     0.5           /* for each link more: two links with their three joints count as 2.7 times the error */
 #define ROCKING      0.2           /* an input that has to be reversed                                              */
 
-static double cost_of_size(double bulk)
+static double cost_of_size(const lw_target *t, const lw_fit_report *r)
 {
-    return PER_LESS*log(fmin(1, fmax(bulk, 0.1))) + PER_SIZE*(log(fmax(1, bulk)) + log(fmax(1, bulk/BULKY)));
+    const double bulk = bulk_of(t, r), compact = t->extent > 0 ? LW_COMPACT_SIZE : LW_COMPACT_RATIO/PER_DIAGONAL;
+    return PER_LESS*log(fmin(1, fmax(bulk, 0.1))) + PER_SIZE*(log(fmax(1, bulk)) + log(fmax(1, bulk/compact)));
 }
 
 /* How far a linkage stays from the target as it is made, as a part of the diagonal, or of the swing of the output. */
@@ -265,7 +267,7 @@ static double part_as_made(const lw_target *t, const lw_fit_report *r)
 static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
     double part = part_as_made(t, r), near = t->extent > 0 ? fmax(LW_NEAR, t->noise/t->extent) : LW_NEAR;
-    return log(part) + PER_MISS*log(fmax(1, part/near)) + cost_of_size(bulk_of(t, r))
+    return log(part) + PER_MISS*log(fmax(1, part/near)) + cost_of_size(t, r)
          + (t->extent > 0 ? PER_RATIO*log(lw_uneven(lw_fit_report_ratio(t, r), 1)) : 0)
          + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min) + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
 }
