@@ -48,6 +48,12 @@ static int title_width(const cli_fit_set *s)
     return (int)width;
 }
 
+/* With default limits the rows are ordered by what they count as, else by the objective. */
+static bool has_order(const cli_fit_set *s)
+{
+    return s->spec.by_default && !s->is_exact;
+}
+
 static void table_row(const cli_fit_set *s, int i, int width, FILE *f)
 {
     const lw_fit_report *r = &s->search.results.report[i];
@@ -66,8 +72,11 @@ static void table_row(const cli_fit_set *s, int i, int width, FILE *f)
         fprintf(f, " %9.4g %9.4g", r->angle_mean*deg, r->angle_max*deg);
     if (lw_task_has_place(s->spec.task))
         fprintf(f, " %9.4g", length(s, lw_fit_report_stray(r)));
-    fprintf(f, " %11.6g  %4.0f..%-4.0f %-5s", lw_fit_report_objective(c, r), r->transmission_min*deg,
-            r->transmission_max*deg, lw_fit_report_input(r));
+    if (has_order(s))
+        fprintf(f, " %9.3g%%", 100*r->counts_as);
+    else
+        fprintf(f, " %10.6g", lw_fit_report_objective(c, r));
+    fprintf(f, "  %4.0f..%-4.0f %-5s", r->transmission_min*deg, r->transmission_max*deg, lw_fit_report_input(r));
     if (lw_task_has_place(s->spec.task))
         fprintf(f, " %5.3g ", r->size/s->target.extent);
     else
@@ -176,18 +185,23 @@ static void print_topologies(const cli_fit_set *s, FILE *f)
 void cli_fit_table(const cli_fit_set *s, FILE *f)
 {
     const int width = title_width(s);
+    const char *order = has_order(s) ? " counts as" : " objective";
     fprintf(f, "%s: %s, timing %s, %zu point%s, %s\n", s->path, lw_task_table[s->spec.task].name,
             lw_timing_names[s->spec.timing], s->target.n, lw_plural((long long)s->target.n), s->target.closed ? "closed" : "open");
     if (!lw_task_has_place(s->spec.task))
-        fprintf(f, "  #  %-*s class  mean[deg]  max[deg] @point   objective  transm.    input  dimensions, angles in deg\n", width, "type");
+        fprintf(f, "  #  %-*s class  mean[deg]  max[deg] @point %s  transm.    input  dimensions, angles in deg\n", width, "type", order);
     else
-        fprintf(f, "  #  %-*s class  of path       mean       max @point %s     stray   objective  "
+        fprintf(f, "  #  %-*s class  of path       mean       max @point %s     stray %s  "
                 "transm.    input  size  dimensions [%s, rad]\n", width, "type",
-                s->spec.task == LW_TASK_MOTION ? " mean[deg]  max[deg]" : "",
+                s->spec.task == LW_TASK_MOTION ? " mean[deg]  max[deg]" : "", order,
                 s->target.units.length[0] ? s->target.units.length : "unit");
     for (int i = 0; i < s->search.results.n; i++)
         table_row(s, i, width, f);
     print_marks(s, f);
+    if (has_order(s) && s->search.results.n > 0)
+        fprintf(f, "counts as: the error, in percent of the %s with transmission angles of 45 degrees that is as good\n",
+                lw_task_has_place(s->spec.task) ? "target's diagonal, of a four-bar of the target's size"
+                : "output's swing (at least 57 degrees), of a four-bar with lengths within a factor of 4");
     if (s->has_tolerances)
         print_robustness(s, f);
     if (s->spec.angle_length > 0 && (s->target.theta || s->target.n_also > 0))
