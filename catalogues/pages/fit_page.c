@@ -235,7 +235,7 @@ static void describe(const lw_fitted *f, int i, sheet *h)
         .stray = lw_fit_report_stray(r), .size = f->target->extent > 0 ? r->size/f->target->extent : 0,
         .scene = &h->scene[i], .type = lw_family_title(c->family),
         .class_name = r->has_class ? h->class_name[i] : NULL, .linkage = &r->linkage, .file = h->file[i],
-        .transmission_min = r->transmission_min, .objective = lw_fit_report_objective(c, r),
+        .transmission_min = r->transmission_min, .objective = lw_fit_report_objective(c, r), .counts_as = isnan(r->counts_as) ? 0 : r->counts_as,
         .error_mean = r->error_mean, .error_max = r->error_max, .error_percent = r->error_percent,
         .angle_mean = r->angle_mean, .angle_max = r->angle_max
     };

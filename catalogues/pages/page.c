@@ -15,7 +15,7 @@
 /* ==== the table of results ==================================================================================== */
 
 typedef enum column {
-    TYPE, CLASS, INPUT, MEAN, MAX, ANGLE_MEAN, ANGLE_MAX, STRAY, PERCENT, OBJECTIVE, TRANSMISSION, SIZE, LIMITS, DIMENSIONS, DOWNLOAD, N_COLUMN
+    TYPE, CLASS, INPUT, MEAN, MAX, ANGLE_MEAN, ANGLE_MAX, STRAY, PERCENT, OBJECTIVE, COUNTS_AS, TRANSMISSION, SIZE, LIMITS, DIMENSIONS, DOWNLOAD, N_COLUMN
 } column;
 
 static const struct { const char *title; bool number, length; } columns[N_COLUMN] = {
@@ -29,6 +29,7 @@ static const struct { const char *title; bool number, length; } columns[N_COLUMN
     [STRAY]      = { "Stray", true, true },
     [PERCENT]    = { "% of path", true, false },
     [OBJECTIVE]  = { "Objective", true, false },
+    [COUNTS_AS]  = { "Counts as [%]", true, false },
     [TRANSMISSION] = { "Least transmission angle [deg]", true, false },
     [SIZE]       = { "Size over path", true, false },
     [LIMITS]     = { "At its limit", false, false },
@@ -52,7 +53,8 @@ static double number_in(const lw_page_result *r, column c)
     case STRAY:     return r->size > 0 ? r->stray/units_of(r)->metre : NAN;
     case SIZE:      return r->size > 0 ? r->size : NAN;
     case PERCENT:   return r->error_percent;
-    case OBJECTIVE: return r->objective;
+    case OBJECTIVE: return r->counts_as > 0 ? NAN : r->objective;
+    case COUNTS_AS: return r->counts_as > 0 ? 100*r->counts_as : NAN;
     case TRANSMISSION: return r->transmission_min*180/LW_PI;
     default:        return NAN;
     }

@@ -19,7 +19,8 @@ typedef struct lw_page_result {
     const lw_linkage *linkage;    /* offered as JSON ...                                            */
     const char *file;             /* ... under this name; NULL: not offered                         */
     double transmission_min;      /* least transmission angle, 0 to pi/2 [rad]                      */
-    double objective;             /* value of eq. 17                                                */
+    double objective;             /* value of eq. 17; shown where results are not ordered by counts_as */
+    double counts_as;             /* what results are ordered by (optimise/report/report.h); 0: they are not */
     double error_mean, error_max; /* [m]                                                            */
     double angle_mean, angle_max; /* errors of the angle of a body or output [rad]                     */
     double stray;                 /* greatest distance of curve and target, both ways [m]           */
