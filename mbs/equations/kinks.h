@@ -1,7 +1,8 @@
 /* mbs/equations/kinks.h - where steps end because forces have kinks or jumps that depend on the motion (lw_equations.switches).
  *
  * One event function serves all of them: the least distance from a kink or jump, on the sides where the motion is now.  A kink is passed where
- * the motion is behind it by more than a small part of the tolerance, so that a motion that rests there has no event at each step. */
+ * the motion is behind it by more than a small part of the tolerance and by more than rounding, so that a motion that rests there has no event at each
+ * step. */
 #ifndef LW_MBS_EQUATIONS_KINKS_H
 #define LW_MBS_EQUATIONS_KINKS_H
 
@@ -22,5 +23,9 @@ double lw_kinks_ahead(lw_kinks *k, double t, const double *q, const double *v);
 
 /* Call after a step to (t, q, v); event: the step has ended at this event.  True: a kink has been passed, and the solver must begin anew. */
 bool   lw_kinks_pass(lw_kinks *k, double t, const double *q, const double *v, bool event);
+
+/* Is the motion on the other side of kink i than before?  Distances `before` and `side` as lw_equations.switches gives them.  A motion that stays on
+ * a kink changes its side by errors alone, which do not count.  h: length of the step, whose velocities are differences of places. */
+bool   lw_kinks_crossed(const lw_kinks *k, int i, double before, double side, double h);
 
 #endif

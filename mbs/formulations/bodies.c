@@ -93,7 +93,7 @@ static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
         return s;
     w->ode = (lw_ode){ .n = run->n, .context = run, .rate = lw_run_rate,
                        .project = w->implicit ? lw_run_project : project_and_hold_energy,
-                       .n_event = n_event(w) + (run->kinks != NULL),
+                       .n_event = n_event(w) + (run->kinks != NULL), .breaks = run->kinks ? 1ull << n_event(w) : 0,
                        .event = run->d->touch ? lw_run_touch_events : w->sticks ? lw_run_stick_events : lw_run_stop_events };
     memset(w->ode.direction, -1, sizeof w->ode.direction);
     if (w->implicit)

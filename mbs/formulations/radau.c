@@ -627,7 +627,7 @@ static bool switched(stages *g, double part)
     eq->place_states(eq->context, g->xi);
     eq->switches(eq->context, g->t + part*g->h, g->qi, v, g->r, now);
     for (int i = 0; i < eq->n_switch; i++)
-        other = other || (now[i] > 0) != (g->side[i] > 0);
+        other = other || lw_kinks_crossed(g->run->kinks, i, g->side[i], now[i], g->h);
     return other;
 }
 
@@ -661,7 +661,7 @@ static double switch_within(stages *g, double *beyond)
         for (int i = 0; i < g->n; i++)
             jump = fmax(jump, fabs(g->r[i] - g->b[i]));
         for (int i = 0; i < eq->n_switch - eq->n_jump; i++)
-            stop = stop || (g->side[eq->n_switch + i] > 0) != (g->side[i] > 0);
+            stop = stop || lw_kinks_crossed(g->run->kinks, i, g->side[i], g->side[eq->n_switch + i], g->h);
     }
     return ends && (!eq->n_jump || stop || jump > least_jump*g->run->most_force) ? low : 1;
 }

@@ -534,6 +534,7 @@ static lw_status run_one(motion *m, double *y, double *work)
     w.implicit = !w.staged && takes_bdf(m);
     w.ode.project = w.implicit ? NULL : project;
     w.ode.n_event = run->kinks != NULL;
+    w.ode.breaks = 1;
     w.ode.event = kink_ahead;
     w.ode.direction[0] = -1;
     w.at_stages = (lw_stages_ode){ w.ode.n, m->r.n_x, m->r.n_u, stiff, m, rates, m->r.n_x > m->r.n_u ? joints_move : NULL, project, m->stages.isa };

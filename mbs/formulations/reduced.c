@@ -588,7 +588,7 @@ static lw_status run_one(motion *m, double *y)
         m->slides = m->r->friction->n_slide > 0;
         ode.n_event = 2 + m->slides;
     }
-    ode.n_event += run->kinks != NULL;
+    ode.breaks = run->kinks ? 1ull << ode.n_event++ : 0;
     ode.event = events;
     memset(ode.direction, -1, sizeof ode.direction);
     lw_ode_options o = lw_ode_options_default();

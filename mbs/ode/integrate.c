@@ -955,6 +955,10 @@ static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_erro
     }
 }
 
+/* Most of the error of a step over a break of f is made at the break: its share of the error allowed. */
+static const double over_break = 0.03;
+static const double shortest = 1e-11;        /* step over the time, below which it does not become shorter for that */
+
 lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, lw_error *e)
 {
     size_t bytes = sizeof(double)*(size_t)w->ode->n;
@@ -981,8 +985,18 @@ lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, l
         if (last)
             w->t = t_end, w->t_low = 0.0;                /* exactly t_end; t_old + h may differ by rounding */
         lw_status look = w->ode->n_event > 0 ? find_events(w, &found) : LW_OK;
-        if (look == LW_OK)
+        bool coarse = look == LW_OK && found && (w->events & w->ode->breaks) && w->err_old > over_break && !(w->o.fixed > 0.0)
+                   && fabs(w->h_done) > shortest*fabs(w->t_old);
+        if (look == LW_OK && !coarse)
             break;
+        if (coarse) {
+            memcpy(w->side, side, sizeof side);
+            w->events = 0;
+            found = false;
+            w->h = fabs(w->h_done)*fmax(0.1, 0.5*over_break/w->err_old);
+            w->n_refused++;
+            continue;
+        }
         if (look != LW_OPEN || w->o.fixed > 0.0) {
             s = told(e, look) ? look : lw_error_set(e, look, "an event near t = %.9g s cannot be located: %s", w->t, lw_status_text(look));
             break;

@@ -35,6 +35,7 @@ typedef struct lw_ode {
     signed char direction[LW_EVENT_MAX];   /* +1 rising, -1 falling, 0 both                           */
     bool  passing[LW_EVENT_MAX];     /* true: `seen` is called and the step goes on; false: the step ends there */
     void (*seen)(void *context, int event, double t, const double *y);                    /* may be NULL */
+    unsigned long long breaks;       /* bit i: rate jumps or has a kink at event i, so that the error of a step with it is kept smaller */
 } lw_ode;
 
 /* |error of a step in y_i| <= absolute_i + relative |y_i|, in the root mean square over i. */
