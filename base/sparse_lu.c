@@ -65,6 +65,7 @@ lw_sparse_lu *lw_sparse_lu_create(const lw_columns *pattern, bool saddle, bool i
     f->is_complex = is_complex;
     klu_defaults(&f->common);
     f->common.ordering = saddle;             /* 0: AMD, 1: COLAMD */
+    f->common.btf = 0;                       /* finding blocks takes the square of n where many diagonals are 0 */
     f->symbolic = pattern->n ? klu_analyze(pattern->n, pattern->at, pattern->row, &f->common) : NULL;
     if (f->symbolic || pattern->n == 0)          /* KLU refuses systems without unknowns */
         return f;

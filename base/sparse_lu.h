@@ -33,7 +33,7 @@ typedef struct lw_sparse_lu lw_sparse_lu;
 
 /* The pattern must outlive it.  saddle: many diagonals are 0, so pivots are taken beside the diagonal, and columns are ordered for
  * any pivots; else for those of the diagonal, with less fill.  is_complex: entries and right-hand sides are pairs (real, imaginary).
- * NULL: out of memory, or a structurally singular pattern. */
+ * NULL: out of memory. */
 lw_sparse_lu *lw_sparse_lu_create(const lw_columns *pattern, bool saddle, bool is_complex);
 void lw_sparse_lu_free(lw_sparse_lu *f);
 

@@ -1,6 +1,7 @@
 /* base/sparse: random systems against their own products, the order of elimination against known fill, factors of rows against
  * solutions that are known. */
 #include "base/sparse.h"
+#include "base/sparse_lu.h"
 #include "tests/check.h"
 
 #define MOST 60
@@ -256,5 +257,41 @@ TEST(dependent_columns_of_rows)
                     CHECK_NEAR(y[r], left[r], 1e-8, 0);
         }
         free_square(&s);
+    }
+}
+
+/* Factors by KLU, with many zeros on the diagonal, in both orders of elimination; a pattern that no values make regular is singular. */
+TEST(unsymmetric_systems)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, 7, 0);
+    for (int trial = 0; trial < 40; trial++) {
+        const int n = 2 + trial;
+        int pair[2*MOST*MOST];
+        long n_pair = 0;
+        double value[MOST*MOST], x[MOST], b[MOST] = { 0 };
+        lw_columns c;
+        random_matrix(&rng, n, 3*n);
+        for (int k = 0; trial%4 == 3 && k < n; k++)          /* rows 0 and 1 meet the same single column */
+            a[n*k] = a[1 + n*k] = k == 0;
+        for (int k = 0; k < n*n; k++)
+            if (a[k] != 0)
+                pair[2*n_pair] = k%n, pair[2*n_pair++ + 1] = k/n;
+        CHECK(lw_columns_make(&c, n, pair, n_pair));
+        for (int j = 0; j < n; j++)
+            x[j] = lw_rng_uniform(&rng);
+        for (int j = 0; j < n; j++)
+            for (int k = c.at[j]; k < c.at[j + 1]; k++)
+                b[c.row[k]] += (value[k] = a[c.row[k] + n*j])*x[j];
+        lw_sparse_lu *f = lw_sparse_lu_create(&c, trial%2, false);
+        CHECK(f != NULL);
+        lw_status s = lw_sparse_lu_factor(f, value);
+        CHECK_INT(s, trial%4 == 3 ? LW_OPEN : LW_OK);
+        if (s == LW_OK)
+            lw_sparse_lu_solve(f, b);
+        for (int j = 0; s == LW_OK && j < n; j++)
+            CHECK_NEAR(b[j], x[j], 1e-8, 0);
+        lw_sparse_lu_free(f);
+        lw_columns_free(&c);
     }
 }
