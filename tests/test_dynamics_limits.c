@@ -284,6 +284,17 @@ TEST(a_million_periods)
     CHECK(d.report.steps < 2000);
 }
 
+/* A damped cart rests, millions of years long: how short its first steps are has nothing to do with the end of the run. */
+TEST(long_rest)
+{
+    drun_read_text(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'cart', 'mass': 1, 'inertia': 1, 'centre': [2, 0]}], 'joints': [{'name': 'T', 'kind': 't', "
+        "'links': ['ground', 'cart'], 'at': [2, 0], 'along': [1, 0]}], 'springs': [{'links': ['ground', 'cart'], 'at': [[0, 0], [2, 0]], 'stiffness': 300, "
+        "'free': 1.5, 'damping': 2}], 'tracers': [{'name': 'P', 'link': 'cart', 'at': [2, 0]}]}");
+    CHECK_INT(drun_to(&d, LW_FORMULATION_RADAU, 1e-9, 1e14, 1), LW_OK);
+    CHECK_INT(d.report.formulation, LW_FORMULATION_RADAU);
+    CHECK_NEAR(d.tracer[1].x, 1.5, 1e-12, 0);
+}
+
 /* A four-bar that rocks under its weight, also between samples: the same as in the coordinates of all bodies, which
  * use no period. */
 TEST(periods_of_a_four_bar)

@@ -1052,7 +1052,7 @@ static lw_status run_steps(stages *g)
         if (g->n_rounded == most_rounded)
             return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s velocities are less accurate than the tolerance, by rounding: shorter steps do not help near a "
                                 "singular posture, or with masses of very different size", g->t);
-        if (!(g->h > 1e-14*fmax(fabs(g->t), d->o.to - d->o.from)))
+        if (!(g->h > fmax(1e-14*fabs(g->t), 1e-30*(d->o.to - d->o.from))))
             return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the steps become too short: the motion jumps, an elastic link buckles, "
                                 "velocities change at once, as where a light crank passes its dead point, or the tolerance is below rounding", g->t);
         s = solve_stages(g);
