@@ -855,7 +855,7 @@ static int fit_targets(const cli_call *call, cli_side_by_side *together, cli_fit
             memset(now, 0, sizeof *now);
             continue;
         }
-        code = now->search.results.n == 0 ? CLI_NOTHING : st == LW_STOPPED ? CLI_LIMIT : code;
+        code = st == LW_STOPPED ? CLI_LIMIT : now->search.results.n == 0 ? CLI_NOTHING : code;
         ++*done;
     }
     if (i < n) {
