@@ -4,388 +4,146 @@
 
 #include "base/clock.h"
 #include "base/real.h"
-#include "base/number.h"
 #include "catalogues/pages/draw.h"
-#include "cli/fit/fit.h"
+#include "cli/fit/fit_settings.h"
 #include "cli/program/model.h"
 #include "cli/program/mpi_jobs.h"
 #include "cli/program/progress.h"
 
-typedef struct settings {
-    const char *tolerance, *type, *bounds, *solver, *save, *plot, *length_unit, *angle_unit, *joints, *topology, *resume,
-    *gear_ratios, *stations,
-               *input_ratios, *point_links;
-    int         task, timing, datum, starts, rounds, results, links, dof;
-    double      budget;
-    const char *tolerances, *smooth;
-    double      weight_path, weight_angle, angle_length, min_transmission, max_acceleration;
-    double      length_range[2], position_range[2], length_ratio, max_size, class_margin;
-    bool        crank_only, full_turn, closed, open, exact, through_limits, unlimited, mpi;
-    const char *keep;
-} settings;
-
-enum { AUTO = 0 };
-
 static const cli_option options[] = {
-    { "type", 0, CLI_TEXT, offsetof(settings, type), "NAME,...", "fourbar",
+    { "type", 0, CLI_TEXT, offsetof(cli_fit_settings, type), "NAME,...", "fourbar",
       "types of four-link mechanism to try: fourbar, slidercrank, inverted, ..., or the letters of their joints such "
       "as RRRP (R pin, P slider); 'all' tries every type", 0, 0, NULL, NULL },
-    { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
+    { "links", 'l', CLI_INT, offsetof(cli_fit_settings, links), "P", NULL,
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
       "with --dof 2, numbers from 5. Without it 4; and 6 if the first row of the four-bars whose crank turns fully counts as missing the target by more than 2.5 % (above), or "
       "leaves it by more than --tolerance: with a third of the budget, and with the rest if that finds none that is enough. If a rocking four-bar is enough, only "
       "cranks are searched", 4, 10,
       NULL, NULL },
-    { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
+    { "dof", 'd', CLI_INT, offsetof(cli_fit_settings, dof), "F", "1",
       "degree of freedom, 1 to 3: the number of driven joints at the ground. 2 gives mechanisms of 5, 7 and 9 links, 3 "
       "of 8 links. The other inputs turn with the first in a fixed ratio (--input-ratios) and at an angle that is "
       "found", 0, 99, NULL, NULL },
-    { "input-ratios", 0, CLI_TEXT, offsetof(settings, input_ratios), "R,...", LW_DEFAULT_INPUT_RATIOS,
+    { "input-ratios", 0, CLI_TEXT, offsetof(cli_fit_settings, input_ratios), "R,...", LW_DEFAULT_INPUT_RATIOS,
       "with --dof 2 or 3: ratios of the speeds of two inputs, each tried both ways. Two motors, a belt, or gear wheels "
       "on the frame give such ratios", 0, 0, NULL, NULL },
-    { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
+    { "joints", 0, CLI_TEXT, offsetof(cli_fit_settings, joints), "KINDS", "r",
       "kinds of joints in mechanisms with more than four links: r pins, t sliders, p pins in slots, g gear pairs (with "
       "t also racks)", 0, 0, NULL, NULL },
-    { "gear-ratios", 0, CLI_TEXT, offsetof(settings, gear_ratios), "R,...", LW_DEFAULT_GEAR_RATIOS,
+    { "gear-ratios", 0, CLI_TEXT, offsetof(cli_fit_settings, gear_ratios), "R,...", LW_DEFAULT_GEAR_RATIOS,
       "with --joints g: ratios of the gear pairs, < 0 for external gears. A ratio is the turns of the later link "
       "divided by those of the earlier, seen from the link that carries both", 0, 0, NULL, NULL },
-    { "topology", 0, CLI_TEXT, offsetof(settings, topology), "NAME,...", "all",
+    { "topology", 0, CLI_TEXT, offsetof(cli_fit_settings, topology), "NAME,...", "all",
       "with more than four links, try only these: watt1, watt2, stephenson1 to stephenson3, watt, stephenson, or a "
       "chain by its number of links and its own number, as 8.5; with slots or gears by number of links, number of such "
       "joints and its own number, as 5.1.3", 0, 0, NULL, NULL },
-    { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "1e6",
+    { "budget", 0, CLI_REAL, offsetof(cli_fit_settings, budget), "N", "1e6",
       "number of evaluations of the objective, for each number of links above four, whose input turns fully; if it need not, half as many "
       "again for other linkages. Four links always have their whole search. The "
       "same number again is for fits at other sizes and transmission angles, for mechanisms with sliders, and for those with slots or "
       "gears. With --time and without --budget the search goes on until the time ends; the exit code is 0 if it had the default", 1e3, 1e12, NULL, NULL },
-    { "start-from", 0, CLI_INPUT, offsetof(settings, resume), "FILE", NULL,
+    { "start-from", 0, CLI_INPUT, offsetof(cli_fit_settings, resume), "FILE", NULL,
       "also start from the linkages in this file: results that an earlier fit or 'catalogue nearest' wrote with -o or --json, "
       "or a linkage of your own", 0, 0, NULL, NULL },
-    { "task", 0, CLI_CHOICE, offsetof(settings, task), "auto" LW_TASK_WORDS, "auto",
+    { "task", 0, CLI_CHOICE, offsetof(cli_fit_settings, task), "auto" LW_TASK_WORDS, "auto",
       "what is wanted: a point on a path, a function (output angle for each input angle), or a motion (point and angle "
       "of a body). auto: function without columns x and y, motion with a column theta, else path", 0, 0, NULL, NULL },
-    { "timing", 0, CLI_CHOICE, offsetof(settings, timing), "auto" LW_TIMING_WORDS, "auto",
+    { "timing", 0, CLI_CHOICE, offsetof(cli_fit_settings, timing), "auto" LW_TIMING_WORDS, "auto",
       "prescribed: each point belongs to the input angle in the target; free: only the order of the points counts; "
       "none: only the shape of the path counts. auto: prescribed if the target has input angles, else free",
       0, 0, NULL, NULL },
-    { "angle-from", 0, CLI_CHOICE, offsetof(settings, datum), "first|frame|plane", "first",
+    { "angle-from", 0, CLI_CHOICE, offsetof(cli_fit_settings, datum), "first|frame|plane", "first",
       "zero of the prescribed input angles: at the first point, where the angle itself is found; the line through the "
       "fixed pivots; or the x axis", 0, 0, NULL, NULL },
-    { "point-links", 0, CLI_TEXT, offsetof(settings, point_links), "LINK,...", "any",
+    { "point-links", 0, CLI_TEXT, offsetof(cli_fit_settings, point_links), "LINK,...", "any",
       "links that carry the further points of the target (x2, ...), in their order: input, coupler, output, or any",
       0, 0, NULL, NULL },
-    { "weight-path", 0, CLI_REAL, offsetof(settings, weight_path), "A", "1",
+    { "weight-path", 0, CLI_REAL, offsetof(cli_fit_settings, weight_path), "A", "1",
       "weight A of squared distances [1/unit^2]", 0, 1e300, NULL, NULL },
-    { "weight-angle", 0, CLI_REAL, offsetof(settings, weight_angle), "B", NULL,
+    { "weight-angle", 0, CLI_REAL, offsetof(cli_fit_settings, weight_angle), "B", NULL,
       "weight B of squared angles [1/rad^2]; without it by --angle-length, and 1 for a function", 0, 1e300, NULL, NULL },
-    { "angle-length", 0, CLI_REAL, offsetof(settings, angle_length), "L", NULL,
+    { "angle-length", 0, CLI_REAL, offsetof(cli_fit_settings, angle_length), "L", NULL,
       "an angle error of 1 rad counts as much as a distance of L; without it half the diagonal of the target", 0, 1e300,
       NULL, NULL },
-    { "length-range", 0, CLI_RANGE, offsetof(settings, length_range), "MIN:MAX", NULL,
+    { "length-range", 0, CLI_RANGE, offsetof(cli_fit_settings, length_range), "MIN:MAX", NULL,
       "limits of the lengths between pins of a link; the tracer is at most MAX from them. Without it r1, r2, ... are 1/1000 "
       "to --max-size times the diagonal of the target", 0, 1e300, NULL, NULL },
-    { "position-range", 0, CLI_RANGE, offsetof(settings, position_range), "MIN:MAX", NULL,
+    { "position-range", 0, CLI_RANGE, offsetof(cli_fit_settings, position_range), "MIN:MAX", NULL,
       "limits of coordinates and offsets; without it --max-size diagonals around the target", 0, 0, NULL, NULL },
-    { "max-size", 0, CLI_REAL, offsetof(settings, max_size), "S", "6",
+    { "max-size", 0, CLI_REAL, offsetof(cli_fit_settings, max_size), "S", "6",
       "without the two ranges above: most length and coordinate, in diagonals of the target", 0.1, 1e9, NULL, NULL },
-    { "length-ratio", 0, CLI_REAL, offsetof(settings, length_ratio), "R", "20",
+    { "length-ratio", 0, CLI_REAL, offsetof(cli_fit_settings, length_ratio), "R", "20",
       "the longest length, or arm of a point, is at most R times the shortest length", 1, 1e9, NULL, NULL },
-    { "bounds", 0, CLI_TEXT, offsetof(settings, bounds), "NAME=MIN:MAX,...", NULL,
+    { "bounds", 0, CLI_TEXT, offsetof(cli_fit_settings, bounds), "NAME=MIN:MAX,...", NULL,
       "limits of single dimensions, as r1=5:50,x0=0:0; angles in radians", 0, 0, NULL, NULL },
-    { "crank-only", 0, CLI_FLAG, offsetof(settings, crank_only), NULL, NULL,
+    { "crank-only", 0, CLI_FLAG, offsetof(cli_fit_settings, crank_only), NULL, NULL,
       "the input turns fully, and in a four-bar it is the shortest link", 0, 0, NULL, NULL },
-    { "full-turn", 0, CLI_FLAG, offsetof(settings, full_turn), NULL, NULL,
+    { "full-turn", 0, CLI_FLAG, offsetof(cli_fit_settings, full_turn), NULL, NULL,
       "the input turns fully; double cranks (drag links) are allowed too", 0, 0, NULL, "crank-only" },
-    { "min-transmission-angle", 0, CLI_REAL, offsetof(settings, min_transmission), "DEG", "20",
+    { "min-transmission-angle", 0, CLI_REAL, offsetof(cli_fit_settings, min_transmission), "DEG", "20",
       "smallest transmission angle allowed during the motion [degrees]. The default gives way if no linkage has it",
       0, 89.9, NULL, NULL },
-    { "class-margin", 0, CLI_REAL, offsetof(settings, class_margin), "M", "0.001",
+    { "class-margin", 0, CLI_REAL, offsetof(cli_fit_settings, class_margin), "M", "0.001",
       "least distance of a four-bar from a change point, in perimeters; the default only where its motion comes near "
       "the flat posture", 0, 0.5, NULL, NULL },
-    { "through-limits", 0, CLI_FLAG, offsetof(settings, through_limits), NULL, NULL,
+    { "through-limits", 0, CLI_FLAG, offsetof(cli_fit_settings, through_limits), NULL, NULL,
       "the input may pass limits and dead points on its way, and rock on a closed target; between its points the "
       "curve may stray", 0, 0, NULL, NULL },
-    { "tolerance", 0, CLI_TEXT, offsetof(settings, tolerance), "E", NULL,
+    { "tolerance", 0, CLI_TEXT, offsetof(cli_fit_settings, tolerance), "E", NULL,
       "list the simplest linkages, then the smallest, that stray from the target by E at most, as 1mm; without a "
       "unit in that of the target. A linkage whose lengths differ by more than a factor of 8 counts as larger", 0, 0, NULL, NULL },
-    { "unlimited", 0, CLI_FLAG, offsetof(settings, unlimited), NULL, NULL,
+    { "unlimited", 0, CLI_FLAG, offsetof(cli_fit_settings, unlimited), NULL, NULL,
       "no limit holds by default: sizes up to 10 diagonals, any ratio of lengths, any transmission angle, change "
       "points, --through-limits; results are listed by their error alone, but those that leave a target of 32 points or "
       "more between its points come last", 0, 0, NULL, NULL },
-    { "max-acceleration", 0, CLI_REAL, offsetof(settings, max_acceleration), "A", NULL,
+    { "max-acceleration", 0, CLI_REAL, offsetof(cli_fit_settings, max_acceleration), "A", NULL,
       "greatest acceleration of the point allowed, with respect to the input [unit/rad^2]; with --task function, of "
       "the output angle", 0, 1e300, NULL, NULL },
-    { "tolerances", 0, CLI_TEXT, offsetof(settings, tolerances), "T[,C]", NULL,
+    { "tolerances", 0, CLI_TEXT, offsetof(cli_fit_settings, tolerances), "T[,C]", NULL,
       "say how far the path of each result spreads when every length varies by +-T (three standard deviations) and pins "
       "have a radial clearance of C; with a unit, as 0.1mm, or in that of the target. The first row then weighs how far from "
       "the target 95 of 100 such linkages stay, and the row with the least spread is kept", 0, 0, NULL, NULL },
-    { "exact", 0, CLI_FLAG, offsetof(settings, exact), NULL, NULL,
+    { "exact", 0, CLI_FLAG, offsetof(cli_fit_settings, exact), NULL, NULL,
       "find linkages that pass through every precision point exactly: 2 to 5 poses, 3 to 5 pairs of a function, or 2 "
       "to 9 points. Linkages that can run through all points in order, without being taken apart, come first",
       0, 0, NULL, "links" },
-    { "solver", 0, CLI_TEXT, offsetof(settings, solver), "NAME", "lm",
+    { "solver", 0, CLI_TEXT, offsetof(cli_fit_settings, solver), "NAME", "lm",
       "local solver that improves each start; 'linkwright fit --solver help' lists them", 0, 0, NULL, NULL },
-    { "starts", 0, CLI_INT, offsetof(settings, starts), "N", "0",
+    { "starts", 0, CLI_INT, offsetof(cli_fit_settings, starts), "N", "0",
       "number of starting points in each round, for each type and assembly mode; 0 lets the size of the problem decide",
       0, 3200, NULL, NULL },
-    { "rounds", 0, CLI_INT, offsetof(settings, rounds), "N", "0",
+    { "rounds", 0, CLI_INT, offsetof(cli_fit_settings, rounds), "N", "0",
       "greatest number of rounds; 0 lets the size of the problem decide", 0, 100000, NULL, NULL },
-    { "results", 0, CLI_INT, offsetof(settings, results), "N", "10", "greatest number of results", 1, 64, NULL, NULL },
-    { "save", 0, CLI_TEXT, offsetof(settings, save), "FOLDER", NULL,
+    { "results", 0, CLI_INT, offsetof(cli_fit_settings, results), "N", "10", "greatest number of results", 1, 64, NULL, NULL },
+    { "save", 0, CLI_TEXT, offsetof(cli_fit_settings, save), "FOLDER", NULL,
       "write linkages (JSON), pictures (SVG, PNG), an animation (GIF), the wanted and reached curves and one index.html into this "
       "folder",
       0, 0, NULL, NULL },
-    { "plot", 'p', CLI_PLOT, offsetof(settings, plot), "FILE", NULL,
+    { "plot", 'p', CLI_PLOT, offsetof(cli_fit_settings, plot), "FILE", NULL,
       "draw what is wanted and what the best seven results reach: of a function output over input, else the paths (.svg, .pdf, "
       ".png); the table is then not printed", 0, 0, NULL, NULL },
-    { "closed", 0, CLI_FLAG, offsetof(settings, closed), NULL, NULL,
+    { "closed", 0, CLI_FLAG, offsetof(cli_fit_settings, closed), NULL, NULL,
       "the target is a closed curve, whatever its file says", 0, 0, NULL, NULL },
-    { "open", 0, CLI_FLAG, offsetof(settings, open), NULL, NULL,
+    { "open", 0, CLI_FLAG, offsetof(cli_fit_settings, open), NULL, NULL,
       "the target is an open curve, whatever its file says", 0, 0, NULL, "closed" },
-    { "smooth", 0, CLI_TEXT, offsetof(settings, smooth), "DISTANCE|auto", NULL,
+    { "smooth", 0, CLI_TEXT, offsetof(cli_fit_settings, smooth), "DISTANCE|auto", NULL,
       "smooth the points of a noisy path: use the smoothest curve that none of them leaves by more than this distance, in "
       "the length unit of the target; auto: by as much as their noise, which is estimated. How far the curve lies from "
       "them is printed", 0, 0, NULL, NULL },
-    { "stations", 0, CLI_TEXT, offsetof(settings, stations), "N|drawn", NULL,
+    { "stations", 0, CLI_TEXT, offsetof(cli_fit_settings, stations), "N|drawn", NULL,
       "spread N stations over the path by length and curvature, with the corners among them; 'drawn' takes the points of "
       "a drawing as they are. Without it: the rows of a table, 60 stations on each curve of a drawing",
       0, 0, NULL, NULL },
-    { "length-unit", 0, CLI_TEXT, offsetof(settings, length_unit), "UNIT", NULL,
+    { "length-unit", 0, CLI_TEXT, offsetof(cli_fit_settings, length_unit), "UNIT", NULL,
       "unit of the lengths in the target: m, mm, cm, in, ...; without it as the file says, else m", 0, 0, NULL, NULL },
-    { "angle-unit", 0, CLI_TEXT, offsetof(settings, angle_unit), "rad|deg|turn", NULL,
+    { "angle-unit", 0, CLI_TEXT, offsetof(cli_fit_settings, angle_unit), "rad|deg|turn", NULL,
       "unit of the angles in the target; without it as the file says, else rad", 0, 0, NULL, NULL },
-    { "keep", 0, CLI_INPUT, offsetof(settings, keep), "FILE", NULL,
+    { "keep", 0, CLI_INPUT, offsetof(cli_fit_settings, keep), "FILE", NULL,
       "keep the work of each round in FILE; after an interruption the same command goes on from there", 0, 0, NULL, "exact" },
-    { "mpi", 0, CLI_FLAG, offsetof(settings, mpi), NULL, NULL,
+    { "mpi", 0, CLI_FLAG, offsetof(cli_fit_settings, mpi), NULL, NULL,
       "share the work of each round among all processes that mpirun started; process 0 prints", 0, 0, NULL, "exact" },
     { .name = NULL }
 };
-
-/* ---- what is asked for ------------------------------------------------------------------------ */
-
-/* Read one bound such as "r1=5:50". */
-static lw_status add_bound(const char *text, size_t n, const lw_units *u, lw_fit_spec *spec,
-                           lw_error *e)
-{
-    static const cli_option range = { .name = "bounds", .kind = CLI_RANGE };
-    char word[80], *equals;
-    double v[2];
-    if (n >= sizeof word)
-        n = sizeof word - 1;
-    memcpy(word, text, n);
-    word[n] = 0;
-    equals = strchr(word, '=');
-    lw_bound *b = &spec->bound[spec->n_bound];
-    if (!equals || equals == word || equals - word >= (long)sizeof b->name)
-        return lw_error_set(e, LW_E_ARG, "--bounds takes NAME=MIN:MAX with commas between, as "
-                            "r1=5:50,x0=0:0; '%s' is none", word);
-    if (spec->n_bound == (int)(sizeof spec->bound/sizeof *spec->bound))
-        return lw_error_set(e, LW_E_ARG, "--bounds takes %d names at most", spec->n_bound);
-    *equals = 0;
-    lw_status st = cli_value(&range, "bounds", equals + 1, v, e);
-    if (st != LW_OK)
-        return st;
-    bool angle = strncmp(word, "theta", 5) == 0 || strncmp(word, "beta", 4) == 0
-              || strncmp(word, "input", 5) == 0 || strncmp(word, "tool", 4) == 0;
-    memcpy(b->name, word, strlen(word) + 1);
-    b->lo = angle ? v[0] : v[0]*u->metre;
-    b->hi = angle ? v[1] : v[1]*u->metre;
-    spec->n_bound++;
-    return LW_OK;
-}
-
-static lw_status read_bounds(const char *text, const lw_units *u, lw_fit_spec *spec, lw_error *e)
-{
-    lw_status st = LW_OK;
-    while (text && *text && st == LW_OK) {
-        size_t n = strcspn(text, ",");
-        st = add_bound(text, n, u, spec, e);
-        text += n + (text[n] == ',');
-    }
-    return st;
-}
-
-/* Does the command line decide this option: it is given, or there is no task file that could give it? */
-static bool mine(const cli_call *call, const cli_fit_set *set, const char *option)
-{
-    return !set->has_task_file || cli_given(&call->parsed, option);
-}
-
-/* Read the conditions. Weights and ranges are in the user's unit; everything after this is in SI units. */
-static void conditions(const cli_call *call, const cli_fit_set *set, lw_fit_spec *spec)
-{
-    const settings *s = call->settings;
-    double m = set->target.units.metre;
-    if (mine(call, set, "weight-path"))
-        spec->a = s->weight_path/(m*m);
-    if (mine(call, set, "weight-angle"))
-        spec->b = s->weight_angle;
-    if (mine(call, set, "angle-length"))
-        spec->angle_length = s->angle_length*m;
-    if (!(spec->b > 0))
-        lw_fit_spec_weigh_angles(spec, &set->target, spec->angle_length);
-    if (s->crank_only || s->full_turn)
-        spec->crank_only = true;
-    spec->exclude_drag_link = s->crank_only;
-    if (cli_given(&call->parsed, "min-transmission-angle"))
-        spec->min_transmission = s->min_transmission*LW_PI/180;
-    if (mine(call, set, "max-acceleration")) {
-        spec->max_acceleration = s->max_acceleration*m;
-        spec->max_slide_acceleration = s->max_acceleration/m;
-    }
-    if (!lw_task_has_place(spec->task))                           /* the target is an angle: it has no unit of length */
-        spec->max_acceleration /= mine(call, set, "max-acceleration") ? m : set->task_file.units.metre;
-    if (mine(call, set, "length-range")) {
-        spec->length_lo = s->length_range[0]*m;
-        spec->length_hi = s->length_range[1]*m;
-    }
-    if (cli_given(&call->parsed, "length-ratio"))
-        spec->length_ratio = s->length_ratio;
-    if (cli_given(&call->parsed, "max-size"))
-        spec->max_size = s->max_size;
-    if (cli_given(&call->parsed, "class-margin"))
-        spec->class_margin = s->class_margin;
-    if (mine(call, set, "position-range")) {
-        spec->position_lo = s->position_range[0]*m;
-        spec->position_hi = s->position_range[1]*m;
-    }
-}
-
-/* Read a length such as 1mm; without a unit in the unit u. */
-static lw_status read_tolerance(const char *text, const lw_units *u, double *metres, lw_error *e)
-{
-    lw_units unit = *u;
-    size_t n = strspn(text, "0123456789.eE+-");
-    const char *end = text + n + strspn(text + n, " ");
-    *metres = 0;
-    if ((lw_number_parse(text, n, metres) != LW_OK || !(*metres > 0)
-                 || (*end && !lw_units_set_length(&unit, end))))
-        return lw_error_set(e, LW_E_ARG, "--tolerance takes a length above 0, as 1mm, not '%s'", text);
-    *metres *= unit.metre;
-    return LW_OK;
-}
-
-/* Which limits are given, so that their defaults do not hold. */
-static unsigned limits_given(const cli_call *call, const lw_fit_spec *spec)
-{
-    static const struct { const char *option; unsigned limit; } of[] = {
-        { "min-transmission-angle", LW_LIMIT_TRANSMISSION }, { "length-ratio", LW_LIMIT_RATIO },
-        { "max-size", LW_LIMIT_SIZE }, { "class-margin", LW_LIMIT_MARGIN }, { "through-limits", LW_LIMIT_MOTION },
-    };
-    const settings *s = call->settings;
-    if (s->unlimited || s->exact)
-        return LW_LIMIT_ALL;
-    unsigned given = (spec->min_transmission > 0 ? LW_LIMIT_TRANSMISSION : 0)
-                   | (spec->length_ratio > 0 ? LW_LIMIT_RATIO : 0);
-    for (size_t i = 0; i < sizeof of/sizeof *of; i++)
-        if (cli_given(&call->parsed, of[i].option))
-            given |= of[i].limit;
-    return given;
-}
-
-static lw_status make_spec(const cli_call *call, const cli_fit_set *set, lw_fit_spec *spec, lw_error *e)
-{
-    const settings *s = call->settings;
-    const lw_target *t = &set->target;
-    *spec = set->has_task_file ? set->task_file.spec : lw_fit_spec_default();
-    if (mine(call, set, "task") || !set->task_file.has_task)
-        spec->task = s->task == AUTO ? lw_task_suggested(t) : (lw_task)(s->task - 1);
-    if (mine(call, set, "timing") || !set->task_file.has_timing)
-        spec->timing = s->timing != AUTO ? (lw_timing)(s->timing - 1)
-                     : t->angle ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
-    spec->datum = (lw_datum[]){ LW_DATUM_FREE, LW_DATUM_FRAME, LW_DATUM_PLANE }[s->datum];
-    conditions(call, set, spec);
-    if (s->datum != 0 && spec->timing != LW_TIMING_PRESCRIBED)
-        return lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only, and "
-                            "the target has no column angle");
-    lw_fit_spec_set_limits(spec, t, limits_given(call, spec) | (set->has_task_file ? set->task_file.limits : 0));
-    lw_status st = s->tolerance ? read_tolerance(s->tolerance, &t->units, &spec->tolerance, e) : LW_OK;
-    if (st == LW_OK && spec->tolerance > 0 && (!lw_task_has_place(spec->task) || s->unlimited || s->exact))
-        st = lw_error_set(e, LW_E_ARG, "--tolerance chooses among linkages by size and by their distance from a path: it "
-                          "does not go together with a function, --unlimited or --exact");
-    if (st != LW_OK)
-        return st;
-    st = mine(call, set, "point-links") ? cli_fit_carriers(s->point_links, t, spec->carrier, e) : LW_OK;
-    return st == LW_OK ? read_bounds(s->bounds, &t->units, spec, e) : st;
-}
-
-/* Check that the names in --type are types. */
-static lw_status check_types(const char *types, lw_error *e)
-{
-    for (const char *at = types; *at;) {
-        char word[32] = "";
-        size_t n = strcspn(at, ",");
-        memcpy(word, at, n < sizeof word ? n : sizeof word - 1);
-        if (strcmp(word, "all") != 0 && !lw_type_find(word)) {
-            char known[256] = "all";
-            for (const lw_type *t = lw_type_table; t->letters; t++)
-                snprintf(known + strlen(known), sizeof known - strlen(known), ", %s", t->name);
-            return lw_error_set(e, LW_E_ARG, "--type %s: no such type; known are %s", word, known);
-        }
-        at += n + (at[n] == ',');
-    }
-    return LW_OK;
-}
-
-/* Read "0.1mm,0.05mm": one or two lengths, with units or in that of the target. */
-static lw_status read_tolerances(const char *text, const lw_units *u, lw_tolerances *of, lw_error *e)
-{
-    double *to[2] = { &of->length, &of->clearance };
-    const char *at = text;
-    for (int i = 0; i < 2 && (i == 0 || *at == ','); i++) {
-        lw_units unit = *u;
-        char name[8] = "", *end;
-        at += i;
-        double v = strtod(at, &end);
-        size_t n = strcspn(end, ",");
-        if (n > 0 && n < sizeof name)
-            memcpy(name, end, n);
-        if (end == at || !(v >= 0 && v < 1e300) || n >= sizeof name || (n > 0 && !lw_units_set_length(&unit, name)))
-            return lw_error_set(e, LW_E_ARG, "--tolerances takes a length and perhaps a clearance, as 0.1mm,0.05mm, not "
-                                "'%s'", text);
-        *to[i] = v*unit.metre;
-        at = end + n;
-    }
-    return *at ? lw_error_set(e, LW_E_ARG, "--tolerances takes one or two lengths, not '%s'", text) : LW_OK;
-}
-
-/* Is `name` a dimension of one of the types? */
-static bool is_dimension(const char *types, const char *name)
-{
-    if (strcmp(name, "input0") == 0 || strncmp(name, "tool", 4) == 0)
-        return true;
-    for (const lw_type *t = lw_type_table; t->letters; t++) {
-        lw_linkage k;
-        lw_plan plan;
-        lw_type_linkage(t, &k);
-        bool asked = strcmp(types, "all") == 0 || strstr(types, t->name) || strstr(types, t->letters);
-        if (asked && lw_plan_make(&k, (lw_plan_options){ .tracers = 1 }, &plan, NULL) == LW_OK
-            && lw_plan_dim(&plan, name) >= 0)
-            return true;
-    }
-    return false;
-}
-
-/* Check what needs no look at the target. */
-static lw_status check_conditions(const settings *s, bool range_given, lw_error *e)
-{
-    lw_fit_spec spec = lw_fit_spec_default();
-    lw_units si = lw_units_si();
-    lw_status st = read_bounds(s->bounds, &si, &spec, e);
-    for (int i = 0; i < spec.n_bound && st == LW_OK; i++)
-        if (!is_dimension(s->type, spec.bound[i].name))
-            st = lw_error_set(e, LW_E_ARG, "--bounds: no linkage of --type %s has a dimension '%s'; the "
-                              "table of results shows their names", s->type, spec.bound[i].name);
-    if (st == LW_OK && range_given && !(s->length_range[1] > 0))
-        st = lw_error_set(e, LW_E_ARG, "--length-range %g:%g excludes every linkage: lengths are "
-                          "positive", s->length_range[0], s->length_range[1]);
-    if (st == LW_OK && !(s->weight_path > 0) && s->task != 2)
-        st = lw_error_set(e, LW_E_ARG, "--weight-path must be positive; use --task function to fit "
-                          "angles alone");
-    if (st == LW_OK && s->datum != 0 && s->timing > 1)
-        st = lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only");
-    return st;
-}
 
 /* ---- one target --------------------------------------------------------------------------------- */
 
@@ -437,7 +195,7 @@ static int said(const cli_call *call, const char *option, int here, int in_task)
 /* Can mechanisms with this degree of freedom be searched, given the other options? links 0: not given. */
 static lw_status check_dof(const cli_call *call, int dof, int links, lw_error *e)
 {
-    const settings *s = call->settings;
+    const cli_fit_settings *s = call->settings;
     const cli_parsed *said = &call->parsed;
     if (dof == 0)
         return lw_error_set(e, LW_E_ARG, "--dof 0: a linkage without freedom is a truss, no point of which moves");
@@ -461,7 +219,7 @@ static lw_status check_dof(const cli_call *call, int dof, int links, lw_error *e
 /* Choose the mechanisms that are searched for this target, and the linkages from which searches start. */
 static lw_status topologies(const cli_call *call, cli_fit_set *set, lw_topology_search_options *o, lw_error *e)
 {
-    const settings *s = call->settings;
+    const cli_fit_settings *s = call->settings;
     const lw_task_file *b = &set->task_file;
     bool counted = b->links > 0 || cli_given(&call->parsed, "links");
     o->links = counted ? said(call, "links", s->links, b->links) : 0;
@@ -485,7 +243,7 @@ static lw_status topologies(const cli_call *call, cli_fit_set *set, lw_topology_
 
 static lw_status search(const cli_call *call, cli_fit_set *set, cli_side_by_side *together, lw_error *e)
 {
-    const settings *s = call->settings;
+    const cli_fit_settings *s = call->settings;
     const lw_sharing sharing = { cli_share_loop, together };
     shown progress = { .call = call, .line = cli_progress_begin(call, "fit", "percent"), .path = set->path, .best = INFINITY };
     lw_topology_search_options o = lw_topology_search_options_default();
@@ -517,130 +275,6 @@ static lw_status search(const cli_call *call, cli_fit_set *set, cli_side_by_side
         *e = together->e;
     cli_progress_end(&progress.line);
     return st;
-}
-
-/* If a candidate fails the second simulation, it has a defect or the program has a fault: report it. */
-static void note_left_out(const cli_call *call, const cli_fit_set *set)
-{
-    for (int i = 0; i < set->search.results.n_left_out; i++) {
-        const lw_left_out *l = &set->search.results.left_out[i];
-        const lw_candidate *c = &set->search.found.fit.candidate[l->candidate];
-        cli_note(call, "%s: a candidate (%s, objective %.6g) is left out: %s", set->path, c->family->name, c->objective,
-                 l->fault);
-    }
-}
-
-#define STRAIGHT 1e-6                  /* of the diagonal: a path that leaves a line by no more is straight                   */
-
-/* Does the body keep its angle? */
-static bool keeps_angle(const lw_target *t)
-{
-    double most = 0;
-    for (size_t i = 1; t->theta && i < t->n; i++)
-        most = fmax(most, fabs(remainder(t->theta[i] - t->theta[0], 2*LW_PI)));
-    return t->theta && most <= STRAIGHT;
-}
-
-/* A single link draws a circle, or turns a body about a point; a parallelogram moves it without turning; a slider moves straight. */
-static void note_simpler(const cli_call *call, const cli_fit_set *set)
-{
-    const lw_target *t = &set->target;
-    const char *unit = t->units.length[0] ? t->units.length : "units";
-    lw_vec2 c, p;
-    double r, off = lw_target_circle(t, &c, &r), m = t->units.metre;
-    double from_pivot = lw_target_pivot(t, &p), grain = m*pow(10, floor(log10(STRAIGHT*t->extent/m + 1e-300)));
-    const bool path = set->spec.task == LW_TASK_PATH && t->n_also == 0;
-    bool alone = path && set->spec.timing != LW_TIMING_PRESCRIBED;
-    bool pins = !cli_given(&call->parsed, "type") && !cli_given(&call->parsed, "joints") && !set->is_exact;
-    bool motion = set->spec.task == LW_TASK_MOTION && t->n_also == 0, straight = lw_target_straight(t) <= STRAIGHT*t->extent;
-    if (path && pins && t->n >= 3 && straight)
-        cli_note(call, "%s: this path is straight: with '--type slidercrank' a slider moves exactly along it", set->path);
-    if (motion && straight && keeps_angle(t))
-        cli_note(call, "%s: the body keeps its angle and moves straight: a slide alone, such as the slider of a slider-crank, moves it so", set->path);
-    bool circle = off <= LW_EXACT_ENOUGH*t->extent && r < LW_DEFAULT_MAX_SIZE*t->extent;
-    if (motion && circle && keeps_angle(t))
-        cli_note(call, "%s: the body keeps its angle and moves on a circle: a parallelogram, with two parallel cranks of %.6g %s, moves it so "
-                 "within %.2g %s", set->path, r/m, unit, fmax(off, grain)/m, unit);
-    if (motion && from_pivot <= LW_EXACT_ENOUGH*t->extent && hypot(p.x - t->x[0], p.y - t->y[0]) < LW_DEFAULT_MAX_SIZE*t->extent)
-        cli_note(call, "%s: a link that turns about (%.6g, %.6g) moves the body so alone, within %.2g %s", set->path,
-                 (grain*round(p.x/grain) + 0.0)/m, (grain*round(p.y/grain) + 0.0)/m, fmax(from_pivot, grain)/m, unit);
-    if (alone && circle)
-        cli_note(call, "%s: a link of %.6g %s that turns about (%.6g, %.6g) draws this path alone, within %.2g %s", set->path,
-                 r/m, unit, c.x/m, c.y/m, fmax(off, grain)/m, unit);
-}
-
-/* What to search next if no linkage found is near.  A closed path of equal parts is what a gear pair of that ratio makes. */
-static void advise(const cli_call *call, const cli_fit_set *set, char *text, size_t size)
-{
-    const settings *s = call->settings;
-    int links = 4, parts = set->spec.timing == LW_TIMING_PRESCRIBED || strchr(s->joints, 'g') ? 1
-                         : lw_target_parts(&set->target, LW_NEAR*set->target.extent);
-    for (int i = 0; i < set->search.found.n_stage; i++)
-        links = set->search.found.stage[i].links > links ? set->search.found.stage[i].links : links;
-    if (parts > 1)
-        snprintf(text, size, "it has %d equal parts, which gears draw: '--links 5 --joints r,g --gear-ratios %d,-%d --timing none'", parts, parts, parts);
-    else
-        snprintf(text, size, "%s", links < 6 ? "'--links 6' searches linkages with six links too"
-                                   : links < 8 ? "'--links 8' searches longer, and linkages with eight links too"
-                                   : "a larger --budget searches longer");
-}
-
-static void warn(const cli_call *call, const cli_fit_set *set)
-{
-    const lw_fit_results *found = &set->search.results;
-    const lw_fit_report *r = &found->report[0];
-    double least = INFINITY;
-    for (int i = 0; i < found->n; i++)
-        least = fmin(least, lw_fit_report_stray(&found->report[i]));
-    note_left_out(call, set);
-    note_simpler(call, set);
-    if (set->search.found.fit.skipped[0])
-        cli_note(call, "%s: skipped %s", set->path, set->search.found.fit.skipped);
-    if (found->n == 0 && found->n_left_out == 0)
-        cli_note(call, "%s: no linkage that meets all conditions was found in this time; give it longer, or fewer conditions", set->path);
-    if (found->n > 0 && set->spec.tolerance > 0 && found->n_within == 0)
-        cli_note(call, "%s: no linkage found stays within %g %s; the best strays by %.4g", set->path,
-                 set->spec.tolerance/set->target.units.metre,
-                 set->target.units.length[0] ? set->target.units.length : "units",
-                 least/set->target.units.metre);
-    else if (found->n > 0 && set->spec.tolerance > 0 && cli_timed_out())
-        cli_note(call, "%s: --time ended the search: smaller or simpler linkages within --tolerance may exist", set->path);
-    if (found->n > 0 && set->spec.by_default && lw_task_has_place(set->spec.task) && found->n_within == 0
-        && lw_fit_report_misses(&set->target, r) > LW_NEAR*set->target.extent) {
-        char advice[128];
-        advise(call, set, advice, sizeof advice);
-        double misses = lw_fit_report_misses(&set->target, r), m = set->target.units.metre;
-        const char *unit = set->target.units.length[0] ? set->target.units.length : "units";
-        int nearest = 0;
-        for (int i = 1; i < found->n; i++)
-            if (lw_fit_report_misses(&set->target, &found->report[i]) < lw_fit_report_misses(&set->target, &found->report[nearest]))
-                nearest = i;
-        double least_miss = lw_fit_report_misses(&set->target, &found->report[nearest]);
-        const bool meets = r->error_max <= 1e-6*set->target.extent;
-        if (meets || lw_fit_report_known_miss(&set->target, r) <= LW_NEAR*set->target.extent)
-            cli_note(call, "%s: the first row meets every point%s; between them it leaves a smooth line through them (straight at corners) "
-                     "by %.3g %s, %.2g %% of the target's diagonal. If that matters, add points", set->path, meets ? "" : " nearly", misses/m,
-                     unit, 100*misses/set->target.extent);
-        else if (least_miss <= LW_NEAR*set->target.extent)
-            cli_note(call, "%s: the first row misses the target by %.3g %s, %.2g %% of its diagonal; row %d misses it by %.3g %s", set->path,
-                     misses/m, unit, 100*misses/set->target.extent, nearest + 1, least_miss/m, unit);
-        else
-            cli_note(call, "%s: no linkage found follows the target well: the first row misses it by %.3g %s, %.2g %% of its "
-                     "diagonal; %s", set->path, misses/m, unit, 100*misses/set->target.extent, advice);
-    }
-    const double swing = lw_target_swing(&set->target);
-    if (found->n > 0 && set->spec.by_default && !lw_task_has_place(set->spec.task) && r->angle_max > LW_NEAR*swing) {
-        char advice[128];
-        advise(call, set, advice, sizeof advice);
-        cli_note(call, "%s: no linkage found follows the function well: the first row misses it by %.3g degrees, %.2g %% of its range; %s",
-                 set->path, r->angle_max*180/LW_PI, 100*r->angle_max/swing, advice);
-    }
-    if (found->n > 0 && set->spec.timing == LW_TIMING_FREE && set->target.n >= 8 && r->curve_max > 3*r->error_max
-        && r->curve_max > 0.05*set->target.size)
-        cli_note(call, "%s: between two stations the best curve strays %.3g %s from the target; "
-                 "'--timing none' scores the curve both ways", set->path,
-                 r->curve_max/set->target.units.metre,
-                 set->target.units.length[0] ? set->target.units.length : "units");
 }
 
 static bool is_task_file(const char *path)
@@ -699,7 +333,7 @@ static lw_status read_smooth(const char *text, double *distance, lw_error *e)
 
 static lw_status fit_one(const cli_call *call, const char *path, cli_side_by_side *together, cli_fit_set *set, lw_error *e)
 {
-    const settings *s = call->settings;
+    const cli_fit_settings *s = call->settings;
     lw_target_options o = { .closed = s->closed ? 1 : s->open ? 0 : -1, .length_unit = s->length_unit,
                             .angle_unit = s->angle_unit };
     set->path = path;
@@ -712,10 +346,10 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_side_by_sid
     if (st == LW_OK && set->target.note[0])
         cli_note(call, "%s: %s", path, set->target.note);
     if (st == LW_OK)
-        st = make_spec(call, set, &set->spec, e);
+        st = cli_fit_make_spec(call, set, &set->spec, e);
     if (st == LW_OK && (set->has_tolerances = s->tolerances != NULL)) {
         set->spec.tolerances = (lw_tolerances){ .seed = call->common.seed };
-        st = read_tolerances(s->tolerances, &set->target.units, &set->spec.tolerances, e);
+        st = cli_fit_read_tolerances(s->tolerances, &set->target.units, &set->spec.tolerances, e);
         if (st == LW_OK && !lw_task_has_place(set->spec.task))
             st = lw_error_set(e, LW_E_ARG, "--tolerances is about the path of a point, and a function has none");
     }
@@ -738,7 +372,7 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_side_by_sid
     if (set->is_exact)
         st = cli_fit_exact_verify(call, set, e);
     else
-        warn(call, set);
+        cli_fit_notes(call, set);
     return st != LW_OK ? st : cli_fit_may_miss(set) ? LW_STOPPED : why;
 }
 
@@ -769,7 +403,7 @@ static void print(const cli_call *call, const cli_fit_set *set, int n, lw_output
 
 static int save(const cli_call *call, const cli_fit_set *set, int n, int code)
 {
-    const settings *s = call->settings;
+    const cli_fit_settings *s = call->settings;
     lw_error e = { 0 };
     lw_drawing d;
     if (!s->plot && !s->save)
@@ -806,7 +440,7 @@ static int list_solvers(void)
 
 static int check(const cli_call *call)
 {
-    const settings *s = call->settings;
+    const cli_fit_settings *s = call->settings;
     lw_error e = { 0 };
     if (!lw_solver_find(s->solver))
         return cli_usage(call, "there is no solver '%s'; '--solver help' lists them", s->solver);
@@ -820,8 +454,7 @@ static int check(const cli_call *call)
     bool of_task = cli_given(&call->parsed, "input-ratios") && !cli_given(&call->parsed, "dof");
     if (!of_task && check_dof(call, s->dof, cli_given(&call->parsed, "links") ? s->links : 0, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
-    if (check_types(s->type, &e) != LW_OK
-        || check_conditions(s, cli_given(&call->parsed, "length-range"), &e) != LW_OK)
+    if (cli_fit_check_conditions(call, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
     if (call->parsed.n_word == 0)
         return cli_usage(call, "no target; give a CSV file");
@@ -839,7 +472,7 @@ static int check(const cli_call *call)
 static int fit_targets(const cli_call *call, cli_side_by_side *together, cli_fit_set *set, int *done)
 {
     int code = CLI_DONE, n = call->parsed.n_word, i;
-    const settings *s = call->settings;
+    const cli_fit_settings *s = call->settings;
     double pictures = s->save || s->plot ? fmin(0.5, 0.1*call->common.time) : 0;
     double end = lw_clock_wall() + call->common.time - pictures;
     for (i = 0; i < n && !together->stop && (together->mpi || !cli_interrupted()); i++) {
@@ -900,7 +533,7 @@ static int fit_all(const cli_call *call, cli_side_by_side *together)
 static int run_as_worker(const cli_call *call, cli_side_by_side *together)
 {
     cli_call mine = *call;
-    settings silent = *(const settings *)call->settings;
+    cli_fit_settings silent = *(const cli_fit_settings *)call->settings;
     mine.settings = &silent;
     mine.common.output = NULL;
     mine.common.json = false;
@@ -913,7 +546,7 @@ static int run_as_worker(const cli_call *call, cli_side_by_side *together)
 
 static int run(const cli_call *call)
 {
-    const settings *s = call->settings;
+    const cli_fit_settings *s = call->settings;
     cli_side_by_side together = { .mpi = s->mpi };
     uint64_t kept_run;
     lw_error e = { 0 };
@@ -995,7 +628,7 @@ const cli_command cli_fit_command = {
         "goes to standard output; with -o FILE the results go to FILE as JSON too, with --json they replace the\n"
         "table. The same seed gives the same results for any number of --jobs.\n",
     .options = options,
-    .settings_size = sizeof(settings),
+    .settings_size = sizeof(cli_fit_settings),
     .least_words = 0,
     .most_words = 1000,
     .run = run,
