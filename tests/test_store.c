@@ -1,5 +1,5 @@
 /* test_store.c - the store from inside: whose file it is, versions, transactions, the lock, a person's SQL. */
-#include "catalogues/store/store.h"
+#include "catalogues/store/store_internal.h"
 
 #include <sqlite3.h>
 #include <sys/stat.h>
@@ -82,7 +82,7 @@ TEST(keeps_what_was_committed)
     CHECK_INT(count(s, "run"), 1);
     CHECK_OK(lw_store_verify(s, &check_error));
     CHECK_INT(lw_store_begin(s, &check_error), LW_E_ARG);             /* a store to read cannot be written */
-    CHECK_INT(lw_store_found_version(s), lw_store_version());
+    CHECK_INT(lw_store_found_version(s), lw_store_step_count);
     lw_store_close(s);
     lw_store_close(NULL);
 }
@@ -106,7 +106,7 @@ TEST(knows_whose_file_it_is)
     /* says it is ours, but its tables are not: told when they are used */
     char sql[100];
     snprintf(sql, sizeof sql, "PRAGMA application_id=0x6C776361; PRAGMA user_version=%d; CREATE TABLE t(a)",
-             lw_store_version());
+             lw_store_step_count);
     execute("hollow.db", sql);
     lw_store *s = open_store("hollow.db", true, LW_OK, &e);
     CHECK_INT(lw_store_begin(s, &e), LW_OK);
@@ -135,7 +135,7 @@ TEST(older_files_are_brought_up_to_date)
     CHECK_INT(lw_store_verify(s, &e), LW_OK);
     lw_store_close(s);
     s = open_store("v1.db", false, LW_OK, &e);
-    CHECK_INT(lw_store_found_version(s), lw_store_version());
+    CHECK_INT(lw_store_found_version(s), lw_store_step_count);
     lw_store_close(s);
     s = open_store("v1-too.db", false, LW_OK, &e);
     CHECK_INT(lw_store_found_version(s), 1);

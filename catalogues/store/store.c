@@ -18,8 +18,7 @@
 
 #define BUSY_MILLISECONDS 10000       /* how long a reader waits for a commit, and a commit for readers */
 
-int lw_store_version(void)                          { return lw_store_step_count; }
-int lw_store_found_version(const lw_store *s)       { return s->found_version; }
+int lw_store_found_version(const lw_store *s) { return s->found_version; }
 
 /* ---- failures ------------------------------------------------------------------------------------ */
 

@@ -35,8 +35,7 @@ void      lw_store_close(lw_store *s);       /* changes without commit are lost;
 
 const char *lw_store_path(const lw_store *s);
 
-/* The schema version that this program writes, and that of the file when it was opened. */
-int lw_store_version(void);
+/* The schema version of the file when it was opened. */
 int lw_store_found_version(const lw_store *s);
 
 /* A transaction; transactions do not nest.  LW_E_IO when the disk is full or fails: then nothing of it is kept. */
