@@ -1,8 +1,8 @@
 /* mbs/run/touch.c - contact, ropes and rigid stops during a run: impacts, rest, stick, slip, departure.
  *
- * Between events the states of all places are fixed and the motion is smooth.  An event is where a gap closes, a force
- * would have to pull, friction no longer holds a place that sticks, a slip ends, or a disc leaves a face over its end.
- * There all places that are closed are looked at together:
+ * Between events the states of all places are fixed and the motion is smooth.  At an event a gap closes, a contact force
+ * becomes tensile, friction no longer holds a place that sticks, a slip ends, or a disc leaves a face over its end.
+ * Each event decides the states of all closed places together:
  *
  * Impacts.  Poisson's law with friction: the impulses of the compression end the approach, and those of the expansion
  * are at least `restitution` times as great; both satisfy Coulomb's law (Glocker & Pfeiffer 1995).  Only places that
@@ -11,9 +11,9 @@
  * restitution is halved until it does not.
  *
  * Forces.  The accelerations after the event and the forces satisfy the same conditions (mbs/equations/complementarity.h);
- * they decide which places are held, stick or slip.  Of several solutions the method takes the one it finds first from
- * that without contact forces.  Where there is none (Painleve 1895), friction stops slips at once, by impulses at places
- * that do not approach. */
+ * they decide which places are held, stick or slip.  If there are several solutions, the method takes the first one that
+ * it finds, starting without contact forces.  If there is none (Painleve 1895), friction stops slips at once, by impulses
+ * at places that do not approach. */
 #include "base/real.h"
 #include "mbs/run/run_internal.h"
 
@@ -22,17 +22,17 @@
 #include "mbs/dynamics/touch_internal.h"
 #include "mbs/equations/complementarity.h"
 
-static const double missed = 1e-9;           /* a gap below minus this was not seen to close, scaled           */
+static const double missed = 1e-9;           /* a gap below minus this: its closure was missed, scaled          */
 static const double overlap = 1e-6;          /* a gap below minus this: shapes overlap, scaled                 */
 static const double struck = 1e-13;          /* a gap below this takes part in an impact, scaled                */
-static const double late = 1e-14;            /* events happen where a gap is below minus this, scaled          */
-/* Rates of gaps and slips below this times a speed count as 0.  The speed is the fastest velocity, or that which free
- * accelerations reach over the size of the linkage. */
+static const double late = 1e-14;            /* an event is located where the gap passes minus this, scaled     */
+/* Rates of gaps and slips below this times a speed count as 0.  The speed is the greatest velocity, or the speed that
+ * the free accelerations reach over the size of the linkage. */
 static const double still = 1e-12, no_slip = 1e-10;
-static const double rounded = 1e-6;          /* slips that may be rounding, over the fastest velocity */
+static const double rounded = 1e-6;          /* slips that may be rounding errors, over the greatest velocity */
 static const double trace = 1e-11;           /* share of the speed that free accelerations may change          */
 static const double least_share = 1e-10;     /* pivot of a row that depends on others, over its diagonal       */
-static const double undetermined = 2e-6;     /* the friction equations below this determinant have no use      */
+static const double undetermined = 2e-6;     /* friction equations below this determinant are not solved       */
 static const double resolved_turn = 0.4;     /* angle of a body in a step while one of its discs may touch [rad] */
 enum { PASSES = 400, TOGETHER = 100, STALLED_MOST = 5000 };
 
@@ -66,7 +66,7 @@ lw_status lw_run_touch_events(void *context, double t, const double *y, double *
             return s;
     }
     w->sense = w->sense != 0 ? w->sense : w->determinant < 0 ? -1 : 1;
-    if (w->n_slip > 0)                           /* with its sign at the last event: it may fall through 0 within a step */
+    if (w->n_slip > 0)                           /* relative to its sign at the last event, since it may cross 0 within a step */
         g[DETERMINANT] = w->sense*w->determinant - undetermined;
     const double *l = d->l + d->n_c - w->n_row;
     d->eq.place(d->eq.context, y);
@@ -75,7 +75,7 @@ lw_status lw_run_touch_events(void *context, double t, const double *y, double *
             double force = w->list.touch[w->row[k].touch].force = -l[k];
             least(&g[PULL], fmin(w->n_redundant ? INFINITY : force + w->least_force, w->most_force - force));
         }
-    if (w->n_redundant)                          /* one event for both: another one at the limit would be a jump, which cannot be located */
+    if (w->n_redundant)                          /* one function for pull and stick: at the limit a second one would jump and could not be located */
         least(&g[STICK], lw_mbs_touch_share(d, v, d->l));
     for (int k = 0; k < w->n_row && !w->n_redundant; k++) {
         lw_touch *p = &w->list.touch[w->row[k].touch];
@@ -146,15 +146,15 @@ lw_status lw_run_touch_crossed(lw_run *run, double t, double by)
     return LW_OK;
 }
 
-/* Time in which a disc with this speed and acceleration goes the way. */
+/* Time in which a disc with this speed and acceleration covers the distance `way`. */
 static double time_over(double way, double speed, double pull)
 {
     double root = speed + sqrt(speed*speed + 2*pull*way);
     return way < INFINITY && root > 0 ? 2*way/root : INFINITY;
 }
 
-/* Events are looked for at four points of a step.  Between two of them a disc must neither jump over a thin body, nor into and out of
- * one because its body turns. */
+/* Events are detected at four points of a step.  Between two of these points a disc must not pass through a thin body, and must not enter
+ * and leave a body because its own body turns. */
 double lw_run_touch_step(lw_run *run, const double *y)
 {
     lw_dynamics *d = run->d;
@@ -184,7 +184,8 @@ double lw_run_touch_step(lw_run *run, const double *y)
 
 /* ---- the places that are closed ---------------------------------------------------------------------- */
 
-/* m places: their numbers, rows (12 m: gap, slip), responses (2m x n_q), W (2m x 2m) and rates u (2m). */
+/* m closed places: their numbers, rows (12 m: gap, slip), responses of the velocities to unit impulses (2m x n_q), W, the responses of
+ * the rates (2m x 2m), and rates u (2m). */
 typedef struct closed {
     int     m, *place;
     double *row, *response, *w, *u, *b, *force, *rate, *gap, *sub;
@@ -280,7 +281,7 @@ static double row_dot(const lw_touch *p, const double *row, const double *x)
     return sum;
 }
 
-/* Memory of c has room for one more place. */
+/* Append a place to c, whose memory must hold it. */
 static void add_place(const lw_dynamics *d, int place, const double *v, closed *c)
 {
     lw_touch_motion m;
@@ -291,7 +292,7 @@ static void add_place(const lw_dynamics *d, int place, const double *v, closed *
     c->place[c->m++] = place;
 }
 
-/* Responses and W of the places of c.  Rows of the joints are factored, without those of places. */
+/* Fill in responses and W of the places of c.  The factored rows are those of the joints alone, without places. */
 static void find_responses(lw_dynamics *d, closed *c)
 {
     const lw_touch_list *list = &d->touch->list;
@@ -311,7 +312,7 @@ static void find_responses(lw_dynamics *d, closed *c)
     }
 }
 
-/* The places that are closed, with rows, responses and W. */
+/* Find the closed places, with their rows, responses and W. */
 static lw_status find_closed(lw_run *run, double t, const double *y, closed *c)
 {
     lw_dynamics *d = run->d;
@@ -396,9 +397,9 @@ static void note(lw_run *run, int place, double t, bool impact, double rate)
     r->n_event_seen++;
 }
 
-/* Impulses c->force that end the approach of the places in c->in, and the rates c->rate after them.  A linkage that comes to rest has no slip then, and
- * its friction may be anything up to the limit; but it slipped until then, and friction was at the limit.  So slips go on where that satisfies
- * Coulomb's law. */
+/* Find the impulses c->force that end the approach of the places in c->in, and the rates c->rate after them.  If the linkage comes to rest,
+ * Coulomb's law alone allows any friction up to the limit; but places that slipped until then had friction at the limit.  So a place that slips is
+ * assumed to slip on, unless this contradicts Coulomb's law. */
 static lw_status compress(const lw_dynamics *d, const closed *c)
 {
     double fastest = 0;
@@ -425,8 +426,8 @@ static lw_status compress(const lw_dynamics *d, const closed *c)
     }
 }
 
-/* Compression, then expansion with `part` of the restitution, of the places in c->in: c->force is the impulse, c->rate the
- * rates after it.  *gains: energy is gained, by more than rounding. */
+/* Compression of the places in c->in, then expansion with `part` of the restitution: c->force is the impulse, c->rate the
+ * rates after it.  *gains: the energy increases by more than rounding. */
 static lw_status impact_once(const lw_dynamics *d, const closed *c, double part, bool *gains)
 {
     bool bounces = false;
@@ -438,7 +439,7 @@ static lw_status impact_once(const lw_dynamics *d, const closed *c, double part,
     }
     if (s == LW_OK && bounces) {
         size_t r = 2*(size_t)c->m;
-        double *first = c->b, *before = c->sub + r*r + 3*r;  /* neither is in use here */
+        double *first = c->b, *before = c->sub + r*r + 3*r;  /* free at this point */
         memcpy(first, c->force, r*sizeof *first);
         memcpy(before, c->rate, r*sizeof *before);
         s = solve(c, before, c->force, c->rate);
@@ -454,7 +455,7 @@ static lw_status impact_once(const lw_dynamics *d, const closed *c, double part,
     return s;
 }
 
-/* The same with as much of the restitution as gains no energy, at most `part`. */
+/* The same with at most `part` of the restitution, reduced until the energy does not increase. */
 static lw_status impact(const lw_dynamics *d, const closed *c, double part)
 {
     bool gains;
@@ -488,8 +489,8 @@ lw_status lw_run_touch_impact(lw_run *run, double t, int n, const int *place, do
     return s;
 }
 
-/* Impacts at places that approach faster than *tiny, and those that follow from them.  Impulses between wedged
- * bodies may be far greater than what they change; then rates within the rounding of the solution count as 0, too. */
+/* Apply the impacts at places that approach faster than *tiny, and those that they cause.  Impulses between wedged bodies
+ * may be far greater than the changes of rates that they cause; *tiny then grows to the rounding errors of the solution. */
 static lw_status strike(lw_run *run, double t, closed *c, double *tiny, double *v, bool *any)
 {
     lw_dynamics *d = run->d;
@@ -529,10 +530,10 @@ static lw_status strike(lw_run *run, double t, closed *c, double *tiny, double *
     return lw_error_set(run->e, LW_E_NUMERIC, "impacts follow each other without end at t = %.9g s", t);
 }
 
-/* Where the complementarity problem of the forces has no solution, or none is found: the impulses of a time h in which free
- * accelerations change the rates by a trace.  That problem always has a solution.  Impulses of the order of h are forces
- * (c->force, c->rate).  Others remain when h goes to 0: friction ends slips at once, at places that do not approach
- * (Painleve); they are applied and *any is set.  LW_NOTHING: no solution was found. */
+/* Used if the complementarity problem of the forces has no solution, or none is found.  Solve for the impulses over a time h in
+ * which free accelerations change the rates by a fraction `trace`; this problem always has a solution.  Impulses
+ * proportional to h are forces (c->force, c->rate).  Impulses that remain as h goes to 0 end slips at once at places that do not
+ * approach (Painleve); they are applied and *any is set.  LW_NOTHING: no solution was found. */
 static lw_status solve_impulses(lw_run *run, double t, closed *c, double speed, double *v, bool *any)
 {
     size_t r = 2*(size_t)c->m;
@@ -568,7 +569,7 @@ static lw_status solve_impulses(lw_run *run, double t, closed *c, double speed, 
 
 /* ---- forces and states -------------------------------------------------------------------------------- */
 
-/* Free rates of gaps and slips at v into c->b, and what forces act at compliant places. */
+/* Find the accelerations of gaps and slips without contact forces, c->b, and the forces at compliant places. */
 static lw_status find_free(lw_run *run, double t, const double *y, closed *c)
 {
     lw_dynamics *d = run->d;
@@ -597,7 +598,7 @@ static void set_laws(const lw_dynamics *d, const closed *c, double speed)
     }
 }
 
-/* Forces at the places that rest: those whose gap has no rate.  A bounce that stays below the least height is rest. */
+/* Find the forces at the places at rest, whose gaps have no rate.  A bounce lower than the least height counts as rest. */
 static lw_status find_forces(closed *c, double tiny)
 {
     for (int i = 0; i < c->m; i++)
@@ -617,8 +618,8 @@ static lw_status find_forces(closed *c, double tiny)
     return LW_OK;
 }
 
-/* Add row k of c to those that are held if it is independent of them: by Cholesky's method on W.  `factor` (rows x rows)
- * holds what is factored so far, `taken` the rows of c. */
+/* Add row k of c to the n rows taken if it is independent of them, by Cholesky's method on W.  `factor` (most x most) is the
+ * factor of the rows taken, `taken` their numbers in c.  Returns whether the row was added. */
 static bool take_row(const closed *c, double *factor, int *taken, int n, int most, int k)
 {
     size_t r = 2*(size_t)c->m;
@@ -638,7 +639,7 @@ static bool take_row(const closed *c, double *factor, int *taken, int n, int mos
     return true;
 }
 
-/* A place that begins to stick stays where it is; frames are those of the event. */
+/* Anchor a place that begins to stick where it is now; the frames are those of the event. */
 static void set_anchor(const lw_dynamics *d, lw_touch *p)
 {
     lw_touch_motion m;
@@ -648,11 +649,11 @@ static void set_anchor(const lw_dynamics *d, lw_touch *p)
     p->anchor = m.path;
 }
 
-/* The row that take_row refused is the sum of those taken by x (n). */
+/* Express the row that take_row refused as a sum of the rows taken: its factors x (n). */
 static const double *find_shares(const closed *c, const double *factor, int n, int most)
 {
-    const double *left = factor + (size_t)n*(size_t)most;        /* the first half of the solution is there */
-    double *x = c->sub;                                          /* not in use here */
+    const double *left = factor + (size_t)n*(size_t)most;        /* forward substitution is done already */
+    double *x = c->sub;                                          /* free at this point */
     for (int i = n - 1; i >= 0; i--) {
         x[i] = left[i];
         for (int j = i + 1; j < n; j++)
@@ -662,7 +663,7 @@ static const double *find_shares(const closed *c, const double *factor, int n, i
     return x;
 }
 
-/* Does the row that take_row refused share its force with the normal force of a place that slips? */
+/* Does the row that take_row refused depend on the normal force of a place that slips? */
 static bool shares_with_slip(const struct lw_touching *w, const closed *c, const double *factor, const int *taken, int n, int most)
 {
     const double *x = find_shares(c, factor, n, most);
@@ -672,7 +673,7 @@ static bool shares_with_slip(const struct lw_touching *w, const closed *c, const
     return shares;
 }
 
-/* Friction at place i per unit of its normal force, if it is at its limit there, as it is where there is no normal force yet. */
+/* Friction at place i per unit of its normal force if it is at its limit, else 0.  Without a normal force it counts as at its limit. */
 static double friction_at_limit(const closed *c, int i)
 {
     double mu = c->law[i].friction, across = c->force[2*i + 1], sense = across != 0 ? across : -c->rate[2*i + 1];
@@ -681,7 +682,7 @@ static double friction_at_limit(const closed *c, int i)
     return fabs(across) < mu*c->force[2*i]*(1 - 1e-9) ? 0 : sense > 0 ? mu : sense < 0 ? -mu : 0;
 }
 
-/* Normal forces of the n rows taken can be shared with place `own`, whose row depends on them.  Does friction then move the bodies in another way? */
+/* Place `own`, whose row depends on the n rows taken, can take over a part of their normal forces.  Does friction then change the motion? */
 static bool moves_otherwise(const closed *c, const double *factor, const int *taken, int n, int most, int own)
 {
     const double *x = find_shares(c, factor, n, most);
@@ -700,8 +701,8 @@ static bool moves_otherwise(const closed *c, const double *factor, const int *ta
     return change > 1e-9*size;
 }
 
-/* Report it if friction leaves several motions: a place at its limit shares its load in several ways.  The n rows taken are all normal forces.
- * Where something sticks, that may take the difference, and nothing is said. */
+/* Report if friction allows several motions, because a place at its limit can share its load with others in several ways.  The n rows taken are all
+ * normal forces.  If a place sticks, it may balance the difference, and nothing is reported. */
 static void note_several_motions(lw_run *run, double t, const closed *c, double *factor, int *taken, int n, int most)
 {
     bool slips = false, sticks = false;
@@ -720,8 +721,8 @@ static void note_several_motions(lw_run *run, double t, const closed *c, double 
     }
 }
 
-/* Places that stay closed though the forces found need none of theirs can share those of the n rows taken, on which they depend: equal places so carry
- * equal loads.  The other places that were held and do not press leave. */
+/* Closed places that the solution leaves without a force, and whose rows depend on the n rows taken, share the load of these: so equal places carry
+ * equal loads.  The other places that were held and do not press are released. */
 static void keep_passive(lw_run *run, double t, const closed *c, double *factor, int *taken, int n, int most)
 {
     struct lw_touching *w = run->d->touch;
@@ -736,8 +737,8 @@ static void keep_passive(lw_run *run, double t, const closed *c, double *factor,
     }
 }
 
-/* States of the places from forces and rates; the rows that are held.  lets_go: friction no longer holds a place that
- * stuck, at which the slip has no acceleration yet. */
+/* Set the states of the places from forces and rates, and the rows that are held.  lets_go: friction no longer holds a place that
+ * stuck; its slip has no acceleration yet. */
 static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go)
 {
     lw_dynamics *d = run->d;
@@ -759,7 +760,7 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
         return LW_E_MEMORY;
     }
     w->n_redundant = 0;
-    for (int pass = 0; pass < 5; pass++) {               /* gaps with friction, other gaps, slips, what sticks, what could */
+    for (int pass = 0; pass < 5; pass++) {               /* gaps with friction; other gaps; slips; places that stick and press; places that stick and could press */
         if (pass == 2) {
             note_several_motions(run, t, c, factor, taken, n, most);
             keep_passive(run, t, c, factor, taken, n, most);
@@ -794,9 +795,9 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
             if (independent && presses)
                 w->row[n++] = (lw_touch_row){ c->place[i], true };
             else if (independent)
-                p->sticks = false;                       /* where nothing presses yet, nothing holds */
+                p->sticks = false;                       /* without a normal force there is no friction to hold it */
             else if (at_limit && !p->redundant && shares_with_slip(w, c, factor, taken, n, most)) {
-                p->sticks = false;                       /* its limit is part of the motion, though it does not slip yet */
+                p->sticks = false;                       /* friction is at its limit, though the place does not slip yet */
                 p->slips = across > 0 ? -1 : 1;
             } else
                 w->redundant[w->n_redundant++] = (lw_touch_row){ c->place[i], true };
@@ -823,7 +824,7 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
     return w->response ? lw_mbs_touch_share_make(d) : LW_E_MEMORY;
 }
 
-/* Duration of the shortest bounce that begins, by the accelerations found. */
+/* Duration of the shortest bounce that begins now, from the accelerations found; 0: none. */
 static double find_flight(const closed *c)
 {
     double flight = 0;
@@ -868,14 +869,14 @@ static lw_status decide(lw_run *run, double t, double *y, closed *c, bool undeci
             break;
         if (s == LW_OK && !impulsive) {
             set_laws(d, c, speed);
-            return known ? find_forces(c, tiny) : LW_OK;     /* impulses are known to fewer digits */
+            return known ? find_forces(c, tiny) : LW_OK;     /* impulses are less accurate */
         }
     }
     return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s no forces of rigid contact with friction go on with the motion "
                         "(Painleve's paradox); give the contacts a \"stiffness\"", t);
 }
 
-/* Does the run stand still between events? */
+/* LW_E_NUMERIC: many events in a row without progress in time. */
 static lw_status check_progress(lw_run *run, double t)
 {
     struct lw_touching *w = run->d->touch;
@@ -887,7 +888,7 @@ static lw_status check_progress(lw_run *run, double t)
          : lw_error_set(run->e, LW_E_NUMERIC, "contacts close and open without end at t = %.9g s", t);
 }
 
-/* Putting y on the constraints can move open gaps by rounding: their closure is an event from there on. */
+/* Projecting y onto the constraints can close open gaps by a rounding error: their next event counts from the present gap. */
 static void note_gaps(lw_dynamics *d, const double *y)
 {
     d->eq.place(d->eq.context, y);
@@ -899,7 +900,7 @@ static void note_gaps(lw_dynamics *d, const double *y)
     }
 }
 
-/* The greatest slip of a place against the direction found for it. */
+/* Greatest slip of a place against the direction that was found for it. */
 static double slip_against(lw_dynamics *d, const double *y)
 {
     double most = 0;
@@ -915,7 +916,7 @@ static double slip_against(lw_dynamics *d, const double *y)
     return most;
 }
 
-/* Find the states of all places, and what impulses change at once.  Slips below `slow` count as 0. */
+/* Apply impulses and find the states of all places.  Slips below `slow` count as 0. */
 static lw_status find_states(lw_run *run, double t, double *y, unsigned long long events, double slow)
 {
     lw_dynamics *d = run->d;
@@ -948,7 +949,7 @@ static lw_status find_states(lw_run *run, double t, double *y, unsigned long lon
     if (s == LW_OK && t == d->o.from)
         s = lw_run_touch_choose_sides(run);
     for (int i = 0; s == LW_OK && i < w->list.n; i++)
-        if (w->list.touch[i].state == LW_TOUCH_APART)            /* a disc may have come round an end since the step before */
+        if (w->list.touch[i].state == LW_TOUCH_APART)            /* a disc may have passed around an end since the last step */
             lw_touch_choose_side(&w->list.touch[i], d->frames, false, LW_TOUCH_END);
     if (s == LW_OK)
         s = find_closed(run, t, y, &c);
@@ -969,8 +970,8 @@ static lw_status find_states(lw_run *run, double t, double *y, unsigned long lon
     return s;
 }
 
-/* Rates of a light body that impulses of a heavy one move are rounded by more than no_slip.  Putting them on the constraints shows that: such a slip changes its
- * direction.  Its end would not be seen then, and friction would push it. */
+/* If impulses of a heavy body move a light one, its rates have rounding errors above no_slip, and the projection onto the constraints can reverse a slip.
+ * Its end would be missed then, and friction would accelerate it.  So the states are found again, with slips up to twice the reversed one counted as 0. */
 lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long events)
 {
     lw_status s = LW_OK;
