@@ -12,7 +12,7 @@ CFLAGS   = -O2 -g1
 HOT      = base enumerate grammar/functions grammar/topology mbs/plan mbs/batch mbs/kinematics mbs/constraints mbs/ode \
            mbs/dynamics mbs/reduced mbs/run mbs/equilibrium mbs/formulations mbs/space mbs/equations mbs/elastic \
            optimise/problem optimise/solvers optimise/search catalogues/curves tests/bench
-PLAIN    = cli/program cli/topologies cli/motion cli/family cli/fit cli/draw cli/catalogue cli/studio studio surface grammar/text \
+PLAIN    = cli/program cli/topologies cli/motion cli/robot cli/family cli/fit cli/draw cli/catalogue cli/studio studio surface grammar/text \
            grammar/linkage grammar/model grammar/family optimise/task optimise/report catalogues/draw catalogues/exchange \
            catalogues/pages catalogues/build catalogues/store
 LEVEL    = $(if $(filter $(HOT:%=%/%) catalogues/draw/chain_%,$<),-O3,$(or $(QUICK),$(if $(filter $(PLAIN:%=%/%) tests/%,$<),-O1)))

@@ -59,6 +59,7 @@ cli/program base grammar enumerate mbs optimise catalogues
 cli/topologies base grammar enumerate mbs optimise catalogues cli/program
 cli/motion base grammar enumerate mbs optimise catalogues cli/program
 cli/family base grammar enumerate mbs optimise catalogues cli/program cli/motion
+cli/robot base grammar enumerate mbs optimise catalogues cli/program cli/motion
 cli/fit base grammar enumerate mbs optimise catalogues cli/program
 cli/draw base grammar enumerate mbs optimise catalogues cli/program
 cli/catalogue base grammar enumerate mbs optimise catalogues cli/program
