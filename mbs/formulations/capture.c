@@ -1,26 +1,26 @@
 /* mbs/formulations/capture.c - many rigid contacts at once: rest, stick and slip are captured in steps, and so are impacts where many follow each
  * other (Moreau 1988, Jean 1999).  A chain of a thousand links that falls on the ground has more impacts than can be located one by one.
  *
- * A step of length h goes half of it with the old velocities v.  There bodies that approach and have a restitution bounce, by the law of impact of
- * mbs/run/touch.c.  Then it finds the new velocities v' and goes the other half:
+ * A step of length h covers its first half with the old velocities v.  In its middle bodies that approach and have a restitution bounce, by the law of
+ * impact of mbs/run/touch.c.  Then it finds the new velocities v' and covers the other half:
  *
  *     M (v' - v) = h Q - J^T l + N^T p + T^T f,   J v' = rates of the inputs,
  *     p >= 0,  N v' >= 0,  one of them 0;   |f| <= mu p, and f = -mu p against the slip T v'
  *
- * over the places that are closed in the middle of the step.  Which of them press, and which stick, is found by Newton's
- * method for complementarity: solve for a guess, change what contradicts it (Hintermueller, Ito & Kunisch 2002).  At
- * places that slip friction is in proportion to the normal force, so that the system is not symmetric.  All rows stay in
- * its pattern; those out of force become 0, so that a pass is one sparse factorisation.  Rows of contacts have a
- * compliance of rounding, which shares loads that are undetermined.
+ * over the places that are closed in the middle of the step.  Newton's method for complementarity finds which of them
+ * press and which stick: it solves for a guess and changes the places that contradict it (Hintermueller, Ito & Kunisch 2002).
+ * At places that slip, friction is proportional to the normal force, so the system is not symmetric.  All rows stay in
+ * its pattern; inactive rows become 0, so that a pass is one sparse factorisation.  Rows of contacts have a compliance of
+ * the size of rounding errors, which shares undetermined loads.
  *
- * While no contact begins, ends, slips or sticks anew, the new velocities satisfy the constraints at the end of the step, to second order: the rows
- * of joints, and those of the contacts that press and stick.  If they satisfied them in its middle, a linkage would lose energy in proportion to h.  So
- * the error is of second order there, except for forces that depend on velocities.
+ * While no contact begins, ends, or changes between slip and stick, the new velocities satisfy the constraints at the end of the step to second order:
+ * the rows of joints, and those of the contacts that press and stick.  (If they satisfied them in its middle, a linkage would lose energy in proportion
+ * to h.)  So the error is of second order then, except for forces that depend on velocities.
  *
- * Where few places are struck within a step, it ends at the first impact: at the root of the gap by its rates and the accelerations of the step before.
- * All places that are closed there take part in it, as at a located event.  So the times of impacts are of second order, too.  Impacts that follow each
- * other within a part of a step, or many of them in one, are captured in its middle: their times, and overlaps, are of first order.  The report says
- * the longest step in which that happened. */
+ * If few places are struck within a step, the step ends at the first impact: at the root of the gap, predicted from its rate and the accelerations of
+ * the last step.  All places that are closed there take part in the impact, as at a located event.  So the times of impacts are of second order, too.
+ * Impacts that follow each other within a part of a step, or many impacts in one step, are captured in its middle: their times, and overlaps, are of
+ * first order.  The report gives the longest step that captured an impact. */
 #include "base/real.h"
 #include "mbs/formulations/formulations_internal.h"
 
@@ -30,29 +30,29 @@
 #include "mbs/dynamics/touch_internal.h"
 #include "mbs/equations/complementarity.h"
 
-static const double finest = 1e-4, coarsest = 0.1;       /* way of a body in a step over its size */
-static const double slow = 1e-2;             /* below this part, steps of slow bodies are in proportion to it, too: so is what a low bounce takes */
-static const double closed = 1e-2;           /* a gap below this part of that way is closed */
-static const double shallow = 0.1;           /* an overlap below this part of that way is captured at any time of the step */
-static const double unseen = 0.5;            /* an overlap above this part of it is looked for in shorter steps */
-static const double ahead = 20;              /* places this many steps away are in the pattern */
-/* Rates below this times the speed count as 0: at first, and where the passes do not end with that. */
+static const double finest = 1e-4, coarsest = 0.1;       /* distance that a body moves in a step, over its size */
+static const double slow = 1e-2;             /* below this fraction, steps of slow bodies are proportional to it, as the duration of a low bounce is */
+static const double closed = 1e-2;           /* a gap below this fraction of that distance is closed */
+static const double shallow = 0.1;           /* an overlap below this fraction of it is captured at any time of the step */
+static const double unseen = 0.5;            /* a step with an overlap above this fraction of it is repeated in shorter steps */
+static const double ahead = 20;              /* places that are at most this many steps away are in the pattern */
+/* Rates below this times the speed count as 0: first, and if the passes do not converge with it. */
 static const double exact = 1e-8, allowed = 1e-5;
-static const double give = 1e-9;             /* share by which rows of contacts give way */
+static const double give = 1e-9;             /* compliance of the rows of contacts, over their diagonals */
 static const double resolved = 0.1;          /* step over the time constant of a compliant place */
-static const double unstable = 1e-4;         /* change of a state whose rate turns, over that of other states */
-static const double moment = 1e-8;           /* a step for the forces at the start, over the length of the run */
-static const double soonest = 1/16.0;        /* an impact in less than this part of a step is captured in it */
-enum { STRUCK_MOST = 12 };                   /* with more places that are struck in a step, they are captured */
+static const double unstable = 1e-4;         /* change of a state whose rate changes its sign, over the change allowed for other states */
+static const double moment = 1e-8;           /* step that gives the forces at the start, over the length of the run */
+static const double soonest = 1/16.0;        /* an impact after less than this fraction of a step is captured in it */
+enum { STRUCK_MOST = 12 };                   /* impacts at more places than this in a step are captured */
 enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENSE_MOST = 250, LEAST_CONTACTS = 24, HALVINGS = 8, BOUNCES = 200, TOGETHER_MOST = 60 };
 
-/* A place in the pattern: index, first of its rows (gap, then slip where it has friction), what holds there. */
+/* A place in the pattern: its index, the first of its rows (gap, then slip if it has friction), its state. */
 typedef struct place {
     int    touch, row;
     bool   rubs, shut, presses;              /* shut: closed in the middle of the step */
     int    slips;                            /* 0: sticks */
     double mu, normal, across;               /* impulses */
-    double target, glide;                    /* least rate of the gap; rate of the slip of what sticks */
+    double target, glide;                    /* least rate of the gap; rate of the slip while it sticks */
 } place;
 
 typedef struct capture {
@@ -165,7 +165,7 @@ static double compliant_step(capture *g, double h)
 
 /* ---- the pattern ------------------------------------------------------------------------------------------ */
 
-/* Time until the gap is less by `way`, by its rates and the accelerations of the step before; INFINITY: it never is.  rate: that of the gap then. */
+/* Time until the gap has decreased by `way`, from its rate and the accelerations of the last step; INFINITY: never.  *rate: that of the gap then. */
 static double closes_in(const capture *g, const lw_touch *p, const lw_touch_motion *m, double way, double *rate)
 {
     double curve = m->bias;
@@ -179,10 +179,11 @@ static double closes_in(const capture *g, const lw_touch *p, const lw_touch_moti
     return way > 0 && square > 0 ? 2*way/(root - m->rate) : INFINITY;
 }
 
-/* The time until the first impact, if it is within h, and few places are struck within h; else INFINITY.  `pull` is the greatest acceleration. */
+/* Time until the first impact within h, INFINITY: there is none; n places are struck within h.  `pull` is the greatest acceleration. */
 typedef struct ahead_of { double h, pull, first; int n; } ahead_of;
 
-/* Places that touch slowly, as those at rest do, are captured, if they overlap by no more than a small part of the way in a step at its end. */
+/* Note the impact of a place.  Slow ones, as of bodies at rest, are left to be captured if they overlap by a small fraction of the distance moved in a
+ * step at most. */
 static void look_ahead(const capture *g, const lw_touch *p, const lw_touch_motion *m, ahead_of *to)
 {
     double way = g->part*g->size, rate, later, in = closes_in(g, p, m, m->straight, &rate), along = m->place + m->place_rate*in;
@@ -196,7 +197,8 @@ static void look_ahead(const capture *g, const lw_touch *p, const lw_touch_motio
     to->n++;
 }
 
-/* Speed of the fastest place, scaled; is a place that is not in the pattern nearer than `near`?  And impacts ahead, unless NULL. */
+/* Return the speed of the fastest place, scaled.  *missing becomes true if a place outside the pattern is closer than `near`; *to: the impacts ahead,
+ * unless NULL. */
 static double look(capture *g, double near, bool *missing, ahead_of *to)
 {
     lw_touch_list *list = &g->d->touch->list;
@@ -230,7 +232,7 @@ static void free_pattern(capture *g)
     g->to = NULL;
 }
 
-/* The pattern of the system: an entry where two rows share a body. */
+/* Make the pattern of the system: two rows that share a body have an entry. */
 static lw_status make_pattern(capture *g)
 {
     lw_dynamics *d = g->d;
@@ -260,7 +262,7 @@ static lw_status make_pattern(capture *g)
     return ok ? LW_OK : LW_E_MEMORY;
 }
 
-/* Put the places nearer than `reach` into the pattern; frames are those at q. */
+/* Put the places closer than `reach` into the pattern; the frames are those at q. */
 static lw_status choose_places(capture *g, double reach)
 {
     lw_dynamics *d = g->d;
@@ -300,15 +302,15 @@ static void clear_row(lw_dynamics *d, int row) { memset(lw_mbs_jac(d, row), 0, (
 
 static int first_row(const lw_dynamics *d) { return d->n_row + d->n_driven; }
 
-/* All rows of places as they are in the middle of the step. */
+/* Restore all rows of places as they are in the middle of the step. */
 static void restore_rows(const capture *g)
 {
     lw_dynamics *d = g->d;
     memcpy(lw_mbs_jac(d, first_row(d)), g->full, (size_t)((d->n_c - first_row(d))*d->row_size)*sizeof *d->jac);
 }
 
-/* The system for the guess: J M^-1 P^T, where P are the directions in which the multipliers push: the rows, and at a place
- * that slips that of the gap less friction. */
+/* Fill in the system for the guess, J M^-1 P^T.  P holds the directions in which the multipliers act: the rows, but at a
+ * place that slips the row of the gap less friction. */
 static lw_status factor_guess(capture *g)
 {
     lw_dynamics *d = g->d;
@@ -351,8 +353,7 @@ static void add_rows(const lw_dynamics *d, const double *rows, const double *l, 
     }
 }
 
-/* Take from v (n_v) what the rows in the factors hold back, so that they have the rates `wanted` (n_c; NULL: 0); d->l are the
- * multipliers. */
+/* Project v (n_v) so that the factored rows have the rates `wanted` (n_c; NULL: 0); the multipliers are d->l. */
 static void hold_back(capture *g, const double *wanted, double *v)
 {
     lw_dynamics *d = g->d;
@@ -369,7 +370,7 @@ static void hold_back(capture *g, const double *wanted, double *v)
         v[i] -= x[i]*d->by_mass[i];
 }
 
-/* Velocities next_v and multipliers d->l with the places in force as guessed. */
+/* Solve for the velocities next_v and multipliers d->l with the states of the places as guessed. */
 static lw_status solve_guess(capture *g, double h)
 {
     lw_dynamics *d = g->d;
@@ -388,8 +389,8 @@ static lw_status solve_guess(capture *g, double h)
     return LW_OK;
 }
 
-/* Change what contradicts the velocities next_v and multipliers l at place p; true: it was changed.  What begins to press
- * slips on; what sticks lets go before it leaves. */
+/* Change the state of place p if it contradicts the velocities next_v and multipliers l; returns whether it was changed.  A place
+ * that begins to press keeps its slip; a place that sticks begins to slip before it opens. */
 static bool revise_place(capture *g, place *p, const double *l, double tiny)
 {
     const lw_dynamics *d = g->d;
@@ -420,8 +421,8 @@ static bool revise_place(capture *g, place *p, const double *l, double tiny)
     return true;
 }
 
-/* Change all places that contradict; in later passes, where they go round in circles, half of them, drawn anew each time.
- * Returns how many contradict. */
+/* Change all places that contradict the solution; in later passes, which may cycle, a random half of them.
+ * Returns the number of contradictions. */
 static int revise(capture *g, const double *l, int pass, double tiny)
 {
     int changes = 0;
@@ -436,7 +437,7 @@ static int revise(capture *g, const double *l, int pass, double tiny)
     return changes;
 }
 
-/* Set v (n_v) to the velocities that a unit of impulse along a row gives. */
+/* Set v (n_v) to the velocities that a unit impulse along a row causes. */
 static void respond(capture *g, int row, double *v)
 {
     const lw_dynamics *d = g->d;
@@ -449,7 +450,7 @@ static void respond(capture *g, int row, double *v)
     hold_back(g, NULL, v);
 }
 
-/* Velocities next_v and multipliers d->l for impulses (2 each: normal, across) at the m places that are shut. */
+/* Set the velocities next_v and multipliers d->l for impulses (two each: normal, across) at the m closed places. */
 static void adopt(capture *g, double h, int m, const int *row, const double *impulse)
 {
     lw_dynamics *d = g->d;
@@ -476,8 +477,8 @@ static void adopt(capture *g, double h, int m, const int *row, const double *imp
     }
 }
 
-/* A step in which the guesses go round in circles: Lemke's method over the m places that are shut, a dense problem.  Bodies that are
- * wedged by friction have many solutions, and Newton's method may meet none of them.  LW_NOTHING: no solution was found. */
+/* Used if the guesses of a step cycle: Lemke's method over the m closed places, a dense problem.  Bodies that are wedged by friction
+ * have many solutions, and Newton's method may find none of them.  LW_NOTHING: no solution was found. */
 static lw_status solve_densely(capture *g, double h, int m)
 {
     const lw_dynamics *d = g->d;
@@ -519,7 +520,7 @@ static lw_status solve_densely(capture *g, double h, int m)
     return s;
 }
 
-/* Where contacts change in a step, its end cannot be predicted from the old velocities: the rows are satisfied in its middle. */
+/* If contacts change in a step, its end cannot be predicted from the old velocities: satisfy the rows in its middle. */
 static lw_status aim_at_middle(capture *g, double t)
 {
     lw_status s = lw_mbs_rate_wanted(g->d, t);
@@ -531,13 +532,13 @@ static lw_status aim_at_middle(capture *g, double t)
     return s;
 }
 
-/* Does the gap stay open until the end of the step, of which half is left?  As that of a wheel and the next joint of a rail. */
+/* Does the gap stay open to the end of the step, of which `half` is left?  Example: a wheel and the next joint of a rail. */
 static bool stays_open(const lw_touch_motion *m, double half)
 {
     return half > 0 && m->gap > 0 && m->rate < 0 && m->gap + half*(m->rate + 0.5*half*m->bias) > 0;
 }
 
-/* Which places are closed in the middle of a step, of which half is left; returns their number.  half 0: at an impact. */
+/* Find the places that are closed in the middle of a step, of which `half` is left (0: at an impact); returns their number. */
 static int find_shut(capture *g, double half)
 {
     lw_dynamics *d = g->d;
@@ -561,7 +562,7 @@ static int find_shut(capture *g, double half)
     return shut;
 }
 
-/* Forces in the middle of the step, at the mean of the states and the velocities v, and the power of those without potential [W]. */
+/* Find the forces in the middle of the step, at the mean of the states and the velocities v; returns the power of those without potential [W]. */
 static double find_forces(capture *g, double t, const double *v)
 {
     lw_dynamics *d = g->d;
@@ -572,7 +573,7 @@ static double find_forces(capture *g, double t, const double *v)
     return power;
 }
 
-/* The forces at the velocities after the impacts of the step; returns the greatest change of a velocity by them. */
+/* Find the forces at the velocities after the impacts of the step; *pull: the greatest change of a velocity that they cause in h. */
 static lw_status find_pull(capture *g, double t, double h, double *pull)
 {
     const lw_dynamics *d = g->d;
@@ -586,18 +587,18 @@ static lw_status find_pull(capture *g, double t, double h, double *pull)
     return LW_OK;
 }
 
-/* The rate at which the gap of a place that presses changes in half a step because bodies turn. */
+/* Change of the rate of a gap that presses in half a step because bodies turn. */
 static double bend(const place *p, const lw_touch_motion *m, double h) { return p->presses ? -0.5*h*m->bias : 0; }
 
-/* Does it approach faster than forces make what rests?  At a located impact, for which h is 0, less is enough. */
+/* Does the place approach faster than forces move bodies at rest in a step?  At a located impact (h = 0) the threshold is lower. */
 static bool is_struck(const place *p, const lw_touch_motion *m, double h, double pull)
 {
     return m->rate < -(h > 0 ? 3 : shallow)*(pull + fabs(bend(p, m, h)));
 }
 
-/* Bodies that are faster than rest on each other needs bounce in the middle of the step, by the law of impact of located events (mbs/run/touch.c): at the
- * places that approach, then at those that approach because of it.  Where nothing has a restitution, the step itself ends the approach; at a located
- * impact, for which h is 0, all closed places take part in that then. */
+/* Let bodies that approach faster than bodies at rest bounce in the middle of the step, by the law of impact of located events (mbs/run/touch.c): at the
+ * places that approach, then at those that approach because of these impacts.  Without restitution the step itself ends the approach; at a located
+ * impact (h = 0) all closed places then take part. */
 static lw_status bounce(capture *g, double t, double h, double pull)
 {
     lw_dynamics *d = g->d;
@@ -623,7 +624,7 @@ static lw_status bounce(capture *g, double t, double h, double pull)
         if (!bounces)
             break;
         for (int r = first_row(d); pass == 0 && r < d->n_c; r++)
-            clear_row(d, r);                 /* the joints alone hold what an impulse moves */
+            clear_row(d, r);                 /* only joints constrain the response to an impulse */
         s = pass == 0 ? lw_mbs_factor_touch(d) : LW_OK;
         if (s == LW_OK)
             s = lw_run_touch_impact(g->run, t, n, struck, g->after);
@@ -632,14 +633,14 @@ static lw_status bounce(capture *g, double t, double h, double pull)
     return s == LW_NOTHING ? LW_OPEN : s;
 }
 
-/* Keep the rows of places: bounce and the passes of a step clear those that are not in force. */
+/* Keep a copy of the rows of places, since bounce and the passes of a step clear inactive rows. */
 static void keep_rows(capture *g)
 {
     const lw_dynamics *d = g->d;
     memcpy(g->full, lw_mbs_jac(d, first_row(d)), (size_t)((d->n_c - first_row(d))*d->row_size)*sizeof *d->jac);
 }
 
-/* New velocities for a step of length h with the middle at next_q.  LW_OPEN: the passes do not end. */
+/* Find the new velocities for a step of length h with its middle at next_q.  LW_OPEN: the passes do not converge. */
 static lw_status solve_step(capture *g, double t, double h)
 {
     lw_dynamics *d = g->d;
@@ -690,7 +691,7 @@ static lw_status solve_step(capture *g, double t, double h)
     return LW_OPEN;
 }
 
-/* Put q on the joints and out of the shapes; returns the greatest overlap before, scaled. */
+/* Project q onto the rows of the joints and out of overlaps; returns the greatest overlap before, scaled. */
 static lw_status put_back(capture *g, double t, double *q, double *overlap)
 {
     lw_dynamics *d = g->d;
@@ -780,7 +781,7 @@ static lw_status step(capture *g, double h, double *overlap)
     return put_back(g, g->t + h, g->next_q, overlap);
 }
 
-/* Has a step ended with an overlap of more than half the way of a body in it, at a place that does not press?  As where the body in front of it is stopped. */
+/* Has a step ended with an overlap of more than half the distance moved in it, at a place that does not press?  Example: the body in front is stopped. */
 static bool overlaps_unseen(const capture *g)
 {
     const lw_dynamics *d = g->d;
@@ -796,7 +797,7 @@ static bool overlaps_unseen(const capture *g)
     return false;
 }
 
-/* The impact at which a step has ended.  pull: the change of velocities by forces in a step. */
+/* Apply the impact at which a step has ended.  pull: the change of velocities that forces cause in a step. */
 static lw_status hit(capture *g, double pull, double *overlap)
 {
     lw_dynamics *d = g->d;
@@ -855,7 +856,7 @@ static double *fill_state(const capture *g, double *y)
     return y;
 }
 
-/* Velocities are on the rows of the middle of the step: for the sample they are put on those at its end. */
+/* Velocities satisfy the rows of the middle of the step; for the sample, project them onto the rows at its end. */
 static lw_status show(capture *g, double *y)
 {
     lw_dynamics *d = g->d;
@@ -867,7 +868,7 @@ static lw_status show(capture *g, double *y)
         s = lw_mbs_factor_touch(d);
     if (s == LW_OK)
         s = lw_mbs_project_v(d, g->t, y + d->n_q);
-    return s == LW_OK ? lw_run_show_solved(g->run, lw_run_time(d, g->run->next), y) : s;      /* a kink there is passed already */
+    return s == LW_OK ? lw_run_show_solved(g->run, lw_run_time(d, g->run->next), y) : s;      /* a kink at this time is passed already */
 }
 
 static lw_status say_unsolved(const capture *g)
@@ -927,7 +928,7 @@ static lw_status run_steps(capture *g, double *y)
         d->eq.place(d->eq.context, g->q);
         for (int i = 0; i < list->n; i++)
             if (list->touch[i].state == LW_TOUCH_APART)
-                lw_touch_choose_side(&list->touch[i], d->frames, false, g->part*g->size);       /* it may overlap by that much */
+                lw_touch_choose_side(&list->touch[i], d->frames, false, g->part*g->size);       /* an overlap of this size is allowed */
         s = lw_run_touch_crossed(run, g->t, g->part*g->size);
         lw_run_watch(run, fill_state(g, y));
         if (s == LW_OK && lw_run_at_kink(run, g->t))
