@@ -173,6 +173,38 @@ TEST(parallelograms_go_straight_on)
     }
 }
 
+static void arm_alone(void *context, double t, int order, double *u)
+{
+    (void)context;
+    for (int k = 0; k <= order; k++)
+        u[k] = k == 0 ? -t : k == 1 ? -1 : 0, u[order + 1 + k] = k == 0 ? LW_PI/2 : 0;
+}
+
+/* The lower arm and the crank of a palletiser turn about one pin, and a parallelogram carries the crank's direction to the upper arm: its arms are lost
+ * where the parallelogram is flat, at pi/2, also when that lies in the last step. */
+TEST(inputs_lose_a_flat_parallelogram)
+{
+    for (int k = 0; k < 3; k++) {
+        lw_linkage l;
+        double between[2], to = k == 2 ? 2.5 : k ? 1.6 : 1.5;
+        blank_linkage(&l, 5);
+        add_pin(&l, 0, 1, lw_v2(0, 0));
+        add_pin(&l, 0, 2, lw_v2(0, 0));
+        add_pin(&l, 2, 3, lw_v2(0, 0.3));
+        add_pin(&l, 3, 4, lw_v2(1, 0.3));
+        add_pin(&l, 1, 4, lw_v2(1, 0));
+        add_input(&l, 0, 0);
+        add_input(&l, 1, LW_PI/2);
+        add_tracer(&l, 4, lw_v2(1, -0.5));
+        ride *r = start(&l, arm_alone, NULL, 0);
+        CHECK_INT(lw_prescribed_motion_to(r->d, to), LW_OK);
+        CHECK_INT(lw_prescribed_motion_lost(r->d, between), k > 0);
+        CHECK(k == 0 || (between[0] < LW_PI/2 && between[1] > LW_PI/2));
+        CHECK_NEAR(distance(tracer(r, 0), lw_v2(cos(to), -sin(to) - 0.5)), 0, 1e-11, 0);
+        stop(r);
+    }
+}
+
 /* Asked for at the very times of its change points, and next to them, a parallelogram is there, as fast as ever. */
 TEST(stops_at_branch_points)
 {

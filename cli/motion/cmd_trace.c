@@ -327,7 +327,7 @@ static int print_curves(const cli_call *call, cli_curve_trace *t, const double *
         json_top(call, t, range ? "time" : s->cycle ? "cycle" : "curve");
     }
     if (range)
-        st = cli_time_print(t, range, &e);
+        st = cli_time_print(call, t, range, &e);
     else
         cli_curve_print(t, s->cycle);
     if (t->rows.json && st >= 0)

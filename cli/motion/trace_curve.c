@@ -6,6 +6,7 @@
 #include "base/growable_array.h"
 #include "base/number.h"
 #include "base/real.h"
+#include "cli/motion/trace.h"
 #include "cli/program/output.h"
 
 /* ---- shared ------------------------------------------------------------------------------------ */
@@ -482,7 +483,7 @@ static void put_posture(cli_curve_trace *t, lw_prescribed_motion *d, bool first)
     cli_rows_put(&t->rows, &row);
 }
 
-lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e)
+lw_status cli_time_print(const cli_call *call, cli_curve_trace *t, const double range[3], lw_error *e)
 {
     lw_prescribed_motion *d;
     lw_status s = lw_prescribed_motion_create(&t->s, t->drawn, lw_prescribed_motion_of_model, (void *)t->model, range[0], &d, e);
@@ -502,7 +503,9 @@ lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e)
     else if (s != LW_OK)
         lw_error_set(e, s, "the motion is lost at t = %.12g s: an input jumps or is no number there, or no step is "
                      "short enough to stay on the branch; the rows end before it", lw_prescribed_motion_time(d));
-    double last;
+    double last, between[2];
+    if (lw_prescribed_motion_lost(d, between))
+        cli_note_lost(call, "t", between, 1, "s");
     int crossings = lw_prescribed_motion_crossings(d, &last);
     if (crossings > 0 && !t->rows.json)
         fprintf(t->rows.f, "# branch points passed straight on: %d, the last at time %.12g\n", crossings, last);

@@ -83,7 +83,7 @@ void cli_curve_print(cli_curve_trace *t, bool cycle);
 
 /* Print rows in time from range[0] to range[1] in steps of range[2]; the inputs move by their motions. LW_OPEN and
  * LW_E_NUMERIC: the rows end early; e has the reason. */
-lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e);
+lw_status cli_time_print(const cli_call *call, cli_curve_trace *t, const double range[3], lw_error *e);
 
 double cli_curve_unit(const cli_curve_trace *t, int input);       /* metre or radian of the file       */
 

@@ -6,6 +6,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "base/linalg.h"
 #include "base/number.h"
 #include "base/rng.h"
 #include "grammar/model/model.h"
@@ -42,6 +43,9 @@ struct lw_prescribed_motion {
     bool             stuck;                 /* near a limit: no step is short enough                   */
     double           limit;                 /* time of that limit                                      */
     double           weight[2][2];          /* last two steps: time, 1/kappa^2                         */
+    double           det[2];                /* several inputs: time and determinant of all rows at the last step; 0: not known */
+    bool             lost;                  /* it has changed its sign, first between these times      */
+    double           between[2];
     int              crossings;
     double           crossing;
     bool             leapt;                 /* the last singular step: its series about `from` holds up to `to` */
@@ -501,6 +505,27 @@ static bool series_by_value(lw_prescribed_motion *d, int order, double *q)
 
 typedef enum outcome { MOVED, LIMIT, LOST } outcome;
 
+/* Note the determinant of the rows, whose factors d->f holds at d->q.  It is 0 where the inputs lose the links. */
+static void watch(lw_prescribed_motion *d)
+{
+    if (d->s->n_input < 2 || !d->f.matrix || d->f.m != d->f.n)
+        return;
+    double det = lw_qr_determinant(d->n, d->f.diag);
+    if (!d->lost && det*d->det[1] < 0) {
+        d->lost = true;
+        d->between[0] = fmin(d->det[0], d->t), d->between[1] = fmax(d->det[0], d->t);
+    }
+    d->det[0] = d->t, d->det[1] = det;
+}
+
+bool lw_prescribed_motion_lost(lw_prescribed_motion *d, double between[2])
+{
+    if (!d->place && hold(d, d->t) && lw_continuation_factor(&d->f, d->q) > 1e-15)
+        watch(d);
+    memcpy(between, d->between, sizeof d->between);
+    return d->lost;
+}
+
 /* One step towards `last`. */
 static outcome advance(lw_prescribed_motion *d, double last)
 {
@@ -509,6 +534,7 @@ static outcome advance(lw_prescribed_motion *d, double last)
         return LOST;
     if (!(lw_continuation_factor(&d->f, d->q) > 1e-15))
         return leap(d, d->t, last) ? MOVED : LIMIT;
+    watch(d);
     lw_continuation_bound(&d->f, d->q);
     d->weight[0][0] = d->weight[1][0];
     d->weight[0][1] = d->weight[1][1];
@@ -673,7 +699,8 @@ static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error
     d->t = t;
     d->step = 0.0;
     d->n_track = d->crossings = 0;
-    d->leapt = d->has_regular = d->creeping = false;
+    d->leapt = d->has_regular = d->creeping = d->lost = false;
+    d->det[1] = 0;
     hold(d, t);
     tell(d, t, d->q);
     return LW_OK;
