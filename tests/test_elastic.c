@@ -514,6 +514,26 @@ TEST(taut_wire)
     }
 }
 
+/* A wire with a corner in its middle, hinged at both ends: so thin that bending, most of it at the corner, counts for 0.2 %, it hangs as a catenary, 2 a sinh(1/2a) = its
+ * length, a (cosh(1/2a) - 1) below its ends. */
+TEST(catenary)
+{
+    OWN(scene) s = { 0 };
+    lw_rest r;
+    double length = 2*hypot(0.5, 0.3), low = 0.1, high = 5;
+    for (int i = 0; i < 60; i++) {
+        double a = 0.5*(low + high);
+        *(2*a*sinh(0.5/a) > length ? &low : &high) = a;
+    }
+    CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'wire', 'elastic': {'section': {'shape': 'round', 'diameter': 5e-6}, 'material': 'steel', "
+                         "'axis': [[0, 0], [0.5, -0.3], [1, 0]], 'segments': 40}}], 'joints': [{'name': 'A', 'links': ['ground', 'wire'], 'at': [0, 0]}, {'name': "
+                         "'B', 'links': ['ground', 'wire'], 'at': [1, 0]}], 'tracers': [{'name': 'P', 'link': 'wire', 'at': [0.5, -0.3]}], 'gravity': [0, -9.81]}"), LW_OK);
+    CHECK_INT(open_scene(&s, LW_ANALYSIS_STATIC), LW_OK);
+    CHECK_INT(lw_statics_rest(s.d, 0, s.q, &r, &s.e), LW_OK);
+    CHECK(r.stable);
+    CHECK_NEAR(tracer(&s, 0, s.q).y, -low*(cosh(0.5/low) - 1), 0, 2.5e-3);
+}
+
 /* A column beyond its buckling load pi^2/4, which damping does not change: P/P_cr = (2 K(k)/pi)^2, tip at 2 k/sqrt(P), k = sin(half the
  * angle at the tip). */
 TEST(buckling)
