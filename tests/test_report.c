@@ -434,6 +434,35 @@ TEST(linkages_larger_than_compact_ones_cost_more)
     }
 }
 
+/* A kite whose pins A and C coincide turns its coupler about them, and its rocker rests: it is no result.  In its other mode it is a linkage. */
+TEST(a_linkage_whose_pin_rests_is_no_result)
+{
+    lw_rng rng = check_rng(24);
+    int rests = 0;
+    for (int mode = -1; mode <= 1; mode += 2) {
+        OWN(made) k = { 0 };
+        make("crank-rocker", mode, LW_TASK_PATH, 0, &rng, &k);
+        lw_target_free(&k.t);
+        memcpy(k.m.dim, (const double[9]){ 2, 1, 1, 2, 0.5, 0.4, 0, 0, 0 }, 9*sizeof(double));
+        k.st.closed = false;
+        for (size_t i = 0; i < k.st.n; i++) {
+            k.st.input[i] = 1.2 + 0.1*(double)i;
+            lw_vec2 p = fourbar_at(k.m.dim, mode, k.st.input[i]).p;
+            k.st.x[i] = p.x;
+            k.st.y[i] = p.y;
+        }
+        target_of(&k.st, &k.spec, &k.t);
+        claim(&k);
+        lw_fit_spec_set_limits(&k.spec, &k.t, 0);
+        lw_fit_report r = report_of(&k);
+        const fourbar_joints at = fourbar_at(k.m.dim, mode, k.st.input[0]);
+        const bool folded = lw_v2_norm(lw_v2_sub(at.b, at.a0)) < 1e-9;
+        CHECK(r.rests == folded && (r.broken & LW_LIMIT_MARGIN) == (folded ? LW_LIMIT_MARGIN : 0));
+        rests += r.rests;
+    }
+    CHECK_INT(rests, 1);
+}
+
 /* The best four-bar is the second row, not the last one after all linkages of six links. */
 TEST(the_best_of_each_number_of_links_comes_first)
 {

@@ -123,11 +123,36 @@ static void errors_of_further(const lw_also *a, double n, const sums *sum, lw_al
     r->angle_max = a->theta ? sum->angle_max : NAN;
 }
 
+/* Note how far each pin has turned since the first station, whose angles of the links are in `first`: the greatest angle so far [rad]. */
+static void add_turns(const lw_linkage *k, const double *first, const lw_posture *posture, double *turn)
+{
+    for (int i = 0; i < k->n_joint; i++) {
+        const int *l = k->joint[i].link;
+        double now = posture->angle[l[1]][0] - posture->angle[l[0]][0] - (first[l[1]] - first[l[0]]);
+        turn[i] = fmax(turn[i], fabs(remainder(now, 2*LW_PI)));
+    }
+}
+
+/* A pin that turns by less than this part of what another one turns by rests. */
+#define RESTS 1e-3
+
+static bool has_pin_at_rest(const lw_linkage *k, const double *turn)
+{
+    double least = INFINITY, most = 0;
+    for (int i = 0; i < k->n_joint; i++)
+        if (lw_joint_turns(k->joint[i].kind)) {
+            least = fmin(least, turn[i]);
+            most = fmax(most, turn[i]);
+        }
+    return least < RESTS*most;
+}
+
 /* at: positions, n of each point; then those of the curve samples. */
 static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
                                 const lw_plan *plan, lw_vec2 *at, lw_fit_report *r)
 {
     sums sum[1 + LW_ALSO_MAX] = { { .f = 0 } };
+    double first[LW_LINK_MAX], turn[LW_JOINT_MAX] = { 0 };
     for (size_t i = 0; i < t->n; i++) {
         double modes[LW_MODE_MAX];
         lw_posture posture;
@@ -136,7 +161,11 @@ static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const 
         if (st != LW_OK)
             return st;
         add_station(t, s, c, &r->linkage, i, &posture, at, sum);
+        for (int l = 0; l < r->linkage.n_link && i == 0; l++)
+            first[l] = posture.angle[l][0];
+        add_turns(&r->linkage, first, &posture, turn);
     }
+    r->rests = has_pin_at_rest(&r->linkage, turn);
     for (int j = 0; j < c->n_sample; j++) {                /* without timing, which has one point */
         double modes[LW_MODE_MAX];
         lw_posture posture;

@@ -45,6 +45,8 @@ typedef struct lw_fit_report {
                                     * last station [m]                                              */
     lw_likeness likeness;          /* of the curve between the stations and the target; NaN for functions */
     bool     turns;                /* the input turns fully                                         */
+    bool     rests;                /* a pin does not turn from station to station: the linkage moves as one with fewer links, as a kite does
+                                    * that has folded so that two of its pins coincide              */
     int      input_turns_per_period;   /* turns of the input until gears return to their first position, else 1; the
                                     * candidate's inputs count them as one turn, inputs here and in files do not */
     int      circuits;             /* of the linkage with these lengths; 0: not counted.  With higher groups: circuits
@@ -102,7 +104,8 @@ double lw_fit_report_stray(const lw_fit_report *r);
 double lw_fit_report_objective(const lw_candidate *c, const lw_fit_report *r);
 
 /* Does a four-bar nearer than `margin` perimeters to a change point come near its flat posture, so that small errors of its lengths make
- * the motion another one?  One that rocks with transmission angles of 20 degrees or more, as a parallelogram may, does not. */
+ * the motion another one?  One that rocks with transmission angles of 20 degrees or more, as a parallelogram may, does not, if all its pins
+ * turn. */
 bool lw_fit_report_may_change(const lw_fit_report *r, double margin);
 
 /* The longest length, or the longest arm of a point of a path or motion if that is longer, over the shortest length. */

@@ -129,6 +129,8 @@ static void judge(const lw_target *t, const lw_fit_spec *s, lw_fit_report *r)
     if (s->by_default & LW_LIMIT_MARGIN ? lw_fit_report_may_change(r, s->class_margin/KEPT)
                                         : s->class_margin > 0 && r->has_class && r->barker.margin*KEPT < s->class_margin)
         broken(r, LW_LIMIT_MARGIN, "it is only %.3g perimeters from a change point", r->barker.margin);
+    else if (s->by_default & LW_LIMIT_MARGIN && r->rests)
+        broken(r, LW_LIMIT_MARGIN, "one of its pins does not turn, so it moves as a linkage with fewer links", 0);
     if (s->by_default & LW_LIMIT_RATIO && s->n_bound == 0 && lw_fit_report_ratio(t, r) > KEPT*s->length_ratio)
         broken(r, LW_LIMIT_RATIO, "one of its lengths is %.3g times another", lw_fit_report_ratio(t, r));
     if (s->max_size > 0 && t->extent > 0 && s->n_bound == 0 && !(s->length_hi > 0)
@@ -156,7 +158,7 @@ double lw_fit_report_objective(const lw_candidate *c, const lw_fit_report *r)
 
 bool lw_fit_report_may_change(const lw_fit_report *r, double margin)
 {
-    bool away = !r->turns && !r->passes_limit && r->transmission_min >= LW_DEFAULT_TRANSMISSION_DEG*LW_PI/180 - AT_LIMIT;
+    bool away = !r->turns && !r->passes_limit && r->transmission_min >= LW_DEFAULT_TRANSMISSION_DEG*LW_PI/180 - AT_LIMIT && !r->rests;
     return r->has_class && r->barker.margin < margin && !away;
 }
 
