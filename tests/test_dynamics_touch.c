@@ -1699,6 +1699,25 @@ TEST(feet_that_rub_differently)
     }
 }
 
+/* A box is pushed into the corner of a floor and a wall, and lifted beside the wall by 20 t.  It stays while friction can hold it in some way,
+ * until the floor carries 6.81 N and pushes by 0.7 of that towards the wall; but it can slip up the wall from 1.524 s on, when the floor pushes the other way.
+ * That is said; a box that is pulled away from the wall slips at one time. */
+TEST(wedged_box_could_slip_earlier)
+{
+    static const char format[] = "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [{'polygon': [[-2, -2], [2, -2], [2, 0], [0, 0], [0, 2],"
+        "[-2, 2]]}]}, {'name': 'box', 'mass': 2, 'centre': [0.25, 0.05], 'inertia': 0.05, 'shapes': [{'polygon': [[0, 0], [0.5, 0], [0.5, 0.1], [0, 0.1]]}]}], 'joints':"
+        "[{'name': 'F', 'kind': 'n', 'links': ['ground', 'box']}], 'contacts': [{'name': 'c', 'links': ['ground', 'box'], 'friction': 0.7}], 'forces': [{'link': 'box',"
+        "'at': [0.25, 0.05], 'fx': '%g'}, {'link': 'box', 'at': [0, 0.05], 'fy': '%g*t'}]}";
+    const double floor = 19.62 - 2*(4.905 + 1.5), wall = 0.7*(30 + 0.7*floor);
+    for (int pulled = 0; pulled < 2; pulled++) {
+        drun_read_format(&d, format, pulled ? 10 : -30, 20);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-8, pulled ? 0.4 : 1.9, 2), LW_OK);
+        CHECK_INT(d.report.jammed != NULL, !pulled);
+        if (!pulled)
+            CHECK_NEAR(d.report.jammed_t, (19.62 - floor + wall)/20, 1e-8, 0);
+    }
+}
+
 /* The pin of a driver turns a Geneva wheel of four slots by a right angle: halfway it has turned by half of that, but for the clearance of 0.4 mm. */
 TEST(geneva_wheel)
 {

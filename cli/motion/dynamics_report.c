@@ -34,6 +34,8 @@ void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status
     if (r->undetermined)
         fprintf(f, "# several motions from t = %.12g s on: contact %s and others share a load in several ways while they slip\n", r->undetermined_t,
                 r->undetermined);
+    if (r->jammed)
+        fprintf(f, "# friction at contact %s could have given way before t = %.12g s\n", r->jammed, r->jammed_t);
     if (r->captured_step > 0)
         fprintf(f, "# assumed: contacts are captured in steps of up to %.2g s; impacts are up to %.2g s late, overlaps within a step "
                 "reach %.2g m\n", r->captured_step, r->captured_late, r->overlap);
@@ -78,6 +80,8 @@ void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_repo
     cli_json_bool(j, "friction_left_out", r->no_friction);
     if (r->undetermined)
         cli_json_real(j, "undetermined_from", r->undetermined_t);
+    if (r->jammed)
+        cli_json_real(j, "jammed_until", r->jammed_t);
     if (r->captured_step > 0) {
         cli_json_real(j, "captured_step", r->captured_step);
         cli_json_real(j, "captured_late", r->captured_late);

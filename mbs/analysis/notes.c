@@ -137,14 +137,18 @@ void lw_dynamics_notes(lw_note_sink c, const lw_dynamics *d, const lw_dynamics_r
     if (r->undetermined)
         note(c, "from t = %.12g s on contact %s and others share a load in several ways while they slip, each with other friction: rigid bodies have "
              "several motions then, of which one is given; a \"stiffness\" of the contacts determines it", r->undetermined_t, r->undetermined);
+    if (r->jammed)
+        note(c, "until t = %.12g s friction at contact %s held in some of the ways alone in which it and others can share the load, and then gave way at once: rigid "
+             "bodies could have slipped earlier; a \"stiffness\" of the contacts determines when", r->jammed_t, r->jammed);
     if (r->captured_late > 0)
         note(c, "contacts are captured in steps of up to %.2g s: impacts that follow each other, or many at once, are up to %.2g s late, and overlaps "
              "within a step reach %.2g m; the error is of first order (formulation index1 locates each event)", r->captured_step, r->captured_late,
              r->overlap);
     else if (r->captured_step > 0)
-        note(c, "contacts are captured in steps of up to %.2g s, and each impact was located: the error is of second order", r->captured_step);
+        note(c, "contacts are captured in steps of up to %.2g s, and each impact was located: the error is of second order%s", r->captured_step,
+             r->captured_rest > 0 ? ", but for low bounces" : "");
     if (r->captured_rest > 0)
-        note(c, "bounces of up to %.2g m/s count as rest", r->captured_rest);
+        note(c, "bounces of up to %.2g m/s count as rest; the error is of first order there", r->captured_rest);
     if (r->coarse.large)
         note(c, "a run with a tolerance of %.2g differs by up to %.2g m (%s, t = %.6g s) and %.2g rad (%s, t = %.6g s); expect errors of about that size",
              r->coarse.tolerance, r->coarse.place, r->coarse.placed, r->coarse.place_t, r->coarse.turn,

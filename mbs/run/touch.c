@@ -916,6 +916,23 @@ static double slip_against(lw_dynamics *d, const double *y)
     return most;
 }
 
+static const double sudden = 1e-3;           /* such a part of the greatest acceleration by loads alone */
+
+/* Friction that gives way does so with no acceleration at first, if loads are continuous.  Where places could share the load in several ways and slip
+ * at once with an acceleration, they could have slipped before: the motion with that slip existed beside the one in which they stick. */
+static void note_jam(lw_run *run, double t, const closed *c)
+{
+    lw_dynamics *d = run->d;
+    double scale = greatest_of(d, d->a);
+    for (int i = 0; i < c->m && !run->r->jammed; i++) {
+        const lw_touch *p = &d->touch->list.touch[c->place[i]];
+        if (p->stuck && p->slips != 0 && fabs(c->rate[2*i + 1]) > sudden*scale) {
+            run->r->jammed = lw_touch_name(d->model, p);
+            run->r->jammed_t = t;
+        }
+    }
+}
+
 /* Apply impulses and find the states of all places.  Slips below `slow` count as 0. */
 static lw_status find_states(lw_run *run, double t, double *y, unsigned long long events, double slow)
 {
@@ -936,7 +953,7 @@ static lw_status find_states(lw_run *run, double t, double *y, unsigned long lon
         if (w->list.touch[i].held)
             w->list.touch[i].state = LW_TOUCH_PASSIVE;
     }
-    bool had = w->n_row > 0;
+    bool had = w->n_row > 0, shared = w->n_redundant > 0;
     w->n_row = w->n_slip = w->n_redundant = 0;
     w->determinant = 1;
     w->sense = 0;
@@ -957,6 +974,8 @@ static lw_status find_states(lw_run *run, double t, double *y, unsigned long lon
         s = decide(run, t, y, &c, events >> DETERMINANT & 1, &any);
     if (s == LW_OK)
         s = set_states(run, t, &c, events >> STICK & 1);
+    if (s == LW_OK && shared && events == 1ull << STICK)
+        note_jam(run, t, &c);
     run->flight = s == LW_OK ? find_flight(&c) : 0;
     free_closed(&c);
     if (s == LW_OK && w->n_row > 0)
