@@ -52,17 +52,15 @@ static void bend_of(const frame *f, int k, double h[6][6])
         }
 }
 
-/* Second derivatives of e[0] (k = 0) and e[1], g: derivative of e[1]; those of e[2] are 0. */
-static void strain_bend(const lw_beam *b, const frame *f, const double g[6], int k, double h[6][6])
+/* Second derivatives of e[0] and e[1], g: derivative of e[1]; those of e[2] are 0. */
+static void strain_bends(const lw_beam *b, const frame *f, const double g[6], double h[2][6][6])
 {
-    double across[6][6];
-    bend_of(f, k, h);
-    if (k == 1)
-        return;
-    bend_of(f, 1, across);
+    double by = 1/b->length, turned = f->across*by;
+    bend_of(f, 0, h[0]);
+    bend_of(f, 1, h[1]);
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++)
-            h[i][j] += (f->across*across[i][j] + g[i]*g[j])/b->length;
+            h[0][i][j] += turned*h[1][i][j] + by*g[i]*g[j];
 }
 
 void lw_beam_at(const lw_beam *b, const double x[6], const double v[6], bool derivatives, const double *pull, lw_beam_state *out)
@@ -90,16 +88,16 @@ void lw_beam_at(const lw_beam *b, const double x[6], const double v[6], bool der
         inner[0] = *pull;
     memset(out->by_x, 0, sizeof out->by_x);
     memset(out->by_v, 0, sizeof out->by_v);
+    double h[2][6][6];
+    strain_bends(b, &f, g[1], h);
     for (int k = 0; k < 3; k++) {
-        double h[6][6], hv[6] = { 0 };
-        if (k < 2)
-            strain_bend(b, &f, g[1], k, h);
+        double hv[6] = { 0 };
         for (int i = 0; k < 2 && b->damping > 0 && i < 6; i++)
             for (int j = 0; j < 6; j++)
-                hv[i] += h[i][j]*v[j];
+                hv[i] += h[k][i][j]*v[j];
         for (int i = 0; i < 6; i++)
             for (int j = 0; j < 6; j++) {
-                out->by_x[i][j] -= b->stiffness[k]*g[k][i]*(g[k][j] + b->damping*hv[j]) + (k < 2 ? inner[k]*h[i][j] : 0);
+                out->by_x[i][j] -= b->stiffness[k]*g[k][i]*(g[k][j] + b->damping*hv[j]) + (k < 2 ? inner[k]*h[k][i][j] : 0);
                 out->by_v[i][j] -= b->stiffness[k]*b->damping*g[k][i]*g[k][j];
             }
     }

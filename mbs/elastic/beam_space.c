@@ -130,6 +130,8 @@ void lw_beam_space_at(const lw_beam_space *b, const lw_beam_node node[2], bool d
     put(&s.t, lw_v3_sub(h, half), out->force + 3);
     put(&s.t, lw_v3_scale(n, -1), out->force + 6);
     put(&s.t, lw_v3_scale(lw_v3_add(h, half), -1), out->force + 9);
+    if (derivatives)
+        memset(out->by_v, 0, sizeof out->by_v);
     if (pull) {
         w.x = *pull, n = force_of(b, s.p, w), c = lw_v3_cross(n, s.p);
         h = moment(&s, c, m), half = lw_v3_scale(c, 0.5);
@@ -139,7 +141,7 @@ void lw_beam_space_at(const lw_beam_space *b, const lw_beam_node node[2], bool d
         lw_vec3 r[2] = { { 0, 0, 0 }, { 0, 0, 0 } }, turn[2] = { { 0, 0, 0 }, { 0, 0, 0 } };
         *(column%6 < 3 ? &r[column/6] : &turn[column/6]) = own;
         change z = change_of(&s, r, turn);
-        for (int damp = 0; damp < 2; damp++) {
+        for (int damp = 0; damp <= (b->damping > 0); damp++) {
             double part = damp ? b->damping : 1;
             lw_vec3 dn = lw_v3_scale(force_of(b, s.p, scaled(k, strain_change(b, s.p, z.p))), part), dm = lw_v3_scale(scaled(k + 3, z.g), part), zero = { 0, 0, 0 };
             if (!damp)
