@@ -429,6 +429,57 @@ TEST(a_start_may_run_either_way)
     }
 }
 
+/* A Stephenson III whose pins are some percent off the one that drew the curve: its curve is far off, drawn linkages are nearer, but from
+ * it alone a narrow valley leads to the exact one. */
+static const char off_linkage[] =
+    "{\"linkwright\":1,\"links\":[\"ground\",\"crank\",\"coupler\",\"rocker\",\"fifth\",\"sixth\"],\"ground\":\"ground\",\"joints\":["
+    "{\"name\":\"O\",\"kind\":\"r\",\"links\":[\"ground\",\"crank\"],\"at\":[0.38,0.374]},"
+    "{\"name\":\"A\",\"kind\":\"r\",\"links\":[\"crank\",\"coupler\"],\"at\":[0.314,0.493]},"
+    "{\"name\":\"B\",\"kind\":\"r\",\"links\":[\"coupler\",\"rocker\"],\"at\":[0.956,-0.115]},"
+    "{\"name\":\"C\",\"kind\":\"r\",\"links\":[\"rocker\",\"ground\"],\"at\":[-0.406,0.09]},"
+    "{\"name\":\"P\",\"kind\":\"r\",\"links\":[\"coupler\",\"fifth\"],\"at\":[0.302,0.316]},"
+    "{\"name\":\"D\",\"kind\":\"r\",\"links\":[\"fifth\",\"sixth\"],\"at\":[0.927,-0.22]},"
+    "{\"name\":\"S\",\"kind\":\"r\",\"links\":[\"ground\",\"sixth\"],\"at\":[-0.362,-0.546]}],"
+    "\"input\":{\"joint\":\"O\",\"value\":0},\"tracers\":[{\"name\":\"T\",\"link\":\"fifth\",\"at\":[-0.386,-0.346]}]}";
+
+/* Is the linkage that drew the curve found from pins moved by this much more? */
+static bool found_from(double by, uint64_t stream)
+{
+    static const double x[] = { -0.3864314103, -0.381469212, -0.371949006, -0.359332543, -0.345823266,
+    -0.3338144834, -0.3257242644, -0.3238647914, -0.3290763226, -0.3391239921,
+    -0.349673706, -0.3572396508, -0.3609753117, -0.3622746058, -0.3633425728,
+    -0.3659219283, -0.370611777, -0.3767546101, -0.3827378737, -0.3865494919 };
+    static const double y[] = { -0.3455171706, -0.3944746265, -0.4503473585, -0.5088948686, -0.5662205389,
+    -0.6183804356, -0.6600861993, -0.684394606, -0.6853777176, -0.6614504268,
+    -0.61612828, -0.5563445604, -0.4901185555, -0.4249197279, -0.3669898981,
+    -0.3212115872, -0.29109542, -0.2787116835, -0.2845900315, -0.3076876915 };
+    lw_linkage k = { 0 };
+    lw_rng rng;
+    lw_error e = { .text = "" };
+    CHECK_INT(lw_linkage_read(off_linkage, sizeof off_linkage - 1, "off", &k, &e), LW_OK);
+    lw_rng_seed(&rng, 7, stream);
+    for (int j = 0; j < k.n_joint; j++) {
+        k.joint[j].at.x += by*lw_rng_normal(&rng);
+        k.joint[j].at.y += by*lw_rng_normal(&rng);
+    }
+    lw_family f = { .name = "six-bar", .linkage = &k, .posture = true, .links = 6 };
+    lw_families all = lw_families_of(&f, 1);
+    lw_fit_options o = options(LW_TIMING_FREE, 1);
+    OWN(lw_target) t = { 0 };
+    OWN(lw_fit) fit = { 0 };
+    o.families = &all;
+    o.budget = 1;
+    o.max_rounds = 1;
+    CHECK_INT(lw_target_make(20, x, y, NULL, NULL, NULL, 1, &t, &e), LW_OK);
+    CHECK(lw_fit_run(&t, &o, &fit, &e) >= 0);
+    return fit.n > 0 && fit.candidate[0].objective < 1e-16;
+}
+
+TEST(a_given_start_is_improved_though_drawn_ones_are_nearer)
+{
+    CHECK(found_from(0, 0));
+}
+
 /* More families than a sweep may look at: some have their turn in a later one, some none, by any number of threads. */
 TEST(families_beyond_a_sweep)
 {

@@ -180,7 +180,7 @@ static void improve_all(lw_search *s, lw_problem *p, int steps, int n, void *wor
     }
 }
 
-/* The starts of one job in order of f.  Returns how many. */
+/* The starts of one job; first those drawn, in order of f.  Returns how many. */
 static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_problem *p, lw_workbench *bench,
                      lw_found *best)
 {
@@ -193,12 +193,17 @@ static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_probl
         return search_around(a->best, effort, p, &rng, work, best);
     int n = draw_starts(s, effort, p, &rng, bench, best);
     int senses = p->timing == LW_TIMING_FREE || lw_problem_turns_either_way(p) ? 2 : 1;
+    lw_found given = { .f = INFINITY };
     for (int k = 0; k < senses && p->family->posture && a->starts == 0; k++) {
         lw_found c = { .hits = 1 };
         p->intended.sense = senses == 2 ? 2*k - 1 : p->intended.sense;
         c.f = lw_random_linkage_posture(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
         c.intended = p->intended;
-        n = put_in_order(best, n, effort->improve, &c);
+        given = c.f < given.f ? c : given;
+    }
+    if (isfinite(given.f)) {                             /* it is improved, even if drawn ones have less f */
+        n = n < effort->improve ? n + 1 : n;
+        best[n - 1] = given;
     }
     return n;
 }
