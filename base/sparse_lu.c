@@ -6,6 +6,7 @@
 #include <string.h>
 #include <suitesparse/klu.h>
 
+static const double least_pivot = 0.1;       /* of the diagonal, over the greatest of its column */
 static const double weak_pivots = 1e-6;      /* least reciprocal pivot growth with which old pivots are kept */
 
 /* ---- pattern ------------------------------------------------------------------------------------ */
@@ -66,6 +67,7 @@ lw_sparse_lu *lw_sparse_lu_create(const lw_columns *pattern, bool saddle, bool i
     klu_defaults(&f->common);
     f->common.ordering = saddle;             /* 0: AMD, 1: COLAMD */
     f->common.btf = 0;                       /* finding blocks takes the square of n where many diagonals are 0 */
+    f->common.tol = least_pivot;
     f->symbolic = pattern->n ? klu_analyze(pattern->n, pattern->at, pattern->row, &f->common) : NULL;
     if (f->symbolic || pattern->n == 0)          /* KLU refuses systems without unknowns */
         return f;
