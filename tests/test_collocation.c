@@ -184,6 +184,33 @@ static lw_status undefined(void *context, const double t[LW_STAGES], bool again,
     return s == LW_OK && t[7] > 1 ? LW_OPEN : s;
 }
 
+/* x = atan(400 (t - 1)), to 1e-10: towards the sharp turn errors rise from step to step.  Steps follow this trend, so that few are refused. */
+static lw_status turn_sharply(void *context, const double t[LW_STAGES], bool again, const double *y, double *dy)
+{
+    (void)context, (void)again, (void)y;
+    for (int k = 0; k < 8; k++) {
+        double s = 400*(t[k] - 1), size = 1 + s*s;
+        dy[8 + k] = -2*400*400*s/(size*size);
+    }
+    return LW_OK;
+}
+
+TEST(few_steps_are_refused)
+{
+    problem p = { 0 };
+    lw_stages_ode ode = { 2, 1, 1, false, &p, turn_sharply, NULL, project, NULL };
+    lw_ode_options o = lw_ode_options_default();
+    double work[100], y[2] = { atan(-400), 400/(1 + 400.0*400) };
+    lw_ode_stop stop = LW_ODE_STEP;
+    CHECK(lw_collocation_work(2, false) <= 100);
+    o.relative = o.absolute = 1e-10;
+    lw_collocation_start(&w, &ode, &o, work, 0, y);
+    while (stop != LW_ODE_END)
+        CHECK_INT(lw_collocation_step(&w, 2, &stop, &e), LW_OK);
+    CHECK_NEAR(w.y[0], atan(400), 1e-9, 0);
+    CHECK(w.n_refused < w.n_step/6);
+}
+
 /* Limits, and rates that end, are said. */
 TEST(ends)
 {

@@ -467,7 +467,12 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
     if (s != LW_OK)
         return s;
     w->degree = w->n_step == 0 ? N/2 : best_degree(w, h);
-    *by = fmin(greatest_growth, fmax(0.3, fmin(0.9*pow(fmax(error, 1e-9), -1.0/9), fresh ? room : fmax(1, room))));
+    error = fmax(error, 1e-9);
+    double factor = 0.9*pow(error, -1.0/9);
+    if (w->n_step > 0)                       /* where errors rise from step to step, the next one is shorter (Gustafsson 1991) */
+        factor = fmin(factor, factor*h/w->h_done*pow(w->error/error, 1.0/9));
+    *by = fmin(greatest_growth, fmax(0.3, fmin(factor, fresh ? room : fmax(1, room))));
+    w->error = fmax(error, 1e-2);
     double *c = w->c;
     w->c = w->c_old, w->c_old = c;
     w->h_done = h;

@@ -41,6 +41,7 @@ typedef struct lw_collocation {
     double *f, *stage, *c, *c_old, *low, *scale, *lost;
     double *by, *lu;                         /* derivatives of u' by x and u; factors for each complex eigenvalue of A */
     double  h_done, t_low, fastest, most;    /* fastest: factor of an improvement over h; limit of h */
+    double  error;                           /* of the last step, over the error allowed */
     double  moved, noise;                    /* how far projections moved the last trial, move by rounding, over the error allowed */
     int     degree;                          /* of the polynomial that predicts f */
     bool    stale;                           /* the derivatives are to be found afresh */
