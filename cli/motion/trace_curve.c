@@ -6,8 +6,8 @@
 #include "base/growable_array.h"
 #include "base/number.h"
 #include "base/real.h"
-#include "cli/motion/trace.h"
 #include "cli/program/output.h"
+#include "mbs/analysis/notes.h"
 
 /* ---- shared ------------------------------------------------------------------------------------ */
 
@@ -505,7 +505,7 @@ lw_status cli_time_print(const cli_call *call, cli_curve_trace *t, const double 
                      "short enough to stay on the branch; the rows end before it", lw_prescribed_motion_time(d));
     double last, between[2];
     if (lw_prescribed_motion_lost(d, between))
-        cli_note_lost(call, "t", between, 1, "s");
+        lw_note_lost(cli_notes(call), "t", between, 1, "s");
     int crossings = lw_prescribed_motion_crossings(d, &last);
     if (crossings > 0 && !t->rows.json)
         fprintf(t->rows.f, "# branch points passed straight on: %d, the last at time %.12g\n", crossings, last);
