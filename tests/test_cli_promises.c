@@ -617,6 +617,9 @@ TEST(json_is_json)
         snprintf(line, sizeof line, "%s --json -q -o $D/json/%d.json", small, i);
         demand(line, small);
     }
+    demand("$P plasma $D/four.lam --target $D/five.csv --first 5 --budget 1000 --points 4 --json -q -o $D/json/plasma.json && "
+           "$P grammar print $D/six.g6 --format lam --json -o $D/json/grammar.json", "plasma, grammar");
+    expect("$P convert examples/chebyshev.json --format dxf --json", 2, "", "--json prints JSON, not dxf");
     demand("cd $D/json && python3 -c 'import json, sys\n"
            "for name in sys.argv[1:]:\n"
            "    t = open(name).read().strip()\n"

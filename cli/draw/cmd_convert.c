@@ -195,6 +195,8 @@ static int run(const cli_call *call)
     lw_error e = { 0 };
     if ((s->to ? format_named(s->to, false, &to, &e) : format_of_output(call, &to, &e)) != LW_OK)
         return cli_usage(call, "%s", e.text);
+    if (cli_given(&call->parsed, "json") && strcmp(to->name, "json") != 0)
+        return cli_usage(call, "--json prints JSON, not %s; leave out one of them", to->name);
     lw_model *m = NULL;
     lw_spatial *space = NULL;
     if (read_linkage(call, to->loads, &k, &m, &space, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK) {

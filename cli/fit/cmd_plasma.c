@@ -285,6 +285,19 @@ static lw_status save(const job *b, const lw_linkage *linkage, const char *name,
     return st;
 }
 
+/* A line of --json. */
+static lw_status print_json(const job *b, const lw_linkage *linkage, const char *name, lw_error *e)
+{
+    lw_linkage named = *linkage;
+    snprintf(named.name, sizeof named.name, "%s", name);
+    char *text = lw_linkage_write(&named, 0);
+    if (!text)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
+    fprintf(b->out.f, "%s\n", text);
+    free(text);
+    return LW_OK;
+}
+
 static lw_status print_motion(const job *b, const lw_linkage *linkage, lw_error *e)
 {
     fputs("Coupler path:\n\n", b->out.f);
@@ -292,21 +305,24 @@ static lw_status print_motion(const job *b, const lw_linkage *linkage, lw_error 
     return st == LW_OPEN ? LW_OK : st;
 }
 
-static lw_status run_first(job *b, lw_error *e)
+static lw_status print_first(const job *b, double objective, lw_error *e)
 {
     FILE *f = b->out.f;
-    double objective = 0;
-    lw_status st = first_dimensions(b, &objective, e);
-    if (st != LW_OK)
-        return st;
     fputs("Preprocessor has constructed Joint Data Structure:\n\n", f);
     cli_plasma_joints(&b->first, f);
     fprintf(f, "First dimensions, objective %.6g:\n\n", objective);
-    st = cli_plasma_dimensions(&b->first, f, e);
+    lw_status st = cli_plasma_dimensions(&b->first, f, e);
     if (st == LW_OK)
         st = print_dataset(&b->first, f, e);
+    return st == LW_OK ? print_motion(b, &b->first, e) : st;
+}
+
+static lw_status run_first(job *b, lw_error *e)
+{
+    double objective = 0;
+    lw_status st = first_dimensions(b, &objective, e);
     if (st == LW_OK)
-        st = print_motion(b, &b->first, e);
+        st = b->call->common.json ? print_json(b, &b->first, "first", e) : print_first(b, objective, e);
     return st == LW_OK ? save(b, &b->first, "first", e) : st;
 }
 
@@ -324,27 +340,30 @@ static const lw_candidate *best_of(const job *b, const lw_fit *fit, lw_fit_repor
     return NULL;
 }
 
-static lw_status print_final(job *b, const lw_fit *fit, lw_error *e)
+static lw_status print_final(const job *b, const lw_fit *fit, const lw_candidate *c, const lw_fit_report *r, lw_error *e)
 {
     FILE *f = b->out.f;
+    fprintf(f, "Optimisation: %ld starts, %ld local fits, %ld evaluations; objective %.6g, average path deviation "
+            "%.4g %% of the path length\n\n", fit->starts, fit->improved, fit->evals, c->objective,
+            r->error_percent);
+    fputs("Final dimensions:\n\n", f);
+    lw_status st = cli_plasma_dimensions(&r->linkage, f, e);
+    cli_plasma_joints(&r->linkage, f);
+    return st == LW_OK ? print_motion(b, &r->linkage, e) : st;
+}
+
+static lw_status give_final(const job *b, const lw_fit *fit, lw_error *e)
+{
     lw_status st;
     lw_fit_report *r = calloc(1, sizeof *r);
     if (!r)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a report");
     const lw_candidate *c = best_of(b, fit, r, e, &st);
     if (c) {
-        lw_linkage *k = &r->linkage;
-        k->units = b->target.units;
-        fprintf(f, "Optimisation: %ld starts, %ld local fits, %ld evaluations; objective %.6g, average path deviation "
-                "%.4g %% of the path length\n\n", fit->starts, fit->improved, fit->evals, c->objective,
-                r->error_percent);
-        fputs("Final dimensions:\n\n", f);
-        st = cli_plasma_dimensions(k, f, e);
-        cli_plasma_joints(k, f);
+        r->linkage.units = b->target.units;
+        st = b->call->common.json ? print_json(b, &r->linkage, "final", e) : print_final(b, fit, c, r, e);
         if (st == LW_OK)
-            st = print_motion(b, k, e);
-        if (st == LW_OK)
-            st = save(b, k, "final", e);
+            st = save(b, &r->linkage, "final", e);
     }
     free(r);
     return st;
@@ -368,7 +387,7 @@ static lw_status run_final(job *b, lw_error *e)
         lw_error_set(e, st, "no dimensions were found with which this mechanism runs through the target");
     if (st < 0 || st == LW_NOTHING)
         return st;
-    why = print_final(b, &fit, e);
+    why = give_final(b, &fit, e);
     lw_fit_free(&fit);
     return why == LW_OK ? st : why;
 }
@@ -386,7 +405,8 @@ static lw_status run_all(job *b, lw_error *e)
         return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "the target must be a path, with columns x and y");
     make_spec(b);
     b->family = (lw_family){ .name = "mechanism", .linkage = &b->sketch, .links = b->m.n_link };
-    cli_plasma_matrix(&b->lam, b->out.f);
+    if (!b->call->common.json)
+        cli_plasma_matrix(&b->lam, b->out.f);
     st = run_first(b, e);
     return st == LW_OK ? run_final(b, e) : st;
 }
@@ -450,7 +470,8 @@ const cli_command cli_plasma_command = {
         "    the coupler curve with velocity and acceleration over one second, and the accelerations of the joints\n"
         "    the final dimensions after optimisation, with their coupler curve\n"
         "A marker has the number 100 part + count. Joint types are 11 pin, 12 slider, 13 pin in a slot; F is the\n"
-        "direction of a slide [rad]. Lengths are in the unit of the target. The same seed gives the same answer.\n",
+        "direction of a slide [rad]. Lengths are in the unit of the target. The same seed gives the same answer.\n"
+        "--json prints two linkages instead, one a line: \"first\" and \"final\".\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 0,

@@ -59,10 +59,10 @@ static job job_of(const cli_call *call, const char *usual)
 {
     const settings *s = call->settings;
     const lw_notation *n = lw_notation_find(usual);
-    if (cli_given(&call->parsed, "format"))
-        n = &lw_notations[s->format];
-    else if (call->common.json)
+    if (call->common.json)
         n = lw_notation_find("json");
+    else if (cli_given(&call->parsed, "format"))
+        n = &lw_notations[s->format];
     return (job){ .call = call, .s = s, .notation = n, .watch = cli_watch_begin(call, "grammar", "topologies") };
 }
 
