@@ -149,7 +149,7 @@ TEST(tolerances_choose_the_smallest)
 /* A crane of 12 m within 10 mm: the first row is near the smallest known, and no smaller one is found where none is asked for.  A crank
  * that goes to and fro has the transmission angle of its way, of which the law of cosines gives the rest.  (Seed 3 has such a crank among its
  * rows; those of seed 1 all turn.) */
-TEST(cranes_within_a_tolerance_are_small)
+TEST_OF_FIGURES(cranes_within_a_tolerance_are_small)
 {
     static const char line[] = "awk 'BEGIN { print \"x [m],y [m]\"; for (i = 0; i < 25; i++) print 6 + i*0.5 \",15\" }' > $D/crane.csv; ";
     int to_and_fro = 0;
@@ -431,7 +431,7 @@ TEST(pages_show_errors_of_angles)
 
 /* Beside a luffing crane within 1e-4 of its path, rows are smaller or have another angle, not larger and nearer still, but for the
  * best in a measure. */
-TEST(rows_end_where_errors_no_longer_matter)
+TEST_OF_FIGURES(rows_end_where_errors_no_longer_matter)
 {
     json_t *root = json_of("$P fit examples/jobs/luffing-crane.csv --rounds 1 --json -q"), *rows = json_object_get(root, "results"), *r;
     size_t i;

@@ -13,15 +13,12 @@
 #include "tests/cli_run.h"
 
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
-enum { SANITIZED = true };
 #define BUSY "100"              /* its start takes longer */
 #define STACK "8192"
 #elif defined __OPTIMIZE__
-enum { SANITIZED = false };
 #define BUSY "10"
 #define STACK "256"
 #else                                        /* each variable of each block has bytes of its own */
-enum { SANITIZED = false };
 #define BUSY "10"
 #define STACK "1024"
 #endif

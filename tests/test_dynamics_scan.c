@@ -14,7 +14,7 @@ static drun d;
 static int models(int few)
 {
     const char *all = getenv("LW_SCAN");
-    return all ? atoi(all) : few;
+    return all ? atoi(all) : check_cases(few);
 }
 
 /* The seed of a run without LW_SEED leaves the models as they are. */
@@ -115,7 +115,7 @@ TEST(driven)
 {
     static const int grid[] = { 7, 36, 97, 100, 360 };
     int without = 0;
-    for (int k = 0; k < models(9); k++) {
+    for (int k = 0; k < 3*models(3); k++) {
         seed_model(11, k);
         bool slider = k%3 == 2;
         exact z = { .slider = slider, .n_crank = 2 + k%3 };
@@ -245,7 +245,7 @@ TEST(closed_forms)
 {
     static const lw_formulation each[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_GGL };
     static const int grid[] = { 7, 36, 97, 100, 360 };
-    for (int k = 0; k < models(2*N_CLOSED); k++) {
+    for (int k = 0; k < N_CLOSED*models(2); k++) {
         closed z;
         closed_off w = { .z = &z };
         seed_model(17, k);
@@ -621,7 +621,7 @@ TEST(turning_back)
 {
     static const double beyond[] = { 0.02, 5e-3, 1e-3, 3e-5, 0, -3e-4, -0.01 };
     enum { N = sizeof beyond/sizeof *beyond };
-    for (int k = 0; k < models(2*N); k++) {
+    for (int k = 0; k < N*models(2); k++) {
         carried z;
         double y[4], start, when;
         seed_model(16, k/N);

@@ -203,7 +203,7 @@ TEST(all_triples_are_found)
 
 /* Points near a straight line: linkages many times as large as the target, and solutions so near to singular ones that the
  * equations are not exact enough in double precision.  Two of 1442 had been counted twice, and a real one was missing. */
-TEST(all_triples_near_a_line_are_found)
+TEST_OF_FIGURES(all_triples_near_a_line_are_found)
 {
     double x[9], y[9];
     int clean;

@@ -46,7 +46,7 @@ TEST(the_true_topology_gives_the_curve_back)
     CHECK(r->verified && r->error_max < 1e-9);
 }
 
-TEST(more_links_are_never_worse)
+TEST_OF_FIGURES(more_links_are_never_worse)
 {
     static const double px[] = { 0, 1, 2, 3, 3, 2.6, 1.5, 0.4 }, py[] = { 0, 0.2, 0, 0.3, 1.2, 2, 1.7, 1.4 };
     lw_linkage k = six_bar();
@@ -168,7 +168,7 @@ TEST(more_time_is_never_worse)
 }
 
 /* Small linkages are among those kept, though many larger ones of many parts have less error. */
-TEST(small_linkages_are_kept)
+TEST_OF_FIGURES(small_linkages_are_kept)
 {
     enum { N = 15 };
     double px[N], py[N];
@@ -210,7 +210,7 @@ static double least_within(const lw_target *t, const lw_fit_spec *spec, const lw
 
 /* Results of each size and transmission angle are nearly as good as those of a search with these as its limits; they may be larger by
  * a step from size to size. */
-TEST(the_front_has_no_gaps)
+TEST_OF_FIGURES(the_front_has_no_gaps)
 {
     enum { N = 18 };
     static const double size[] = { 1.4, 1.96 };
