@@ -300,6 +300,42 @@ TEST(feasible_points_stay_and_others_move_little)
     }
 }
 
+/* Scattered points lie where f hardly rises: it rises as promised, and far less than over moves of the same length in any direction. */
+TEST(scattered_points_keep_the_curve)
+{
+    const double rise = 1e-6, reach = 0.3;
+    lw_rng rng = check_rng(7);
+    double along = 0, across = 0, moved = 0;
+    int n = 0;
+    for (int trial = 0; trial < 20; trial++) {
+        OWN(lw_problem) p = { 0 };
+        double x[LW_VAR_MAX] = { 0 }, to[LW_VAR_MAX], other[LW_VAR_MAX], normal[LW_VAR_MAX];
+        make_case("crank-rocker", LW_TASK_PATH, LW_TIMING_FREE, lw_fit_spec_default(), 0, &rng, &p, x);
+        FREED void *work = new_work(&p);
+        for (int i = 0; i < p.n_var; i++)
+            normal[i] = lw_rng_normal(&rng);
+        memcpy(to, x, sizeof x);
+        if (!lw_lm_scatter(&p, rise, reach, normal, to, work))
+            continue;
+        double far = 0;
+        for (int i = 0; i < p.n_var; i++)
+            far = fmax(far, fabs(to[i] - x[i]));
+        memcpy(other, x, sizeof x);
+        perturb(&p, far/sqrt(p.n_var), &rng, other);
+        double f = value(&p, to, NULL), g = value(&p, other, NULL);
+        if (!isfinite(f) || !isfinite(g))
+            continue;
+        along += log(f);
+        across += log(g);
+        moved += far;
+        n++;
+    }
+    CHECK(n > 10);
+    CHECK(exp(along/n) < 20*reach*reach*rise);
+    CHECK(exp(along/n) < 0.1*exp(across/n));
+    CHECK(moved/n > 1e-3);
+}
+
 TEST(contradictions_are_found_out)
 {
     lw_rng rng = check_rng(6);

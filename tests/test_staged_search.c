@@ -480,6 +480,12 @@ TEST(a_given_start_is_improved_though_drawn_ones_are_nearer)
     CHECK(found_from(0, 0));
 }
 
+/* Straight steps end beside the valley. */
+TEST(steps_follow_the_bend_of_a_valley)
+{
+    CHECK(found_from(0.08, 29));
+}
+
 /* More families than a sweep may look at: some have their turn in a later one, some none, by any number of threads. */
 TEST(families_beyond_a_sweep)
 {

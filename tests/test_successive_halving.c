@@ -92,8 +92,8 @@ TEST(few_families_are_all_looked_at)
     end(s);
 }
 
-/* The improvement of a find that is exact or nearly so led there: a search around it would end there again. */
-TEST(nothing_is_searched_around_a_near_miss)
+/* From a near miss a valley may lead to the exact find, or from another start: both are searched. */
+TEST(beside_a_near_miss_other_starts_are_drawn)
 {
     crowd c = { .n = 20 };
     lw_families f;
@@ -110,7 +110,7 @@ TEST(nothing_is_searched_around_a_near_miss)
         }
         learn(s);
     }
-    CHECK(near == 0 && other > 0 && drawn >= 8);
+    CHECK(near > 0 && other > 0 && drawn >= 8);
     end(s);
 }
 

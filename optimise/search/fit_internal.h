@@ -20,7 +20,7 @@ enum {
 };
 
 /* So small an f is that of an exact find or of a near miss.  Other starts have to be improved beside it, since an exact find
- * has f of about 1e-6 before its polish; and none is searched around it, since its own improvement led there. */
+ * has f of about 1e-6 before its polish. */
 #define LW_SEARCH_NEAR_MISS 1e-9
 
 /* Something to search in: a family, and of four-link types one assembly mode and sense.  Only this much is kept of

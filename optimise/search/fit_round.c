@@ -35,6 +35,8 @@ enum { BEYOND_MOST = 13 };      /* a soft transmission angle may fall to 0, but 
 #define MET   1e-6          /* conditions on results are met to this                                 */
 #define HOPELESS 1e4        /* no start whose f exceeds the best by this factor is improved further  */
 #define ALMOST 1e-6         /* from so small an f to an exact find it is a way along a narrow valley  */
+#define RISE_MOST 1e6       /* a start along such a valley may have so many times the f of the find   */
+#define NEARLY_ROUNDING 1e-14   /* ... or of this                                                    */
 #define HIT   1e-3          /* relative difference of f of two finds of the same linkage             */
 
 typedef struct estimate { double residual; int which; } estimate;
@@ -88,6 +90,30 @@ static int draw_starts(lw_search *s, const lw_effort *a, lw_problem *p, lw_rng *
         lw_found c = { .hits = 1 };
         c.f = lw_start(p, u + g[i].which*d, c.x, work);
         c.intended = p->intended;
+        n = put_in_order(best, n, a->improve, &c);
+    }
+    return n;
+}
+
+/* Draw starts along the valley of a find that is nearly exact: linkages that draw nearly the same curve lie close together in a few
+ * directions and far apart in others.  All are kept: those that move least have the least f, and lead back. */
+static int search_along(const lw_best_starts *finds, const lw_effort *a, lw_problem *p, lw_rng *rng, void *work,
+                        lw_found *best)
+{
+    double normal[LW_VAR_MAX];
+    int n = 0;
+    for (int i = 0; i < a->improve; i++) {
+        lw_found c;
+        lw_best_starts_get(finds, (int)(lw_rng_uniform(rng)*finds->n), &c);
+        double rise = fmax(c.f, NEARLY_ROUNDING)*pow(RISE_MOST, lw_rng_uniform(rng)), reach = exp(0.5 - 3*lw_rng_uniform(rng));
+        p->intended = c.intended;
+        lw_problem_work_intended(p, work);
+        for (int v = 0; v < p->n_var; v++)
+            normal[v] = lw_rng_normal(rng);
+        if (lw_lm_scatter(p, rise, reach, normal, c.x, work))
+            c.f = lw_problem_value(p, c.x, NULL, work);
+        else
+            c.f = INFINITY;
         n = put_in_order(best, n, a->improve, &c);
     }
     return n;
@@ -159,6 +185,7 @@ static void improve_all(lw_search *s, lw_problem *p, int steps, int n, void *wor
     o.max_steps = steps;
     o.f_hopeless = HOPELESS*fmax(s->best_raw, LW_SEARCH_NEAR_MISS);
     o.patience = FIRST_STEPS;
+    o.bend = s->o->families && steps > FIRST_STEPS && !lw_problem_is_nonlinear(p);       /* else most runs end on a condition */
     o.interrupt = s->o->interrupt;
     o.until = lw_search_end(s);
     for (int i = 0; i < n && !lw_search_stopped(s); i++) {
@@ -189,6 +216,8 @@ static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_probl
     lw_rng rng;
     uint64_t round = (uint64_t)s->round*(s->o->families ? LW_JOB_MAX : LW_SEARCH_CANDIDATE_MAX*LW_SEARCH_BLOCK_MAX);
     lw_rng_seed(&rng, s->o->seed, round + job + ((uint64_t)s->o->part_number << 40));
+    if (s->job[job].around && lw_best_starts_f(a->best, 0) < ALMOST)
+        return search_along(a->best, effort, p, &rng, work, best);
     if (s->job[job].around)
         return search_around(a->best, effort, p, &rng, work, best);
     int n = draw_starts(s, effort, p, &rng, bench, best);
@@ -405,7 +434,7 @@ static void polish_one(void *context, size_t job, int thread)
     const int cost = lw_search_effort(s, p).cost;
     o.max_steps = polish_steps(s, p, cost);
     o.f_tol = 1e-12;
-    o.bend = s->o->families && c->f < ALMOST;
+    o.bend = s->o->families && (c->f < ALMOST || !lw_problem_is_nonlinear(p));
     o.until = list->until;
     o.interrupt = list->interrupt;
     l->of = lw_pool_variables(p);

@@ -206,7 +206,7 @@ static void jobs_of_families(lw_search *s)
         if (turn % seldom != 0 && has_groups(s, candidate))
             continue;
         const lw_best_starts *best = s->candidate[candidate].best;
-        bool around = best && w->rung > 0 && (turn & 1) == (w->rung & 1) && lw_best_starts_f(best, 0) >= LW_SEARCH_NEAR_MISS;
+        bool around = best && w->rung > 0 && (turn & 1) == (w->rung & 1);
         assert(s->n_job < LW_JOB_MAX);
         s->job[s->n_job++] = (lw_search_job){ .candidate = candidate, .around = around };
     }

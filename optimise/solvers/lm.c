@@ -482,6 +482,33 @@ bool lw_lm_feasible(const lw_problem *p, double *x, void *work)
     return true;
 }
 
+bool lw_lm_scatter(const lw_problem *p, double rise, double reach, const double *normal, double *x, void *work)
+{
+    lw_work *w = work;
+    model q;
+    if (!lw_problem_settle(p, x, w))
+        return false;
+    lw_problem_rows(p, x, w, true);
+    begin_model(p, w, &q);
+    normal_equations(p, w, &q);
+    memcpy(q.l, q.h, sizeof(double)*(size_t)(q.n*q.n));
+    for (int i = 0; i < q.n; i++) {
+        double size = fmax(0.1, fabs(x[q.var[i]]));
+        q.l[i*q.n + i] += rise/(size*size);
+    }
+    if (!lw_qp_cholesky(q.n, q.l))
+        return false;
+    for (int i = q.n - 1; i >= 0; i--) {                 /* the factor's transpose turns equal variances into these */
+        q.step[i] = reach*sqrt(rise)*normal[i];
+        for (int j = i + 1; j < q.n; j++)
+            q.step[i] -= q.l[j*q.n + i]*q.step[j];
+        q.step[i] /= q.l[i*q.n + i];
+    }
+    for (int i = 0; i < q.n; i++)
+        x[q.var[i]] += q.step[i];
+    return lw_lm_feasible(p, x, work);
+}
+
 double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x, void *work,
                          long *evals, lw_stop *stop)
 {

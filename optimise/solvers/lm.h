@@ -42,6 +42,12 @@ double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x,
  * other. */
 bool lw_lm_feasible(const lw_problem *p, double *x, void *work);
 
+/* Move x at random, farthest in directions in which f hardly changes: normally distributed with the covariance
+ * reach^2 rise (J'J + rise D)^-1, D diagonal with 1 over the square of each variable, so that f rises by about reach^2 rise for each
+ * variable, and no variable moves by much more than `reach` of its size. normal: (n_var) standard normal numbers. x then meets bounds and
+ * linear conditions. False: the linkage does not close at x, or the conditions contradict each other. */
+bool lw_lm_scatter(const lw_problem *p, double rise, double reach, const double *normal, double *x, void *work);
+
 /* Run the row `lm` of the solver table. */
 lw_status lw_lm_run(const lw_solver *self, const lw_problem *p, const lw_solver_options *o, double *x,
                     lw_solver_result *r);
