@@ -352,8 +352,8 @@ TEST(targets_share_time)
 TEST(nothing_found_when_the_time_ends)
 {
     expect("LW_CLOCK_STEP=0.005 $C fit examples/ellipse.csv --type fourbar --crank-only --bounds r1=100:100,r2=1:1,r3=5:5,r4=1:1 "
-           "--stations 8 --starts 2 --rounds 100000 --time 1 -j 1 -q --save $D/nothing > $D/none; code=$?; "
-           "grep -c '^0 results.*time limit' $D/none; exit $code", 5, "1\n", NULL);
+           "--stations 8 --starts 2 --rounds 100000 --time 1 -j 1 -q --save $D/unmet > $D/unmet.txt; code=$?; "
+           "grep -c '^0 results.*time limit' $D/unmet.txt; exit $code", 5, "1\n", NULL);
 }
 
 /* Targets that are not begun are counted. */
