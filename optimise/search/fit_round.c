@@ -207,7 +207,7 @@ static void improve_all(lw_search *s, lw_problem *p, int steps, int n, void *wor
     }
 }
 
-/* The starts of one job; first those drawn, in order of f.  Returns how many. */
+/* The starts of one job in order of f, of families one more than effort->improve at most.  Returns how many. */
 static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_problem *p, lw_workbench *bench,
                      lw_found *best)
 {
@@ -229,11 +229,10 @@ static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_probl
         c.f = lw_random_linkage_posture(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
         c.intended = p->intended;
         given = c.f < given.f ? c : given;
+        n = put_in_order(best, n, effort->improve, &c);
     }
-    if (isfinite(given.f)) {                             /* it is improved, even if drawn ones have less f */
-        n = n < effort->improve ? n + 1 : n;
-        best[n - 1] = given;
-    }
+    if (isfinite(given.f) && given.f > best[n - 1].f)    /* it is improved beside the drawn ones, even if all of these have less f */
+        best[n++] = given;
     return n;
 }
 
