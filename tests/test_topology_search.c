@@ -70,7 +70,7 @@ TEST(six_links_are_never_worse_than_four)
 }
 
 /* With default limits, too: cranks, the others, both ways, variants for the front, reports by several threads.  The front
- * holds the least error, and more rounds are never worse. */
+ * holds the least error, but for the 2 % by which a row has to be better than each before it, and more rounds are never worse. */
 TEST(default_limits_give_one_answer)
 {
     OWN(lw_target) t = target();
@@ -91,7 +91,7 @@ TEST(default_limits_give_one_answer)
         const lw_fit_report *a = &found[0].results.report[k], *b = &found[1].results.report[k];
         CHECK(a->objective == b->objective && a->size == b->size && a->transmission_min == b->transmission_min);
     }
-    CHECK(least[2] <= least[0]);
+    CHECK(least[2] <= 1.02*1.02*least[0]);               /* squares */
     for (int i = 0; i < 3; i++)
         lw_topology_search_free(&found[i]);
 }
