@@ -70,7 +70,7 @@ TEST(loop)
     expect("$P drive simulate examples/drives/servo-axis.json -n 10", 0, "t,wanted,wanted_speed", NULL);
     /* a run that is stopped when its first rows are written keeps them */
     expect("$P drive simulate examples/drives/servo-axis.json -n 1e6 --to 1e3 -q -o $D/long.csv & "
-           "until find $D -name '.lw-*' -size +0 | grep -q .; do sleep 0.01; done; kill -TERM $!; wait $!; test $? = 143 && test ! -e $D/long.csv && "
+           "until find $D -name '.lw-*' -size +8 | grep -q .; do sleep 0.01; done; kill -TERM $!; wait $!; test $? = 143 && test ! -e $D/long.csv && "
            "$P drive simulate examples/drives/servo-axis.json -n 100 --to 0.1 | head -n 4 > $D/first && head -n 4 $D/long.csv.partial | "
            "cmp - $D/first", 0, "", NULL);
     expect("$P drive simulate examples/drives/servo-axis.json --speed 3", 2, NULL, "drive load");
