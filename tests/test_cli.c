@@ -142,6 +142,7 @@ TEST(classify_numbers)
     expect("$P classify 5 2 4 100", 3, NULL, "cannot be assembled");
     expect("$P classify 5 2 4 0", 3, NULL, "positive");
     expect("$P classify 5 2 4 four", 3, NULL, "'four' is no number");
+    expect("$P classify 5 2 4 4 --memory 200M", 2, NULL, "--memory GB: '200M' is no number");
     expect("$P classify 5 2 4 nan", 3, NULL, "no number");
 }
 

@@ -58,7 +58,7 @@ static lw_status check_range(const cli_option *r, const char *name, const char *
 {
     if (any_range(r) || (v >= r->least && v <= r->most))
         return LW_OK;
-    return lw_error_set(e, LW_E_ARG, "%s: %s is out of range; allowed is %g to %g", name, text,
+    return lw_error_set(e, LW_E_ARG, "%s %s: %s is out of range; allowed is %g to %g", name, r->argument, text,
                         r->least, r->most);
 }
 
@@ -66,8 +66,8 @@ static lw_status real_value(const cli_option *r, const char *name, const char *t
                             double *v, lw_error *e)
 {
     if (lw_number_parse(text, size, v) != LW_OK)
-        return lw_error_set(e, LW_E_ARG, "%s: '%.*s' is no number; write it as 2, -0.5 or 1e-3", name,
-                            (int)size, text);
+        return lw_error_set(e, LW_E_ARG, "%s %s: '%.*s' is no number; write it as 2, -0.5 or 1e-3", name, r->argument,
+                            (int)size, text);          /* the argument names the unit */
     return check_range(r, name, text, *v, e);
 }
 
