@@ -28,9 +28,9 @@ void lw_note_adjusted(lw_note_sink c, double moved, double turned)
 
 void lw_note_lost(lw_note_sink c, const char *what, const double between[2], double unit, const char *name)
 {
-    note(c, "between %s = %.9g and %.9g %s the motion passes a posture in which the drives lose the links: they can move there while all drives stand "
-         "still, loads need drives without limit beside it, and a machine may leave it on another way (robot reachability, workspace)", what, between[0]/unit,
-         between[1]/unit, name);
+    note(c, "between %s = %.9g and %.9g %s the motion passes a parallel singularity, where the drives lose control of the links: links can move there "
+         "while all drives stand still, drive forces grow without limit near it, and a machine may leave it on another branch (robot reachability, "
+         "workspace)", what, between[0]/unit, between[1]/unit, name);
 }
 
 /* In a run in time the mass of an elastic link is lumped at its nodes; say where these are so few that its inertia is wrong.  The name of
@@ -138,8 +138,8 @@ void lw_dynamics_notes(lw_note_sink c, const lw_dynamics *d, const lw_dynamics_r
         note(c, "from t = %.12g s on contact %s and others share a load in several ways while they slip, each with other friction: rigid bodies have "
              "several motions then, of which one is given; a \"stiffness\" of the contacts determines it", r->undetermined_t, r->undetermined);
     if (r->jammed)
-        note(c, "until t = %.12g s friction at contact %s held in some of the ways alone in which it and others can share the load, and then gave way at once: rigid "
-             "bodies could have slipped earlier; a \"stiffness\" of the contacts determines when", r->jammed_t, r->jammed);
+        note(c, "contact %s and others can share their load in several ways; until t = %.12g s friction held in some of these ways only, so rigid bodies could "
+             "have slipped earlier; a \"stiffness\" of the contacts determines when", r->jammed, r->jammed_t);
     if (r->captured_late > 0)
         note(c, "contacts are captured in steps of up to %.2g s: impacts that follow each other, or many at once, are up to %.2g s late, and overlaps "
              "within a step reach %.2g m; the error is of first order (formulation index1 locates each event)", r->captured_step, r->captured_late,

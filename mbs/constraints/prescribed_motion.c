@@ -505,7 +505,7 @@ static bool series_by_value(lw_prescribed_motion *d, int order, double *q)
 
 typedef enum outcome { MOVED, LIMIT, LOST } outcome;
 
-/* Note the determinant of the rows, whose factors d->f holds at d->q.  It is 0 where the inputs lose the links. */
+/* Note the determinant of the rows, whose factors d->f holds at d->q.  It is 0 where the inputs lose control of the links. */
 static void watch(lw_prescribed_motion *d)
 {
     if (d->s->n_input < 2 || !d->f.matrix || d->f.m != d->f.n)

@@ -57,8 +57,8 @@ const double *lw_prescribed_motion_regular(const lw_prescribed_motion *d);
 /* The posture q for values u of the inputs around these.  false: it is not found, or it is singular. */
 bool          lw_prescribed_motion_near(lw_prescribed_motion *d, const double *u, double *q);
 
-/* Several inputs, at most LW_LINK_MAX links: between these times, the first time, they lose the links, that is the motion passes a posture in
- * which links can move while the inputs stand still.  false: they do not, or it is not known. */
+/* Several inputs, at most LW_LINK_MAX links: does the motion pass a parallel singularity, where links can move while the inputs stand still?
+ * between: the times before and after the first one.  false: it does not, or it is not known. */
 bool          lw_prescribed_motion_lost(lw_prescribed_motion *d, double between[2]);
 
 /* Number of branch points passed, and the time of the last one (to 1e-10). */

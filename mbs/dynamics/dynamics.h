@@ -146,7 +146,7 @@ typedef struct lw_dynamics_report {
     long   samples;              /* passed to the sink; intervals + 1 if the run succeeds */
     long   without_forces;       /* samples in singular postures in which some force has no limit, */
     double without_forces_t;     /* and the time of the first */
-    bool   lost;                 /* the inputs move every freedom: between these times, the first time, the drives lose the links */
+    bool   lost;                 /* the inputs move every freedom: between these times, the first time, the drives lose control of the links */
     double lost_t[2];            /* (mbs/space/space_hold.h, mbs/constraints/prescribed_motion.h) */
 } lw_dynamics_report;
 

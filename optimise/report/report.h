@@ -45,8 +45,8 @@ typedef struct lw_fit_report {
                                     * last station [m]                                              */
     lw_likeness likeness;          /* of the curve between the stations and the target; NaN for functions */
     bool     turns;                /* the input turns fully                                         */
-    bool     rests;                /* a pin does not turn from station to station: the linkage moves as one with fewer links, as a kite does
-                                    * that has folded so that two of its pins coincide              */
+    bool     rests;                /* a pin does not turn from station to station, as in a kite folded so that two of its pins coincide: the
+                                    * linkage moves as one with fewer links                         */
     int      input_turns_per_period;   /* turns of the input until gears return to their first position, else 1; the
                                     * candidate's inputs count them as one turn, inputs here and in files do not */
     int      circuits;             /* of the linkage with these lengths; 0: not counted.  With higher groups: circuits

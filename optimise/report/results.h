@@ -37,8 +37,9 @@ typedef struct lw_results_effort {
 } lw_results_effort;
 
 /* Report on every candidate of `fit` and keep those that are verified: the first `most`, and beyond these the first
- * of each number of links; with default limits in order of lw_fit_report.counts_as, the first of each number of links before the others.  may_fail (fit->n, or NULL): candidates with a nonzero entry need not pass the second
- * simulation if they meet the conditions; a linkage that must be taken apart between two stations cannot pass it.
+ * of each number of links; with default limits in order of lw_fit_report.counts_as, the first of each number of links
+ * before the others.  may_fail (fit->n, or NULL): candidates with a nonzero entry need not pass the second simulation
+ * if they meet the conditions; a linkage that must be taken apart between two stations cannot pass it.
  * effort: NULL for one thread without limit.
  * LW_E_MEMORY; then nothing is left to free. */
 lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw_fit *fit, int most,
