@@ -211,6 +211,11 @@ run-demo: $B/linkwright
 check: $B/$(SONAME) $B/linkwright
 	tests/check_layers.sh
 	@tests/check_docs.sh $B/linkwright
+	@find $(STAGES) cli studio -name '*.h' ! -name 'kernel_*' | sed 's/.*/#include "&"/' > $B/headers.c
+	@gcc -std=c17 -D_GNU_SOURCE -I. $(INCS) -fsyntax-only -aux-info $B/declared $B/headers.c
+	@nm -A -P --defined-only $(LIB_OBJ) $(CLI_OBJ) | sed -nE 's|^$B/(.*)/[^/]*: (.*) T .*|\2 \1|p' > $B/defined
+	@! sed -nE 's|^/\* (\./)?([a-z][^:]*)/([^/:]*):[0-9]*:NC \*/ extern [^(]*[ *]([a-z0-9_]+) \(.*|\4 \2 \3|p' $B/declared | \
+	    awk 'NR == FNR { home[$$1] = $$2; next } $$1 in home && home[$$1] != $$2 { print $$2 "/" $$3 " declares " $$1 ", which " home[$$1] " defines" }' $B/defined - | grep .
 	@tests/check_headers.sh -D_GNU_SOURCE -DLW_VERSION='""' -I. $(INCS) -Wall -Wextra
 	@for f in $(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c) cli/*.c cli/*/*.c studio/*.c tests/*.c tests/*/*.c); do \
 	    case "$$f $(PEER_BIN)" in */peer_mujoco.c*peers/mujoco*) ;; */peer_mujoco.c*) continue ;; esac; \

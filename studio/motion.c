@@ -10,7 +10,7 @@
 #include "linkwright.h"
 #include "mbs/analysis/freedoms.h"
 #include "mbs/batch/posture.h"
-#include "mbs/dynamics/follow.h"
+#include "mbs/formulations/follow_model.h"
 #include "mbs/kinematics/instant.h"
 #include "mbs/kinematics/output_limits.h"
 #include "mbs/plan/plan.h"

@@ -8,12 +8,11 @@
 #include "mbs/analysis/counterweights.h"
 #include "mbs/analysis/reactions.h"
 #include "mbs/clearance/clearance_sweep.h"
-#include "mbs/dynamics/dynamics.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/equilibrium/modes.h"
-#include "mbs/equilibrium/statics.h"
 #include "mbs/formulations/stepping.h"
 #include "mbs/elastic/contact.h"
+#include "mbs/formulations/formulations.h"
 
 /* ---- models ------------------------------------------------------------------------------------------------- */
 

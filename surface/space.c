@@ -8,7 +8,7 @@
 #include "catalogues/exchange/format.h"
 #include "grammar/model/spatial.h"
 #include "mbs/dynamics/dynamics_space.h"
-#include "mbs/equilibrium/statics.h"
+#include "mbs/formulations/formulations.h"
 #include "mbs/space/space_mobility.h"
 
 LW_SURFACE_FILE(lw_spatial)

@@ -39,8 +39,8 @@ mbs/reduced base grammar mbs/plan mbs/constraints mbs/equations mbs/dynamics
 mbs/run base grammar mbs/constraints mbs/ode mbs/elastic mbs/space mbs/equations mbs/dynamics
 mbs/equilibrium base grammar mbs/constraints mbs/ode mbs/elastic mbs/space mbs/equations mbs/dynamics mbs/run
 mbs/formulations base grammar mbs/plan mbs/constraints mbs/ode mbs/elastic mbs/space mbs/equations mbs/dynamics mbs/reduced mbs/run mbs/equilibrium
-mbs/analysis base grammar mbs/constraints mbs/ode mbs/elastic mbs/space mbs/equations mbs/clearance mbs/dynamics mbs/run mbs/equilibrium
-mbs/drives base grammar mbs/constraints mbs/elastic mbs/ode mbs/space mbs/equations mbs/dynamics mbs/analysis
+mbs/analysis base grammar mbs/constraints mbs/ode mbs/elastic mbs/space mbs/equations mbs/clearance mbs/dynamics mbs/run mbs/equilibrium mbs/formulations
+mbs/drives base grammar mbs/constraints mbs/elastic mbs/ode mbs/space mbs/equations mbs/dynamics mbs/equilibrium mbs/formulations mbs/analysis
 optimise/task base grammar mbs
 optimise/problem base grammar mbs optimise/task
 optimise/solvers base grammar mbs optimise/task optimise/problem

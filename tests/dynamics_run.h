@@ -3,7 +3,7 @@
 #define LW_TESTS_DYNAMICS_RUN_H
 
 #include "base/file.h"
-#include "mbs/dynamics/dynamics.h"
+#include "mbs/formulations/formulations.h"
 #include "mbs/ode/integrate.h"
 #include "tests/json_text.h"
 

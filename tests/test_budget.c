@@ -1,7 +1,7 @@
 /* The error budget of a robot's tool beside joints that are really moved, drives that are really turned, and elastic links at
  * rest under the same load. */
 #include "mbs/analysis/budget.h"
-#include "mbs/equilibrium/statics.h"
+#include "mbs/formulations/formulations.h"
 #include "tests/spatial_models.h"
 
 static const lw_budget_source *source_of(const lw_budget *b, lw_budget_kind kind, int index)

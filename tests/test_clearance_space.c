@@ -2,6 +2,7 @@
  * limits of no clearance and of a stiff contact, the same linkage in the plane, a pretensioned joint, a DELTA robot. */
 #include "mbs/clearance/clearance.h"
 #include "mbs/dynamics/dynamics_space.h"
+#include "mbs/formulations/formulations.h"
 #include "tests/clearance_models.h"
 #include "tests/spatial_models.h"
 

@@ -1,6 +1,5 @@
 /* Forward dynamics against published and exact solutions, all formulations against each other. */
 #include "mbs/dynamics/dynamics_equations_internal.h"
-#include "mbs/equilibrium/statics.h"
 #include "tests/dynamics_run.h"
 
 OWNS(lw_dynamics)

@@ -2,14 +2,13 @@
  * models small enough for both; long chains and rows of loops keep their energy. */
 #include "mbs/analysis/freedoms.h"
 #include "mbs/dynamics/dynamics_equations_internal.h"
-#include "mbs/dynamics/follow.h"
 #include "mbs/equilibrium/modes.h"
-#include "mbs/equilibrium/statics.h"
 #include "mbs/formulations/stepping.h"
 #include "tests/dynamics_run.h"
 
 #include "grammar/model/spatial.h"
 #include "mbs/analysis/reactions.h"
+#include "mbs/formulations/follow_model.h"
 #include "tests/large_models.h"
 #include "tests/planar_models.h"
 

@@ -1,7 +1,6 @@
 /* Contact between shapes, ropes and free links: formulas of textbooks, and the laws of contact themselves at random. */
 #include <signal.h>
 #include "mbs/analysis/reactions.h"
-#include "mbs/equilibrium/statics.h"
 #include "mbs/equations/complementarity.h"
 #include "tests/dynamics_run.h"
 #include "tests/planar_models.h"

@@ -7,9 +7,9 @@
 #include "mbs/analysis/elastic_rules.h"
 #include "mbs/analysis/reactions.h"
 #include "mbs/equilibrium/modes.h"
-#include "mbs/equilibrium/statics.h"
 #include "mbs/elastic/beam.h"
 #include "mbs/elastic/expand.h"
+#include "mbs/formulations/formulations.h"
 #include "tests/json_text.h"
 
 /* ---- models from text ---------------------------------------------------------------------------------- */

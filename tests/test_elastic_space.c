@@ -2,8 +2,8 @@
  * spins, a DELTA robot. */
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/equilibrium/modes.h"
-#include "mbs/equilibrium/statics.h"
 #include "mbs/elastic/expand_space.h"
+#include "mbs/formulations/formulations.h"
 #include "tests/planar_models.h"
 #include "tests/spatial_models.h"
 #include "tests/temporary.h"

@@ -3,7 +3,7 @@
 #include "catalogues/exchange/format.h"
 
 #include "mbs/dynamics/dynamics_space.h"
-#include "mbs/equilibrium/statics.h"
+#include "mbs/formulations/formulations.h"
 #include "tests/mujoco.h"
 #include "tests/spatial_models.h"
 

@@ -1,6 +1,7 @@
 /* Coulomb friction of joints in space against closed forms: a block on a slope, two blocks on each other, pins, guides and balls
  * that come to rest; and against the plane. */
 #include "mbs/dynamics/dynamics_space.h"
+#include "mbs/formulations/formulations.h"
 #include "tests/planar_models.h"
 #include "tests/spatial_models.h"
 

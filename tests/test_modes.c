@@ -1,8 +1,8 @@
 /* tests/test_modes.c - eigenfrequencies with closed forms: pendula, chains, oscillators; rest; redundant rows. */
-#include "mbs/dynamics/dynamics.h"
-#include "mbs/equilibrium/modes.h"
 #include "tests/json_text.h"
 #include "base/vec2.h"
+#include "mbs/analysis/modes_fft.h"
+#include "mbs/formulations/formulations.h"
 
 static const double g = 9.81;
 

@@ -2,7 +2,6 @@
 #include "grammar/functions/motion_law.h"
 #include "grammar/model/spatial.h"
 #include "mbs/dynamics/dynamics_space.h"
-#include "mbs/equilibrium/statics.h"
 #include "tests/dynamics_run.h"
 
 static drun d;

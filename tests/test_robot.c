@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/vec3.h"
 #include "mbs/equilibrium/modes.h"
+#include "mbs/formulations/formulations.h"
 #include "mbs/space/space_adjust.h"
 #include "mbs/space/space_mobility.h"
 #include "tests/planar_models.h"

@@ -14,7 +14,7 @@
 #include <string.h>
 
 #include "mbs/dynamics/dynamics_space.h"
-#include "mbs/equilibrium/statics.h"
+#include "mbs/formulations/formulations.h"
 #include "mbs/space/space_adjust.h"
 #include "mbs/space/space_mobility.h"
 #include "mbs/space/space_trace.h"

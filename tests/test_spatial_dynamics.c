@@ -3,7 +3,6 @@
  * space. */
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/equilibrium/modes.h"
-#include "mbs/equilibrium/statics.h"
 #include "mbs/equations/equations_space.h"
 #include "mbs/space/kernel_tree_internal.h"
 #include "tests/dynamics_run.h"

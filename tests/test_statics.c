@@ -1,6 +1,5 @@
 /* tests/test_statics.c - equilibrium: one of several, none, saddles, neutral ones; trusses, redundant supports;
  * power of machines in motion. */
-#include "mbs/equilibrium/statics.h"
 
 #include "mbs/analysis/reactions.h"
 #include "tests/dynamics_run.h"

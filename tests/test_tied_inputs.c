@@ -17,6 +17,7 @@
 #include "mbs/constraints/mobility.h"
 #include "mbs/constraints/newton.h"
 #include "mbs/constraints/prescribed_motion.h"
+#include "mbs/formulations/formulations.h"
 #include "tests/check.h"
 #include "tests/kept_system.h"
 #include "tests/mbs_linkage.h"

@@ -13,7 +13,7 @@
 #include "grammar/model/model.h"
 #include "mbs/constraints/mobility.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/dynamics/follow.h"
+#include "mbs/formulations/follow_model.h"
 
 /* Data that the steps of lw_scene_make share. */
 #define POINTS_MAX 50000        /* of a curve: beyond, its steps are no longer halved */

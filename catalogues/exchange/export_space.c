@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include "catalogues/exchange/export.h"
 #include "mbs/dynamics/dynamics_space.h"
+#include "mbs/formulations/formulations.h"
 
 bool lw_space_weighed(const lw_spatial *m)
 {

@@ -10,6 +10,7 @@
 #include "cli/bench/bench_mbs.h"
 #include "cli/program/data.h"
 #include "mbs/dynamics/dynamics_space.h"
+#include "mbs/formulations/formulations.h"
 
 enum { MOMENTS = 100, REPEAT_MAX = 30, TOLERANCES = 16, LEVELS = 4 };
 

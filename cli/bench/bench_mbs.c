@@ -17,8 +17,8 @@
 #include "cli/program/data.h"
 #include "cli/program/progress.h"
 #include "mbs/clearance/clearance.h"
-#include "mbs/dynamics/dynamics.h"
 #include "mbs/elastic/contact.h"
+#include "mbs/formulations/formulations.h"
 
 enum { REPEAT_MAX = 50 };
 static const double give_up = 5;             /* [s] of wall time                                            */

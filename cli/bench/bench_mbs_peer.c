@@ -18,6 +18,7 @@
 #include "catalogues/exchange/export.h"
 #include "catalogues/exchange/export_space.h"
 #include "mbs/dynamics/dynamics_space.h"
+#include "mbs/formulations/formulations.h"
 
 enum { ANSWER_MAX = 64 << 20 };
 

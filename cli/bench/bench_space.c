@@ -7,6 +7,7 @@
 #include "base/real.h"
 #include "cli/bench/bench_mbs.h"
 #include "mbs/dynamics/dynamics_space.h"
+#include "mbs/formulations/formulations.h"
 
 enum { REPEAT_MAX = 50, MOMENTS = 20 };
 

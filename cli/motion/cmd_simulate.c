@@ -11,7 +11,7 @@
 #include "cli/motion/simulate.h"
 #include "cli/motion/spatial.h"
 #include "cli/motion/simulate_linear.h"
-#include "mbs/equilibrium/statics.h"
+#include "mbs/formulations/formulations.h"
 
 typedef struct settings {
     int         analysis, formulation, steps, max_steps;

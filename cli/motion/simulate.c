@@ -9,6 +9,7 @@
 #include "catalogues/pages/draw.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
+#include "mbs/formulations/formulations.h"
 
 /* ---- columns ----------------------------------------------------------------------------------------- */
 

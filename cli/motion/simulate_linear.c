@@ -7,8 +7,9 @@
 #include "base/real.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
+#include "mbs/analysis/modes_fft.h"
 #include "mbs/dynamics/dynamics_space.h"
-#include "mbs/equilibrium/modes.h"
+#include "mbs/formulations/formulations.h"
 
 typedef struct linear {
     const cli_call   *call;

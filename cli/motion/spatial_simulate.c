@@ -13,7 +13,7 @@
 #include "cli/program/json.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
-#include "mbs/equilibrium/statics.h"
+#include "mbs/formulations/formulations.h"
 
 typedef struct run {
     const lw_spatial *m;

@@ -5,6 +5,7 @@
 #include "cli/motion/spatial.h"
 #include "cli/motion/table_run.h"
 #include "cli/program/output.h"
+#include "mbs/formulations/formulations.h"
 
 static lw_status planar_table(const cli_call *call, lw_model *m, const cli_table_options *o, cli_table *t, lw_error *e)
 {

@@ -4,7 +4,7 @@
 #include <string.h>
 #include "base/real.h"
 #include "cli/program/output.h"
-#include "mbs/dynamics/follow.h"
+#include "mbs/formulations/follow_model.h"
 
 /* Rates have no bound at a limit of the input: rows end before it by this share of the range. */
 static const double limit_inside = 1e-7;

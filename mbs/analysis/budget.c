@@ -6,6 +6,7 @@
 #include <string.h>
 #include "mbs/run/run_internal.h"
 #include "mbs/dynamics/tangent_internal.h"
+#include "mbs/formulations/formulations.h"
 
 /* ---- elastic links, one at a time ---------------------------------------------------------------------------- */
 

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include "mbs/equilibrium/modes.h"
+#include "mbs/formulations/formulations.h"
 
 /* d: made for a static analysis with its inputs held; freed here. */
 static double first_frequency(lw_dynamics *d, int n_q)

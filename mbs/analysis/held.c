@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include "mbs/equilibrium/modes.h"
 #include "mbs/dynamics/tangent_internal.h"
+#include "mbs/formulations/formulations.h"
 
 lw_status lw_held_make(const lw_spatial *m, lw_held *h, lw_error *e)
 {

@@ -8,8 +8,8 @@
 #include <string.h>
 #include "base/gsl_errors.h"
 #include "base/real.h"
+#include "mbs/analysis/modes_fft.h"
 #include "mbs/run/run_internal.h"
-#include "mbs/equilibrium/modes.h"
 
 #define PUSH       1e-4              /* amplitude of each mode, over the size of the linkage or in rad */
 #define PERIODS    32                /* of the slowest mode in a run, */

@@ -8,6 +8,7 @@
 #include "mbs/dynamics/dynamics_equations_internal.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/equations/timed.h"
+#include "mbs/formulations/formulations.h"
 
 static lw_status make_room(int n, const lw_load_options *o, lw_loads *out, lw_error *e)
 {

@@ -152,20 +152,8 @@ typedef struct lw_dynamics_report {
 
 typedef struct lw_dynamics lw_dynamics;
 
-/* The model must outlive d.  Projects the start onto the constraints, moves driven inputs to the start of their motions,
- * finds redundant rows, chooses the formulation.  LW_E_ARG: a mass is missing (the link is named), or the motions drive
- * more than the degrees of freedom; LW_E_KIND: the formulation cannot do this model; LW_OPEN, LW_E_NUMERIC: no posture or
- * velocity satisfies the constraints. */
-lw_status lw_dynamics_make(const lw_model *m, const lw_dynamics_options *o, lw_dynamics **d, lw_error *e);
-void      lw_dynamics_free(lw_dynamics *d);
-
-/* Set another start for the next run: from, to, q, v (n_q) and z, which satisfy the constraints.  The formulation is chosen again. */
-lw_status lw_dynamics_restart(lw_dynamics *d, double from, double to, const double *q, const double *v, const double *z,
-                              lw_error *e);
-
-/* Run.  Samples taken before a failure stay valid, and r->t is the time reached.  LW_E_NUMERIC: the motion cannot be continued, or
- * the error of its energy is far greater than the tolerance explains. */
-lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_error *e);
+/* mbs/formulations/formulations.h makes it. */
+void lw_dynamics_free(lw_dynamics *d);
 
 /* The formulation chosen: formulation, why, unknowns; the rest of the report is empty. */
 const lw_dynamics_report *lw_dynamics_choice(const lw_dynamics *d);

@@ -11,6 +11,21 @@
 #include "mbs/dynamics/touch_internal.h"
 #include "mbs/ode/integrate.h"
 
+lw_dynamics_options lw_dynamics_options_default(void)
+{
+    return (lw_dynamics_options){ .to = 1, .intervals = 100, .relative = 1e-10, .absolute = 1e-10, .rho = 0.8 };
+}
+
+const char *lw_formulation_name(lw_formulation f)
+{
+    static const char *const names[] = { "auto",
+#define X(id, name, text) #name,
+        LW_FORMULATION_LIST(X)
+#undef X
+    };
+    return names[f];
+}
+
 static const double nudge = 0.02;        /* distance at which the rank is checked again, scaled */
 
 const lw_dynamics_report *lw_dynamics_choice(const lw_dynamics *d) { return &d->choice; }

@@ -8,9 +8,6 @@
 #include "mbs/space/space_forces.h"
 #include "mbs/space/space_trace.h"
 
-/* As lw_dynamics_make, of a spatial model. */
-lw_status lw_dynamics_make_spatial(const lw_spatial *m, const lw_dynamics_options *o, lw_dynamics **d, lw_error *e);
-
 const lw_space *lw_dynamics_space(const lw_dynamics *d);
 
 /* A moment; arrays are the solver's and hold until the next one. */

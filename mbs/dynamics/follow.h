@@ -16,12 +16,8 @@
 
 typedef struct lw_follow lw_follow;
 
-/* Move the inputs of m straight from the posture of the file to motion(t).  motion gives as many functions as m has
- * inputs that are not tied.  m must outlive f.  LW_E_ARG: fewer inputs than freedoms; LW_OPEN, LW_E_NUMERIC: the posture does
- * not close or is singular, or the motion cannot be reached; the text says which. */
-lw_status lw_follow_create(const lw_model *m, lw_input_function *motion, void *context, double t,
-                           const volatile sig_atomic_t *stop, lw_follow **f, lw_error *e);
-void      lw_follow_free(lw_follow *f);
+/* mbs/formulations/follow_model.h makes it. */
+void lw_follow_free(lw_follow *f);
 
 /* Go to t, later or earlier.  LW_OPEN: the model cannot go beyond a limit of its inputs, found to about 1e-7, at
  * lw_follow_time; LW_E_NUMERIC: the motion is not a number or jumps; LW_STOPPED.  After a failure the posture is the last

@@ -62,11 +62,4 @@ lw_status lw_modes_find_large(struct lw_dynamics *d, const lw_modes_options *o, 
  * it came. */
 lw_status lw_modes_move_input(const lw_forces *f, double t, int input, double value, double *q, lw_error *e);
 
-/* Eigenfrequencies found another way: from the peaks in the spectra of a small free vibration about q in which every
- * mode takes part.  The full equations of d are integrated, without friction; the matrices above are not used.  d: of a static
- * analysis, without consistent masses of elements, and not used for anything else afterwards.  peak (n_mode) [Hz]; NAN: the mode
- * does not vibrate, dies out too fast (damping above 0.1) or has no peak of its own near.  Loads are those at the start of d; its
- * driven inputs are held where they are in q.  LW_NOTHING: no mode vibrates; LW_E_NUMERIC: the run breaks off. */
-lw_status lw_modes_from_spectra(struct lw_dynamics *d, const double *q, const lw_modes *modes, double *peak, lw_error *e);
-
 #endif

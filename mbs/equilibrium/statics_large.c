@@ -13,6 +13,12 @@
 #include "mbs/equilibrium/vibration_internal.h"
 #include "mbs/equations/limits_internal.h"
 
+const char *lw_rest_text(const lw_rest *r)
+{
+    return r->unknown ? "stability not known, since a moment in space, or a force that turns with its link or depends on other quantities, has no potential"
+         : r->stable ? "stable" : r->neutral ? "neutral: it can move without any force, so this is one of many postures of equilibrium" : "not stable";
+}
+
 typedef struct search {
     lw_dynamics *d;
     lw_tangent   tangent;

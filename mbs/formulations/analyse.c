@@ -1,7 +1,7 @@
 /* mbs/formulations/analyse.c - the analysis of a model, whichever it is, and how far a run with contacts is from a coarser one. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_equations_internal.h"
-#include "mbs/equilibrium/statics.h"
+#include "mbs/formulations/formulations.h"
 
 #include <stdlib.h>
 #include <string.h>

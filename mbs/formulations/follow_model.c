@@ -1,5 +1,7 @@
 /* mbs/formulations/follow_model.c - a model made ready to be followed. */
 #include "mbs/dynamics/follow_internal.h"
+#include "mbs/formulations/follow_model.h"
+#include "mbs/formulations/formulations.h"
 
 lw_status lw_follow_create(const lw_model *m, lw_input_function *motion, void *context, double t,
                            const volatile sig_atomic_t *stop, lw_follow **out, lw_error *e)

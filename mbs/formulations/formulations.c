@@ -4,6 +4,7 @@
 #include "mbs/dynamics/touch_internal.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/equilibrium/statics_internal.h"
+#include "mbs/formulations/formulations.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -112,11 +113,6 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
 static const double no_determinant = 1e-3;   /* friction equations below it have no solution of use (friction.c) */
 
 /* ---- making and running ---------------------------------------------------------------------------- */
-
-lw_dynamics_options lw_dynamics_options_default(void)
-{
-    return (lw_dynamics_options){ .to = 1, .intervals = 100, .relative = 1e-10, .absolute = 1e-10, .rho = 0.8 };
-}
 
 /* The choice for d, which is made ready with status s; frees d when it fails. */
 static lw_status finish(lw_dynamics *d, lw_status s, lw_dynamics **out, lw_error *e)

@@ -6,6 +6,7 @@
 #include "mbs/dynamics/touch_internal.h"
 #include "mbs/equilibrium/statics_internal.h"
 #include "mbs/equilibrium/vibration_internal.h"
+#include "mbs/formulations/formulations.h"
 
 /* The balance takes no notice of rigid stops: a rest beyond one is none. */
 static lw_status check_stops(const lw_dynamics *d, const double *q, lw_error *e)
@@ -67,12 +68,6 @@ static lw_status settle(lw_dynamics *d, double t, double *q, lw_rest *r, lw_erro
         return LW_OK;
     return s != LW_OK ? s : lw_error_set(e, LW_NOTHING, "the model does not come to rest: nothing stops it, or a contact slips for "
                                          "ever");
-}
-
-const char *lw_rest_text(const lw_rest *r)
-{
-    return r->unknown ? "stability not known, since a moment in space, or a force that turns with its link or depends on other quantities, has no potential"
-         : r->stable ? "stable" : r->neutral ? "neutral: it can move without any force, so this is one of many postures of equilibrium" : "not stable";
 }
 
 lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e)

@@ -7,6 +7,7 @@
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/touch_internal.h"
+#include "mbs/formulations/formulations.h"
 
 /* memcpy, where there may be nothing and no place for it. */
 static void copy(void *to, const void *from, size_t size)

@@ -529,16 +529,6 @@ lw_status lw_run_begin_solved(lw_run *run, const double *y)
     return lw_run_show_solved(run, run->d->o.from, y);
 }
 
-const char *lw_formulation_name(lw_formulation f)
-{
-    static const char *const names[] = { "auto",
-#define X(id, name, text) #name,
-        LW_FORMULATION_LIST(X)
-#undef X
-    };
-    return names[f];
-}
-
 lw_status lw_formulation_say(lw_dynamics_report *r, lw_status status, int unknowns, const char *why)
 {
     r->unknowns = unknowns;

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include "base/clock.h"
 #include "base/file.h"
-#include "mbs/dynamics/dynamics.h"
+#include "mbs/formulations/formulations.h"
 
 static const char *const models[] = {
     "examples/pendulum.json", "examples/two-four-bars.json",

@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "mbs/dynamics/dynamics_equations_internal.h"
+#include "mbs/formulations/formulations.h"
 #include "tests/large_models.h"
 
 static double per_evaluation(const lw_model *m, double *set_up)

@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_space.h"
+#include "mbs/formulations/formulations.h"
 
 enum { MOMENTS = 10, MOST_Q = 1024 };
 
