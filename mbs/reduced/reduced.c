@@ -61,36 +61,87 @@ static double predicted_turn(const lw_reduced *r, int body, double s)
     return body < 0 ? 0 : r->count.turn[body] + 0.5*(r->count.rate[body] + direction_of(r, body)->d.x)*(s - r->count.at);
 }
 
-/* Turn of body b against body a (-1: the ground) since the posture, near the one that their rates predict. */
-static double turn_between(const lw_reduced *r, int a, int b, double s)
+/* Turns of bodies against others since the posture, so many at once that their arc tangents go through vector instructions. */
+enum { TURNS = 16 };
+typedef struct turns { int n; double along[TURNS], across[TURNS], first[TURNS], value[TURNS]; } turns;
+
+/* One more: of body b against body a (-1: the ground), near a value. */
+static void put_turn(const lw_reduced *r, turns *z, int a, int b, double near)
 {
     lw_vec2 u = a < 0 ? lw_v2(1, 0) : direction_of(r, a)->p, v = b < 0 ? lw_v2(1, 0) : direction_of(r, b)->p;
-    double near = predicted_turn(r, b, s) - predicted_turn(r, a, s);
-    double turn = atan2(lw_v2_cross(u, v), lw_v2_dot(u, v)) - (first_direction(r, b) - first_direction(r, a)) - near;
-    return near + turn - 2*LW_PI*rint(turn/(2*LW_PI));
+    z->along[z->n] = lw_v2_dot(u, v);
+    z->across[z->n] = lw_v2_cross(u, v);
+    z->first[z->n] = first_direction(r, b) - first_direction(r, a);
+    z->value[z->n++] = near;
+}
+
+static void find_turns(turns *z)
+{
+    for (int i = 0; i < z->n; i++) {
+        double off = lw_bearing(z->along[i], z->across[i]) - z->first[i] - z->value[i];
+        z->value[i] += off - 2*LW_PI*lw_nearest_integer(off*(0.5/LW_PI));
+    }
+}
+
+/* Turns of all bodies near those in turn[3 b]. */
+static void body_turns(const lw_reduced *r, double *turn)
+{
+    turns z;
+    for (int from = 0, n = r->dynamics->s.n_body; from < n; from += TURNS) {
+        z.n = 0;
+        for (int b = from; b < n && b < from + TURNS; b++)
+            put_turn(r, &z, -1, b, turn[3*b]);
+        find_turns(&z);
+        for (int i = 0; i < z.n; i++)
+            turn[3*(from + i)] = z.value[i];
+    }
 }
 
 void lw_reduced_count_turns(lw_reduced *r)
 {
-    double s = r->known;
-    for (int b = 0; r->counts_turns && b < r->dynamics->s.n_body; b++) {
-        r->count.turn[b] = turn_between(r, -1, b, s);
-        r->count.rate[b] = r->reg[r->centre[b].dir].d.x;
+    double s = r->known, turn[3*LW_LINK_MAX];
+    int n = r->dynamics->s.n_body;
+    if (!r->counts_turns)
+        return;
+    for (int b = 0; b < n; b++)
+        turn[3*b] = predicted_turn(r, b, s);
+    body_turns(r, turn);
+    for (int b = 0; b < n; b++) {
+        r->count.turn[b] = turn[3*b];
+        r->count.rate[b] = direction_of(r, b)->d.x;
     }
     r->count.at = s;
 }
 
-static double joint_value(const lw_reduced *r, int joint, double s)
+/* Measures x of the joints of at most TURNS springs from number `from` on, where their forces depend on them.  Returns their number. */
+static int joint_values(const lw_reduced *r, double s, int from, double *x)
 {
-    const lw_reduced_joint *j = &r->joint[joint];
-    if (joint == r->linkage.input[0].joint)
-        return r->sense*(s - r->start);
-    if (!j->slides)
-        return j->sign*turn_between(r, j->body[0], j->body[1], s);
-    const lw_end_point *p = j->point;
-    lw_reg1 a = lw_rate_point(r->reg, p[0].origin, p[0].dir, p[0].arm);
-    lw_reg1 b = lw_rate_point(r->reg, p[1].origin, p[1].dir, p[1].arm);
-    return j->sign*lw_v2_dot(lw_v2_sub(b.p, a.p), lw_v2_turn(j->along, r->reg[j->dir[0]].p));
+    int n = r->model->n_joint_spring - from, of[TURNS];
+    turns z = { .n = 0 };
+    n = n < TURNS ? n : TURNS;
+    for (int i = 0; i < n; i++) {
+        const lw_joint_spring *p = &r->model->joint_spring[from + i];
+        const lw_reduced_joint *j = &r->joint[p->joint];
+        const int a = j->body[0], b = j->body[1];
+        x[i] = 0;
+        if (!p->law && p->stiffness == 0) {
+            continue;
+        } else if (p->joint == r->linkage.input[0].joint) {
+            x[i] = r->sense*(s - r->start);
+        } else if (!j->slides) {
+            of[z.n] = i;
+            put_turn(r, &z, a, b, predicted_turn(r, b, s) - predicted_turn(r, a, s));
+        } else {
+            const lw_end_point *at = j->point;
+            lw_vec2 span = lw_v2_sub(lw_rate_point(r->reg, at[1].origin, at[1].dir, at[1].arm).p,
+                                     lw_rate_point(r->reg, at[0].origin, at[0].dir, at[0].arm).p);
+            x[i] = j->sign*lw_v2_dot(span, lw_v2_turn(j->along, r->reg[j->dir[0]].p));
+        }
+    }
+    find_turns(&z);
+    for (int k = 0; k < z.n; k++)
+        x[of[k]] = r->joint[r->model->joint_spring[from + of[k]].joint].sign*z.value[k];
+    return n;
 }
 
 /* Force along the measure of a joint to the loads of its links. */
@@ -113,16 +164,19 @@ static double at_joints(lw_reduced *r, double t, double s, double ds, double *po
 {
     const lw_model *m = r->model;
     double q = 0;
-    for (int i = 0; i < m->n_joint_spring; i++) {
-        const lw_joint_spring *p = &m->joint_spring[i];
-        double by = lw_reduced_joint_rate(r, p->joint), v = by*ds;
-        double x = p->law || p->stiffness != 0 ? joint_value(r, p->joint, s) : 0;
-        double loss = p->law ? spring_law(p->law, x, v, t) : -p->damping*v;
-        double force = loss - (p->law ? 0 : p->stiffness*(x - p->free));
-        q += force*by;
-        *power += loss*v;
-        if (r->friction)
-            push_joint(r, p->joint, force);
+    for (int from = 0, n; from < m->n_joint_spring; from += n) {
+        double x[TURNS];
+        n = joint_values(r, s, from, x);
+        for (int i = 0; i < n; i++) {
+            const lw_joint_spring *p = &m->joint_spring[from + i];
+            double by = lw_reduced_joint_rate(r, p->joint), v = by*ds;
+            double loss = p->law ? spring_law(p->law, x[i], v, t) : -p->damping*v;
+            double force = loss - (p->law ? 0 : p->stiffness*(x[i] - p->free));
+            q += force*by;
+            *power += loss*v;
+            if (r->friction)
+                push_joint(r, p->joint, force);
+        }
     }
     for (int i = 0; i < m->n_motor; i++) {
         double by = lw_reduced_joint_rate(r, m->motor[i].joint), v = by*ds;
@@ -162,7 +216,7 @@ static double general_loads(lw_reduced *r, double t, double s, double ds, double
     const lw_dynamics *d = r->dynamics;
     double q = 0;
     for (int b = 0; b < d->s.n_body; b++)
-        r->q[3*b + 2] = turn_between(r, -1, b, s);
+        r->q[3*b + 2] = predicted_turn(r, b, s);
     lw_reduced_state(r, d, ds, r->q, r->v);
     lw_forces_apply(&d->f, t, r->q, r->v, r->force, NULL, NULL, power);
     for (int b = 0; b < d->s.n_body; b++) {
@@ -269,10 +323,13 @@ double lw_reduced_potential(const lw_reduced *r, double s)
         double l = lw_v2_norm(lw_v2_sub(b.p, a.p)) - p->free;
         energy += p->law ? 0 : 0.5*p->stiffness*l*l;
     }
-    for (int i = 0; i < r->model->n_joint_spring; i++) {
-        const lw_joint_spring *p = &r->model->joint_spring[i];
-        double x = p->law || p->stiffness == 0 ? 0 : joint_value(r, p->joint, s) - p->free;
-        energy += p->law ? 0 : 0.5*p->stiffness*x*x;
+    for (int from = 0, n; from < r->model->n_joint_spring; from += n) {
+        double x[TURNS];
+        n = joint_values(r, s, from, x);
+        for (int i = 0; i < n; i++) {
+            const lw_joint_spring *p = &r->model->joint_spring[from + i];
+            energy += p->law ? 0 : 0.5*p->stiffness*(x[i] - p->free)*(x[i] - p->free);
+        }
     }
     return energy;
 }
@@ -285,15 +342,13 @@ void lw_reduced_state(const lw_reduced *r, const lw_dynamics *d, double ds, doub
         lw_reg1 c = lw_rate_point(r->reg, p->origin, p->dir, p->arm);
         lw_vec2 at = lw_v2_sub(lw_v2_add(r->z0, lw_v2_turn(c.p, r->turn)), d->s.origin);
         lw_vec2 rate = lw_v2_turn(c.d, r->turn);
-        double turn = atan2(u->p.y, u->p.x) - r->dir0[d->s.link[b]];
         q[3*b] = at.x/d->s.unit;
         q[3*b + 1] = at.y/d->s.unit;
-        turn -= q[3*b + 2];
-        q[3*b + 2] += turn - 2*LW_PI*rint(turn/(2*LW_PI));
         v[3*b] = rate.x*ds/d->s.unit;
         v[3*b + 1] = rate.y*ds/d->s.unit;
         v[3*b + 2] = u->d.x*ds;
     }
+    body_turns(r, q + 2);
 }
 
 /* p by projection of the velocities in the metric of the masses. */
