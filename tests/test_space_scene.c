@@ -115,6 +115,29 @@ TEST(projection)
     }
 }
 
+/* From every side balls and tracers cover the ends of the bars that meet there. */
+TEST(balls_cover_the_ends_of_bars)
+{
+    OWN(lw_spatial) m = { 0 };
+    load_spatial("delta", &m);
+    OWN(lw_space_scene) s = make_scene(&m, 0.1);
+    for (int i = 0; i < 40; i++) {
+        OWN(lw_drawing) d = { 0 };
+        int covered = 0;
+        CHECK_OK(lw_space_draw(&s, 0, (lw_space_view){ .azimuth = 0.37*i, .elevation = -1.5707 + 0.08*i }, 400, 300, &d, &check_error));
+        for (size_t k = 0; k < d.n_shape; k++)
+            for (size_t b = 0; d.shape[k].kind == LW_SHAPE_CIRCLE && b < d.n_shape; b++) {
+                const lw_shape *bar = &d.shape[b];
+                bool meets = false;
+                for (size_t p = 0; bar->role == LW_ROLE_LINK && bar->stroke == LW_INK_LINK && !bar->closed && p < bar->n; p++)
+                    meets |= lw_v2_norm(lw_v2_sub(d.point[bar->first + p], d.shape[k].at)) < 1e-9;
+                covered += meets;
+                CHECK(!meets || b < k);
+            }
+        CHECK(covered >= 12);
+    }
+}
+
 /* From every side all postures together fill the page between its margins, in one direction, and stand in its middle. */
 TEST(pictures_are_filled)
 {

@@ -11,6 +11,8 @@
 #include "catalogues/draw/symbols.h"
 
 #define PIECES 12                /* of a line across the whole picture                                 */
+#define FRONT 0.02               /* of the radius: balls and tracers are so far in front of the ends of bars */
+#define BEHIND (1.0/PIECES)      /* the same: paths and guides behind bars on the same line, which is half of the longest piece */
 #define MARGIN 36                /* [px]                                                               */
 
 /* A piece of a shape (or of a path, shape NULL) on the page. */
@@ -63,17 +65,22 @@ static int pieces_of(const page *g, lw_vec3 a, lw_vec3 b)
     return n < 1 ? 1 : n > PIECES ? PIECES : n;
 }
 
+/* Both ends of a bar are short pieces, behind the balls there from whichever side they are seen. */
 static void put_line(page *g, const lw_space_shape *shape, lw_vec3 a, lw_vec3 b)
 {
-    int n = pieces_of(g, a, b);
-    for (int i = 0; i < n; i++) {
+    bool bar = shape->kind == LW_SPACE_BAR;
+    double length = lw_v3_norm(lw_v3_sub(b, a)), end = bar ? fmin(2*FRONT*g->s->radius/length, 1.0/3) : 0;
+    int n = pieces_of(g, a, b), first = bar ? -1 : 0;
+    for (int i = first; i < n - first; i++) {
         piece *q = new_piece(g, shape, 2);
         double depth[2];
         if (!q)
             return;
-        for (int k = 0; k < 2; k++)
-            q->p[k] = on_page(g, lw_v3_add(a, lw_v3_scale(lw_v3_sub(b, a), (i + k)/(double)n)), &depth[k]);
-        q->depth = 0.5*(depth[0] + depth[1]);
+        for (int k = 0; k < 2; k++) {
+            double u = i + k < 0 ? 0 : i + k > n ? 1 : end + (1 - 2*end)*(i + k)/n;
+            q->p[k] = on_page(g, lw_v3_add(a, lw_v3_scale(lw_v3_sub(b, a), u)), &depth[k]);
+        }
+        q->depth = 0.5*(depth[0] + depth[1]) - (shape->kind == LW_SPACE_GUIDE ? BEHIND*g->s->radius : 0);
     }
 }
 
@@ -93,7 +100,7 @@ static void put_shape(page *g, const lw_space_shape *shape)
         q->depth += depth/shape->n;
     }
     if (q && shape->kind != LW_SPACE_PLATE)
-        q->depth += 0.02*g->s->radius;                  /* in front of the bars that end there */
+        q->depth += FRONT*g->s->radius;                 /* in front of the bars that end there */
 }
 
 static void put_paths(page *g)
@@ -109,7 +116,7 @@ static void put_paths(page *g)
                 return;
             q->p[0] = on_page(g, a, &depth[0]);
             q->p[1] = on_page(g, b, &depth[1]);
-            q->depth = 0.5*(depth[0] + depth[1]);
+            q->depth = 0.5*(depth[0] + depth[1]) - BEHIND*g->s->radius;
         }
 }
 
@@ -275,7 +282,7 @@ static lw_status put_names(const page *g, lw_drawing *d, lw_error *e)
 
 static size_t count_pieces(const lw_space_scene *s)
 {
-    return (size_t)s->n_shape*PIECES + (size_t)s->n_tracer*s->n_path + 1;
+    return (size_t)s->n_shape*(PIECES + 2) + (size_t)s->n_tracer*s->n_path + 1;
 }
 
 /* The greatest scale at which every posture is on the page, in its middle. */

@@ -6,7 +6,8 @@
   const canvas = document.getElementById("view"), pen = canvas.getContext("2d");
   const [play, time, clock, speed] = ["play", "time", "clock", "speed"].map((id) => document.getElementById(id));
   const still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
-  const PIECES = 12, there = data.loops ? data.frames.length : data.frames.length - 1;      // [frames], and back unless it loops
+  const PIECES = 12, FRONT = 0.02, BEHIND = 1 / PIECES;       // as in space_drawing.c
+  const there = data.loops ? data.frames.length : data.frames.length - 1;      // [frames], and back unless it loops
   const round = Math.max(data.loops ? there : 2 * there, 1);
   const SECONDS_A_ROUND = data.seconds ? (data.seconds * round) / there : 6;
 
@@ -145,9 +146,10 @@
     const inks = Object.fromEntries(["paper", "text", "link", "ground", "faint", "blue", "red", "green"].map((n) => [n, ink(n)]));
     const [right, up, front] = axes(), [fitted, x, y] = fit(right, up, width, height), scale = fitted * view.zoom, pieces = [];
     const project = (p) => [width / 2 + scale * (dot(p, right) - x), (height - FOOT) / 2 - scale * (dot(p, up) - y), dot(p, front)];
+    const offset = { ball: FRONT, tracer: FRONT, guide: -BEHIND, path: -BEHIND };
     const put = (kind, list, rest) => {
       const p = list.map(project), depth = p.reduce((sum, q) => sum + q[2], 0) / p.length;
-      pieces.push({ kind, p, depth: depth + (kind === "ball" || kind === "tracer" ? 0.02 : 0), closed: kind === "plate", ...rest });
+      pieces.push({ kind, p, depth: depth + (offset[kind] || 0), closed: kind === "plate", ...rest });
     };
     const placed = poses(now);
     for (const s of shapes) {
@@ -156,8 +158,10 @@
         put(s.kind, p, { grounded: s.grounded });
         continue;
       }
-      const way = add(p[1], p[0], -1), n = Math.max(1, Math.min(PIECES, Math.ceil((PIECES * Math.hypot(...way)) / 2)));
-      for (let i = 0; i < n; i++) put(s.kind, [add(p[0], way, i / n), add(p[0], way, (i + 1) / n)], { grounded: s.grounded });
+      const way = add(p[1], p[0], -1), length = Math.hypot(...way), n = Math.max(1, Math.min(PIECES, Math.ceil((PIECES * length) / 2)));
+      const bar = s.kind === "bar", end = bar ? Math.min((2 * FRONT) / length, 1 / 3) : 0;
+      const cut = (i) => add(p[0], way, i < 0 ? 0 : i > n ? 1 : end + ((1 - 2 * end) * i) / n);
+      for (let i = bar ? -1 : 0; i < n + (bar ? 1 : 0); i++) put(s.kind, [cut(i), cut(i + 1)], { grounded: s.grounded });
     }
     for (const path of paths)
       for (let i = 0; i + 1 < path.length + (data.loops ? 1 : 0); i++) put("path", [path[i], path[(i + 1) % path.length]], {});
