@@ -203,6 +203,24 @@ TEST(stiff_on_the_way)
     }
 }
 
+/* The errors of the steps of BDF methods add up to the same multiple of each tolerance: a slightly damped four-bar near a dead point. */
+TEST(many_steps)
+{
+    double turn = 0;
+    drun_read_format(&d, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 9.888, 'centre': [-0.0294, 0.2158], 'inertia': "
+        "0.095641}, {'name': 'b', 'mass': 0.117, 'centre': [0.0163, -0.2714], 'inertia': 0.021939}, {'name': 'c', 'mass': 8.015, 'centre': [0.6434, -0.6642], "
+        "'inertia': 0.565142}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [-0.0956, 0.3738]}, "
+        "{'name': 'C', 'links': ['b', 'c'], 'at': [0.2189, -0.9153]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [1.1268, -0.2584]}], 'dampers': [{'joint': "
+        "'A', 'damping': 0.0236}, {'joint': 'B', 'damping': 0.0266}, {'joint': 'C', 'damping': 0.0203}, {'joint': 'D', 'damping': 0.0245}], 'forces': [{'link': "
+        "'c', 'at': [0.2189, -0.9153], 'fx': '1.33426*sin(7.92708*t)'}]}", 0, 0);
+    for (int k = 0; k < 7; k++) {
+        double tolerance = k ? pow(10, -4 - 2*((k + 1)/2)) : 1e-12;
+        CHECK_INT(drun_to(&d, !k ? LW_FORMULATION_INDEX1 : k%2 ? LW_FORMULATION_CVODE : LW_FORMULATION_GGL, tolerance, 1.6, 1), LW_OK);
+        turn = k ? turn : d.q[2];
+        CHECK_NEAR(d.q[2], turn, 100*tolerance, 0);
+    }
+}
+
 /* ---- sign() in forces of the user's own ---------------------------------------------------------- */
 
 /* A mass of 1 at this speed on a guide; joint: the end of its text, and what follows. */

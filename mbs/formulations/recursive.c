@@ -29,8 +29,6 @@ enum { MOST_ROWS = 48 };                     /* of loops: more are faster in the
 static const double most_accurate = 0.9e-10;   /* tolerance */
 static const double damped = 1e3;            /* decay [1/s] times the length of the run, */
 static const double damped_from = 1e-8;      /* which grows with powers of this over the tolerance */
-static const double bdf_share_tight = 0.005;         /* in place of LW_BDF_SHARE below a tolerance, */
-static const double tight = 0.9e-7;          /* since the multiple grows */
 enum { MOST_DIFFERENCES = 40 };
 static const double most_turn = 3;           /* of a joint in one step: turns are counted from step to step [rad] */
 
@@ -539,9 +537,8 @@ static lw_status run_one(motion *m, double *y, double *work)
     w.ode.direction[0] = -1;
     w.at_stages = (lw_stages_ode){ w.ode.n, m->r.n_x, m->r.n_u, stiff, m, rates, m->r.n_x > m->r.n_u ? joints_move : NULL, project, m->stages.isa };
     w.y = y + ode->n;
-    double share = !w.implicit ? 1 : fmax(d->o.relative, d->o.absolute) < tight ? bdf_share_tight : LW_BDF_SHARE;
-    o.relative = share*d->o.relative;
-    o.absolute = share*d->o.absolute;
+    o.relative = w.implicit ? lw_run_bdf_tolerance(d->o.relative) : d->o.relative;
+    o.absolute = w.implicit ? lw_run_bdf_tolerance(d->o.absolute) : d->o.absolute;
     o.max_step = d->o.max_step;
     o.smooth = d->eq.smooth;
     s = start(m, y, out);

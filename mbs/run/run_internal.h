@@ -77,10 +77,15 @@ lw_status lw_run_failed_rates(lw_run *run, double t, lw_status s);
 static inline int lw_run_states(const lw_run *run) { return run->d->n_q + run->d->n_v + run->has_work; }
 double *lw_run_tolerances(const lw_run *run, double absolute, lw_status *s);
 
-/* The tolerance of a step of BDF methods: this part of the one asked for, since the errors of many steps of low order add up to a multiple of it. */
-#define LW_BDF_SHARE 0.05
-#define LW_BDF_LEAST 2e-14               /* Newton's method does not converge much below it */
-static inline double lw_run_bdf_tolerance(double tolerance) { return fmin(tolerance, fmax(LW_BDF_SHARE*tolerance, LW_BDF_LEAST)); }
+/* The tolerance of a step of BDF methods for the one asked for.  The errors of their many steps of low order add up: the number of steps doubles with two digits,
+ * and so does the sum over the tolerance.  A part that falls with the power keeps it level from 1e-6 to 1e-10 (random linkages of one and two freedoms); it
+ * stops where rounding counts: in forces with great rates, such as pressures, and below `least` in Newton's method. */
+static inline double lw_run_bdf_tolerance(double tolerance)
+{
+    static const double level = 1e-6, power = 0.25, rounding = 5e-13, least = 2e-14;
+    double part = 0.05*tolerance;
+    return fmin(tolerance, fmax(fmax(part*pow(fmin(1, tolerance/level), power), fmin(part, rounding)), least));
+}
 
 /* Steps left of those allowed; 0: no limit. */
 long lw_run_steps_left(const lw_run *run);
