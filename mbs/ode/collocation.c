@@ -38,15 +38,15 @@ static const lw_stage_loops *loops_of(const char *isa)
 
 size_t lw_collocation_work(int n, bool implicit)
 {
-    return (size_t)n*(4*N + 5) + (implicit ? (2 + 2*PAIRS)*LW_IMPLICIT_MAX*LW_IMPLICIT_MAX : 0);
+    return (size_t)n*(5*N + 5) + (implicit ? (2 + 2*PAIRS)*LW_IMPLICIT_MAX*LW_IMPLICIT_MAX : 0);
 }
 
 void lw_collocation_start(lw_collocation *w, const lw_stages_ode *ode, const lw_ode_options *o, double *work, double t, const double *y)
 {
     size_t n = (size_t)ode->n;
     *w = (lw_collocation){ .ode = ode, .loops = loops_of(ode->isa), .o = *o, .t = t, .t_old = t, .fastest = INFINITY, .most = INFINITY, .stale = true };
-    double **part[] = { &w->f, &w->stage, &w->c, &w->c_old };
-    for (int i = 0; i < 4; i++, work += N*n)
+    double **part[] = { &w->f, &w->stage, &w->c, &w->c_try, &w->c_refused };
+    for (int i = 0; i < 5; i++, work += N*n)
         *part[i] = work;
     w->y = work, w->y_old = work + n, w->low = work + 2*n, w->scale = work + 3*n;
     w->lost = work + 4*n;
@@ -89,24 +89,40 @@ void lw_collocation_dense(const lw_collocation *w, double t, double *y)
     }
 }
 
-/* column[m][k]: polynomial m of the last step at point k of the next, of length h. */
-static void continue_polynomials(const lw_collocation *w, double h, double column[N][N])
+/* column[m][k]: polynomial m of a step of length `of` at point k of one of length h that begins `later`. */
+static void continue_polynomials(double of, double later, double h, double column[N][N])
 {
     for (int k = 0; k < N; k++) {
         double p[N], none[N];
-        legendre_at(1 + node[k]*h/w->h_done, p, none);
+        legendre_at((later + node[k]*h)/of, p, none);
         for (int m = 0; m < N; m++)
             column[m][k] = p[m];
     }
 }
 
+/* By the last step, or by one that was refused and goes farther. */
 static void predict(lw_collocation *w, double h)
 {
     double column[N][N];
-    continue_polynomials(w, h, column);
-    for (int m = w->degree + 1; m < N; m++)
+    bool refused = w->h_refused > w->passed;
+    continue_polynomials(refused ? w->h_refused : w->h_done, refused ? w->passed : w->h_done, h, column);
+    for (int m = w->degree + 1; m < N && !refused; m++)
         memset(column[m], 0, sizeof column[m]);
-    w->loops->sums(w->ode->n, (const double (*)[N])column, w->c, w->f);
+    w->loops->sums(w->ode->n, (const double (*)[N])column, refused ? w->c_refused : w->c, w->f);
+}
+
+static void exchange(double **a, double **b)
+{
+    double *c = *a;
+    *a = *b, *b = c;
+}
+
+/* A step whose rates converged but whose error is too great: it is repeated shorter, and these rates are nearly right within it. */
+static void keep_refused(lw_collocation *w, double h)
+{
+    exchange(&w->c_try, &w->c_refused);
+    w->h_refused = h;
+    w->passed = 0;
 }
 
 /* The degree with which the last polynomial would have met the rates of this step best. */
@@ -114,7 +130,7 @@ static int best_degree(const lw_collocation *w, double h)
 {
     double column[N][N], off[N];
     int best = 0;
-    continue_polynomials(w, h, column);
+    continue_polynomials(w->h_done, w->h_done, h, column);
     w->loops->misses(w->ode->n, (const double (*)[N])column, w->c, w->f, w->scale, off);
     for (int m = 1; m < N; m++)
         best = off[m] < off[best] ? m : best;
@@ -376,7 +392,7 @@ static lw_status begin(lw_collocation *w, double span)
     return s == LW_OPEN ? LW_OK : s;
 }
 
-/* The polynomial of this step, to c_old; error within the step over the error allowed, from how its coefficients fall.  The rates of
+/* The polynomial of this step, to c_try; error within the step over the error allowed, from how its coefficients fall.  The rates of
  * stiff equations follow from the states: in f errors of u are multiplied. */
 static double step_error(lw_collocation *w, double h)
 {
@@ -387,10 +403,10 @@ static double step_error(lw_collocation *w, double h)
             c[k] = (w->stage[N*i + k] - w->y_old[i])/h;
         w->loops->sums(1, slope_column, c, w->f + N*i);
     }
-    w->loops->sums(o->n, legendre_column, w->f, w->c_old);
+    w->loops->sums(o->n, legendre_column, w->f, w->c_try);
     for (int i = 0; i < o->n; i++)
         for (int m = 0; m < N; m++) {
-            double by = w->c_old[N*i + m]*w->scale[i];
+            double by = w->c_try[N*i + m]*w->scale[i];
             size[m] += by*by;
         }
     double last = fmax(size[N - 1], 1e-300), fall = pow(last/fmax(size[N - 4], last), 1.0/6);
@@ -453,6 +469,8 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
         w->most = fresh ? less*h : w->most;
     }
     if (s == LW_OK && !(error <= 1)) {
+        if (isfinite(error))
+            keep_refused(w, h);
         *by = fmax(0.2, 0.8*pow(error, -1.0/9));
         return LW_OPEN;
     }
@@ -461,6 +479,7 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
     double off = 0;
     s = arrive(w, h, end, &off);
     if (s == LW_OK && moved_too_far(w, off)) {
+        keep_refused(w, h);
         *by = fmax(0.2, 0.8*pow(off, -1.0/9));
         return LW_OPEN;
     }
@@ -473,9 +492,9 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
         factor = fmin(factor, factor*h/w->h_done*pow(w->error/error, 1.0/9));
     *by = fmin(greatest_growth, fmax(0.3, fmin(factor, fresh ? room : fmax(1, room))));
     w->error = fmax(error, 1e-2);
-    double *c = w->c;
-    w->c = w->c_old, w->c_old = c;
+    exchange(&w->c, &w->c_try);
     w->h_done = h;
+    w->passed += h;
     w->n_step++;
     return LW_OK;
 }

@@ -38,7 +38,9 @@ typedef struct lw_collocation {
     double *y, *y_old;                       /* (n) there */
     long    n_step, n_refused, n_rate;       /* n_rate: states at which f was worked out */
     /* private to the integrator */
-    double *f, *stage, *c, *c_old, *low, *scale, *lost;
+    double *f, *stage, *low, *scale, *lost;
+    double *c, *c_try, *c_refused;           /* Legendre coefficients of the rates in the last step, this one, the last one refused, */
+    double  h_refused, passed;               /* whose length this is; how far the motion has come since it began */
     double *by, *lu;                         /* derivatives of u' by x and u; factors for each complex eigenvalue of A */
     double  h_done, t_low, fastest, most;    /* fastest: factor of an improvement over h; limit of h */
     double  error;                           /* of the last step, over the error allowed */
