@@ -15,12 +15,16 @@ static inline double lw_dot(int n, const double *a, const double *b)
 
 static inline double lw_norm(int n, const double *a) { return sqrt(lw_dot(n, a, a)); }
 
+/* The lesser and the greater of two numbers; a if b is NaN.  Unlike fmin and fmax they are no calls. */
+static inline double lw_lesser(double a, double b) { return b < a ? b : a; }
+static inline double lw_greater(double a, double b) { return b > a ? b : a; }
+
 /* The greatest magnitude; 0 for n = 0.  A NaN counts as 0. */
 static inline double lw_greatest(int n, const double *x)
 {
     double most = 0;
     for (int i = 0; i < n; i++)
-        most = fmax(most, fabs(x[i]));
+        most = lw_greater(most, fabs(x[i]));
     return most;
 }
 
@@ -29,12 +33,9 @@ static inline double lw_greatest_or_infinite(int n, const double *x)
 {
     double most = 0;
     for (int i = 0; i < n; i++)
-        most = fmax(most, isfinite(x[i]) ? fabs(x[i]) : INFINITY);
+        most = lw_greater(most, isfinite(x[i]) ? fabs(x[i]) : INFINITY);
     return most;
 }
-
-/* The lesser of two numbers; a if b is NaN.  Unlike fmin it is no call. */
-static inline double lw_lesser(double a, double b) { return b < a ? b : a; }
 
 static inline int lw_compare_numbers(const void *a, const void *b)
 {

@@ -709,11 +709,12 @@ lw_status lw_mbs_measure(lw_dynamics *d, double t, const double *q, const double
     if (s == LW_OK)
         s = lw_mbs_rate_wanted(d, t);
     int held = d->n_c - (d->touch && d->touch->captured ? d->touch->n_row : 0);
+    double most = 0, most_rate = 0;
     for (int r = 0; s == LW_OK && r < held; r++) {
-        double rate = row_dot(d, r, v) - d->rhs[r];
-        m->off = fmax(m->off, fabs(d->phi[r]));
-        m->off_rate = fmax(m->off_rate, fabs(rate));
+        most = lw_greater(most, fabs(d->phi[r]));
+        most_rate = lw_greater(most_rate, fabs(row_dot(d, r, v) - d->rhs[r]));
     }
+    m->off = most, m->off_rate = most_rate;
     m->kinetic = d->eq.kinetic(d->eq.context, v);
     m->potential = d->eq.potential(d->eq.context, q);
     m->unique = d->rank == d->n_c;

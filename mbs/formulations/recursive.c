@@ -2,7 +2,6 @@
  * by collocation with eight states at once, if the loads are simple; else by an explicit method of order 8, or BDF methods (CVODE) where
  * dampers would keep its steps short.  Loops are closed after every step.  Singular postures of the loops are passed in the
  * coordinates of the bodies. */
-#include "base/linalg.h"
 #include "base/number.h"
 #include "base/real.h"
 #include "mbs/formulations/formulations_internal.h"
@@ -214,31 +213,40 @@ static lw_status to_bodies(motion *m, double t, const double *y, bool placed, do
 
 typedef struct joint_row { lw_vec3 move, turn; double *l; } joint_row;      /* derivatives by the body at the outer end; its multiplier */
 
+/* l of up to three independent vectors: the sum of l_i a_i is x, or as near to it as it can be. */
+static void share(int n, lw_vec3 *a, double **l, lw_vec3 x)
+{
+    if (n == 0)
+        return;
+    if (n == 1) {
+        *l[0] = lw_v3_dot(a[0], x)/lw_v3_dot(a[0], a[0]);
+        return;
+    }
+    if (n == 2)
+        a[2] = lw_v3_cross(a[0], a[1]);
+    double volume = lw_v3_dot(a[0], lw_v3_cross(a[1], a[2]));
+    for (int i = 0; i < n; i++)
+        *l[i] = lw_v3_dot(x, lw_v3_cross(a[(i + 1)%3], a[(i + 2)%3]))/volume;
+}
+
 /* The multipliers of a joint of the tree that put a force and a moment on this body.  Rows with a force have forces at right angles to each
  * other; at most three others are moments alone. */
 static void joint_multipliers(int n, const joint_row *row, lw_vec3 force, lw_vec3 moment)
 {
-    double *l[3], a[3*3], diag[3];
+    lw_vec3 turn[3];
+    double *l[3];
     int turns = 0;
     for (int i = 0; i < n; i++) {
         double size = lw_v3_dot(row[i].move, row[i].move);
         if (size == 0) {
-            const double column[3] = { row[i].turn.x, row[i].turn.y, row[i].turn.z };
-            for (int k = 0; k < 3; k++)
-                a[3*turns + k] = column[k];
+            turn[turns] = row[i].turn;
             l[turns++] = row[i].l;
             continue;
         }
         *row[i].l = lw_v3_dot(row[i].move, force)/size;
         moment = lw_v3_sub(moment, lw_v3_scale(row[i].turn, *row[i].l));
     }
-    double of[3] = { moment.x, moment.y, moment.z };
-    if (turns > 0) {
-        lw_qr_factor(3, turns, a, diag);
-        lw_qr_solve(3, turns, a, diag, of);
-    }
-    for (int i = 0; i < turns; i++)
-        *l[i] = of[i];
+    share(turns, turn, l, moment);
 }
 
 /* Take the force J^T l of a row off the bodies. */
@@ -253,26 +261,34 @@ static void take_off(const lw_dynamics *d, int row, double l, double *force)
 
 static lw_vec3 three(const double *x) { return lw_v3(x[0], x[1], x[2]); }
 
-/* The multipliers of the joints of the tree, from the leaves inwards.  force (n_v): what all joints of the tree put on the bodies. */
+/* The multipliers of the joints of the tree, from the leaves inwards.  force (n_v): what all joints of the tree put on the bodies, whose
+ * outer joints are taken off. */
 static void tree_multipliers(const motion *m, double *force)
 {
     const lw_dynamics *d = m->run->d;
     for (int i = m->r.s->n_body - 1; i >= 0; i--) {
-        const lw_recursive_body *p = &m->r.body[i];
+        const lw_recursive_body *p = &m->r.body[i], *inner = &m->r.body[p->parent];
         const lw_space_joint *j = p->joint < 0 ? NULL : &m->r.s->joint[p->joint];
+        lw_vec3 move = three(force + 6*p->body), turn = three(force + 6*p->body + LW_BLOCK);
         int n = j ? lw_spatial_kind_of(j->kind)->rows : 0;
-        joint_row row[6] = { { .l = NULL } };
+        joint_row row[6];
         for (int k = 0; k < n; k++) {
             const double *jac = lw_mbs_jac(d, j->row + k);
             const int *block = lw_mbs_blocks(d, j->row + k);
-            row[k].l = &d->l[j->row + k];
-            for (int s = 0; s < d->eq.n_slot && block[s] >= 0; s++)
-                if (block[s]/2 == p->body)
-                    *(block[s]%2 ? &row[k].turn : &row[k].move) = three(jac + LW_BLOCK*s);
+            row[k] = (joint_row){ .l = &d->l[j->row + k] };
+            for (int s = 0; s < d->eq.n_slot && block[s] >= 0; s++) {
+                int part = block[s] - 2*p->body;
+                if (part == 0 || part == 1)
+                    *(part ? &row[k].turn : &row[k].move) = three(jac + LW_BLOCK*s);
+            }
         }
-        joint_multipliers(n, row, three(force + 6*p->body), three(force + 6*p->body + LW_BLOCK));
-        for (int k = 0; k < n; k++)
-            take_off(d, j->row + k, d->l[j->row + k], force);
+        joint_multipliers(n, row, move, turn);
+        if (p->parent < 0)
+            continue;
+        turn = lw_v3_add(lw_m3_apply(&p->axes, turn), lw_v3_cross(p->from_parent, move));
+        turn = lw_m3_unapply(&inner->axes, turn);
+        double *to = force + 6*inner->body;
+        to[0] += move.x, to[1] += move.y, to[2] += move.z, to[3] += turn.x, to[4] += turn.y, to[5] += turn.z;
     }
 }
 

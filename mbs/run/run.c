@@ -1,5 +1,6 @@
 /* mbs/run/run.c - what every run does: samples, energy and momentum, limits, kinks of the loads. */
 #include "base/real.h"
+#include "base/vector.h"
 #include "mbs/run/run_internal.h"
 #include "mbs/dynamics/touch_internal.h"
 
@@ -312,9 +313,7 @@ static lw_status check_phase(lw_run *run, const lw_moment *m)
 {
     const lw_dynamics *d = run->d;
     lw_dynamics_report *r = run->r;
-    double fastest = 0, periods = r->period > 0 ? (m->t - d->o.from)/r->period : 0;
-    for (int i = 0; i < d->n_v; i++)
-        fastest = fmax(fastest, fabs(m->v[i]));
+    double fastest = lw_greatest(d->n_v, m->v), periods = r->period > 0 ? (m->t - d->o.from)/r->period : 0;
     double off = DBL_EPSILON*fabs(m->t)*fastest;
     run->refused = true;                                 /* no formulation knows more */
     if (!(off < least_known))

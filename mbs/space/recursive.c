@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/union_find.h"
+#include "base/vector.h"
 
 static const double no_mass = 1e-13;         /* inertia along a rate, over the greatest: none */
 static const double no_pivot = 1e-13;        /* of loops, over the greatest: singular */
@@ -72,24 +73,29 @@ static void put_body(lw_recursive *r, int n, int body, int parent, int joint, bo
     p->fixed = lw_quaternion_times(lw_quaternion_inverse(own[0]), own[1]);
 }
 
-/* Joints with the most rows that join bodies not yet joined; then outwards from the ground, the bodies in rings. */
-static lw_status grow(lw_recursive *r, bool *kept, lw_error *e)
+/* The joints of the tree: those with the most rows that join bodies not yet joined.  above: scratch (n_body + 1). */
+static void choose_joints(const lw_space *s, lw_recursive *r, bool *kept, int *above)
 {
-    const lw_space *s = r->s;
-    size_t bodies = (size_t)s->n_body, joints = (size_t)s->n_joint;
-    int n = 0, loose = 0, *above = calloc(2*bodies + 2*joints + 4, sizeof *above);
-    if (!above)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    int *at = above + bodies + 1, *end = at + bodies + 3;
+    r->n_u = 6*s->n_body, r->n_row = s->n_coupling + r->n_extra;
     for (int b = 0; b <= s->n_body; b++)
         above[b] = b;
     for (int rows = 6; rows > 0; rows--)
         for (int j = 0; j < s->n_joint; j++) {
             const lw_space_joint *p = &s->joint[j];
+            if (lw_spatial_kind_of(p->kind)->rows != rows)
+                continue;
             int a = lw_root_of(above, p->body[0] + 1), b = lw_root_of(above, p->body[1] + 1);
-            if (lw_spatial_kind_of(p->kind)->rows == rows && a != b)
-                above[a] = b, kept[j] = true;
+            kept[j] = a != b;
+            above[a] = b;
+            *(kept[j] ? &r->n_u : &r->n_row) += kept[j] ? -rows : rows;
         }
+}
+
+/* The tree outwards from the ground, the bodies in rings.  at: zeros (n_body + 3); end: scratch (2 n_joint). */
+static void grow(lw_recursive *r, const bool *kept, int *at, int *end)
+{
+    const lw_space *s = r->s;
+    int n = 0, loose = 0;
     for (int i = 0; i < 2*s->n_joint; i++)               /* ends of kept joints by their bodies: joint i/2, side i%2 */
         if (kept[i/2])
             at[s->joint[i/2].body[i%2] + 3]++;
@@ -115,35 +121,26 @@ static lw_status grow(lw_recursive *r, bool *kept, lw_error *e)
         }
         ring++;
     }
-    free(above);
-    return LW_OK;
 }
 
 lw_status lw_recursive_make(const lw_space *s, const double *mass, const lw_space_extra *extra, int n_extra, lw_recursive *r,
                             lw_error *e)
 {
     *r = (lw_recursive){ .s = s, .mass = mass, .extra = extra, .n_extra = n_extra, .weak = 1 };
-    bool *kept = calloc((size_t)s->n_joint + 1, sizeof *kept);
-    int cut_rows = 0;
-    if (!kept)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    r->n_u = 6*s->n_body;
-    lw_recursive first = *r;                 /* the tree tells how much is needed */
-    lw_status st = reserve(s, &first, e);
-    if (st == LW_OK)
-        st = grow(&first, kept, e);
-    for (int j = 0; j < s->n_joint; j++)
-        cut_rows += kept[j] ? 0 : lw_spatial_kind_of(s->joint[j].kind)->rows;
-    r->n_row = cut_rows + s->n_coupling + n_extra;
-    r->n_u = first.n_u;
-    free(first.memory);                      /* before, so that its pages serve again */
-    if (st == LW_OK)
+    size_t bodies = (size_t)s->n_body, joints = (size_t)s->n_joint;
+    int *above = calloc(2*bodies + 2*joints + 4, sizeof *above);
+    bool *kept = calloc(joints + 1, sizeof *kept);
+    lw_status st = above && kept ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (st == LW_OK) {
+        choose_joints(s, r, kept, above);
         st = reserve(s, r, e);
+    }
     if (st == LW_OK)
-        st = grow(r, kept, e);
+        grow(r, kept, above + bodies + 1, above + 2*bodies + 4);
     for (int j = 0; st == LW_OK && j < s->n_joint; j++)
         if (!kept[j] && lw_spatial_kind_of(s->joint[j].kind)->rows > 0)
             r->cut[r->n_cut++] = j;
+    free(above);
     free(kept);
     r->rank = r->n_row;
     return st;
@@ -501,7 +498,7 @@ static lw_status factor_masses(lw_recursive *r)
         for (int k = p->u + p->n_u - 1; k >= p->u; k--) {
             r->push[k] = inertia_apply(&p->inertia, r->axis[k]);
             double d = screw_dot(r->axis[k], r->push[k]);
-            most = fmax(most, d);
+            most = lw_greater(most, d);
             if (!(d > no_mass*most))
                 return LW_E_ARG;
             r->by_inertia[k] = 1/d;
