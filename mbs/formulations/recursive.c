@@ -35,7 +35,8 @@ typedef struct motion {
     lw_run *run;
     lw_recursive r;
     lw_tree_stages stages;                   /* of trees with simple loads */
-    const double *before;                    /* collocation: state at the beginning of the step; else NULL */
+    const double *before;                    /* state at the beginning of the step; NULL: BDF methods */
+    bool staged;                             /* by collocation */
     lw_space_extra *extra;
     double (*wanted)[3], *near;              /* (extra) */
     double *body, *shown, *free;             /* states of the bodies (run->n), the second after steps; scratch (n_u) */
@@ -175,7 +176,7 @@ static lw_status project(void *context, double t, double *y)
     lw_status s = close_loops(m, t, y, u, q, v);
     if (s != LW_OK)
         return s;
-    if (m->before) {                         /* the joints' coordinates count their turns */
+    if (m->staged) {                         /* the joints' coordinates count their turns */
         lw_space_normalise(&d->space->s, q);
         lw_recursive_count_turns(&m->r, y, d->space->f.turn);
     }
@@ -405,15 +406,22 @@ static lw_status kink_ahead(void *context, double t, const double *y, double *ah
     return s;
 }
 
-static lw_status step_stages(stepper *w, double end, lw_ode_stop *stop)
+/* One step, in which no joint turns so far that its turns are miscounted. */
+static lw_status step(stepper *w, double end, lw_ode_stop *stop)
 {
+    motion *m = w->m;
     double fastest = 1e-300;
-    for (int k = 0; k < w->m->r.n_u; k++)
-        fastest = fmax(fastest, fabs(w->stages.y[w->m->r.n_x + k]));
-    w->stages.o.greatest = 0.8*most_turn/fastest;
-    w->m->before = w->stages.y_old;
-    lw_tree_stages_keep_rows(&w->m->stages, &w->m->r);
-    return lw_collocation_step(&w->stages, end, stop, w->m->run->e);
+    m->before = w->implicit ? NULL : w->staged ? w->stages.y_old : w->explicit_one.y_old;
+    m->staged = w->staged;
+    if (w->implicit)
+        return lw_sundials_step(&w->implicit_one, end, stop, m->run->e);
+    for (int k = 0; k < m->r.n_u; k++)
+        fastest = fmax(fastest, fabs(now(w)[m->r.n_x + k]));
+    *(w->staged ? &w->stages.o.greatest : &w->explicit_one.o.greatest) = 0.8*most_turn/fastest;
+    if (!w->staged)
+        return lw_integrate_step(&w->explicit_one, end, stop, m->run->e);
+    lw_tree_stages_keep_rows(&m->stages, &m->r);
+    return lw_collocation_step(&w->stages, end, stop, m->run->e);
 }
 
 /* ---- the run ------------------------------------------------------------------------------------------------------ */
@@ -429,8 +437,7 @@ static lw_status run_steps(motion *m, stepper *w, double *t, double *out)
     for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
         m->least = 1;
         double end = w->implicit ? lw_run_near(run, time_of(w)) : lw_run_end(run, time_of(w));
-        s = w->implicit ? lw_sundials_step(&w->implicit_one, end, &stop, run->e)
-          : w->staged ? step_stages(w, end, &stop) : lw_integrate_step(&w->explicit_one, end, &stop, run->e);
+        s = step(w, end, &stop);
         if (s == LW_STOPPED || s == LW_E_MEMORY)
             break;
         if (s != LW_OK || m->least < near_singular*m->first) {
