@@ -9,6 +9,7 @@
 #include "mbs/equations/limits_internal.h"
 #include "mbs/ode/integrate.h"
 #include "mbs/space/space_hold.h"
+#include "mbs/space/space_idle.h"
 
 const lw_space *lw_dynamics_space(const lw_dynamics *d) { return &d->space->s; }
 int  lw_dynamics_idle(const lw_dynamics *d) { return d->space ? d->space->n_idle : 0; }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/equations/timed.h"
+#include "mbs/space/space_idle.h"
 
 /* ---- making ------------------------------------------------------------------------------------------------ */
 

@@ -1,14 +1,8 @@
-/* mbs/space/space_follow.h - postures of a spatial model along its inputs, by continuation without jumps between
- * branches; links that idle. */
+/* mbs/space/space_follow.h - postures of a spatial model along its inputs, by continuation without jumps between branches. */
 #ifndef LW_MBS_SPACE_SPACE_FOLLOW_H
 #define LW_MBS_SPACE_SPACE_FOLLOW_H
 
 #include "mbs/space/space_solve.h"
-
-/* Bodies between ball joints on one line spin about it without moving anything else: rows that hold these spins, into
- * out (n_body), and how many.  slender: so do bodies without inertia about their axis that fly or hang on balls on this axis.  A body whose tracers,
- * loads or springs lie off the line does not idle. */
-int lw_space_idle(const lw_space *s, bool slender, lw_space_extra *out);
 
 /* Where the inputs are at parameter u: value, rate and second rate by u, SI units, out[i][3] of input i. */
 typedef lw_status lw_space_path(void *context, double u, double (*out)[3]);

@@ -11,7 +11,7 @@
 #include <string.h>
 #include "base/rng.h"
 #include "base/vector.h"
-#include "mbs/space/space_follow.h"
+#include "mbs/space/space_idle.h"
 
 void lw_space_mobility_free(lw_space_mobility *m)
 {
