@@ -350,9 +350,8 @@ static lw_status read_kind(const lw_json_node *joint, lw_spatial_kind *kind, lw_
     if (s != LW_OK)
         return s;
     if (!strcmp(text, "p") || !strcmp(text, "g"))
-        return lw_json_fault(&n, e, "%s (\"%s\") are known in planar models only", text[0] == 'g' ? "gears"
-                             : "pins in slots",
-                             text);
+        return lw_json_fault(&n, e, text[0] == 'g' ? "gears (\"g\") are known in planar models only; in space they are \"couplings\""
+                             : "pins in slots (\"p\") are known in planar models only");
     const char *near = lw_suggest(text, names, COUNT(names));
     return lw_json_fault(&n, e, "there is no joint kind \"%.40s\"%s%s%s; known are r revolute, t prismatic, c "
                                 "cylindrical, b spherical, u universal, h screw, e planar, f fixed, o "
