@@ -74,6 +74,28 @@ TEST(rounded)
            "its dimensions do not let it move farther");
 }
 
+/* A parallelogram lying flat, drawn in space: several motions meet there.  With one input the posture is named; a second one that rests lets nothing
+ * move; both together lead on.  At its dead centre a slider has no freedom. */
+TEST(flat_parallelogram)
+{
+    expect("m() { printf '{\"linkwright\": 1, \"links\": [\"ground\", \"a\", \"b\", \"c\"], \"joints\": ["
+           "{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, "
+           "{\"name\": \"B\", \"links\": [\"a\", \"b\"], \"at\": [1, 0, 0], \"axis\": [0, 0, 1]}, "
+           "{\"name\": \"C\", \"links\": [\"b\", \"c\"], \"at\": [5, 0, 0], \"axis\": [0, 0, 1]}, "
+           "{\"name\": \"D\", \"kind\": \"%s\", \"links\": [\"ground\", \"c\"], \"at\": [4, 0, 0], \"axis\": [%s]}], "
+           "\"inputs\": [%s], \"tracers\": [{\"name\": \"P\", \"link\": \"%s\", \"at\": [4, 0, 0]}]}' \"$@\"; }; "
+           "a='{\"joint\": \"A\", \"motion\": \"2*t\"}' d='{\"joint\": \"D\", \"motion\": \"2*t\"}' r='{\"joint\": \"D\"}'; "
+           "m r 0,0,1 \"$a\" b > $D/one.json; m r 0,0,1 \"$a, $r\" b > $D/rest.json; m r 0,0,1 \"$a, $d\" b > $D/two.json; "
+           "m t 1,0,0 \"$a\" c > $D/slider.json", 0, NULL, NULL);
+    expect("$P trace $D/one.json", 3, NULL, "singular: links yield there with 2 freedoms of first order, but move with 1");
+    expect("$P trace $D/rest.json", 4, "\n0,4,", "joints open beyond A = 0 rad, D = 0 rad");
+    expect("$P trace $D/rest.json | tail -1 | cut -d, -f1", 0, "0\n", NULL);
+    expect("$P trace $D/two.json --time-range 0:1:1 | cut -d, -f4,5", 0, "\n2.58385316345285", NULL);        /* 3 + cos 2 */
+    expect("$P robot jacobian $D/two.json", 3, NULL, "the links move with 1 freedom, but there 2 drives move them");
+    expect("$P robot jacobian $D/slider.json", 0, "vx               0", NULL);
+    expect("$P robot jacobian $D/slider.json", 0, "a singular posture, place and turn of the tool have 0 of 1 freedoms", NULL);
+}
+
 /* Motions that move every freedom beyond a rigid stop, also there and back between two rows; sin(t) = 2/3 at t = 0.7297. */
 TEST(driven_beyond_stops)
 {

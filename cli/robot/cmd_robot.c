@@ -101,7 +101,7 @@ static void print_pose(const cli_robot *j, FILE *f, const lw_robot_pose *p)
     for (int k = 0; k < 6; k++) {
         fprintf(f, "  %s", row[k]);
         for (int i = 0; i < j->r.n_drive; i++)
-            fprintf(f, " %15.9g", cli_robot_clean(p->jacobian[k][i], 100*p->singular[0]));
+            fprintf(f, " %15.9g", cli_robot_clean(p->jacobian[k][i], fmax(100*p->singular[0], 1)));
         fputc('\n', f);
     }
     fprintf(f, "singular values%s", j->r.only_turns ? " of the turn, since the tool's point is at rest:" : "");

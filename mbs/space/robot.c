@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/linalg.h"
+#include "base/number.h"
 #include "base/rank.h"
 #include "base/suggest.h"
 #include "base/vec3.h"
@@ -71,8 +72,10 @@ static int rank_with(const lw_robot *r, const lw_robot_pose *p, int shifts)
     lw_rank a;
     lw_rank_place(&a, 6, r->n_drive + shifts, number, place);
     for (int k = 0; k < 6; k++) {
-        for (int i = 0; i < r->n_drive; i++)
-            a.a[k + 6*i] = p->jacobian[k][i]/(k < 3 ? r->space.unit : 1)*(drive_turns(r, i) ? 1 : r->space.unit);
+        for (int i = 0; i < r->n_drive; i++) {
+            double moved = p->jacobian[k][i]/(k < 3 ? r->space.unit : 1)*(drive_turns(r, i) ? 1 : r->space.unit);
+            a.a[k + 6*i] = fabs(moved) > ROUNDING ? moved : 0;
+        }
         for (int i = 0; i < shifts; i++)
             a.a[k + 6*(r->n_drive + i)] = k == i;
     }
@@ -155,6 +158,10 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
     if (s != LW_OK)
         return s;
     s = lw_space_follow_make(&r->space, r->measure, r->n_drive, false, &r->follow, e);
+    int lost = s == LW_OK ? lw_space_lost_freedoms(&r->follow) : 0;
+    if (lost > 0)
+        s = lw_error_set(e, LW_E_ARG, "the posture of the file is singular: the links move with %d freedom%s, but there %d drives move them; take another "
+                         "posture of the motion", r->n_drive - lost, lw_plural(r->n_drive - lost), r->n_drive);
     size_t n_v = (size_t)r->space.n_v, n_q = (size_t)r->space.n_q;
     bool loops = r->space.n_joint > r->space.n_body;
     size_t square = loops ? n_v*(n_v + 1) : 0;

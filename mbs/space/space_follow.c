@@ -6,6 +6,7 @@
 #include "mbs/space/space_follow.h"
 #include "base/number.h"
 #include "mbs/space/space_idle.h"
+#include "mbs/space/space_mobility.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,10 +36,20 @@ static lw_status rank_of_joints(const lw_space *s, const lw_space_extra *x, int 
     return st;
 }
 
+int lw_space_lost_freedoms(const lw_space_follow *f)
+{
+    lw_space_mobility m;
+    if (f->redundant == 0 || f->z.n_row > LW_SPACE_MANY_ROWS || lw_space_mobility_find(f->z.s->model, 0, 1, NULL, &m, NULL) != LW_OK)
+        return 0;
+    int lost = m.instant - m.freedom;
+    lw_space_mobility_free(&m);
+    return lost;
+}
+
 static lw_status count_freedoms(lw_space_follow *f, int rank, bool any, lw_error *e)
 {
     const lw_space *s = f->z.s;
-    int freedom = s->n_v - rank;
+    int freedom = s->n_v - rank, lost;
     f->freedom = s->n_v - f->z.n_kept;
     f->redundant = s->n_row + f->n_idle - rank;
     if (freedom == 0 && f->n_input > 0)
@@ -48,6 +59,9 @@ static lw_status count_freedoms(lw_space_follow *f, int rank, bool any, lw_error
         return lw_error_set(e, LW_E_ARG, "%d input%s only %d of %d freedom%s in the posture of the file: %sthe posture is singular for %s",
                             f->n_input, f->n_input == 1 ? " moves" : "s move", f->z.n_kept - rank, freedom, lw_plural(freedom),
                             f->n_input == 1 ? "" : "they contradict each other, or ", f->n_input == 1 ? "it" : "them");
+    if (f->freedom > 0 && !any && (lost = lw_space_lost_freedoms(f)) > 0)
+        return lw_error_set(e, LW_E_ARG, "the posture of the file is singular: links yield there with %d freedoms of first order, but move with %d; take "
+                            "another posture of the motion", freedom, freedom - lost);
     if (f->freedom > 0 && !any)
         return lw_error_set(e, LW_E_ARG, "the model has %d freedom%s and %d input%s: %d more input%s needed", freedom,
                             lw_plural(freedom), f->n_input, lw_plural(f->n_input), f->freedom,
@@ -155,6 +169,11 @@ void lw_space_follow_second(lw_space_follow *f)
     wanted(f, 2);
     lw_space_rows_solve(&f->z, NULL, f->rhs, true, f->a, f->l);
     f->has_second = true;
+    f->yields = 0;
+    if (f->open == 0 && f->z.n_kept < f->z.n_row) {
+        double speed = lw_space_length(f->z.s, f->v), second = lw_space_length(f->z.s, f->a) + speed*speed;
+        f->yields = second > 0 ? lw_space_rows_left_out(&f->z, f->a, f->rhs)/second : 0;
+    }
 }
 
 /* |a - b| over the greater of both. */
@@ -192,16 +211,17 @@ static bool same_curve(lw_space_follow *f, double h)
 }
 
 /* Do the rows left out as dependent hold, too, after a step of this length?  Where the rows kept are singular they have other curves, which are none
- * of the linkage.  One drawn with rounded numbers opens as it moves: how fast shows in the first step. */
+ * of the linkage.  One drawn with rounded numbers opens as it moves: how fast shows in the first step.  One that yields to first order only, or in a
+ * posture that is singular for its inputs, opens with the square of the step. */
 static bool stays_closed(lw_space_follow *f, double length)
 {
-    static const double exact = 1e-7, faster = 1e4, clear_step = 1e-3, rounded = 1e-3;
+    static const double exact = 1e-7, faster = 1e4, clear_step = 1e-3, rounded = 1e-3, of_second_order = 1e-4;
     if (f->z.n_kept == f->z.n_row)
         return true;
     double open = lw_space_rows_open(&f->z);
-    f->opened = open > rounded;
+    f->opened = open > rounded || f->yields > of_second_order;
     if (f->open > 0 || f->opened)
-        return open <= f->open;
+        return open <= f->open && !(f->yields > of_second_order);
     if (length > clear_step)
         f->open = fmin(fmax(exact, faster*open/length), rounded);
     return true;
@@ -369,7 +389,8 @@ static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, 
     }
     if (f->opened) {
         free(want), free(got);
-        return lw_error_set(e, LW_OPEN, "joints open beyond %s: the linkage is overconstrained, and its dimensions do not let it move farther (linkwright mobility)", where);
+        return lw_error_set(e, LW_OPEN, "joints open beyond %s: the linkage is overconstrained, and its dimensions do not let it move farther%s "
+                            "(linkwright mobility)", where, f->n_input > 1 ? ", or its inputs contradict each other" : "");
     }
     bool small = f->z.n_row <= LW_SPACE_MANY_ROWS;       /* the search for the gap takes full matrices */
     double gap = known && small ? gap_of(f, want, &joint, &angle) : 0;

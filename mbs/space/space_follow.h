@@ -19,6 +19,7 @@ typedef struct lw_space_follow {
     bool    between;                     /* v and a come from postures beside a singular one               */
     double  clear;                       /* greatest z.weak of the postures gone through: far from singular ones */
     double  open;                        /* rows that depend on others stay closed to this; 0: not known yet */
+    double  yields;                      /* until then: how much they open along v and a, over the second order of the motion */
     bool    opened;                      /* the last step tried would open rows that depend on others farther than rounded numbers do: an
                                           * overconstrained linkage that does not move as drawn */
     double  least;                       /* share of the way of a call to which a limit is found           */
@@ -34,6 +35,10 @@ lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *inpu
                                lw_space_follow *f,
                                lw_error *e);
 void      lw_space_follow_free(lw_space_follow *f);
+
+/* How many freedoms of first order in the posture of the file are none of the motion: 0, or it is singular.  Also 0 if the model has no dependent rows,
+ * more than LW_SPACE_MANY_ROWS, or if memory is lacking.  It takes as long as lw_space_mobility_find. */
+int lw_space_lost_freedoms(const lw_space_follow *f);
 
 /* Go along the path from f->u to u, whose value at f->u must be that of the posture f->q (else it is first gone to in a
  * straight line).  A singular posture at u on a smooth motion is reached between others.  LW_OPEN with a text: a limit of the motion or

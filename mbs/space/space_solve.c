@@ -372,6 +372,25 @@ void lw_space_rows_add(const lw_space_rows_set *z, double sign, const double *l,
             add_row(z, r, z->jac, sign*l[r], x);
 }
 
+static double row_times(const lw_space_rows_set *z, int r, const double *x)
+{
+    const int *body = lw_space_rows_bodies(z, r);
+    double sum = 0;
+    for (int k = 0; k < lw_space_rows_sides(z, r); k++)
+        if (body[k] >= 0)
+            sum += dot6(z->jac + z->at[r] + 6*k, x + 6*body[k]);
+    return sum;
+}
+
+double lw_space_rows_left_out(const lw_space_rows_set *z, const double *x, const double *rhs)
+{
+    double most = 0;
+    for (int r = 0; r < z->n_row; r++)
+        if (z->place[r] < 0)
+            most = fmax(most, fabs(row_times(z, r, x) - rhs[r]));
+    return most;
+}
+
 /* l -= (J W J^T)^-1 (rhs - J x), x changed by W J^T of that; still: x is 0.  Returns the greatest change of l. */
 static double improve(lw_space_rows_set *z, const double *rhs, bool still, double *x, double *l)
 {

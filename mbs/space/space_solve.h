@@ -76,6 +76,9 @@ void lw_space_rows_carry(lw_space_rows_set *z, const double *f, double *l);
 /* x += sign J^T l. */
 void lw_space_rows_add(const lw_space_rows_set *z, double sign, const double *l, double *x);
 
+/* The greatest entry of J x - rhs in the rows left out as dependent. */
+double lw_space_rows_left_out(const lw_space_rows_set *z, const double *x, const double *rhs);
+
 /* The right-hand side of J a = out (n_row), without second rates of extras, which the caller adds. */
 void lw_space_rows_bias(const lw_space_rows_set *z, const double *v, double *out);
 
