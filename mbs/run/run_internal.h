@@ -78,13 +78,12 @@ static inline int lw_run_states(const lw_run *run) { return run->d->n_q + run->d
 double *lw_run_tolerances(const lw_run *run, double absolute, lw_status *s);
 
 /* The tolerance of a step of BDF methods for the one asked for.  The errors of their many steps of low order add up: the number of steps doubles with two digits,
- * and so does the sum over the tolerance.  A part that falls with the power keeps it level from 1e-6 to 1e-10 (random linkages of one and two freedoms); it
- * stops where rounding counts: in forces with great rates, such as pressures, and below `least` in Newton's method. */
+ * and so does the sum over the tolerance.  A part that falls with its 1/4 power keeps it level from 1e-6 to 1e-10 (random linkages of one and two freedoms).
+ * Below, the tolerance of a step falls slower, to 2e-14 at 1e-13, where rounding keeps Newton's method from converging. */
 static inline double lw_run_bdf_tolerance(double tolerance)
 {
-    static const double level = 1e-6, power = 0.25, rounding = 5e-13, least = 2e-14;
-    double part = 0.05*tolerance;
-    return fmin(tolerance, fmax(fmax(part*pow(fmin(1, tolerance/level), power), fmin(part, rounding)), least));
+    double step = tolerance > 1e-10 ? 0.05*tolerance*pow(fmin(1, tolerance/1e-6), 0.25) : 5e-13*pow(tolerance/1e-10, 0.466);
+    return fmin(tolerance, fmax(step, 2e-14));
 }
 
 /* Steps left of those allowed; 0: no limit. */
