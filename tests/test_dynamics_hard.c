@@ -221,6 +221,25 @@ TEST(many_steps)
     }
 }
 
+/* Links of 47 t, 380, 15 and 6e-4 kg: pivots of the rows are small by the masses alone, and the posture is not singular.  Reference: ggl. */
+TEST(masses_far_apart)
+{
+    double turn = 0;
+    drun_read_format(&d, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 46642.192135274316, 'centre': [0.2581, -0.0169], "
+        "'inertia': 1047.5874742218111}, {'name': 'b', 'mass': 379.7347527849832, 'centre': [0.9047, 0.5216], 'inertia': 35.85663976777318}, {'name': 'c', "
+        "'mass': 15.457733785158355, 'centre': [1.2106, 0.4803], 'inertia': 1.1983698180086213}, {'name': 'd', 'mass': 0.0006256270012325914, 'centre': [1.1112, "
+        "0.0286], 'inertia': 1.5512089511129462e-06}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], "
+        "'at': [0.4708, -0.0503]}, {'name': 'C', 'links': ['b', 'c'], 'at': [1.3237, 0.9051]}, {'name': 'D', 'links': ['c', 'd'], 'at': [1.0442, -0.0649]}, "
+        "{'name': 'E', 'links': ['ground', 'd'], 'at': [1.176, 0.1124]}]}", 0, 0);
+    for (int k = 0; k < 3; k++) {
+        double tolerance = k == 1 ? 1e-8 : 1e-10;
+        CHECK_INT(drun_to(&d, k ? LW_FORMULATION_AUTO : LW_FORMULATION_GGL, tolerance, 3, 1), LW_OK);
+        CHECK_INT(d.report.formulation, k ? LW_FORMULATION_INDEX1 : LW_FORMULATION_GGL);
+        turn = k ? turn : d.q[11];
+        CHECK_NEAR(d.q[11], turn, 1000*tolerance + 1e-6, 0);
+    }
+}
+
 /* ---- sign() in forces of the user's own ---------------------------------------------------------- */
 
 /* A mass of 1 at this speed on a guide; joint: the end of its text, and what follows. */

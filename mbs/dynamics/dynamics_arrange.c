@@ -375,6 +375,24 @@ static void set_rank(lw_dynamics *d, int rank)
     d->freedom = d->n_v - rank;
 }
 
+static double least_pivot(lw_dynamics *d)
+{
+    lw_mbs_form_schur(d);
+    return lw_cholesky_factor(&d->schur, 0, NULL);
+}
+
+/* The same if all bodies had a mass of 1, with the radii of gyration that they have. */
+static double pivot_of_equal_masses(lw_dynamics *d)
+{
+    double *own = d->by_mass, *equal = d->small_v;
+    for (int i = 0; i < d->n_v; i++)
+        equal[i] = own[i]/own[i - i%LW_BLOCK];
+    d->by_mass = equal;
+    double pivot = least_pivot(d);
+    d->by_mass = own;
+    return pivot;
+}
+
 lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
 {
     d->n_c = d->n_row + d->n_driven + d->n_resting + (d->touch ? d->touch->n_row : 0);
@@ -395,9 +413,9 @@ lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
     set_rank(d, d->rank_of.rank);
     d->weak_scale = 0;
     s = keep_basis(d);
-    if (s == LW_OK && d->space && !d->has_zero_mass) {   /* pivots of spatial rows are small in any posture */
-        lw_mbs_form_schur(d);
-        d->weak_scale = fmin(1, lw_cholesky_factor(&d->schur, 0, NULL));
+    if (s == LW_OK && !d->has_zero_mass) {
+        double pivot = least_pivot(d);       /* spatial rows have small ones in any posture, planar ones where masses differ much */
+        d->weak_scale = fmin(1, d->space ? pivot : pivot/pivot_of_equal_masses(d));
     }
     return s;
 }

@@ -318,11 +318,11 @@ lw_status lw_mbs_factor(lw_dynamics *d, bool by_rank)
     d->by_rank = !d->large && (by_rank || d->has_zero_mass);
     d->by_fronts = d->by_fronts && d->large;
     if (!d->by_rank) {
-        double scale = d->weak_scale > 0 ? d->weak_scale : 1;
-        d->weak = lw_mbs_factor_kept(d, 0, NULL)/scale;
+        double scale = d->weak_scale > 0 ? d->weak_scale : 1, pivot = lw_mbs_factor_kept(d, 0, NULL);
+        d->weak = pivot/scale;
         if (d->large)
             return d->weak > (d->by_fronts ? LW_MBS_LEAST_SHARE_ROWS : least_pivot_large) ? LW_OK : LW_OPEN;
-        d->by_rank = !(d->weak > least_pivot);
+        d->by_rank = !((d->space ? d->weak : pivot) > least_pivot);         /* a small pivot loses digits, if by masses alone, too */
         if (d->by_rank && d->front_entry) {
             d->by_fronts = true;
             d->weak = lw_mbs_factor_kept(d, 0, NULL)/scale;

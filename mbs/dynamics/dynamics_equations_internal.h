@@ -87,8 +87,9 @@ struct lw_dynamics {
     double *jac_by_mass;                      /* J M^-1, as jac */
     double *by_mass;                          /* (n_v) 1/mass */
     bool    by_rank, null_ready;              /* which way holds; mass_null is made */
-    double  weak;                             /* least pivot of the fast way over its diagonal: how singular; in space over */
-    double  weak_scale;                       /* that of the posture in which the rows were chosen; 0: not known */
+    double  weak;                             /* least pivot of the fast way over its diagonal and weak_scale: how singular */
+    double  weak_scale;                       /* in the posture in which the rows were chosen: this pivot in space, what different masses take of it in the
+                                               * plane; 0: not known */
     lw_rank rank_of;                          /* of J^T */
     double *rank_work, *null, *mass_null, *small, *along_null;
     int    *rank_ints;
