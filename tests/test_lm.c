@@ -83,13 +83,16 @@ static void check_inside(const lw_problem *p, const double *x)
 /* From two percent beside; a few starts lie in another valley. */
 TEST(finds_the_way_back)
 {
+    /* Percent of the fits of all families that find the way back.  At 150 seeds 99.8, 99.7, 99.5, 98.5 and 99.3 did: fewer than these come by
+     * chance once in 1e5 runs.  Of one family (94.9 for the worst, free points of any four-bar) half do. */
     static const struct { lw_task task; lw_timing timing; int least; } kind[] = {
-        { LW_TASK_PATH, LW_TIMING_PRESCRIBED, 8 }, { LW_TASK_MOTION, LW_TIMING_PRESCRIBED, 8 },
-        { LW_TASK_FUNCTION, LW_TIMING_PRESCRIBED, 8 }, { LW_TASK_PATH, LW_TIMING_FREE, 6 },
-        { LW_TASK_MOTION, LW_TIMING_FREE, 7 },
+        { LW_TASK_PATH, LW_TIMING_PRESCRIBED, 95 }, { LW_TASK_MOTION, LW_TIMING_PRESCRIBED, 95 },
+        { LW_TASK_FUNCTION, LW_TIMING_PRESCRIBED, 92 }, { LW_TASK_PATH, LW_TIMING_FREE, 90 },
+        { LW_TASK_MOTION, LW_TIMING_FREE, 93 },
     };
     lw_rng rng = check_rng(1);
-    for (size_t q = 0; q < sizeof kind/sizeof *kind; q++)
+    for (size_t q = 0; q < sizeof kind/sizeof *kind; q++) {
+        int all_back = 0, all_tried = 0;
         for (int k = 0; k < N_FAMILY; k++) {
             int back = 0, tried = 0;
             for (int trial = 0; trial < 10; trial++) {
@@ -110,10 +113,15 @@ TEST(finds_the_way_back)
                 CHECK(!(f > before));
                 lw_problem_free(&p);
             }
-            if (10*back < kind[q].least*tried)
+            if (2*back < tried)
                 fprintf(stderr, "%s, kind %zu: %d of %d\n", families[k], q, back, tried);
-            CHECK(10*back >= kind[q].least*tried);
+            CHECK(2*back >= tried);
+            all_back += back, all_tried += tried;
         }
+        if (100*all_back < kind[q].least*all_tried)
+            fprintf(stderr, "kind %zu: %d of %d\n", q, all_back, all_tried);
+        CHECK(100*all_back >= kind[q].least*all_tried);
+    }
 }
 
 /* Steps that follow the bend of a valley end as exactly as straight ones, and where these take long, in two thirds of the
