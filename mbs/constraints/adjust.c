@@ -76,38 +76,45 @@ static void close_posture(adjuster *w, double *place, double *way)
     }
 }
 
-/* Postures along motion k of the linkage, as if rows that nearly depend on others did: from the first in both senses, each
- * closed in the sense of least squares.  Returns the greatest residual; infinite where the rows do not depend on others any more:
- * the posture given is singular. */
+/* Postures along motion k of the linkage, as if rows that nearly depend on others did: from the first in both senses by turns, each
+ * closed in the sense of least squares.  A sense ends where rows do not depend on others any more: near postures where two motions
+ * meet, rounded numbers lead to neither.  Returns the greatest residual; infinite if both senses end: the posture given is singular. */
 static double walk(adjuster *w, int k)
 {
     lw_rank r;
-    double worst = 0, *way = w->other, *old = way + w->n_q, *b = old + w->n_q;
-    for (int sense = -1; sense <= 1; sense += 2) {
-        const double *from = w->place;
-        for (int i = 0; i < w->each/2; i++) {
-            double *to = w->place + (size_t)w->n_posture++*(size_t)w->n_place, along = 0, size = 0;
-            factor(w, from, w->rank, strict, &r);
-            lw_rank_left_null(&r, i == 0 ? k : 0, way);
-            for (int free = 0; i > 0 && free < w->n_q - r.rank; free++) {     /* the motion nearest to the last step */
-                double *one = b, part = 0;
-                lw_rank_left_null(&r, free, one);
-                for (int c = 0; c < w->n_q; c++)
-                    part += one[c]*old[c];
-                for (int c = 0; c < w->n_q; c++)
-                    way[c] = (free ? way[c] : 0) + part*one[c];
-            }
-            for (int c = 0; c < w->n_q; c++) {
-                along += i ? way[c]*old[c] : 0;
-                size = fmax(size, fabs(way[c]));
-            }
-            memcpy(to, from, (size_t)w->n_place*sizeof *to);
-            move(w, to, (i == 0 ? sense : along < 0 ? -1 : 1)*stride/fmax(size, 1e-30), way);
-            memcpy(old, way, (size_t)w->n_q*sizeof *old);
-            close_posture(w, to, way);
-            factor(w, to, 0, loose, &r);
-            worst = r.rank > w->rank ? INFINITY : fmax(worst, lw_greatest(w->n_row, w->phi));
-            from = to;
+    double worst = 0, *way = w->other, *b = way + w->n_q;
+    const double *from[2] = { w->place, w->place };
+    bool ended[2] = { false, false };
+    for (int i = 0, sense = 1; i < w->each; ) {
+        sense = ended[!sense] ? sense : !sense;
+        if (ended[sense])
+            return INFINITY;
+        bool first = from[sense] == w->place;
+        double *to = w->place + (size_t)w->n_posture*(size_t)w->n_place, *old = b + (1 + sense)*w->n_q, along = 0, size = 0;
+        factor(w, from[sense], w->rank, strict, &r);
+        lw_rank_left_null(&r, first ? k : 0, way);
+        for (int free = 0; !first && free < w->n_q - r.rank; free++) {        /* the motion nearest to the last step */
+            double *one = b, part = 0;
+            lw_rank_left_null(&r, free, one);
+            for (int c = 0; c < w->n_q; c++)
+                part += one[c]*old[c];
+            for (int c = 0; c < w->n_q; c++)
+                way[c] = (free ? way[c] : 0) + part*one[c];
+        }
+        for (int c = 0; c < w->n_q; c++) {
+            along += first ? 0 : way[c]*old[c];
+            size = fmax(size, fabs(way[c]));
+        }
+        memcpy(to, from[sense], (size_t)w->n_place*sizeof *to);
+        move(w, to, (first ? 2*sense - 1 : along < 0 ? -1 : 1)*stride/fmax(size, 1e-30), way);
+        memcpy(old, way, (size_t)w->n_q*sizeof *old);
+        close_posture(w, to, way);
+        factor(w, to, 0, loose, &r);
+        ended[sense] = r.rank > w->rank;
+        if (!ended[sense]) {
+            worst = fmax(worst, lw_greatest(w->n_row, w->phi));
+            from[sense] = to;
+            w->n_posture++, i++;
         }
     }
     return worst;
@@ -384,7 +391,7 @@ lw_status lw_adjust(const lw_adjustable *a, double *place, double *by, lw_error 
     memset(by, 0, (size_t)a->n_dim*sizeof *by);
     if (a->n_row == 0 || (1 + a->postures)*a->n_row > ROWS_MOST)
         return LW_NOTHING;
-    w.phi = calloc(rows + rows*n + 3*n, sizeof *w.phi);
+    w.phi = calloc(rows + rows*n + 4*n, sizeof *w.phi);
     w.doubles = calloc(lw_rank_doubles(a->n_q, a->n_row), sizeof *w.doubles);
     w.ints = calloc(lw_rank_ints(a->n_q, a->n_row), sizeof *w.ints);
     if (!w.phi || !w.doubles || !w.ints) {
