@@ -80,6 +80,26 @@ TEST(best_delta)
     }
 }
 
+/* p2 = (base - plate)/lower and p1 at constant masses: torque at the start and the worst condition number of the way, as a model of all bodies by
+ * Newton and Euler has them, whose rows are written alone and whose velocities are differences. */
+TEST(sweeps_of_delta)
+{
+    static const struct { const char *vary, *row; double torque, condition; } known[] = {
+        { "base=100:350:6", "\n100,", 40.570226, 2.3477696 }, { "base=100:350:6", "\n250,", 36.973164, 1.6427917 },
+        { "base=100:350:6", "\n350,", 35.703222, 1.3402388 }, { "p1=0.35:0.95:4", "\n0.35,", 31.987485, 2.4134728 },
+        { "p1=0.35:0.95:4", "\n0.75,", 48.880314, 1.3040271 }, { "p1=0.35:0.95:4", "\n0.95,", 55.980125, 1.6977192 },
+    };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        char command[200];
+        snprintf(command, sizeof command, "$P family sweep examples/families/delta.json --vary %s --to 0.1 --measure 'peak(*.drive),condition(tool)'", known[i].vary);
+        ran r = run(command);
+        CHECK_INT(r.code, 0);
+        CHECK_NEAR(second(r.out, known[i].row, 2), known[i].torque, 0, 3e-8);
+        CHECK_NEAR(second(r.out, known[i].row, 3), known[i].condition, 0, 3e-8);
+        ran_free(&r);
+    }
+}
+
 /* Figures of all drives, of robots and of `trace` are those that the other commands give. */
 TEST(figures_of_other_commands)
 {
