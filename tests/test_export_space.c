@@ -46,6 +46,13 @@ static const char *const closing[] = {
     "'universal', 'links': ['a', 'b'], 'at': [0, 0, 0], 'axis': [0, 0, 1], 'second_axis': [-0.6, 0.8, 0]}],'input': {'joint': 'A', 'speed': 3}, 'motors': "
     "[{'name': 'm', 'joint': 'A', 'stall': 0.4, 'free_speed': 20}],'dampers': [{'joint': 'A', 'damping': 0.05}], 'tracers': [{'name': 'P', 'link': 'b', "
     "'at': [0, 0, 1]},{'name': 'Q', 'link': 'a', 'at': [0, 0, 1]}]",
+    /* a driven hinge in a loop without another one: a shaft with two universal joints */
+    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [-0.5, 0, 0], 'inertia': [0.1, 0.2, 0.2]},{'name': 'b', 'mass': 1, 'centre': [0.4, 0.3, 0], "
+    "'inertia': [0.1, 0.1, 0.1]},{'name': 'c', 'mass': 2, 'centre': [1.8, 0.6, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': [{'name': 'A', 'kind': 'revolute', "
+    "'links': ['ground', 'a'], 'at': [-1, 0, 0], 'axis': [1, 0, 0]},{'name': 'U', 'kind': 'universal', 'links': ['a', 'b'], 'at': [0, 0, 0], 'axis': [0, 1, 0], "
+    "'second_axis': [0, 0, 1]},{'name': 'V', 'kind': 'universal', 'links': ['b', 'c'], 'at': [0.8, 0.6, 0], 'axis': [0, 0, 1], 'second_axis': [0, 1, 0]},{'name': "
+    "'C', 'kind': 'cylindrical', 'links': ['ground', 'c'], 'at': [2, 0.6, 0], 'axis': [1, 0, 0]}], 'input': {'joint': 'A', 'speed': 3}, 'motors': [{'name': 'm', "
+    "'joint': 'A', 'stall': 0.4, 'free_speed': 20}], 'tracers': [{'name': 'P', 'link': 'b', 'at': [0, 0, 1]},{'name': 'Q', 'link': 'c', 'at': [2, 0.6, 1]}]",
 };
 
 static void read_closing(size_t i, lw_spatial *m)

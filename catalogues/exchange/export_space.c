@@ -117,7 +117,7 @@ static void mark_loaded(const lw_spatial *m, bool *loaded)
             loaded[m->coupling[i].of[k].index] = true;
 }
 
-/* Revolute and spherical joints last: other programs close a loop at these with points alone, at the others with a
+/* Loaded joints first, revolute and spherical joints last: other programs close a loop at these with points alone, at the others with a
  * light body in between, which makes the loop softer. */
 static int rank_of(lw_spatial_kind kind, bool loaded)
 {
@@ -129,9 +129,9 @@ static int rank_of(lw_spatial_kind kind, bool loaded)
     case LW_SPATIAL_SCREW:
     case LW_SPATIAL_PLANAR:
         return loaded ? 0 : 1;
-    case LW_SPATIAL_REVOLUTE:  return loaded ? 2 : 3;
-    case LW_SPATIAL_SPHERICAL: return 4;
-    case LW_SPATIAL_FREE:      return 5;             /* it closes nothing */
+    case LW_SPATIAL_REVOLUTE:  return loaded ? 0 : 2;
+    case LW_SPATIAL_SPHERICAL: return 3;
+    case LW_SPATIAL_FREE:      return 4;             /* it closes nothing */
     }
     return 0;
 }
