@@ -106,6 +106,7 @@ TEST(faults)
         { "", "", "", ", 'springs': [{'joint': 'A', 'law': 'rate', 'free': 1}]", "leave \"free\" out" },
         { "", "", "", ", 'springs': [{'joint': 'A', 'law': 'length'}]", "displacement, rate and t" },
         { "", "", "", ", 'springs': [{'links': ['crank', 'crank'], 'at': [[0, 0], [1, 1]], 'stiffness': 1}]", "both ends are on link" },
+        { "", "", "", ", 'springs': [{'links': ['ground', 'crank'], 'at': [[1, 1], [1, 1]], 'stiffness': 1, 'free': 2}]", "its force has no direction" },
         { "", "", "", ", 'forces': [{'link': 'slide', 'fx': 1}]", "\"at\" is missing" },
         { "", "", "", ", 'forces': [{'link': 'slide'}]", "needs \"fx\"" },
         { "", "", "", ", 'forces': [{'link': 'slide', 'torque': 'q(P)'}]", "no joint \"P\"" },

@@ -26,6 +26,7 @@ TEST(refuses_what_no_model_has)
         { "", ", 'kind': 'u', 'axis': [0, 0, 1], 'second_axis': [0, 0, -2]", "", "parallel", 3 },
         { "", ", 'kind': 'h', 'axis': [0, 0, 1]", "", "\"lead\"", 3 },
         { "", ", 'kind': 'revolut', 'axis': [0, 0, 1]", "", "did you mean \"revolute\"", 3 },
+        { "", ", 'kind': 'g'", "", "in space they are \"couplings\"", 3 },
         { ", 'mass': 1, 'centre': [0, 0, 0], 'inertia': [1, 1, 2.1]", ", 'axis': [0, 0, 1]", "", "exceed", 2 },
         { ", 'mass': 1, 'centre': [0, 0, 0], 'inertia': [1, 1, 1, 2, 0, 0]", ", 'axis': [0, 0, 1]", "",
           "negative", 2 },

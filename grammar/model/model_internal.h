@@ -52,7 +52,8 @@ lw_status lw_motion_replace(const char *text, const int *n_profile, lw_moves *co
 
 /* ---- model_loads.c ----------------------------------------------------------------------------------------- */
 
-/* Numbers of a spring or damper, or the "law" that stands in their place, of a length or of a joint's displacement in this unit. */
+/* Numbers of a spring or damper, or the "law" that stands in their place, of a length or of a joint's displacement in this unit.  *free: that of the
+ * posture on entry. */
 lw_status lw_read_spring_numbers(const lw_json_node *object, const lw_reading *r, lw_expression_scope scope, double unit, double *stiffness,
                                  double *damping, double *free, lw_expression **law, lw_error *e);
 
