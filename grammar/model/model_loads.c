@@ -15,7 +15,8 @@ lw_status lw_read_spring_numbers(const lw_json_node *object, const lw_reading *r
     double drawn = *free;
     lw_status s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     if (s == LW_OK && scope == LW_OF_LENGTH && *stiffness > 0 && drawn < 1e-12**free && lw_json_member(object, "free", &n))
-        s = lw_json_fault(&n, e, "both ends of this spring are at one place in the posture, where its force has no direction; draw them apart, or set \"free\" to 0");
+        s = lw_json_fault(&n, e, "both ends of this spring are at one place in the posture, where its force has no direction; draw them apart, or set "
+                            "\"free\" to 0");
     if (s == LW_OK)
         s = lw_read_expression(object, "law", r, scope, law, e);
     for (int i = 0; s == LW_OK && *law && i < COUNT(numbers); i++)
