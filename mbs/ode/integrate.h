@@ -69,7 +69,7 @@ typedef struct lw_integrator {
     long    n_step, n_refused, n_rate;
     /* private to the integrator */
     double *k[16], *stage, *c[8], *low, *y_step, *g_try, *g_old, *inner, *halves;
-    double  t_low, t_step, h_done, err_old, moved, rounding, asked;
+    double  t_low, t_step, h_done, h_old, err_old, moved, rounding, asked;
     signed char side[LW_EVENT_MAX];
     bool    dense;                   /* the continuous solution is known */
     double  rough;                   /* its error over that allowed in a step, if it is not accurate enough; else 0 */
