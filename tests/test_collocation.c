@@ -22,6 +22,12 @@ TEST(tables)
                 stage += stage_column[j][k]*pow(node[j], p);
             CHECK_NEAR(stage, pow(node[k], p + 1)/(p + 1), 1e-15, 0);
         }
+        double beyond = 0, product = 1;      /* Newton's polynomial, continued as far again */
+        for (int m = 0; m < 8; product *= 2 - node[7 - m], m++)
+            for (int j = 0; j < 8; j++)
+                beyond += difference_column[j][m]*pow(node[j], p)*product;
+        if (p < 8)
+            CHECK_NEAR(beyond, pow(2, p), 1e-10, 0);
     }
     for (int i = 0; i < 8; i++)
         for (int j = 0; j < 8; j++) {

@@ -45,13 +45,14 @@ void lw_collocation_start(lw_collocation *w, const lw_stages_ode *ode, const lw_
 {
     size_t n = (size_t)ode->n;
     *w = (lw_collocation){ .ode = ode, .loops = loops_of(ode->isa), .o = *o, .t = t, .t_old = t, .fastest = INFINITY, .most = INFINITY, .stale = true };
-    double **part[] = { &w->f, &w->stage, &w->c, &w->c_try, &w->c_refused };
+    double **part[] = { &w->f, &w->stage, &w->c, &w->d, &w->d_refused };
     for (int i = 0; i < 5; i++, work += N*n)
         *part[i] = work;
     w->y = work, w->y_old = work + n, w->low = work + 2*n, w->scale = work + 3*n;
     w->lost = work + 4*n;
     w->by = work + 5*n, w->lu = w->by + 2*LW_IMPLICIT_MAX*LW_IMPLICIT_MAX;
     memset(w->c, 0, N*n*sizeof *y);
+    memset(w->d, 0, N*n*sizeof *y);
     lw_collocation_restart(w, y);
 }
 
@@ -63,15 +64,13 @@ void lw_collocation_restart(lw_collocation *w, const double *y)
 
 /* ---- polynomials ------------------------------------------------------------------------------------------------ */
 
-/* Legendre polynomials at x of the step, and their integrals from its begin. */
-static void legendre_at(double x, double *p, double *integral)
+/* Integrals of the Legendre polynomials from the beginning of the step to x of it. */
+static void integrals_at(double x, double *integral)
 {
     double z = 2*x - 1, below = 1, now = z;
-    p[0] = 1;
     integral[0] = x;
     for (int m = 1; m < N; m++) {
         double next = ((2*m + 1)*z*now - m*below)/(m + 1);
-        p[m] = now;
         integral[m] = (next - below)/(2*(2*m + 1));
         below = now, now = next;
     }
@@ -79,8 +78,8 @@ static void legendre_at(double x, double *p, double *integral)
 
 void lw_collocation_dense(const lw_collocation *w, double t, double *y)
 {
-    double p[N], integral[N];
-    legendre_at(w->h_done > 0 ? (t - w->t_old)/w->h_done : 0, p, integral);
+    double integral[N];
+    integrals_at(w->h_done > 0 ? (t - w->t_old)/w->h_done : 0, integral);
     for (int i = 0; i < w->ode->n; i++) {
         double sum = 0;
         for (int m = 0; m < N; m++)
@@ -89,14 +88,13 @@ void lw_collocation_dense(const lw_collocation *w, double t, double *y)
     }
 }
 
-/* column[m][k]: polynomial m of a step of length `of` at point k of one of length h that begins `later`. */
+/* column[m][k]: Newton's polynomial m on the points of a step of length `of`, from its end, at point k of one of length h that begins `later`. */
 static void continue_polynomials(double of, double later, double h, double column[N][N])
 {
     for (int k = 0; k < N; k++) {
-        double p[N], none[N];
-        legendre_at((later + node[k]*h)/of, p, none);
-        for (int m = 0; m < N; m++)
-            column[m][k] = p[m];
+        double x = (later + node[k]*h)/of, product = 1;
+        for (int m = 0; m < N; product *= x - node[N - 1 - m], m++)
+            column[m][k] = product;
     }
 }
 
@@ -108,19 +106,13 @@ static void predict(lw_collocation *w, double h)
     continue_polynomials(refused ? w->h_refused : w->h_done, refused ? w->passed : w->h_done, h, column);
     for (int m = w->degree + 1; m < N && !refused; m++)
         memset(column[m], 0, sizeof column[m]);
-    w->loops->sums(w->ode->n, (const double (*)[N])column, refused ? w->c_refused : w->c, w->f);
-}
-
-static void exchange(double **a, double **b)
-{
-    double *c = *a;
-    *a = *b, *b = c;
+    w->loops->sums(w->ode->n, (const double (*)[N])column, refused ? w->d_refused : w->d, w->f);
 }
 
 /* A step whose rates converged but whose error is too great: it is repeated shorter, and these rates are nearly right within it. */
 static void keep_refused(lw_collocation *w, double h)
 {
-    exchange(&w->c_try, &w->c_refused);
+    w->loops->sums(w->ode->n, difference_column, w->f, w->d_refused);
     w->h_refused = h;
     w->passed = 0;
 }
@@ -131,7 +123,7 @@ static int best_degree(const lw_collocation *w, double h)
     double column[N][N], off[N];
     int best = 0;
     continue_polynomials(w->h_done, w->h_done, h, column);
-    w->loops->misses(w->ode->n, (const double (*)[N])column, w->c, w->f, w->scale, off);
+    w->loops->misses(w->ode->n, (const double (*)[N])column, w->d, w->f, w->scale, off);
     for (int m = 1; m < N; m++)
         best = off[m] < off[best] ? m : best;
     return best;
@@ -364,16 +356,16 @@ static lw_status begin(lw_collocation *w, double span)
         return s;
     move(w);
     for (int i = 0; i < n; i++) {
-        double rate = w->c[N*i] = w->f[N*i];
+        double rate = w->d[N*i] = w->f[N*i];
         first += rate*w->scale[i]*(rate*w->scale[i]);
     }
     for (int i = n_x; i < n; i++)
         for (int k = 0; k < N; k++)
-            w->stage[N*i + k] = w->y[i] + 0.5*far[k]*w->c[N*i];
+            w->stage[N*i + k] = w->y[i] + 0.5*far[k]*w->d[N*i];
     move(w);                                 /* half way */
     for (int i = 0; i < n; i++)
         for (int k = 0; k < N; k++)
-            w->stage[N*i + k] = w->y[i] + far[k]*(i < n_x ? w->f[N*i + k] : w->c[N*i]);
+            w->stage[N*i + k] = w->y[i] + far[k]*(i < n_x ? w->f[N*i + k] : w->d[N*i]);
     for (int k = 0; k < N; k++)
         t[k] = w->t + far[k];
     w->n_rate += N;
@@ -381,7 +373,7 @@ static lw_status begin(lw_collocation *w, double span)
     move(w);
     for (int i = 0; i < n; i++)
         for (int k = 0; k < N; k++) {
-            double by = (w->f[N*i + k] - w->c[N*i])*w->scale[i];
+            double by = (w->f[N*i + k] - w->d[N*i])*w->scale[i];
             change[k] += by*by;
         }
     int k = 0;
@@ -392,7 +384,7 @@ static lw_status begin(lw_collocation *w, double span)
     return s == LW_OPEN ? LW_OK : s;
 }
 
-/* The polynomial of this step, to c_try; error within the step over the error allowed, from how its coefficients fall.  The rates of
+/* The polynomial of this step, to c; error within the step over the error allowed, from how its coefficients fall.  The rates of
  * stiff equations follow from the states: in f errors of u are multiplied. */
 static double step_error(lw_collocation *w, double h)
 {
@@ -403,10 +395,10 @@ static double step_error(lw_collocation *w, double h)
             c[k] = (w->stage[N*i + k] - w->y_old[i])/h;
         w->loops->sums(1, slope_column, c, w->f + N*i);
     }
-    w->loops->sums(o->n, legendre_column, w->f, w->c_try);
+    w->loops->sums(o->n, legendre_column, w->f, w->c);
     for (int i = 0; i < o->n; i++)
         for (int m = 0; m < N; m++) {
-            double by = w->c_try[N*i + m]*w->scale[i];
+            double by = w->c[N*i + m]*w->scale[i];
             size[m] += by*by;
         }
     double last = fmax(size[N - 1], 1e-300), fall = pow(last/fmax(size[N - 4], last), 1.0/6);
@@ -492,7 +484,7 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
         factor = fmin(factor, factor*h/w->h_done*pow(w->error/error, 1.0/9));
     *by = fmin(greatest_growth, fmax(0.3, fmin(factor, fresh ? room : fmax(1, room))));
     w->error = fmax(error, 1e-2);
-    exchange(&w->c, &w->c_try);
+    w->loops->sums(w->ode->n, difference_column, w->f, w->d);
     w->h_done = h;
     w->passed += h;
     w->n_step++;

@@ -39,13 +39,14 @@ typedef struct lw_collocation {
     long    n_step, n_refused, n_rate;       /* n_rate: states at which f was worked out */
     /* private to the integrator */
     double *f, *stage, *low, *scale, *lost;
-    double *c, *c_try, *c_refused;           /* Legendre coefficients of the rates in the last step, this one, the last one refused, */
+    double *c;                               /* Legendre coefficients of the rates in the last step; */
+    double *d, *d_refused;                   /* their divided differences from its end, and those of the last step refused, */
     double  h_refused, passed;               /* whose length this is; how far the motion has come since it began */
     double *by, *lu;                         /* derivatives of u' by x and u; factors for each complex eigenvalue of A */
     double  h_done, t_low, fastest, most;    /* fastest: factor of an improvement over h; limit of h */
     double  error;                           /* of the last step, over the error allowed */
     double  moved, noise;                    /* how far projections moved the last trial, move by rounding, over the error allowed */
-    int     degree;                          /* of the polynomial that predicts f */
+    int     degree;                          /* of the polynomial that predicts f, through the last points of a step */
     bool    stale;                           /* the derivatives are to be found afresh */
 } lw_collocation;
 
