@@ -663,7 +663,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     motion m = { .least = 1 };
     lw_error e;
     lw_status s = make(&m, d, &e);
-    int rows = m.r.n_row, n = m.r.n_x + m.r.n_u;
+    int rows = m.r.n_row, n = m.r.n_x + m.r.n_u, legs = 0;
+    char apart[48] = "";
     if (s == LW_OK && m.r.n_u > 0 && rows <= MOST_ROWS) {     /* has every motion a mass, and are the loops as counted? */
         double *x = calloc((size_t)(n + m.r.n_u + d->n_q + d->n_v), sizeof *x);
         s = x ? LW_OK : LW_E_MEMORY;
@@ -678,8 +679,12 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         }
         free(x);
     }
-    snprintf(why, sizeof why, rows ? "%scoordinates of %d joint%s; %d joint%s cut, %d rows of loops" : "%scoordinates of %d joint%s, "
-             "an open chain", asked ? "asked for; " : "", d->space->s.n_body, lw_plural(d->space->s.n_body), m.r.n_cut, lw_plural(m.r.n_cut), rows);
+    if (s == LW_OK && rows > 0 && lw_tree_stages_make(&m.r, &d->space->f, false, &m.stages) == LW_OK)
+        legs = m.stages.n_leg;
+    if (legs > 0)
+        snprintf(apart, sizeof apart, ", %d leg%s solved one by one", legs, lw_plural(legs));
+    snprintf(why, sizeof why, rows ? "%scoordinates of %d joint%s; %d joint%s cut, %d rows of loops%s" : "%scoordinates of %d joint%s, "
+             "an open chain", asked ? "asked for; " : "", d->space->s.n_body, lw_plural(d->space->s.n_body), m.r.n_cut, lw_plural(m.r.n_cut), rows, apart);
     bool none = m.r.n_u == 0;
     unmake(&m);
     if (s == LW_E_MEMORY)

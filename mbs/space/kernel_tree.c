@@ -1,7 +1,8 @@
 /* mbs/space/kernel_tree.c - the accelerations of a tree and its loops in eight states at once: motion outwards, inertias and loads
- * inwards, then the multipliers of the loops' rows, accelerations outwards.  The formulas are those of mbs/space/recursive.c, one value for
- * all lanes in each register.  Called again for states nearby, it keeps the factors and changes the accelerations and multipliers of the
- * last call by what these lack.  Compiled once per instruction set. */
+ * inwards, then the multipliers of the loops' rows, accelerations outwards.  Legs are solved on the way inwards, and add what they resist
+ * with to the body that they carry.  The formulas are those of mbs/space/recursive.c, one value for all lanes in each register.  Called again
+ * for states nearby, it keeps the factors and changes the accelerations and multipliers of the last call by what these lack.  Compiled
+ * once per instruction set. */
 #include "mbs/batch/kernel_run_internal.h"
 #include "mbs/space/kernel_tree_internal.h"
 
@@ -46,6 +47,7 @@ LW_INLINE bool any_lane(mask m)
 
 static const double no_mass = 1e-13;         /* inertia along a rate, over the greatest: none */
 static const double no_pivot = 1e-13;        /* of loops, over the first: singular */
+static const double weak_leg = 1e-3;         /* least pivot of a leg over its first, below which legs are solved with all loops */
 
 typedef struct vec { pack x, y, z; } vec;
 static const vec none;
@@ -233,6 +235,12 @@ LW_INLINE vec sym_times(const pack *m, vec a)
     return (vec){ m[0]*a.x + m[3]*a.y + m[4]*a.z, m[3]*a.x + m[1]*a.y + m[5]*a.z, m[4]*a.x + m[5]*a.y + m[2]*a.z };
 }
 
+LW_INLINE articulated alone(const articulated *i, double mass)
+{
+    const pack m = all_lanes(mass), no = { 0 };
+    return (articulated){ { i->j[0], i->j[1], i->j[2], i->j[3], i->j[4], i->j[5] }, { m, m, m, no, no, no }, { none, none, none } };
+}
+
 /* The load: what the trial acceleration and spinning need, minus the weight; and, if wanted, the inertia about the centre in ground axes. */
 LW_INLINE void weigh(const lw_stage_body *p, const bool inertia, body *b)
 {
@@ -252,6 +260,8 @@ LW_INLINE void weigh(const lw_stage_body *p, const bool inertia, body *b)
         need = turned_by(b, (vec){ p->mass[1]*n.x + (p->mass[3] - p->mass[2])*(s.y*s.z), p->mass[2]*n.y + (p->mass[1] - p->mass[3])*(s.z*s.x),
                                    p->mass[3]*n.z + (p->mass[2] - p->mass[1])*(s.x*s.y) });
     }
+    if (inertia && p->carried)
+        b->inertia = alone(&b->inertia, p->mass[0]);
     b->load = (screw){ need, sub(times(b->trial.move, all_lanes(p->mass[0])), fixed(p->weight)) };
 }
 
@@ -280,12 +290,6 @@ static pack pull(const lw_tree_stages *t, body *all)
         }
     }
     return power;
-}
-
-LW_INLINE articulated alone(const articulated *i, double mass)
-{
-    const pack m = all_lanes(mass), no = { 0 };
-    return (articulated){ { i->j[0], i->j[1], i->j[2], i->j[3], i->j[4], i->j[5] }, { m, m, m, no, no, no }, { none, none, none } };
 }
 
 LW_INLINE screw inertia_times(const articulated *i, screw a)
@@ -381,39 +385,46 @@ LW_INLINE void halve_along(const lw_tree_stages *t, const int n_row, int n, cons
     }
 }
 
-LW_INLINE void halve_rows(const lw_tree_stages *t, const lw_stage_loop *p, const int n_row, const pulls *row, const body *all,
-                          const rate *rates, pack *const *y)
+typedef struct ways { const screw *on[2][ROWS]; pack *y[ROWS]; } ways;      /* pulls of rows on the sides of a loop, and their Y */
+
+/* side: of the loop, -1: both */
+LW_INLINE void halve_rows(const lw_tree_stages *t, const lw_stage_loop *p, int side, const int n_row, const ways *w, int first, const body *all,
+                          const rate *rates)
 {
-    screw g[2][ROWS], both[ROWS];
+    screw g[2][ROWS];
     const int *path = p->path;
+    pack *const *y = w->y + first;
     for (int k = 0; k < 2; path += p->n_path[k++]) {
+        if (side == 1 - k)
+            continue;
         for (int i = 0; i < n_row; i++)
-            g[k][i] = row[i].on[k];
+            g[k][i] = *w->on[k][first + i];
         halve_along(t, n_row, p->n_path[k], path, all, rates, g[k], y);
     }
+    if (side >= 0 || p->n_path[2] == 0)
+        return;
     for (int i = 0; i < n_row; i++)
-        both[i] = add_screw(g[0][i], g[1][i]);
-    halve_along(t, n_row, p->n_path[2], path, all, rates, both, y);
+        g[0][i] = add_screw(g[0][i], g[1][i]);
+    halve_along(t, n_row, p->n_path[2], path, all, rates, g[0], y);
 }
 
-static void halve(const lw_tree_stages *t, const lw_stage_loop *p, int n_row, const pulls *row, const body *all, const rate *rates,
-                  pack *const *y)
+static void halve(const lw_tree_stages *t, const lw_stage_loop *p, int side, int n_row, const ways *w, const body *all, const rate *rates)
 {
     if (n_row == ROWS)
-        halve_rows(t, p, ROWS, row, all, rates, y);
+        halve_rows(t, p, side, ROWS, w, 0, all, rates);
     else
         for (int i = 0; i < n_row; i++)
-            halve_rows(t, p, 1, row + i, all, rates, y + i);
+            halve_rows(t, p, side, 1, w, i, all, rates);
 }
 
-/* The factors U^T D^-1 U of m, of which the upper triangle is given: U, and on the diagonal D^-1.  Returns the least pivot over the first,
- * 0 if that is none. */
-static double factor_rows(int n, pack *m)
+/* The factors U^T D^-1 U of m (n x n) from row and column `from` on, of which the upper triangle is given: U, and on the diagonal D^-1.
+ * Returns the least pivot over the first, 0 if that is none. */
+static double factor_rows(int from, int n, pack *m)
 {
-    const pack first = m[0];
+    const pack first = m[from*n + from];
     pack least = first;
     mask singular = { 0 };
-    for (int k = 0; k < n; k++) {
+    for (int k = from; k < n; k++) {
         pack *u = m + k*n, d = u[k];
         singular |= ~(mask)(d > no_pivot*first);
         least = choose((mask)(d < least), d, least);
@@ -428,12 +439,12 @@ static double factor_rows(int n, pack *m)
 }
 
 /* l by these factors */
-static void solve_rows(int n, const pack *m, pack *l)
+static void solve_rows(int from, int n, const pack *m, pack *l)
 {
-    for (int k = 0; k < n; k++)
+    for (int k = from; k < n; k++)
         for (int i = k + 1; i < n; i++)
             l[i] -= m[k*n + i]*m[k*n + k]*l[k];
-    for (int i = n - 1; i >= 0; i--) {
+    for (int i = n - 1; i >= from; i--) {
         pack sum = l[i];
         for (int j = i + 1; j < n; j++)
             sum -= m[i*n + j]*l[j];
@@ -443,10 +454,9 @@ static void solve_rows(int n, const pack *m, pack *l)
 
 /* The kept rows.  Y, the factors and l stay for calls that go on from them. */
 typedef struct kept_rows {
-    int   n;
     pack *y, *product, *l, *off;             /* Y (n x n_u); Y D Y^T, then its factors (n x n); multipliers; what l changes by */
     pulls *row;                              /* (n) */
-    unsigned long long rates[LW_STAGE_ROWS]; /* bit k: y of rate k is not 0 */
+    screw *carried;                          /* (n) of legs: their pulls on the body that they carry, less those of the rows before */
 } kept_rows;
 
 static void place_rows(const lw_tree_stages *t, const body *all, kept_rows *z)
@@ -458,7 +468,6 @@ static void place_rows(const lw_tree_stages *t, const body *all, kept_rows *z)
             if (at < 0)
                 continue;
             z->row[at] = pulls_of(&p->row[i], &e, &all[p->body[0]], &all[p->body[1]]);
-            z->rates[at] = p->rates;
         }
     }
 }
@@ -474,82 +483,170 @@ static void load_rows(const lw_tree_stages *t, body *all, const kept_rows *z)
             }
 }
 
-static void fill_rows(const lw_tree_stages *t, const body *all, const rate *rates, kept_rows *z)
+/* Y of the rows of a loop along a side, -1: both.  Where a leg ends at the other side, this is of the rows that the leg leaves. */
+static void fill_rows(const lw_tree_stages *t, const lw_stage_loop *p, int side, const body *all, const rate *rates, kept_rows *z)
 {
-    for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++) {
-        pulls row[ROWS];
-        pack *y[ROWS];
-        int n = 0;
-        for (int i = 0; i < p->n_row; i++) {
-            int at = p->row[i].at;
-            if (at < 0)
-                continue;
-            row[n] = z->row[at];
-            y[n++] = z->y + at*t->n_u;
-            if (n == ROWS)
-                halve(t, p, n, row, all, rates, y), n = 0;
-        }
-        halve(t, p, n, row, all, rates, y);
+    const bool left = p->apart >= 0 && side != p->side;
+    ways w;
+    int n = 0;
+    for (int i = 0; i < p->n_row; i++) {
+        int at = p->row[i].at;
+        if (at < (left ? t->n_apart : 0))
+            continue;
+        for (int k = 0; k < 2; k++)
+            w.on[k][n] = left ? &z->carried[at] : &z->row[at].on[k];
+        w.y[n++] = z->y + at*t->n_u;
+        if (n == ROWS)
+            halve(t, p, side, n, &w, all, rates), n = 0;
+    }
+    halve(t, p, side, n, &w, all, rates);
+}
+
+typedef unsigned long long rate_set;
+
+/* Rows i and j of Y D Y^T, in the rates of a set. */
+LW_INLINE pack product_of(const lw_tree_stages *t, const rate *rates, const kept_rows *z, int i, int j, rate_set set)
+{
+    pack sum = { 0 };
+    for (; set; set &= set - 1) {
+        int k = __builtin_ctzll(set);
+        sum += z->y[i*t->n_u + k]*rates[k].by_inertia*z->y[j*t->n_u + k];
+    }
+    return sum;
+}
+
+/* Y times the free rates of a set. */
+LW_INLINE pack free_along(const lw_tree_stages *t, const rate *rates, const kept_rows *z, int i, rate_set set)
+{
+    pack sum = { 0 };
+    for (; set; set &= set - 1) {
+        int k = __builtin_ctzll(set);
+        sum += z->y[i*t->n_u + k]*rates[k].free;
+    }
+    return sum;
+}
+
+/* How far the trial accelerations are from the goal of a row. */
+LW_INLINE pack miss(const lw_tree_stages *t, const body *all, const kept_rows *z, int i)
+{
+    const int *on = t->loop[t->kept[i].loop].body;
+    return dot_screw(z->row[i].on[0], all[on[0]].trial) + dot_screw(z->row[i].on[1], all[on[1]].trial) - z->row[i].goal;
+}
+
+/* The change of a multiplier, in z->off, changes the free rates of a set. */
+LW_INLINE void hold_rates(const lw_tree_stages *t, rate *rates, const kept_rows *z, int i, rate_set set)
+{
+    for (; set; set &= set - 1) {
+        int k = __builtin_ctzll(set);
+        rates[k].free -= z->y[i*t->n_u + k]*z->off[i]*rates[k].by_inertia;
     }
 }
 
-/* The upper triangle of Y D Y^T. */
-static void form_product(const lw_tree_stages *t, const rate *rates, kept_rows *z)
+/* ---- legs: rows that hold their rates, l = (Y D Y^T)^-1 (off + P a), a: acceleration of the body that they carry ---- */
+
+/* Row i of a leg; those that it leaves to all loops come last. */
+LW_INLINE int leg_row(const lw_stage_leg *g, int i) { return i < g->n_row ? g->row + i : g->left + i - g->n_row; }
+
+/* The factors of a leg, which adds P^T (Y D Y^T)^-1 P to the inertia of the body that it carries.  Returns the least pivot over the first. */
+LW_INLINE double factor_leg(const lw_tree_stages *t, const lw_stage_leg *g, body *all, const rate *rates, kept_rows *z)
 {
-    for (int i = 0; i < z->n; i++) {
+    const int n = g->n_row + g->n_left;
+    pack first = { 0 }, least = first;
+    for (int a = 0; a < n; a++) {
+        const int i = leg_row(g, a), side = t->loop[t->kept[i].loop].side;
+        z->carried[i] = side < 0 ? (screw){ none, none } : z->row[i].on[1 - side];
+        for (int b = 0; b <= a && b < g->n_row; b++) {
+            const int k = g->row + b;
+            pack *m = &z->product[k*t->n_kept + i];
+            *m = product_of(t, rates, z, k, i, t->kept[k].own & t->kept[i].own);
+            for (int c = g->row; c < k; c++)
+                *m -= z->product[c*t->n_kept + k]*z->product[c*t->n_kept + c]*z->product[c*t->n_kept + i];
+        }
+        for (int k = g->row; k < i && k < g->row + g->n_row; k++)
+            z->carried[i] = add_screw(z->carried[i], times_screw(z->carried[k], -z->product[k*t->n_kept + i]*z->product[k*t->n_kept + k]));
+        if (a >= g->n_row)
+            continue;
+        pack *d = &z->product[i*t->n_kept + i];
+        first = a ? first : *d, least = a ? choose((mask)(*d < least), *d, least) : *d;
+        *d = 1/ *d;
+        if (g->carries >= 0)
+            take_away(&all[g->carries].inertia, z->carried[i], -*d);
+    }
+    return least_lane(least/first);
+}
+
+/* The load of a leg on the body that it carries. */
+LW_INLINE void load_leg(const lw_tree_stages *t, const lw_stage_leg *g, body *all, const rate *rates, kept_rows *z)
+{
+    for (int a = 0; a < g->n_row + g->n_left; a++) {
+        const int i = leg_row(g, a);
+        z->off[i] = miss(t, all, z, i) + free_along(t, rates, z, i, t->kept[i].own);
+        for (int k = g->row; k < i && k < g->row + g->n_row; k++)
+            z->off[i] -= z->product[k*t->n_kept + i]*z->product[k*t->n_kept + k]*z->off[k];
+        if (a >= g->n_row || g->carries < 0)
+            continue;
+        screw *load = &all[g->carries].load;
+        *load = add_screw(*load, times_screw(z->carried[i], z->product[i*t->n_kept + i]*z->off[i]));
+    }
+}
+
+/* The multipliers of a leg, when the acceleration of the body that it carries is known, and what they change its free rates by. */
+LW_INLINE void hold_leg(const lw_tree_stages *t, const bool again, const lw_stage_leg *g, const body *all, rate *rates, kept_rows *z)
+{
+    for (int a = g->n_row + g->n_left - 1; a >= 0; a--) {
+        const int i = leg_row(g, a);
+        if (a < g->n_row) {
+            pack sum = z->off[i];
+            if (g->carries >= 0)
+                sum += dot_screw(z->carried[i], all[g->carries].load);
+            for (int b = a + 1; b < g->n_row + g->n_left; b++)
+                sum -= z->product[i*t->n_kept + leg_row(g, b)]*z->off[leg_row(g, b)];
+            z->off[i] = sum*z->product[i*t->n_kept + i];
+            z->l[i] = again ? z->l[i] + z->off[i] : z->off[i];
+        }
+        hold_rates(t, rates, z, i, t->kept[i].own);
+    }
+}
+
+/* ---- loops that are not of legs, and what legs leave --------------------------------------------------------------- */
+
+/* The upper triangle of Y D Y^T, and its factors.  Returns the least pivot over the first. */
+static double factor_loops(const lw_tree_stages *t, const body *all, const rate *rates, kept_rows *z)
+{
+    for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++)
+        if (p->apart < 0)
+            fill_rows(t, p, -1, all, rates, z);
+        else if (p->side >= 0)
+            fill_rows(t, p, 1 - p->side, all, rates, z);
+    for (int i = t->n_apart; i < t->n_kept; i++) {
         const pack *y = z->y + i*t->n_u;
         pack scaled[LW_STAGE_RATES];
-        for (unsigned long long left = z->rates[i]; left; left &= left - 1) {
+        for (rate_set left = t->kept[i].rates; left; left &= left - 1) {
             int k = __builtin_ctzll(left);
             scaled[k] = y[k]*rates[k].by_inertia;
         }
-        for (int j = i; j < z->n; j++) {
+        for (int j = i; j < t->n_kept; j++) {
             pack sum = { 0 };
-            for (unsigned long long both = z->rates[i] & z->rates[j]; both; both &= both - 1) {
+            for (rate_set both = t->kept[i].rates & t->kept[j].rates; both; both &= both - 1) {
                 int k = __builtin_ctzll(both);
                 sum += scaled[k]*z->y[j*t->n_u + k];
             }
-            z->product[i*z->n + j] = sum;
+            z->product[i*t->n_kept + j] = sum;
         }
     }
-}
-
-/* How far the accelerations that the trial and the loads lead to are from the rows' goals, into z->off. */
-static void miss_rows(const lw_tree_stages *t, const body *all, const rate *rates, kept_rows *z)
-{
-    for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++)
-        for (int i = 0; i < p->n_row; i++) {
-            int at = p->row[i].at;
-            if (at < 0)
-                continue;
-            pack sum = -z->row[at].goal;
-            for (int k = 0; k < 2; k++)
-                sum += dot_screw(z->row[at].on[k], all[p->body[k]].trial);
-            for (unsigned long long left = z->rates[at]; left; left &= left - 1) {
-                int k = __builtin_ctzll(left);
-                sum += z->y[at*t->n_u + k]*rates[k].free;
-            }
-            z->off[at] = sum;
-        }
+    return factor_rows(t->n_apart, t->n_kept, z->product);
 }
 
 /* Change the rates that are free by what the kept rows add.  Returns the least pivot, as factor_rows does; 1 where the factors are kept. */
 static double hold_loops(const lw_tree_stages *t, bool again, const body *all, rate *rates, kept_rows *z)
 {
-    double weak = 1;
-    if (!again) {
-        fill_rows(t, all, rates, z);
-        form_product(t, rates, z);
-        weak = factor_rows(z->n, z->product);
-    }
-    miss_rows(t, all, rates, z);
-    solve_rows(z->n, z->product, z->off);
-    for (int i = 0; i < z->n; i++) {
+    double weak = again ? 1 : factor_loops(t, all, rates, z);
+    for (int i = t->n_apart; i < t->n_kept; i++)
+        z->off[i] = (t->loop[t->kept[i].loop].apart < 0 ? miss(t, all, z, i) : z->off[i]) + free_along(t, rates, z, i, t->kept[i].rates);
+    solve_rows(t->n_apart, t->n_kept, z->product, z->off);
+    for (int i = t->n_apart; i < t->n_kept; i++) {
         z->l[i] = again ? z->l[i] + z->off[i] : z->off[i];
-        for (unsigned long long left = z->rates[i]; left; left &= left - 1) {
-            int k = __builtin_ctzll(left);
-            rates[k].free -= z->y[i*t->n_u + k]*z->off[i]*rates[k].by_inertia;
-        }
+        hold_rates(t, rates, z, i, t->kept[i].rates);
     }
     return weak;
 }
@@ -564,70 +661,73 @@ static void place_ground(body *ground)       /* its inertia and its place from a
     ground->velocity = ground->trial = ground->load = (screw){ none, none };
 }
 
-/* Factors of the masses, and the rates that are free under the loads, from the leaves inwards.  False: a motion without mass. */
-LW_INLINE bool factor_masses(const lw_tree_stages *t, body *all, rate *rates)
+/* Factors of the masses, again: those of an earlier call, and the rates that are free under the loads, for bodies from `at` to `end`, inwards.
+ * False: a motion without mass. */
+LW_INLINE bool go_inwards(const lw_tree_stages *t, const bool again, const int *at, const int *end, pack *most, body *all, rate *rates)
 {
-    pack most = { 0 };
     mask massless = { 0 };
-    for (int i = t->n_body - 1; i >= 0; i--) {
-        const lw_stage_body *p = &t->body[i];
-        const body *b = &all[i];
+    for (; at < end; at++) {
+        const lw_stage_body *p = &t->body[*at];
+        const body *b = &all[*at];
         body *to = &all[p->parent];
-        articulated inertia = p->leaf ? alone(&b->inertia, p->mass[0]) : b->inertia;
+        articulated inertia;
+        if (!again)
+            inertia = p->leaf ? alone(&b->inertia, p->mass[0]) : b->inertia;
         screw load = b->load;
         for (rate *r = rates + p->u + p->n_u - 1; r >= rates + p->u; r--) {
-            r->push = inertia_times(&inertia, r->axis);
-            pack d = dot_screw(r->axis, r->push);
-            most = choose((mask)(d > most), d, most);
-            massless |= ~(mask)(d > no_mass*most);
-            r->by_inertia = 1/d;
+            if (!again) {
+                r->push = inertia_times(&inertia, r->axis);
+                pack d = dot_screw(r->axis, r->push);
+                *most = choose((mask)(d > *most), d, *most);
+                massless |= ~(mask)(d > no_mass* *most);
+                r->by_inertia = 1/d;
+            }
             r->free = -dot_screw(r->axis, load)*r->by_inertia;
             load = add_screw(load, times_screw(r->push, r->free));
-            take_away(&inertia, r->push, r->by_inertia);
+            if (!again)
+                take_away(&inertia, r->push, r->by_inertia);
         }
         if (p->parent < 0)
             continue;
         to->load.turn = add(to->load.turn, add(load.turn, cross(b->from_parent, load.move)));
         to->load.move = add(to->load.move, load.move);
-        add_shifted(&to->inertia, p->last_child, t->body[p->parent].mass[0], &inertia, b->from_parent);
+        if (!again)
+            add_shifted(&to->inertia, p->last_child, t->body[p->parent].mass[0], &inertia, b->from_parent);
     }
     return !any_lane(massless);
 }
 
-/* The rates that are free under the loads by the factors of an earlier call. */
-LW_INLINE void push_inwards(const lw_tree_stages *t, body *all, rate *rates)
+/* The least pivot of the legs over their first. */
+LW_INLINE double go_through_legs(const lw_tree_stages *t, const bool again, body *all, const rate *rates, kept_rows *z)
 {
-    for (int i = t->n_body - 1; i >= 0; i--) {
-        const lw_stage_body *p = &t->body[i];
-        const body *b = &all[i];
-        body *to = &all[p->parent];
-        screw load = b->load;
-        for (rate *r = rates + p->u + p->n_u - 1; r >= rates + p->u; r--) {
-            r->free = -dot_screw(r->axis, load)*r->by_inertia;
-            load = add_screw(load, times_screw(r->push, r->free));
-        }
-        if (p->parent < 0)
-            continue;
-        to->load.turn = add(to->load.turn, add(load.turn, cross(b->from_parent, load.move)));
-        to->load.move = add(to->load.move, load.move);
+    const lw_stage_leg *end = t->leg + (t->n_apart ? t->n_leg : 0);
+    double weak = 1;
+    for (const lw_stage_loop *p = t->loop; !again && p < t->loop + t->n_loop; p++)
+        if (p->apart >= 0)
+            fill_rows(t, p, p->side, all, rates, z);
+    for (const lw_stage_leg *g = t->leg; !again && g < end; g++) {
+        double least = factor_leg(t, g, all, rates, z);
+        weak = least >= weak ? weak : least;
     }
+    for (const lw_stage_leg *g = t->leg; g < end; g++)
+        load_leg(t, g, all, rates, z);
+    return weak;
 }
 
-/* The accelerations of the rates, added to those of the trial if they had some. */
-LW_INLINE void go_outwards(const lw_tree_stages *t, const bool again, body *all, const rate *rates, double *du)
+/* The accelerations of the rates, added to those of the trial if they had some, for bodies from those before `at` to `end`, outwards. */
+LW_INLINE void go_outwards(const lw_tree_stages *t, const bool again, const int *at, const int *end, body *all, const rate *rates, double *du)
 {
-    all[-1].load = (screw){ none, none };
-    for (int i = 0; i < t->n_body; i++) {
-        const lw_stage_body *p = &t->body[i];
+    while (at-- > end) {
+        const lw_stage_body *p = &t->body[*at];
         screw a = all[p->parent].load;
-        a.move = add(a.move, cross(a.turn, all[i].from_parent));
+        a.move = add(a.move, cross(a.turn, all[*at].from_parent));
         for (int k = p->u; k < p->u + p->n_u; k++) {
             const rate *r = &rates[k];
             pack by = r->free - dot_screw(r->push, a)*r->by_inertia;
             a = add_screw(a, times_screw(r->axis, by));
             keep(du + 8*k, again ? pick(du + 8*k) + by : by);
         }
-        all[i].load = a;
+        all[*at].load = a;
     }
 }
 
@@ -637,8 +737,8 @@ LW_INLINE double rates_of_some(const lw_tree_stages *t, const bool again, int la
     body *all = (body *)(void *)((char *)t->state + (size_t)lane/WIDTH*lw_tree_state_size(WIDTH, t->n_body, t->n_u, t->n_row)) + 1;
     rate *rates = (rate *)(void *)(all + t->n_body);     /* all[-1]: the ground */
     double *du = dy + 8*t->n_x;
-    kept_rows z = { .n = t->n_kept };
-    z.row = (pulls *)(void *)(rates + t->n_u), z.y = (pack *)(void *)(z.row + t->n_row);
+    kept_rows z;
+    z.row = (pulls *)(void *)(rates + t->n_u), z.carried = (screw *)(void *)(z.row + t->n_row), z.y = (pack *)(void *)(z.carried + t->n_row);
     z.product = z.y + t->n_row*t->n_u, z.l = z.product + t->n_row*t->n_row, z.off = z.l + t->n_row;
     place_ground(&all[-1]);
     for (int i = 0; i < t->n_body; i++) {
@@ -649,14 +749,26 @@ LW_INLINE double rates_of_some(const lw_tree_stages *t, const bool again, int la
     if (t->has_work)
         keep(du + 8*t->n_u, power);
     place_rows(t, all, &z);
-    if (again) {
+    if (again)
         load_rows(t, all, &z);
-        push_inwards(t, all, rates);
-    }
-    else if (!factor_masses(t, all, rates))
+    const int *trunk = t->order + t->n_hanging, *end = t->order + t->n_body;
+    pack most = { 0 };
+    if (!go_inwards(t, again, t->order, trunk, &most, all, rates))
         return 0;
-    double weak = t->n_kept == 0 ? 1 : hold_loops(t, again, all, rates, &z);
-    go_outwards(t, again, all, rates, du);
+    double weak = go_through_legs(t, again, all, rates, &z);
+    if (!(weak > weak_leg))
+        return -1;
+    if (!go_inwards(t, again, trunk, end, &most, all, rates))
+        return 0;
+    if (t->n_kept > t->n_apart) {
+        double loops = hold_loops(t, again, all, rates, &z);
+        weak = loops < weak ? loops : weak;
+    }
+    all[-1].load = (screw){ none, none };
+    go_outwards(t, again, end, trunk, all, rates, du);
+    for (const lw_stage_leg *g = t->leg; g < t->leg + (t->n_apart ? t->n_leg : 0); g++)
+        hold_leg(t, again, g, all, rates, &z);
+    go_outwards(t, again, trunk, t->order, all, rates, du);
     return weak;
 }
 

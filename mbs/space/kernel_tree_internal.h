@@ -9,7 +9,8 @@
 typedef struct lw_tree_kernel {
     const char *isa;
     int width;                               /* lanes at a time */
-    /* least pivot of the loops over the first, 1 without loops or `again`; 0: a motion without mass, or a singular posture */
+    /* least pivot of the loops over the first, 1 without loops or `again`; 0: a motion without mass, or a singular posture; -1: a leg that is nearly
+     * stretched is to be solved with all loops */
     double (*rates)(const lw_tree_stages *s, bool again, const double *y, double *dy);
 } lw_tree_kernel;
 
@@ -18,12 +19,13 @@ extern const lw_tree_kernel lw_tree_kernel_x86_64, lw_tree_kernel_x86_64_v3, lw_
 /* The table of an instruction set; of one that has none, the last. */
 const lw_tree_kernel *lw_tree_kernel_of(const char *isa);
 
-/* Bytes of lw_tree_stages.state for the lanes of one register: states of bodies and rates; rows, Y, Y D Y^T, multipliers and their changes. */
+/* Bytes of lw_tree_stages.state for the lanes of one register: states of bodies and rates; rows, those of legs carried over, Y, Y D Y^T,
+ * multipliers and their changes. */
 enum { LW_TREE_BODY_PACKS = 58, LW_TREE_RATE_PACKS = 14, LW_TREE_PULL_PACKS = 13 };
 static inline size_t lw_tree_state_size(int width, int n_body, int n_u, int n_row)
 {
     size_t bodies = (size_t)n_body + 1, u = (size_t)n_u, row = (size_t)n_row;
-    return (size_t)width*sizeof(double)*(bodies*LW_TREE_BODY_PACKS + u*LW_TREE_RATE_PACKS + row*(LW_TREE_PULL_PACKS + u + row + 2));
+    return (size_t)width*sizeof(double)*(bodies*LW_TREE_BODY_PACKS + u*LW_TREE_RATE_PACKS + row*(LW_TREE_PULL_PACKS + 6 + u + row + 2));
 }
 
 #endif

@@ -7,6 +7,9 @@
 
 static const double near = 0.03;             /* coordinates [rad, sizes] that states move while the factors serve, */
 static const double weak_loops = 0.01;       /* less where the least pivot of the loops is below this */
+static const double firm_leg = 0.01;         /* least pivot of a leg over its first, from which on legs are solved apart in a step */
+
+enum { NO_LOOP = -3, MANY = -2, GROUND = -1 };           /* lw_stage_body.onto */
 
 static const lw_tree_kernel *const kernels[] = {
 #ifdef __x86_64__
@@ -47,7 +50,8 @@ static void put_body(const lw_recursive *r, const lw_space_forces *f, int i, lw_
     const lw_space_joint *j = p->joint < 0 ? NULL : &r->s->joint[p->joint];
     const double *m = r->mass + 6*p->body, *w = f->weight + 6*p->body;
     lw_stage_body *b = &s->body[i];
-    *b = (lw_stage_body){ .parent = p->parent, .kind = p->kind, .back = p->back, .x = p->x, .u = p->u, .n_u = p->n_u, .leaf = true,
+    *b = (lw_stage_body){ .parent = p->parent, .kind = p->kind, .back = p->back, .x = p->x, .u = p->u, .n_u = p->n_u, .onto = NO_LOOP,
+                          .root = p->parent < 0 ? i : s->body[p->parent].root,
                           .n_x = p->n_u + (p->kind == LW_SPATIAL_SPHERICAL || p->kind == LW_SPATIAL_FREE),     /* quaternions */
                           .angle = s->n_angle, .arm = { p->arm[0], p->arm[1] }, .part = { p->fixed },
                           .mass = { m[0], m[3], m[4], m[5] }, .weight = { w[0], w[1], w[2] } };
@@ -128,19 +132,177 @@ static void put_loop(const lw_recursive *r, int cut, lw_tree_stages *s)
     }
 }
 
+/* ---- legs -------------------------------------------------------------------------------------------------------- */
+
+static lw_stage_body *root_of(const lw_tree_stages *s, int body) { return body < 0 ? NULL : &s->body[s->body[body].root]; }
+
+static int leg_of(const lw_tree_stages *s, int body)
+{
+    int g = body < 0 ? -1 : s->n_leg - 1;
+    while (g >= 0 && s->leg[g].root != s->body[body].root)
+        g--;
+    return g;
+}
+
+static void find_legs(lw_tree_stages *s)
+{
+    for (int i = 0; i < 2*s->n_loop; i++) {
+        int body = s->loop[i/2].body[i%2], other = s->loop[i/2].body[1 - i%2];
+        lw_stage_body *root = root_of(s, body);
+        if (!root)
+            continue;
+        if (other < 0 || root_of(s, other) == root)
+            root->onto = root->onto == NO_LOOP ? GROUND : root->onto;
+        else
+            root->onto = root->onto == NO_LOOP || root->onto == GROUND || root->onto == other ? other : MANY;
+    }
+    for (int i = 0; i < s->n_body; i++)
+        if (s->body[i].root == i && s->body[i].onto >= 0)
+            root_of(s, s->body[i].onto)->ending++;
+    for (int i = 0; i < s->n_body; i++) {
+        const lw_stage_body *b = &s->body[i];
+        if (b->root == i && (b->onto == GROUND || (b->onto >= 0 && root_of(s, b->onto)->ending > 1)))
+            s->leg[s->n_leg++] = (lw_stage_leg){ .root = i, .carries = b->onto };
+    }
+    if (s->n_leg == 1 && s->leg[0].carries < 0)
+        s->n_leg = 0;
+    for (lw_stage_loop *p = s->loop; p < s->loop + s->n_loop; p++) {
+        int leg[2] = { leg_of(s, p->body[0]), leg_of(s, p->body[1]) };
+        p->leg = leg[0] < 0 ? leg[1] : leg[0];
+        p->side = p->body[0] < 0 || p->body[1] < 0 || leg[0] == leg[1] ? -1 : leg[0] < 0;
+        for (int i = 0; p->leg >= 0 && i < s->n_body; i++)
+            for (int k = s->body[i].u; leg_of(s, i) == p->leg && k < s->body[i].u + s->body[i].n_u; k++)
+                p->own |= p->rates & 1ULL << k;
+    }
+}
+
+/* The loop of a row that is counted through all loops, and the row. */
+static int loop_of(const lw_tree_stages *s, int row, lw_stage_row **at)
+{
+    int i = 0;
+    for (; row >= s->loop[i].n_row; i++)
+        row -= s->loop[i].n_row;
+    *at = &s->loop[i].row[row];
+    return i;
+}
+
+/* Put those of the n rows of a leg first that hold it, of the greatest pivots in its own rates, as r was factored last.  Returns how many; -1:
+ * they do not hold it firmly. */
+static int hold_firmly(const lw_recursive *r, unsigned long long rates, bool carries, int n, int *row)
+{
+    double half[LW_STAGE_ROWS][LW_STAGE_RATES], first = 0;
+    int hold = 0, n_rate = 0;
+    for (; rates; rates &= rates - 1, n_rate++) {
+        int k = __builtin_ctzll(rates);
+        for (int i = 0; i < n; i++)
+            half[i][n_rate] = r->half[k*r->n_row + row[i]]*sqrt(r->by_inertia[k]);
+    }
+    for (; hold < n && hold < n_rate; hold++) {
+        double greatest = 0;
+        int best = hold;
+        for (int i = hold; i < n; i++) {
+            double size = 0;
+            for (int k = 0; k < n_rate; k++)
+                size += half[i][k]*half[i][k];
+            if (size > greatest)
+                greatest = size, best = i;
+        }
+        first = hold ? first : greatest;
+        if (!(greatest > firm_leg*first))
+            return -1;
+        for (int k = 0; k < n_rate; k++) {
+            double taken = half[best][k];
+            half[best][k] = half[hold][k], half[hold][k] = taken;
+        }
+        int taken = row[best];
+        row[best] = row[hold], row[hold] = taken;
+        for (int i = hold + 1; i < n; i++) {             /* less what lies along this one */
+            double along = 0;
+            for (int k = 0; k < n_rate; k++)
+                along += half[i][k]*half[hold][k]/greatest;
+            for (int k = 0; k < n_rate; k++)
+                half[i][k] -= along*half[hold][k];
+        }
+    }
+    return hold == 0 || (hold < n && !carries) ? -1 : hold;
+}
+
+/* The kept rows in the order of their places with legs apart: those that hold legs, those beyond them, all others.  False: a leg is not held
+ * firmly. */
+static bool take_apart(lw_tree_stages *s, const lw_recursive *r, int *row)
+{
+    int left[LW_STAGE_ROWS], n_left = 0, n = 0;
+    lw_stage_row *at;
+    for (int i = 0; i < s->n_leg; i++) {
+        lw_stage_leg *g = &s->leg[i];
+        unsigned long long rates = 0;
+        int all = 0;
+        for (int k = 0; k < s->n_kept; k++) {
+            const lw_stage_loop *p = &s->loop[loop_of(s, s->sorted[k], &at)];
+            if (p->leg == i)
+                row[n + all++] = s->sorted[k], rates |= p->own;
+        }
+        g->n_row = hold_firmly(r, rates, g->carries >= 0, all, row + n);
+        if (g->n_row < 0)
+            return false;
+        g->row = n, n += g->n_row;
+        g->left = n_left, g->n_left = all - g->n_row;
+        memcpy(left + n_left, row + n, (size_t)g->n_left*sizeof *row);
+        n_left += g->n_left;
+    }
+    s->n_apart = n;
+    for (int i = 0; i < s->n_leg; i++)
+        s->leg[i].left += n;
+    memcpy(row + n, left, (size_t)n_left*sizeof *row);
+    n += n_left;
+    for (int k = 0; k < s->n_kept; k++)
+        if (s->loop[loop_of(s, s->sorted[k], &at)].leg < 0)
+            row[n++] = s->sorted[k];
+    return true;
+}
+
+/* Places of the kept rows, and the order of the bodies. */
+static void arrange(lw_tree_stages *s, const int *row)
+{
+    const bool apart = s->n_apart > 0;
+    for (lw_stage_loop *p = s->loop; p < s->loop + s->n_loop; p++) {
+        p->apart = apart ? p->leg : -1;
+        for (int k = 0; k < p->n_row; k++)
+            p->row[k].at = -1;
+    }
+    for (int i = 0; i < s->n_kept; i++) {
+        lw_stage_row *at;
+        int loop = loop_of(s, row[i], &at);
+        const lw_stage_loop *p = &s->loop[loop];
+        const unsigned long long own = apart ? p->own : 0;
+        at->at = i;
+        s->kept[i] = (lw_stage_kept){ loop, p->rates & ~own, own };
+    }
+    for (int i = 0; i < s->n_body; i++)
+        s->body[i].carried = false, s->body[i].leaf = true;
+    for (int g = 0; apart && g < s->n_leg; g++)
+        if (s->leg[g].carries >= 0)
+            s->body[s->leg[g].carries].carried = true, s->body[s->leg[g].carries].leaf = false;
+    s->n_hanging = 0;
+    for (int i = s->n_body - 1; i >= 0; i--) {
+        lw_stage_body *b = &s->body[i];
+        if (b->parent >= 0)
+            b->last_child = s->body[b->parent].leaf, s->body[b->parent].leaf = false;
+        if (apart && leg_of(s, i) >= 0)
+            s->order[s->n_hanging++] = i;
+    }
+    for (int i = s->n_body - 1, n = s->n_hanging; i >= 0; i--)
+        if (!apart || leg_of(s, i) < 0)
+            s->order[n++] = i;
+}
+
 void lw_tree_stages_keep_rows(lw_tree_stages *s, const lw_recursive *r)
 {
+    int row[LW_STAGE_ROWS];
     s->n_kept = r->rank;
-    for (int i = 0; i < s->n_loop; i++)
-        for (int k = 0; k < s->loop[i].n_row; k++)
-            s->loop[i].row[k].at = -1;
-    for (int i = 0; i < s->n_kept; i++) {
-        lw_stage_loop *p = s->loop;
-        int row = r->order[i];
-        for (; row >= p->n_row; p++)
-            row -= p->n_row;
-        p->row[row].at = i;
-    }
+    memcpy(s->sorted, r->order, (size_t)s->n_kept*sizeof *row);
+    s->n_apart = 0;
+    arrange(s, s->n_leg > 0 && take_apart(s, r, row) ? row : s->sorted);
 }
 
 lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, bool has_work, lw_tree_stages *s)
@@ -154,29 +316,27 @@ lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, b
     if (!suits(r, f))
         return LW_E_KIND;
     size_t state = lw_tree_state_size(8, r->s->n_body, r->n_u, r->n_row);
-    char *at = s->memory = malloc(state + LW_SCRATCH_ALIGNMENT + bodies*sizeof *s->body + springs*sizeof *s->spring + loops*sizeof *s->loop
-                                     + (3*8*(u + 1) + 8*(size_t)r->n_x)*sizeof(double) + (u + 1 + loops*bodies)*sizeof(int));
+    char *at = s->memory = malloc(state + LW_SCRATCH_ALIGNMENT + bodies*sizeof *s->body + springs*sizeof *s->spring + loops*(sizeof *s->loop + sizeof *s->leg)
+                                     + (3*8*(u + 1) + 8*(size_t)r->n_x)*sizeof(double) + (u + 1 + loops*bodies + bodies)*sizeof(int));
     if (!at)
         return LW_E_MEMORY;
     s->state = lw_scratch_align(at), at = (char *)s->state + state;
     s->body = (lw_stage_body *)(void *)at, at += bodies*sizeof *s->body;
     s->spring = (lw_stage_spring *)(void *)at, at += springs*sizeof *s->spring;
     s->loop = (lw_stage_loop *)(void *)at, at += loops*sizeof *s->loop;
+    s->leg = (lw_stage_leg *)(void *)at, at += loops*sizeof *s->leg;
     s->angle = (double *)(void *)at, s->cosine = s->angle + 8*(u + 1), s->sine = s->cosine + 8*(u + 1);
     s->factored = s->sine + 8*(u + 1);
     s->turn = (int *)(void *)(s->factored + 8*s->n_x);
+    s->order = s->turn + u + 1;
     for (size_t i = 0; i < loops; i++)
-        s->loop[i].path = s->turn + u + 1 + i*bodies;
+        s->loop[i].path = s->order + bodies + i*bodies;
     for (int i = 0; i < s->n_body; i++)
         put_body(r, f, i, s);
-    for (int i = s->n_body - 1; i >= 0; i--)
-        if (s->body[i].parent >= 0) {
-            lw_stage_body *parent = &s->body[s->body[i].parent];
-            s->body[i].last_child = parent->leaf;
-            parent->leaf = false;
-        }
     for (int i = 0; i < s->n_loop; i++)
         put_loop(r, i, s);
+    find_legs(s);
+    arrange(s, s->sorted);
     for (int i = 0; i < s->n_spring; i++) {
         const lw_spatial_spring *p = &m->spring[i];
         s->spring[i] = (lw_stage_spring){ .stiffness = p->stiffness, .damping = p->damping, .free = p->free };
@@ -219,6 +379,11 @@ lw_status lw_tree_stages_rates(lw_tree_stages *s, bool again, const double *y, d
             s->angle[8*i + k] = 0.5*y[8*s->turn[i] + k];
     s->turns(8*(size_t)s->n_angle, s->angle, s->cosine, s->sine);
     double weak = s->kernel->rates(s, again, y, dy);
+    if (weak < 0) {
+        s->n_apart = 0;
+        arrange(s, s->sorted);
+        weak = s->kernel->rates(s, false, y, dy);
+    }
     s->weak = again ? s->weak : weak;
     return s->weak > 0 ? LW_OK : LW_E_ARG;
 }

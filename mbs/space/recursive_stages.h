@@ -14,7 +14,9 @@ typedef struct lw_stage_body {
     int  parent;                             /* place in the order of the tree, -1: ground */
     lw_spatial_kind kind;
     bool back;                               /* the body is link 0 of the joint */
-    bool leaf, last_child;                   /* it has no children; it is the last one of its parent's */
+    bool carried, leaf, last_child;          /* legs end at it; no child and no leg does; its inertia is the first that its parent's gets */
+    int  root, onto, ending;                 /* the first body of its part; of that: the only body of another part where loops of this one end,
+                                              * -1: none do, -2: there are more, -3: no loops; how many parts end in this one alone */
     int  x, u, n_x, n_u, angle;              /* its first coordinate, rate, half angle */
     lw_vec3 arm[2], z, along[2];             /* joint's point over unit; axis, and directions of slides in body 0; */
     lw_vec3 second;                          /* universal: the axis of body 1 */
@@ -34,18 +36,35 @@ typedef struct lw_stage_loop {
     lw_vec3 arm[2];                          /* over unit */
     lw_stage_row row[6];
     int    *path;                            /* the ancestors of body 0 and itself, those of body 1, and those of both, outermost first */
-    unsigned long long rates;                /* bit k: rate k is one of theirs */
+    unsigned long long rates, own;           /* bit k: rate k is one of theirs; of its leg's */
+    int     leg, side, apart;                /* its leg, -1: none, and the side where this is, -1: both; the same, -1: solved with all loops */
 } lw_stage_loop;
+
+/* A leg: a part of the tree from the ground on whose loops end in itself, at the ground, or at one body of another part, where two legs or more
+ * end.  Rows that are independent in its own rates hold these once the acceleration of that body is known, so the leg acts on the body as an
+ * inertia and a load do, and its rows meet those of no other leg.  Rows beyond these, less what they have in common with them, are rows of
+ * that body alone. */
+typedef struct lw_stage_leg {
+    int     root, carries;                   /* its first body, and the body that it carries; -1: the ground */
+    int     row, n_row, left, n_left;        /* places of the first row that holds it and of the first one beyond these, and how many */
+} lw_stage_leg;
+
+typedef struct lw_stage_kept { int loop; unsigned long long rates, own; } lw_stage_kept;    /* rates of all loops, and of its leg */
 
 enum { LW_STAGE_ROWS = 24, LW_STAGE_RATES = 64 };        /* most rows of loops, and rates where there are any */
 
 typedef struct lw_tree_stages {
-    int     n_body, n_x, n_u, n_angle, n_spring, n_loop, n_row, n_kept;
+    int     n_body, n_x, n_u, n_angle, n_spring, n_loop, n_row, n_leg;
+    int     n_kept, n_apart;                 /* rows; the first n_apart hold legs, 0: all loops are solved together */
     bool    has_work;
-    double  unit, weak;                      /* weak: least pivot of the loops over the first, of the states factored last; 1: no loops */
+    double  unit, weak;                      /* weak: least pivot of the loops, or of legs, over the first, of the states factored last; 1: no loops */
     lw_stage_body   *body;                   /* (n_body) */
     lw_stage_spring *spring;
     lw_stage_loop   *loop;                   /* (n_loop) */
+    lw_stage_leg    *leg;                    /* (n_leg) */
+    lw_stage_kept    kept[LW_STAGE_ROWS];
+    int     sorted[LW_STAGE_ROWS];           /* the kept rows, counted through the loops, from the greatest pivot of them all on */
+    int    *order, n_hanging;                /* (n_body) the bodies inwards; the first n_hanging are those of legs */
     int    *turn;                            /* (n_angle) coordinates of the angles */
     double *angle, *cosine, *sine;           /* (8 n_angle) halves */
     double *factored;                        /* (8 n_x) coordinates of the factors */
