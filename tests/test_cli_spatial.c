@@ -84,13 +84,15 @@ TEST(flat_parallelogram)
            "{\"name\": \"C\", \"links\": [\"b\", \"c\"], \"at\": [5, 0, 0], \"axis\": [0, 0, 1]}, "
            "{\"name\": \"D\", \"kind\": \"%s\", \"links\": [\"ground\", \"c\"], \"at\": [4, 0, 0], \"axis\": [%s]}], "
            "\"inputs\": [%s], \"tracers\": [{\"name\": \"P\", \"link\": \"%s\", \"at\": [4, 0, 0]}]}' \"$@\"; }; "
-           "a='{\"joint\": \"A\", \"motion\": \"2*t\"}' d='{\"joint\": \"D\", \"motion\": \"2*t\"}' r='{\"joint\": \"D\"}'; "
+           "a='{\"joint\": \"A\", \"motion\": \"2*t\"}' d='{\"joint\": \"D\", \"motion\": \"2*t\"}' r='{\"joint\": \"D\", \"motion\": 0}'; "
            "m r 0,0,1 \"$a\" b > $D/one.json; m r 0,0,1 \"$a, $r\" b > $D/rest.json; m r 0,0,1 \"$a, $d\" b > $D/two.json; "
            "m t 1,0,0 \"$a\" c > $D/slider.json", 0, NULL, NULL);
     expect("$P trace $D/one.json", 3, NULL, "singular: links yield there with 2 freedoms of first order, but move with 1");
     expect("$P trace $D/rest.json", 4, "\n0,4,", "joints open beyond A = 0 rad, D = 0 rad");
     expect("$P trace $D/rest.json | tail -1 | cut -d, -f1", 0, "0\n", NULL);
     expect("$P trace $D/two.json --time-range 0:1:1 | cut -d, -f4,5", 0, "\n2.58385316345285", NULL);        /* 3 + cos 2 */
+    expect("$P simulate $D/two.json", 0, NULL, NULL);
+    expect("$P simulate $D/rest.json", 4, NULL, "the posture at the start is singular");
     expect("$P robot jacobian $D/two.json", 3, NULL, "the links move with 1 freedom, but there 2 drives move them");
     expect("$P robot jacobian $D/slider.json", 0, "vx               0", NULL);
     expect("$P robot jacobian $D/slider.json", 0, "a singular posture, place and turn of the tool have 0 of 1 freedoms", NULL);

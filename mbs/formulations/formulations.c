@@ -176,6 +176,12 @@ lw_status lw_dynamics_restart(lw_dynamics *d, double from, double to, const doub
     return s == LW_OK ? choose(d, &d->choice, d->e) : s;
 }
 
+/* Is the start of a model in space, if it is the posture of the file, singular for its joints? */
+static bool starts_singular(const lw_dynamics *d)
+{
+    return d->space && memcmp(d->start_q, d->space->s.start, (size_t)d->n_q*sizeof *d->start_q) == 0 && lw_space_lost_freedoms(&d->space->follow) > 0;
+}
+
 /* One run by the formulation of run->r; what it ended on is in run->e. */
 static lw_status run_one(lw_run *run)
 {
@@ -210,7 +216,10 @@ static lw_status run_one(lw_run *run)
                          ? "no formulation goes on from there; lower the coefficient or the radius of the pins, or drive the "
                          "linkage through the posture" : "another formulation may go on (auto tries them all)")
           : lw_error_set(run->e, s, "at t = %.9g s, near a singular posture with friction, no step is short enough to go on", r->t);
-    if (s == LW_E_NUMERIC && d->has_zero_mass && !d->n_friction && !d->touch && !run->jam && run->e->text[0]) {
+    if (s == LW_E_NUMERIC && r->samples <= 1 && starts_singular(d))
+        s = lw_error_set(run->e, s, "the posture at the start is singular: from there the linkage can go on in several ways; start it from a "
+                         "posture nearby");
+    else if (s == LW_E_NUMERIC && d->has_zero_mass && !d->n_friction && !d->touch && !run->jam && run->e->text[0]) {
         char text[sizeof run->e->text];
         memcpy(text, run->e->text, sizeof text);
         lw_error_set(run->e, s, "%.300s; some links have no mass or no inertia: if they alone move there, they would do so infinitely fast. "
