@@ -240,6 +240,22 @@ TEST(masses_far_apart)
     }
 }
 
+/* Two inputs stretch a five-bar that carries a pendulum: the run ends at the limit, in few steps. */
+TEST(inputs_to_a_limit)
+{
+    const double arm = hypot(0.2, 0.4), from = acos(-0.2/arm), limit = acos((0.8 - 2*hypot(0.6, 0.5))/(2*arm)) - from;
+    drun_read_format(&d, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [-0.1, 0.2], 'inertia': 0.01}, {'name': "
+        "'b', 'mass': 1, 'centre': [0.1, 0.7], 'inertia': 0.02}, {'name': 'c', 'mass': 1, 'centre': [0.7, 0.7], 'inertia': 0.02}, {'name': 'd', 'mass': 1, "
+        "'centre': [1, 0.2], 'inertia': 0.01}, {'name': 'e', 'mass': 1, 'centre': [0.4, 0.5], 'inertia': 0.02}], 'joints': [{'name': 'A', 'links': ['ground', "
+        "'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [-0.2, 0.4]}, {'name': 'C', 'links': ['b', 'c'], 'at': [0.4, 0.9]}, {'name': 'D', "
+        "'links': ['c', 'd'], 'at': [1, 0.4]}, {'name': 'E', 'links': ['ground', 'd'], 'at': [0.8, 0]}, {'name': 'F', 'links': ['b', 'e'], 'at': [0.4, 0.9]}], "
+        "'inputs': [{'joint': 'A', 'motion': '%.17g + t'}, {'joint': 'E', 'motion': '%.17g - t'}]}", from, acos(0.2/arm));
+    CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 2, 20), LW_E_NUMERIC);
+    CHECK_NEAR(d.report.t, limit, 1e-4, 0);
+    CHECK(strstr(d.e.text, "end of its way") != NULL);
+    CHECK(d.report.steps < 8000);
+}
+
 /* ---- sign() in forces of the user's own ---------------------------------------------------------- */
 
 /* A mass of 1 at this speed on a guide; joint: the end of its text, and what follows. */

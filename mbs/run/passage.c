@@ -10,6 +10,7 @@
 static const double settled = 1e-14;         /* change of the states in a pass, scaled, that ends the iteration */
 static const double unsettled = 1e-9;        /* the same where rounding lets it fall no further */
 static const long   most_steps = 2000;       /* of an explicit method to or in a passage; stiff loads would take more */
+static const double shortest = 1e-8;         /* length of such a step over the way: towards a limit of inputs they shorten without end */
 static const int    lingers = 20;            /* passes in which the change does not halve: rounding, or no convergence */
 
 lw_status lw_passage_integrate(lw_run *run, double t, double end, double *y, bool fixed)
@@ -27,8 +28,11 @@ lw_status lw_passage_integrate(lw_run *run, double t, double end, double *y, boo
     each.max_step = most_steps;
     each.fixed = fixed ? end - t : 0;
     lw_status s = lw_integrate_start(&w, &ode, &each, work, t, y, run->e);
-    while (s == LW_OK && stop != LW_ODE_END)
+    while (s == LW_OK && stop != LW_ODE_END) {
         s = lw_integrate_step(&w, end, &stop, run->e);
+        if (s == LW_OK && stop != LW_ODE_END && w.h < shortest*(end - t))
+            s = LW_OPEN;
+    }
     if (s == LW_STOPPED && w.n_step + w.n_refused >= most_steps)
         s = LW_OPEN;
     if (s == LW_OK)
