@@ -96,7 +96,7 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
     }
     if (x->choice[0])
         fprintf(f, "%s\n", x->choice);
-    fprintf(f, "%ld real linkage%s%s: %ld without defect, %ld in another order, %ld with a dead point between, %ld on "
+    fprintf(f, "%ld real linkage%s%s: %ld without defect, %ld in another order, %ld with a limit between, %ld on "
             "two circuits; %.3g s; stopped: %s\n\n", x->n_real, lw_plural(x->n_real),
             x->complete ? ", all there are" : "", x->n_clean, x->n_order, x->n_branch, x->n_circuit,
             s->search.found.fit.seconds,

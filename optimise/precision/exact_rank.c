@@ -1,5 +1,5 @@
 /* optimise/precision/exact_rank.c - linkages of two guides and their defects; the list, sorted: without defect,
- * another order, a dead point between two positions, two circuits. */
+ * another order, a limit of the input between two positions, two circuits. */
 #include "optimise/precision/exact_internal.h"
 
 #include <stdio.h>
