@@ -841,6 +841,28 @@ TEST(legs_one_by_one)
     }
 }
 
+/* Loops that stay open from step to step are closed in rows of output, within steps and at the end, and do not open farther than an error. */
+TEST(rows_are_closed)
+{
+    OWN(lw_spatial) m = { 0 };
+    lw_rng rng;
+    lw_rng_seed(&rng, 9, 0);
+    const char *const kind[3] = { "universal", "prismatic", "spherical" };
+    make_legs(kind, 6, true, &rng, &m);
+    formulation = LW_FORMULATION_RECURSIVE;
+    for (int i = 11; i >= 2; i -= 3) {
+        static double exact[64];
+        lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 0.5, 7, pow(10, -i));
+        CHECK(k.off < 1e-13 && k.off_rate < 1e-12);
+        CHECK(q.energy_error < pow(10, -i)*q.energy_scale);
+        if (i == 11)
+            memcpy(exact, k.at[7].q, sizeof exact);
+        for (int j = 0; j < 64; j++)
+            CHECK_NEAR(k.at[7].q[j], exact[j], 3*pow(10, -i), 0);
+    }
+    formulation = LW_FORMULATION_AUTO;
+}
+
 /* A loop that goes through singular postures in every swing keeps its energy at loose tolerances too: steps behind quiet ones are
  * improved until they meet the equations.  Behind each posture it goes on in joints' coordinates, in which steps are long. */
 TEST(swings_through_singular_postures)

@@ -1,6 +1,6 @@
 /* mbs/formulations/recursive.c - forward dynamics of a spatial model in the coordinates of its joints (mbs/space/recursive.h)
  * by collocation with eight states at once, if the loads are simple; else by an explicit method of order 8, or BDF methods (CVODE) where
- * dampers would keep its steps short.  Loops are closed after every step.  Singular postures of the loops are passed in the
+ * dampers would keep its steps short.  Loops are closed after steps.  Singular postures of the loops are passed in the
  * coordinates of the bodies. */
 #include "base/number.h"
 #include "base/real.h"
@@ -20,6 +20,7 @@ static const double far_from_singular = 1e-2;            /* great enough for for
 static const double clear = 0.02;            /* least pivot of all rows, at which this is looked at */
 static const double same_place = 1e-12;         /* difference of places and velocities that are the same but for rounding */
 static const double closed = 1e-9;           /* loops that stay farther open after all passes fail [sizes, rad] */
+static const double left_open = 0.02;        /* misfit of loops after a step, over the error allowed in it, that waits for the next row of output */
 static const double same_posture = 1e-9;     /* joints that do not reproduce the posture of the start better fail */
 enum { MOST_ROWS = 48 };                     /* of loops: more are faster in the coordinates of all bodies */
 
@@ -42,6 +43,7 @@ typedef struct motion {
     double *body, *shown, *free;             /* states of the bodies (run->n), the second after steps; scratch (n_u) */
     double *turned;                          /* scratch (n_x): coordinates without whole turns */
     double least, first;                     /* least pivot of the loops in the last step, at the start */
+    bool open;                               /* the loops were not closed after the last step */
 } motion;
 
 /* ---- rows of loops ---------------------------------------------------------------------------------------------- */
@@ -90,6 +92,21 @@ static double missing_rates(motion *m, const double *v)
     return most;
 }
 
+/* The greatest misfit of the rows at the posture placed last. */
+static double misfit(const motion *m)
+{
+    double off = 0;
+    for (int i = 0; i < m->r.n_row; i++)
+        off = fmax(off, fabs(m->r.row[i].phi));
+    return off;
+}
+
+static void place_rows(motion *m, const double *x, double *q)
+{
+    lw_recursive_place(&m->r, x, q);
+    lw_recursive_rows(&m->r, m->near, (const double (*)[3])m->wanted, m->run->d->space->f.turn, NULL);
+}
+
 static lw_status close_loops(motion *m, double t, double *x, double *u, double *q, double *v)
 {
     double before = INFINITY, most = 0, off = 0;
@@ -101,11 +118,8 @@ static lw_status close_loops(motion *m, double t, double *x, double *u, double *
             lw_recursive_solve(&m->r, NULL, LW_WANT_CLOSED, m->free);
             lw_recursive_move(&m->r, x, m->free);
         }
-        lw_recursive_place(&m->r, x, q);
-        lw_recursive_rows(&m->r, m->near, (const double (*)[3])m->wanted, m->run->d->space->f.turn, NULL);
-        off = 0;
-        for (int i = 0; i < m->r.n_row; i++)
-            off = fmax(off, fabs(m->r.row[i].phi));
+        place_rows(m, x, q);
+        off = misfit(m);
         if (!(off < 0.1))
             return LW_OPEN;
         if (pass == 0 || off > 1e-7) {
@@ -164,6 +178,23 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
     return d->eq.n_z ? lw_run_failed_rates(run, t, lw_mbs_state_rates(d, t, q, v, dy + tail)) : LW_OK;
 }
 
+/* Places a state after a step whose misfit is far below its error.  False: where the loops are to be closed; also near singular postures
+ * and where rows are left out, since closing them chooses the rows for the next step. */
+static bool stays_open(motion *m, const double *x, const double *u, double *q, double *v)
+{
+    const lw_dynamics_options *o = &m->run->d->o;
+    double fastest = 0;
+    if (!m->before || m->r.n_row == 0 || m->r.rank < m->r.n_row || m->least < far_from_singular*m->first)
+        return false;
+    place_rows(m, x, q);
+    if (!(misfit(m) <= left_open*(o->absolute + o->relative)))
+        return false;
+    lw_recursive_velocities(&m->r, u, v);
+    for (int k = 0; k < m->r.n_u; k++)
+        fastest = fmax(fastest, fabs(u[k]));
+    return missing_rates(m, v) <= left_open*(o->absolute + o->relative*fastest);
+}
+
 static lw_status project(void *context, double t, double *y)
 {
     motion *m = context;
@@ -173,7 +204,8 @@ static lw_status project(void *context, double t, double *y)
         if (!(fabs(y[k] - m->before[k]) < most_turn))
             return LW_OPEN;
     lw_recursive_normalise(&m->r, y);
-    lw_status s = close_loops(m, t, y, u, q, v);
+    m->open = stays_open(m, y, u, q, v);
+    lw_status s = m->open ? LW_OK : close_loops(m, t, y, u, q, v);
     if (s != LW_OK)
         return s;
     if (m->staged) {                         /* the joints' coordinates count their turns */
@@ -382,20 +414,17 @@ static lw_status state_at(void *context, double t, double *out)
     stepper *p = context;
     motion *m = p->m;
     double *q = m->body;
-    if (t == time_of(p))
+    const bool within = t != time_of(p), closes = within || m->open;
+    lw_status s = LW_OK;
+    if (!within)
         memcpy(p->y, now(p), (size_t)p->ode.n*sizeof *p->y);
-    else {
-        lw_status s = LW_OK;
-        if (p->staged)
-            lw_collocation_dense(&p->stages, t, p->y);
-        else
-            s = p->implicit ? lw_sundials_dense(&p->implicit_one, t, p->y) : lw_integrate_dense(&p->explicit_one, t, p->y);
-        if (s == LW_OK)
-            s = close_loops(m, t, p->y, p->y + m->r.n_x, q, q + m->run->d->n_q);
-        if (s != LW_OK)
-            return LW_E_NUMERIC;
-    }
-    return to_bodies(m, t, p->y, t != time_of(p), out);      /* loops that are closed are placed */
+    else if (p->staged)
+        lw_collocation_dense(&p->stages, t, p->y);
+    else
+        s = p->implicit ? lw_sundials_dense(&p->implicit_one, t, p->y) : lw_integrate_dense(&p->explicit_one, t, p->y);
+    if (s == LW_OK && closes)
+        s = close_loops(m, t, p->y, p->y + m->r.n_x, q, q + m->run->d->n_q);
+    return s == LW_OK ? to_bodies(m, t, p->y, closes, out) : LW_E_NUMERIC;       /* loops that are closed are placed */
 }
 
 static lw_status kink_ahead(void *context, double t, const double *y, double *ahead)

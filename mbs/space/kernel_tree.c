@@ -663,9 +663,10 @@ static void place_ground(body *ground)       /* its inertia and its place from a
 
 /* Factors of the masses, again: those of an earlier call, and the rates that are free under the loads, for bodies from `at` to `end`, inwards.
  * False: a motion without mass. */
-LW_INLINE bool go_inwards(const lw_tree_stages *t, const bool again, const int *at, const int *end, pack *most, body *all, rate *rates)
+LW_INLINE bool go_inwards(const lw_tree_stages *t, const bool again, const int *at, const int *end, pack *greatest, body *all, rate *rates)
 {
     mask massless = { 0 };
+    pack most = *greatest;
     for (; at < end; at++) {
         const lw_stage_body *p = &t->body[*at];
         const body *b = &all[*at];
@@ -678,8 +679,8 @@ LW_INLINE bool go_inwards(const lw_tree_stages *t, const bool again, const int *
             if (!again) {
                 r->push = inertia_times(&inertia, r->axis);
                 pack d = dot_screw(r->axis, r->push);
-                *most = choose((mask)(d > *most), d, *most);
-                massless |= ~(mask)(d > no_mass* *most);
+                most = choose((mask)(d > most), d, most);
+                massless |= ~(mask)(d > no_mass*most);
                 r->by_inertia = 1/d;
             }
             r->free = -dot_screw(r->axis, load)*r->by_inertia;
@@ -694,6 +695,7 @@ LW_INLINE bool go_inwards(const lw_tree_stages *t, const bool again, const int *
         if (!again)
             add_shifted(&to->inertia, p->last_child, t->body[p->parent].mass[0], &inertia, b->from_parent);
     }
+    *greatest = most;
     return !any_lane(massless);
 }
 

@@ -299,6 +299,8 @@ static void arrange(lw_tree_stages *s, const int *row)
 void lw_tree_stages_keep_rows(lw_tree_stages *s, const lw_recursive *r)
 {
     int row[LW_STAGE_ROWS];
+    if (s->n_loop == 0)
+        return;
     s->n_kept = r->rank;
     memcpy(s->sorted, r->order, (size_t)s->n_kept*sizeof *row);
     s->n_apart = 0;
