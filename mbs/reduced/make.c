@@ -330,7 +330,8 @@ static lw_status find_friction(const lw_dynamics *d, lw_reduced *r, char *why)
     for (int k = 0; k < 3*f->n_group; k++)
         f->group[k/3].slot[k%3] = slot_of(f, f->group[k/3].joint[k%3]);
     f->input_slot = slot_of(f, f->input_joint);
-    f->tolerance = fmin(fmax(0.01*d->o.relative, 1e-14), 1e-9);
+    /* of a size, whose error acts on the others and on the force by the friction's small part of them */
+    f->tolerance = fmin(fmax(0.1*d->o.relative, 1e-14), 1e-9);
     return LW_OK;
 }
 
