@@ -15,11 +15,12 @@
 /* ==== the table of results ==================================================================================== */
 
 typedef enum column {
-    TYPE, CLASS, INPUT, MEAN, MAX, ANGLE_MEAN, ANGLE_MAX, STRAY, PERCENT, OBJECTIVE, COUNTS_AS, TRANSMISSION, SIZE, LIMITS, DIMENSIONS, DOWNLOAD, N_COLUMN
+    TYPE, DOWNLOAD, CLASS, INPUT, MEAN, MAX, ANGLE_MEAN, ANGLE_MAX, STRAY, PERCENT, OBJECTIVE, COUNTS_AS, TRANSMISSION, SIZE, LIMITS, DIMENSIONS, N_COLUMN
 } column;
 
 static const struct { const char *title; bool number, length; } columns[N_COLUMN] = {
     [TYPE]       = { "Type", false, false },
+    [DOWNLOAD]   = { "File", false, false },
     [CLASS]      = { "Class", false, false },
     [INPUT]      = { "Input", false, false },
     [MEAN]       = { "Mean error", true, true },
@@ -34,7 +35,6 @@ static const struct { const char *title; bool number, length; } columns[N_COLUMN
     [SIZE]       = { "Size over path", true, false },
     [LIMITS]     = { "At its limit", false, false },
     [DIMENSIONS] = { "Dimensions", false, false },
-    [DOWNLOAD]   = { "File", false, false },
 };
 
 static const lw_units *units_of(const lw_page_result *r)
