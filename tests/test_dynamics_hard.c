@@ -208,11 +208,11 @@ TEST(many_steps)
 {
     double turn = 0;
     drun_read_format(&d, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 9.888, 'centre': [-0.0294, 0.2158], 'inertia': "
-        "0.095641}, {'name': 'b', 'mass': 0.117, 'centre': [0.0163, -0.2714], 'inertia': 0.021939}, {'name': 'c', 'mass': 8.015, 'centre': [0.6434, -0.6642], "
-        "'inertia': 0.565142}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [-0.0956, 0.3738]}, "
-        "{'name': 'C', 'links': ['b', 'c'], 'at': [0.2189, -0.9153]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [1.1268, -0.2584]}], 'dampers': [{'joint': "
-        "'A', 'damping': 0.0236}, {'joint': 'B', 'damping': 0.0266}, {'joint': 'C', 'damping': 0.0203}, {'joint': 'D', 'damping': 0.0245}], 'forces': [{'link': "
-        "'c', 'at': [0.2189, -0.9153], 'fx': '1.33426*sin(7.92708*t)'}]}", 0, 0);
+        "0.095641}, {'name': 'b', 'mass': 0.117, 'centre': [0.0163, -0.2714], 'inertia': 0.021939}, {'name': 'c', 'mass': 8.015, 'centre': [0.6434, "
+        "-0.6642], 'inertia': 0.565142}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': "
+        "[-0.0956, 0.3738]}, {'name': 'C', 'links': ['b', 'c'], 'at': [0.2189, -0.9153]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [1.1268, "
+        "-0.2584]}], 'dampers': [{'joint': 'A', 'damping': 0.0236}, {'joint': 'B', 'damping': 0.0266}, {'joint': 'C', 'damping': 0.0203}, {'joint': 'D', "
+        "'damping': 0.0245}], 'forces': [{'link': 'c', 'at': [0.2189, -0.9153], 'fx': '1.33426*sin(7.92708*t)'}]}", 0, 0);
     for (int k = 0; k < 7; k++) {
         double tolerance = k ? pow(10, -4 - 2*((k + 1)/2)) : 1e-12;
         CHECK_INT(drun_to(&d, !k ? LW_FORMULATION_INDEX1 : k%2 ? LW_FORMULATION_CVODE : LW_FORMULATION_GGL, tolerance, 1.6, 1), LW_OK);
@@ -225,12 +225,12 @@ TEST(many_steps)
 TEST(masses_far_apart)
 {
     double turn = 0;
-    drun_read_format(&d, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 46642.192135274316, 'centre': [0.2581, -0.0169], "
-        "'inertia': 1047.5874742218111}, {'name': 'b', 'mass': 379.7347527849832, 'centre': [0.9047, 0.5216], 'inertia': 35.85663976777318}, {'name': 'c', "
-        "'mass': 15.457733785158355, 'centre': [1.2106, 0.4803], 'inertia': 1.1983698180086213}, {'name': 'd', 'mass': 0.0006256270012325914, 'centre': [1.1112, "
-        "0.0286], 'inertia': 1.5512089511129462e-06}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], "
-        "'at': [0.4708, -0.0503]}, {'name': 'C', 'links': ['b', 'c'], 'at': [1.3237, 0.9051]}, {'name': 'D', 'links': ['c', 'd'], 'at': [1.0442, -0.0649]}, "
-        "{'name': 'E', 'links': ['ground', 'd'], 'at': [1.176, 0.1124]}]}", 0, 0);
+    drun_read_format(&d, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 46642.192135274316, 'centre': [0.2581, "
+        "-0.0169], 'inertia': 1047.5874742218111}, {'name': 'b', 'mass': 379.7347527849832, 'centre': [0.9047, 0.5216], 'inertia': 35.85663976777318}, "
+        "{'name': 'c', 'mass': 15.457733785158355, 'centre': [1.2106, 0.4803], 'inertia': 1.1983698180086213}, {'name': 'd', 'mass': "
+        "0.0006256270012325914, 'centre': [1.1112, 0.0286], 'inertia': 1.5512089511129462e-06}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': "
+        "[0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0.4708, -0.0503]}, {'name': 'C', 'links': ['b', 'c'], 'at': [1.3237, 0.9051]}, {'name': 'D', "
+        "'links': ['c', 'd'], 'at': [1.0442, -0.0649]}, {'name': 'E', 'links': ['ground', 'd'], 'at': [1.176, 0.1124]}]}", 0, 0);
     for (int k = 0; k < 3; k++) {
         double tolerance = k == 1 ? 1e-8 : 1e-10;
         CHECK_INT(drun_to(&d, k ? LW_FORMULATION_AUTO : LW_FORMULATION_GGL, tolerance, 3, 1), LW_OK);
@@ -244,12 +244,12 @@ TEST(masses_far_apart)
 TEST(inputs_to_a_limit)
 {
     const double arm = hypot(0.2, 0.4), from = acos(-0.2/arm), limit = acos((0.8 - 2*hypot(0.6, 0.5))/(2*arm)) - from;
-    drun_read_format(&d, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [-0.1, 0.2], 'inertia': 0.01}, {'name': "
-        "'b', 'mass': 1, 'centre': [0.1, 0.7], 'inertia': 0.02}, {'name': 'c', 'mass': 1, 'centre': [0.7, 0.7], 'inertia': 0.02}, {'name': 'd', 'mass': 1, "
-        "'centre': [1, 0.2], 'inertia': 0.01}, {'name': 'e', 'mass': 1, 'centre': [0.4, 0.5], 'inertia': 0.02}], 'joints': [{'name': 'A', 'links': ['ground', "
-        "'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [-0.2, 0.4]}, {'name': 'C', 'links': ['b', 'c'], 'at': [0.4, 0.9]}, {'name': 'D', "
-        "'links': ['c', 'd'], 'at': [1, 0.4]}, {'name': 'E', 'links': ['ground', 'd'], 'at': [0.8, 0]}, {'name': 'F', 'links': ['b', 'e'], 'at': [0.4, 0.9]}], "
-        "'inputs': [{'joint': 'A', 'motion': '%.17g + t'}, {'joint': 'E', 'motion': '%.17g - t'}]}", from, acos(0.2/arm));
+    drun_read_format(&d, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [-0.1, 0.2], 'inertia': 0.01}, "
+        "{'name': 'b', 'mass': 1, 'centre': [0.1, 0.7], 'inertia': 0.02}, {'name': 'c', 'mass': 1, 'centre': [0.7, 0.7], 'inertia': 0.02}, {'name': 'd', "
+        "'mass': 1, 'centre': [1, 0.2], 'inertia': 0.01}, {'name': 'e', 'mass': 1, 'centre': [0.4, 0.5], 'inertia': 0.02}], 'joints': [{'name': 'A', "
+        "'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [-0.2, 0.4]}, {'name': 'C', 'links': ['b', 'c'], 'at': [0.4, "
+        "0.9]}, {'name': 'D', 'links': ['c', 'd'], 'at': [1, 0.4]}, {'name': 'E', 'links': ['ground', 'd'], 'at': [0.8, 0]}, {'name': 'F', 'links': ['b', "
+        "'e'], 'at': [0.4, 0.9]}], 'inputs': [{'joint': 'A', 'motion': '%.17g + t'}, {'joint': 'E', 'motion': '%.17g - t'}]}", from, acos(0.2/arm));
     CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 2, 20), LW_E_NUMERIC);
     CHECK_NEAR(d.report.t, limit, 1e-4, 0);
     CHECK(strstr(d.e.text, "end of its way") != NULL);

@@ -77,12 +77,13 @@ lw_status lw_run_failed_rates(lw_run *run, double t, lw_status s);
 static inline int lw_run_states(const lw_run *run) { return run->d->n_q + run->d->n_v + run->has_work; }
 double *lw_run_tolerances(const lw_run *run, double absolute, lw_status *s);
 
-/* The tolerance of a step of BDF methods for the one asked for.  The errors of their many steps of low order add up: the number of steps doubles with two digits,
- * and so does the sum over the tolerance.  A part that falls with its 1/4 power keeps it level from 1e-6 to 1e-10 (random linkages of one and two freedoms).
- * Below, the tolerance of a step falls slower, to 2e-14 at 1e-13, where rounding keeps Newton's method from converging. */
+/* The tolerance of a step of BDF methods for the one asked for.  The errors of their many steps of low order add up: the number of steps doubles
+ * with two digits, and so does the sum over the tolerance.  A part that falls with its 1/4 power keeps it level from 1e-6 to 1e-10 (random linkages
+ * of one and two freedoms).  Then it stays at 5e-13, where rounding of forces with great rates begins to count in the squeezer of Andrews and with
+ * pressures, until it is a twentieth of the tolerance again; below 2e-14 Newton's method does not converge. */
 static inline double lw_run_bdf_tolerance(double tolerance)
 {
-    double step = tolerance > 1e-10 ? 0.05*tolerance*pow(fmin(1, tolerance/1e-6), 0.25) : 5e-13*pow(tolerance/1e-10, 0.466);
+    double part = 0.05*tolerance, step = fmax(part*pow(fmin(1, tolerance/1e-6), 0.25), fmin(part, 5e-13));
     return fmin(tolerance, fmax(step, 2e-14));
 }
 
