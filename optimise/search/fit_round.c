@@ -950,25 +950,42 @@ static void put_smallest(const chain_list *list, lw_pool *pool)
     }
 }
 
-/* The finds to begin chains with, which keep the conditions as well as the best does: those that are smaller than all better ones,
- * then others of another error. */
-static int choose_widened(lw_search *s, int *which)
+/* A find to begin chains with.  rank: the same for finds whose f differ by rounding only, which must not decide: the largest
+ * comes first, so that others follow that are smaller by SHRINK each. */
+typedef struct beginning { const lw_found *find; int rank; double size; } beginning;
+
+static int by_rank_and_size(const void *a, const void *b)
+{
+    const beginning *p = a, *q = b;
+    int order = (p->size < q->size) - (p->size > q->size);
+    return p->rank != q->rank ? p->rank - q->rank : order;
+}
+
+/* The finds to begin chains with, into first[], among those that keep the conditions as well as the best does: those that are smaller
+ * than all better ones, then others of another error.  Returns their number. */
+static int choose_widened(lw_search *s, lw_found *first)
 {
     const lw_found *item = s->pool.item;
-    int chosen = 0;
-    double least = INFINITY;
+    beginning of[LW_POOL_MAX];
+    int n = 0, chosen = 0;
+    double f = -INFINITY, least = INFINITY;
+    for (; n < s->pool.n && item[n].beyond == item[0].beyond; n++) {
+        lw_status st;
+        const lw_problem *p = lw_search_made(s, 0, item[n].candidate, false, &st);
+        bool worse = item[n].f > f*(1 + HIT) + NEARLY_ROUNDING;
+        of[n] = (beginning){ &item[n], n > 0 ? of[n - 1].rank + worse : 0, p ? lw_problem_size(p, item[n].x) : INFINITY };
+        f = worse ? item[n].f : f;
+    }
+    qsort(of, (size_t)n, sizeof *of, by_rank_and_size);
     for (int smaller = 1; smaller >= 0; smaller--)
-        for (int i = 0; i < s->pool.n && chosen < WIDENED && item[i].beyond == item[0].beyond; i++) {
-            lw_status st;
-            const lw_problem *p = lw_search_made(s, 0, item[i].candidate, false, &st);
-            double size = p ? lw_problem_size(p, item[i].x) : INFINITY;
-            bool twin = false;
-            for (int k = 0; k < chosen && !twin; k++)
-                twin = which[k] == i || (!smaller && fabs(item[which[k]].f - item[i].f) <= TWIN*item[i].f);
-            if (twin || (smaller && !(size < SHRINK*least)))
+        for (int i = 0; i < n && chosen < WIDENED; i++) {
+            bool twin = smaller && !(of[i].size < SHRINK*least);
+            for (int k = 0; k < chosen && !twin && !smaller; k++)
+                twin = fabs(first[k].f - of[i].find->f) <= TWIN*of[i].find->f;
+            if (twin)
                 continue;
-            least = fmin(least, size);
-            which[chosen++] = i;
+            least = fmin(least, of[i].size);
+            first[chosen++] = *of[i].find;
         }
     return chosen;
 }
@@ -1057,11 +1074,9 @@ lw_status lw_search_widen(lw_search *s)
     int left = s->o->both_ways ? LW_POOL_MAX - FRONT : LW_SEARCH_LEFT;      /* ordered stations may hide the nearest curves   */
     chain_list *list = calloc(1, sizeof *list);
     lw_found first[WIDENED];
-    int which[WIDENED], n = choose_widened(s, which);
+    int n = choose_widened(s, first);
     if (!list)
         return LW_E_MEMORY;
-    for (int i = 0; i < n; i++)
-        first[i] = pool->item[which[i]];
     list->s = s;
     if (n > 0) {
         lw_status made;
