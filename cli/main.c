@@ -109,8 +109,7 @@ static void command_help(const cli_command *c, const cli_action *only, FILE *f)
         snprintf(part, sizeof part, "%s %s", c->name, only->name);
     fprintf(f, "linkwright %s - %s\n\nExamples:\n", only ? part : c->name, c->title);
     matching_lines(c->examples, part, f);
-    fprintf(f, "\nUsage:  linkwright %s %s [options]\n\n%s", only ? part : c->name, only ? only->words : c->words,
-            only ? "" : c->about);
+    fprintf(f, "\nUsage:  linkwright %s %s [options]\n\n%s", only ? part : c->name, only ? only->words : c->words, only ? "" : c->about);
     actions_help(c->actions, only, f);
     fputs("\nOptions:\n", f);
     for (const cli_option *o = c->options; o && o->name; o++)
@@ -194,8 +193,7 @@ static int help(int argc, char **argv)
 
 static bool is_plain(const char *word)
 {
-    return *word && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                                 "-_./:=,+@%") == strlen(word);
+    return *word && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:=,+@%") == strlen(word);
 }
 
 /* A word in quotes: in $'...' if it holds a byte that does not fit into a line of text. */

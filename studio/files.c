@@ -294,8 +294,7 @@ static const struct { const char *format, *type; bool picture; } formats[] = {
     { "motiongen", "application/json", false },
 };
 
-static lw_status export_picture(const json_t *ask, const lw_model *m, const char *format, char **out, size_t *size,
-                                lw_error *e)
+static lw_status export_picture(const json_t *ask, const lw_model *m, const char *format, char **out, size_t *size, lw_error *e)
 {
     lw_picture *p = NULL;
     lw_target *t = NULL;

@@ -517,8 +517,7 @@ static void put_cognates(lw_bytes *b, const lw_linkage *k)
     bool pins = k->n_link == 4 && k->n_joint == 4 && k->n_tracer > 0;
     for (int i = 0; i < k->n_joint; i++)
         pins = pins && lw_joint_turns(k->joint[i].kind);
-    if (!pins || lw_plan_make(k, o, &plan, NULL) != LW_OK || lw_plan_read(&plan, k, dim, mode, &input, NULL) != LW_OK
-        || plan.n_dim != 9)
+    if (!pins || lw_plan_make(k, o, &plan, NULL) != LW_OK || lw_plan_read(&plan, k, dim, mode, &input, NULL) != LW_OK || plan.n_dim != 9)
         return;
     for (int i = 0; i < 9; i++)
         if (strcmp(plan.dim[i].name, names[i]) != 0)

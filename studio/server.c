@@ -181,8 +181,7 @@ static enum MHD_Result send_reply(struct MHD_Connection *c, studio_reply *r)
     };
     if (r->body.failed)
         refuse(r, MHD_HTTP_INTERNAL_SERVER_ERROR, "out of memory");
-    struct MHD_Response *response = http.create_response_from_buffer(r->body.size, r->body.data ? r->body.data : "",
-                                                                    MHD_RESPMEM_MUST_COPY);
+    struct MHD_Response *response = http.create_response_from_buffer(r->body.size, r->body.data ? r->body.data : "", MHD_RESPMEM_MUST_COPY);
     lw_bytes_free(&r->body);
     if (!response)
         return MHD_NO;

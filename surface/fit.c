@@ -57,8 +57,7 @@ bool   lw_target_closed(const lw_target *target) { return target->closed; }
 double lw_target_length(const lw_target *target) { return target->length; }
 const char *lw_target_note(const lw_target *target) { return target->note; }
 
-void lw_target_stations(const lw_target *target, const double **x, const double **y, const double **theta,
-                        const double **angle)
+void lw_target_stations(const lw_target *target, const double **x, const double **y, const double **theta, const double **angle)
 {
     if (x)
         *x = target->x;
@@ -116,8 +115,7 @@ lw_status lw_task_file_load(const char *path, lw_task_file **out, lw_target **ta
     return own_task(task, &t, lw_task_file_read_file(path, NULL, task, &t, error), out, target);
 }
 
-lw_status lw_task_file_parse(const char *text, size_t size, const char *file, lw_task_file **out, lw_target **target,
-                             lw_error *error)
+lw_status lw_task_file_parse(const char *text, size_t size, const char *file, lw_task_file **out, lw_target **target, lw_error *error)
 {
     lw_task_file *task = calloc(1, sizeof *task);
     lw_target t;
@@ -182,10 +180,8 @@ static lw_status make_spec(const lw_target *t, const lw_fit_request *r, lw_fit_s
     *spec = lw_fit_spec_default();
     if (datum < 0)
         return LW_E_ARG;
-    if (r->n_bound < 0 || r->n_bound > (int)(sizeof spec->bound/sizeof *spec->bound) || r->n_zone < 0
-        || r->n_zone > LW_ZONE_MAX)
-        return lw_error_set(e, LW_E_ARG, "at most %d bounds and %d zones",
-                            (int)(sizeof spec->bound/sizeof *spec->bound), LW_ZONE_MAX);
+    if (r->n_bound < 0 || r->n_bound > (int)(sizeof spec->bound/sizeof *spec->bound) || r->n_zone < 0 || r->n_zone > LW_ZONE_MAX)
+        return lw_error_set(e, LW_E_ARG, "at most %d bounds and %d zones", (int)(sizeof spec->bound/sizeof *spec->bound), LW_ZONE_MAX);
     spec->task = task > 0 ? (lw_task)(task - 1) : lw_task_suggested(t);
     spec->timing = timing > 0 ? (lw_timing)(timing - 1) : t->angle ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
     spec->datum = (lw_datum)datum;
@@ -259,8 +255,7 @@ static void show_found(void *context, const lw_candidate *best)
     lw_linkage *k = best->objective < c->best ? malloc(sizeof *k) : NULL;
     if (k && lw_fit_report_linkage(c->target, c->spec, best, k, NULL) == LW_OK) {
         c->best = best->objective;
-        c->request->found(c->request->context, k, best->objective,
-                          lw_clock_wall() - c->started);
+        c->request->found(c->request->context, k, best->objective, lw_clock_wall() - c->started);
     }
     free(k);
 }
@@ -351,8 +346,7 @@ lw_status lw_fit_target(const lw_target *target, const lw_fit_request *request, 
     return hand_over(r, target, o.fit.spec.task, s, out, error);
 }
 
-lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request *request, lw_results **out,
-                                  lw_error *error)
+lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request *request, lw_results **out, lw_error *error)
 {
     lw_fit_options o;
     control c;
@@ -369,8 +363,7 @@ lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request 
     r->is_exact = true;
     s = lw_exact_run(target, &o, &r->exact, error);
     if (s >= 0 && s != LW_NOTHING) {
-        lw_status made = lw_fit_results_make(target, &o.spec, &r->exact.fit, request->results, r->exact.defect, NULL,
-                                             &r->verified, error);
+        lw_status made = lw_fit_results_make(target, &o.spec, &r->exact.fit, request->results, r->exact.defect, NULL, &r->verified, error);
         s = made == LW_OK ? s : made;
         if (made != LW_OK)
             lw_exact_free(&r->exact);

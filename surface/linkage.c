@@ -81,8 +81,7 @@ lw_status lw_linkage_create(int n_link, int ground, int n_joint, const lw_joint_
     return s;
 }
 
-lw_status lw_linkage_parse(const char *text, size_t size, const char *file, const char *format, lw_linkage **out,
-                           lw_error *error)
+lw_status lw_linkage_parse(const char *text, size_t size, const char *file, const char *format, lw_linkage **out, lw_error *error)
 {
     lw_assembly parts;
     *out = NULL;
@@ -184,8 +183,7 @@ lw_status lw_linkage_save(const lw_linkage *linkage, const char *format, const c
         if (g->write && strcmp(g->end, end) == 0)
             f = g;
     if (!f || !f->write)
-        return lw_error_set(error, LW_E_ARG, "%s '%s' says no format to write", format ? "the name" : "the end of",
-                            format ? format : path);
+        return lw_error_set(error, LW_E_ARG, "%s '%s' says no format to write", format ? "the name" : "the end of", format ? format : path);
     lw_status s = export_bytes(linkage, f, &b, error);
     if (s == LW_OK)
         s = lw_file_write(path, b.data, b.size, error);
@@ -299,8 +297,7 @@ lw_status lw_linkage_mechanism(const lw_linkage *linkage, lw_mechanism **out, lw
     *out = NULL;
     lw_mechanism_clear(&m, linkage->n_link);
     for (int j = 0; j < linkage->n_joint; j++)
-        if (lw_mechanism_join(&m, linkage->joint[j].link[0], linkage->joint[j].link[1],
-                              (char)linkage->joint[j].kind) != LW_OK)
+        if (lw_mechanism_join(&m, linkage->joint[j].link[0], linkage->joint[j].link[1], (char)linkage->joint[j].kind) != LW_OK)
             return lw_error_set(error, LW_E_KIND, "joint %s: links of a chain share one joint at most, and no weld",
                                 linkage->joint[j].name);
     m.ground = linkage->ground;
@@ -331,8 +328,7 @@ lw_status lw_linkage_of_mechanism(const lw_mechanism *mechanism, uint64_t seed, 
     return s == LW_OK ? s : lw_error_set(error, s, "a linkage needs a ground link, and an output link for its tracer");
 }
 
-lw_status lw_linkage_analyse_mobility(const lw_linkage *linkage, double tolerance, uint64_t seed, lw_mobility_info *out,
-                                      lw_error *error)
+lw_status lw_linkage_analyse_mobility(const lw_linkage *linkage, double tolerance, uint64_t seed, lw_mobility_info *out, lw_error *error)
 {
     lw_mobility_options o = { .tolerance = tolerance, .seed = seed };
     lw_mobility *m = malloc(sizeof *m);

@@ -95,8 +95,7 @@ lw_status lw_kinematics_posture(const lw_kinematics *kinematics, double input, i
     return s;
 }
 
-lw_status lw_kinematics_instant(const lw_kinematics *kinematics, double input, int link, int base,
-                                lw_instant_motion *out)
+lw_status lw_kinematics_instant(const lw_kinematics *kinematics, double input, int link, int base, lw_instant_motion *out)
 {
     lw_posture posture;
     *out = (lw_instant_motion){ .centre = { NAN, NAN }, .inflection = { NAN, NAN } };
@@ -181,8 +180,7 @@ struct lw_motion_curves {
     lw_circuits c;
 };
 
-lw_status lw_motion_curves_create(const lw_linkage *linkage, int patience, uint64_t seed, lw_motion_curves **out,
-                                  lw_error *error)
+lw_status lw_motion_curves_create(const lw_linkage *linkage, int patience, uint64_t seed, lw_motion_curves **out, lw_error *error)
 {
     lw_motion_curves *m = calloc(1, sizeof *m);
     lw_motion_curve_options o = { .input = 0 };
@@ -227,8 +225,7 @@ lw_status lw_motion_curves_info(const lw_motion_curves *curves, int curve, lw_mo
     return LW_OK;
 }
 
-lw_status lw_motion_curves_trace(lw_motion_curves *curves, int curve, int tracer, size_t n, double *input, double *x,
-                                 double *y)
+lw_status lw_motion_curves_trace(lw_motion_curves *curves, int curve, int tracer, size_t n, double *input, double *x, double *y)
 {
     double q[LW_SYSTEM_Q_MAX];
     if (curve < 0 || curve >= curves->c.n || ((x || y) && (tracer < 0 || tracer >= curves->s.n_tracer)))

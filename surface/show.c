@@ -42,14 +42,12 @@ static lw_status picture_of(const lw_assembly *parts, const lw_model *model, con
     return s;
 }
 
-lw_status lw_picture_of_linkage(const lw_linkage *linkage, const lw_target *target, const char *title, lw_picture **out,
-                                lw_error *error)
+lw_status lw_picture_of_linkage(const lw_linkage *linkage, const lw_target *target, const char *title, lw_picture **out, lw_error *error)
 {
     return picture_of(LW_VIEW(linkage), NULL, target, title, out, error);
 }
 
-lw_status lw_picture_of_model(const lw_model *model, const lw_target *target, const char *title, lw_picture **out,
-                              lw_error *error)
+lw_status lw_picture_of_model(const lw_model *model, const lw_target *target, const char *title, lw_picture **out, lw_error *error)
 {
     return picture_of(&model->linkage, model, target, title, out, error);
 }
@@ -97,8 +95,7 @@ static lw_status picture_bytes(const lw_picture *p, const char *name, int width,
     return p->moves ? lw_draw_bytes(&p->scene, kind, width, height, b, e) : lw_draw_still(&p->drawing, kind, b, e);
 }
 
-lw_status lw_picture_write(const lw_picture *picture, const char *kind, int width, int height, char **out, size_t *size,
-                           lw_error *error)
+lw_status lw_picture_write(const lw_picture *picture, const char *kind, int width, int height, char **out, size_t *size, lw_error *error)
 {
     lw_bytes b = { 0 };
     *out = NULL;
@@ -190,8 +187,7 @@ lw_status lw_catalogue_add_chains(lw_catalogue *catalogue, int links, int dof, c
     return s;
 }
 
-lw_status lw_catalogue_add_linkages(lw_catalogue *catalogue, const char *text, size_t size, const char *file,
-                                    uint64_t *n, lw_error *error)
+lw_status lw_catalogue_add_linkages(lw_catalogue *catalogue, const char *text, size_t size, const char *file, uint64_t *n, lw_error *error)
 {
     watch w;
     lw_build_control control = control_of(NULL, &w);
@@ -215,8 +211,7 @@ lw_status lw_catalogue_add_curves(lw_catalogue *catalogue, const char *types, in
                 : lw_curve_maker_links(links, "r", control.jobs, w.work->stop, &maker, error);
     if (s != LW_OK)
         return s;
-    s = lw_build_curves(catalogue->store, maker, LW_ATLAS_BOTH, samples, types ? types : about, &control, &counts,
-                        error);
+    s = lw_build_curves(catalogue->store, maker, LW_ATLAS_BOTH, samples, types ? types : about, &control, &counts, error);
     lw_curve_maker_free(maker);
     return s;
 }
@@ -251,8 +246,7 @@ lw_status lw_catalogue_query(lw_catalogue *catalogue, const char *question, cons
     return s;
 }
 
-lw_status lw_catalogue_sql(lw_catalogue *catalogue, const char *sql, lw_catalogue_row *row, void *context,
-                           lw_error *error)
+lw_status lw_catalogue_sql(lw_catalogue *catalogue, const char *sql, lw_catalogue_row *row, void *context, lw_error *error)
 {
     lw_store_query q = { .sql = sql, .foreign = true };
     return ask(catalogue->store, &q, row, context, error);

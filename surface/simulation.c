@@ -84,8 +84,7 @@ static lw_status reserve_sample(lw_simulation *s)
 }
 
 /* Memory for samples and the options as the library has them. */
-static lw_status make_simulation(const lw_model *model, const lw_simulation_options *options, lw_simulation **out,
-                                 lw_error *error)
+static lw_status make_simulation(const lw_model *model, const lw_simulation_options *options, lw_simulation **out, lw_error *error)
 {
     lw_dynamics_options o;
     *out = NULL;
@@ -114,8 +113,7 @@ static lw_status reserve_nodes(lw_simulation *s, const lw_dynamics *d)
     return s->node && s->inner ? LW_OK : LW_E_MEMORY;
 }
 
-lw_status lw_simulation_create(const lw_model *model, const lw_simulation_options *options, lw_simulation **out,
-                               lw_error *error)
+lw_status lw_simulation_create(const lw_model *model, const lw_simulation_options *options, lw_simulation **out, lw_error *error)
 {
     lw_status status = make_simulation(model, options, out, error);
     if (status == LW_OK)
@@ -261,8 +259,7 @@ lw_status lw_stepper_create(const lw_model *model, const lw_simulation_options *
     return status;
 }
 
-lw_status lw_spatial_stepper_create(const lw_spatial *model, const lw_simulation_options *options, lw_stepper **out,
-                                    lw_error *error)
+lw_status lw_spatial_stepper_create(const lw_spatial *model, const lw_simulation_options *options, lw_stepper **out, lw_error *error)
 {
     lw_dynamics_options o;
     *out = NULL;
@@ -463,14 +460,12 @@ static lw_status vibrate(const lw_model *model, const lw_spatial *space, lw_mode
     return s;
 }
 
-lw_status lw_model_vibrations(const lw_model *model, bool rest, bool hold, lw_vibration_callback *visit, void *context,
-                              lw_error *error)
+lw_status lw_model_vibrations(const lw_model *model, bool rest, bool hold, lw_vibration_callback *visit, void *context, lw_error *error)
 {
     return vibrate(model, NULL, (lw_modes_options){ .hold_inputs = hold, .rest = rest }, visit, context, error);
 }
 
-lw_status lw_spatial_vibrations(const lw_spatial *model, bool rest, bool hold, lw_vibration_callback *visit, void *context,
-                                lw_error *error)
+lw_status lw_spatial_vibrations(const lw_spatial *model, bool rest, bool hold, lw_vibration_callback *visit, void *context, lw_error *error)
 {
     return vibrate(NULL, model, (lw_modes_options){ .hold_inputs = hold, .rest = rest }, visit, context, error);
 }
@@ -535,8 +530,7 @@ lw_status lw_simulate_clearance(const lw_model *model, const lw_clearance_settin
     return s;
 }
 
-static lw_status hand_sweep(const lw_sweep *w, lw_sweep_callback *visit, lw_contact_limits_callback *see_limits,
-                            void *context)
+static lw_status hand_sweep(const lw_sweep *w, lw_sweep_callback *visit, lw_contact_limits_callback *see_limits, void *context)
 {
     lw_status s = LW_OK;
     for (int i = 0; i < w->n_row && visit && s == LW_OK; i++) {

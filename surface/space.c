@@ -47,8 +47,7 @@ lw_status lw_spatial_export(const lw_spatial *model, const char *format, char **
     return s == LW_OK ? lw_surface_give(&b, out, size, error) : s;
 }
 
-lw_status lw_spatial_analyse_mobility(const lw_spatial *model, double tolerance, uint64_t seed, lw_mobility_info *out,
-                                      lw_error *error)
+lw_status lw_spatial_analyse_mobility(const lw_spatial *model, double tolerance, uint64_t seed, lw_mobility_info *out, lw_error *error)
 {
     lw_space_mobility m;
     if (!(tolerance > 0 && tolerance <= 1e-4))
@@ -69,8 +68,7 @@ lw_status lw_spatial_trace(const lw_spatial *model, bool in_time, double from, d
     lw_space_trace o = { .in_time = in_time, .from = from, .to = to, .intervals = intervals, .whole = !in_time
                          && from == to };
     if (intervals < 1 || !(from <= to) || (in_time && from == to))
-        return lw_error_set(error, LW_E_ARG, "a trace needs an interval or more, and an end that is not before its "
-                                             "begin");
+        return lw_error_set(error, LW_E_ARG, "a trace needs an interval or more, and an end that is not before its begin");
     return lw_space_trace_run(model, &o, visit, context, error);
 }
 

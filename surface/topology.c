@@ -129,15 +129,13 @@ int lw_mechanism_mobility(const lw_mechanism *mechanism)
 lw_status lw_mechanism_choose(lw_mechanism *mechanism, int ground, int n_input, const int *input, int output)
 {
     lw_mechanism m = *mechanism;
-    if (ground < LW_NONE || ground >= m.n_link || output < LW_NONE || output >= m.n_link || n_input < 0
-        || n_input > LW_INPUT_MAX)
+    if (ground < LW_NONE || ground >= m.n_link || output < LW_NONE || output >= m.n_link || n_input < 0 || n_input > LW_INPUT_MAX)
         return LW_E_ARG;
     m.ground = ground;
     m.output = output;
     m.n_input = n_input;
     for (int i = 0; i < n_input; i++) {
-        if (input[i] < 0 || input[i] >= m.n_joint || (i > 0 && input[i] <= input[i - 1])
-            || lw_joint_freedoms(m.kind[input[i]]) != 1)
+        if (input[i] < 0 || input[i] >= m.n_joint || (i > 0 && input[i] <= input[i - 1]) || lw_joint_freedoms(m.kind[input[i]]) != 1)
             return LW_E_ARG;
         m.input[i] = (uint8_t)input[i];
     }
@@ -210,8 +208,7 @@ lw_status lw_mechanism_derivation(const lw_mechanism *mechanism, char **out, lw_
     return lw_surface_give(&b, out, NULL, error);
 }
 
-lw_status lw_sentence_derive(const char *sentence, int rule, const char *kinds, int x, int y, int word, char **out,
-                             lw_error *error)
+lw_status lw_sentence_derive(const char *sentence, int rule, const char *kinds, int x, int y, int word, char **out, lw_error *error)
 {
     lw_production p = lw_production_of(rule);
     lw_sentence s;
@@ -263,8 +260,7 @@ static lw_status read_mechanism(const char *text, size_t size, const char *name,
                    : lw_error_set(e, LW_E_ARG, "the notation %s is for writing only", n->name);
 }
 
-lw_status lw_mechanism_from_text(const char *text, size_t size, const char *notation, lw_mechanism **out,
-                                 lw_error *error)
+lw_status lw_mechanism_from_text(const char *text, size_t size, const char *notation, lw_mechanism **out, lw_error *error)
 {
     lw_mechanism m;
     *out = NULL;
@@ -446,8 +442,7 @@ static lw_status special(walk *w, lw_error *e)
 {
     const lw_enumeration *o = w->what;
     if (o->filter || o->parts != 1 || o->skip || (o->fractionated && o->joints2))
-        return lw_error_set(e, LW_E_ARG, "filter, parts and skip are for chains of joints of one freedom that are not "
-                            "fractionated");
+        return lw_error_set(e, LW_E_ARG, "filter, parts and skip are for chains of joints of one freedom that are not fractionated");
     return o->fractionated ? lw_fractionated_each(o->links, o->dof, visit_fractionated, w, e)
                            : lw_higher_each(o->links, o->dof, o->joints2, o->jobs, visit_higher, w, e);
 }
@@ -560,8 +555,7 @@ lw_status lw_enumerate_mechanisms(const lw_mechanism *of, const lw_choices *choi
     lw_status s = lw_mechanisms_each(of, &steps, &counts, visit_mechanism, NULL, &f);
     if (n)
         *n = f.n;
-    return s == LW_E_ARG ? lw_error_set(error, s, "these choices do not go together, or the mechanism has made them "
-                                        "already") : s;
+    return s == LW_E_ARG ? lw_error_set(error, s, "these choices do not go together, or the mechanism has made them already") : s;
 }
 
 typedef struct groups { lw_assur_group_visit *visit; void *context; } groups;
@@ -589,6 +583,5 @@ lw_status lw_enumerate_grammar(int links, const char *rules, const char *kinds, 
     for (int r = 1; r <= 4; r++)
         how.rule[r] = strchr(rules, '0' + r) != NULL;
     lw_status s = lw_derive_each(&how, visit, context);
-    return s == LW_E_ARG ? lw_error_set(error, s, "rules are of 1234, kinds r, t or rt, links 3 to %d",
-                                        LW_LINK_MAX) : s;
+    return s == LW_E_ARG ? lw_error_set(error, s, "rules are of 1234, kinds r, t or rt, links 3 to %d", LW_LINK_MAX) : s;
 }

@@ -55,8 +55,7 @@ static void write_text(table_check *c, const lw_published *row, const lw_recount
         snprintf(links, sizeof links, "P=%d ", row->links);
     if (row->dof >= 0)
         snprintf(dof, sizeof dof, "F=%d ", row->dof);
-    fprintf(c->out.f, "%12lld %12s  %-13s  %s: %s%s%s", row->count, counted, verdict_text[r->verdict], row->family,
-            dof, links, row->what);
+    fprintf(c->out.f, "%12lld %12s  %-13s  %s: %s%s%s", row->count, counted, verdict_text[r->verdict], row->family, dof, links, row->what);
     fprintf(c->out.f, "  [%s]\n", row->source);
 }
 
@@ -155,8 +154,7 @@ static void show_row(void *context, const lw_published *row, long long counted)
     if (s->disagreeing && (agrees || row->refuted))
         return;
     if (!c->call->common.json) {
-        fprintf(c->out.f, "%12lld %12lld  %-13s  P=%d F=%d %s\n", row->count, counted, verdict, row->links, row->dof,
-                row->what);
+        fprintf(c->out.f, "%12lld %12lld  %-13s  P=%d F=%d %s\n", row->count, counted, verdict, row->links, row->dof, row->what);
         return;
     }
     cli_json w = cli_json_begin(c->out.f, 0);

@@ -57,8 +57,7 @@ static lw_status write_topology(job *j, int n_column, const lw_value *v)
     lw_mechanism m;
     char text[LW_NOTATION_SIZE];
     size_t length;
-    if (!v[0].text || lw_graph6_read(v[0].text, v[0].size, NULL, &c, NULL) != LW_OK
-        || lw_mechanism_from_chain(&c, &m) != LW_OK)
+    if (!v[0].text || lw_graph6_read(v[0].text, v[0].size, NULL, &c, NULL) != LW_OK || lw_mechanism_from_chain(&c, &m) != LW_OK)
         return damaged(j, "a chain that is none");
     if (n_column > 1) {
         m.ground = (int)v[1].integer - 1;
@@ -171,8 +170,7 @@ static lw_status compile(const cli_call *call, lw_query *q, lw_error *e)
         return status;
     o.list = q->list;
     if (o.list == LW_LIST_STRUCTURES)
-        return lw_error_set(e, LW_E_ARG, "structures are listed by query; chains, mechanisms and linkages are "
-                                         "exported");
+        return lw_error_set(e, LW_E_ARG, "structures are listed by query; chains, mechanisms and linkages are exported");
     o.columns = o.list == LW_LIST_CHAINS ? "graph6" : linkage_columns;
     if (o.list == LW_LIST_MECHANISMS)
         o.columns = mechanism_columns;

@@ -116,8 +116,7 @@ static lw_status add_curves(const cli_call *call, const char *file, lw_error *e)
     if (status == LW_OK)
         status = lw_store_add_curves(store, lw_store_path(part), &run, &n, e);
     if (status == LW_OK || status == LW_NOTHING)
-        cli_note(call, status == LW_OK ? "%llu curves added" : "its curves are in the catalogue already",
-                 (unsigned long long)n);
+        cli_note(call, status == LW_OK ? "%llu curves added" : "its curves are in the catalogue already", (unsigned long long)n);
     lw_store_close(store);
     lw_store_close(part);
     return status == LW_NOTHING ? LW_OK : status;
@@ -234,8 +233,7 @@ static lw_status draw_remote(remote *r, const char *about, bool *ran)
 {
     lw_status status = r->store ? lw_build_sweep_begin(&r->b, r->store, about, r->control, r->n, r->e) : LW_OK;
     if (status == LW_OK && !r->n->was_complete && r->b.sweep.samples != r->b.sweep.segments*r->b.size)
-        status = lw_error_set(r->e, LW_E_ARG, "the last segment of the catalogue is short, which --mpi does not know; go on "
-                              "without --mpi");
+        status = lw_error_set(r->e, LW_E_ARG, "the last segment of the catalogue is short, which --mpi does not know; go on without --mpi");
     if (status != LW_OK)
         return status;
     *ran = true;

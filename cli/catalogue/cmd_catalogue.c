@@ -31,28 +31,23 @@ static const cli_option options[] = {
       "curves: share the work among all processes that mpirun started; process 0 writes", 0, 0, NULL, NULL },
     { "shape", 0, CLI_CHOICE, PLACE(shape), "file|closed|open", "file",
       "nearest: take the target as a closed or as an open curve; file: as its file says", 0, 0, NULL, NULL },
-    { "full-turn", 0, CLI_FLAG, PLACE(full_turn), NULL, NULL, "nearest: only linkages whose input turns fully", 0, 0,
-      NULL, NULL },
+    { "full-turn", 0, CLI_FLAG, PLACE(full_turn), NULL, NULL, "nearest: only linkages whose input turns fully", 0, 0, NULL, NULL },
     { "min-transmission-angle", 0, CLI_REAL, PLACE(min_transmission), "DEG", NULL,
       "nearest: smallest transmission angle allowed while the curve is traced [degrees]", 0, 89.9, NULL, NULL },
     { "length-range", 0, CLI_RANGE, PLACE(length_range), "MIN:MAX", NULL,
-      "nearest: limits of the lengths between pins of a link, in the unit of the target; the tracer is at most MAX from "
-      "them", 0, 1e300, NULL, NULL },
+      "nearest: limits of the lengths between pins of a link, in the unit of the target; the tracer is at most MAX from them", 0, 1e300, NULL, NULL },
     { "results", 0, CLI_INT, PLACE(results), "N", NULL,
       "nearest: number of curves to print, without it 20; query, export: greatest number of rows; html: greatest "
       "number of chains", 1, 2e9, NULL, NULL },
     { "list", 0, CLI_CHOICE, PLACE(list), "any|chains|mechanisms|linkages|structures", "any",
-      "query, export: which list; any: the first of these lists that is not empty "
-      "and has all fields of the query", 0, 0, NULL, NULL },
+      "query, export: which list; any: the first of these lists that is not empty and has all fields of the query", 0, 0, NULL, NULL },
     { "columns", 0, CLI_TEXT, PLACE(columns), "NAME,...", NULL, "query: fields to print", 0, 0, NULL, NULL },
     { "sort", 0, CLI_TEXT, PLACE(sort), "FIELDS", NULL,
       "query, export: sort by these fields; a minus sign before a field reverses its order", 0, 0, NULL, NULL },
     { "format", 'f', CLI_CHOICE, PLACE(format), "table|json|csv|graph6|lam|sentence|franke|edges|dot|graphml", "table",
       "query: table, json or csv; export: notation of chains and mechanisms, all but table and csv", 0, 0, NULL, NULL },
-    { "sql", 0, CLI_FLAG, PLACE(sql), NULL, NULL,
-      "query: the query is an SQL SELECT on the tables of docs/catalogue.md", 0, 0, NULL, NULL },
-    { "fields", 0, CLI_FLAG, PLACE(fields), NULL, NULL,
-      "query: list the names of all fields and end", 0, 0, NULL, "sql" },
+    { "sql", 0, CLI_FLAG, PLACE(sql), NULL, NULL, "query: the query is an SQL SELECT on the tables of docs/catalogue.md", 0, 0, NULL, NULL },
+    { "fields", 0, CLI_FLAG, PLACE(fields), NULL, NULL, "query: list the names of all fields and end", 0, 0, NULL, "sql" },
     { "wait", 0, CLI_REAL, PLACE(wait), "SECONDS", "5",
       "build, add, curves, nearest, query, export, check, html: how long to wait while another program writes to the catalogue", 0, 1e6, NULL, NULL },
     { "commit", 0, CLI_REAL, PLACE(commit), "SECONDS", "0.5",
@@ -61,8 +56,7 @@ static const cli_option options[] = {
     { "time", 0, CLI_REAL, PLACE(time), "SECONDS", "60",
       "stop after this time and keep what was found; check of a table leaves out rows that would take longer, the "
       "other actions have no limit without this option", 0, 1e9, NULL, NULL },
-    { "disagreeing", 0, CLI_FLAG, PLACE(disagreeing), NULL, NULL,
-      "check: print only rows that do not agree", 0, 0, NULL, NULL },
+    { "disagreeing", 0, CLI_FLAG, PLACE(disagreeing), NULL, NULL, "check: print only rows that do not agree", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 

@@ -16,15 +16,13 @@ typedef struct settings {
 
 static const cli_option options[] = {
     { "from-format", 0, CLI_TEXT, offsetof(settings, from), "json|pyslvs|pmks|adams", NULL,
-      "format of the input: json, pyslvs, pmks, adams; without this option it is recognised from the text",
-      0, 0, NULL, NULL },
+      "format of the input: json, pyslvs, pmks, adams; without this option it is recognised from the text", 0, 0, NULL, NULL },
     { "format", 0, CLI_TEXT, offsetof(settings, to),
       "json|pyslvs|adams|pmks|mjcf|urdf|sdf|acf|dxf|scad|step|stl|slvs|svg|poses|motiongen", NULL,
       "format of the output; without this option the end of the output's name decides (.json, .pyslvs, .txt, .adm, "
       ".xml, ...); standard output gets json", 0, 0, NULL, NULL },
     { "length-unit", 0, CLI_TEXT, offsetof(settings, unit), "UNIT", NULL,
-      "length unit: m mm cm km um in ft; of input numbers that have no unit (default m), and of the output",
-      0, 0, NULL, NULL },
+      "length unit: m mm cm km um in ft; of input numbers that have no unit (default m), and of the output", 0, 0, NULL, NULL },
     { "input-joint", 0, CLI_TEXT, offsetof(settings, input), "JOINT", NULL,
       "drive this joint, a pin or a slider, instead of the input of the file", 0, 0, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", NULL,
@@ -132,8 +130,7 @@ static lw_status free_inputs(lw_model *m, lw_error *e)
 
 /* Read a linkage; *m gets it with its masses and loads if the text is our own and `loads` is set.  Or read a spatial model into
  * *space.  Free them with lw_assembly_free, cli_free_model and cli_free_spatial. */
-static lw_status read_linkage(const cli_call *call, bool loads, lw_assembly *linkage, lw_model **m, lw_spatial **space,
-                              lw_error *e)
+static lw_status read_linkage(const cli_call *call, bool loads, lw_assembly *linkage, lw_model **m, lw_spatial **space, lw_error *e)
 {
     const settings *s = call->settings;
     const char *path = call->parsed.n_word > 0 ? call->parsed.word[0] : "-";
@@ -241,10 +238,8 @@ const cli_command cli_convert_command = {
         "  adams    a dataset of ADAMS/Solver: PART, MARKER, JOINT, MOTION, REQUEST\n"
         "Formats that can only be written:\n"
         "  acf      the commands that run NAME.adm in ADAMS/Solver; NAME is the name of the linkage\n"
-        "  mjcf     a model of MuJoCo: bodies, hinges, loops closed by constraints, a site for each tracer, masses "
-            "and loads\n"
-        "  urdf     a robot description: a tree of bodies; joints that close a loop are named in a comment and left "
-            "out\n"
+        "  mjcf     a model of MuJoCo: bodies, hinges, loops closed by constraints, a site for each tracer, masses and loads\n"
+        "  urdf     a robot description: a tree of bodies; joints that close a loop are named in a comment and left out\n"
         "  sdf      the same for Gazebo and others, with the joints that close loops\n"
         "  dxf      plates to cut, with holes and slots, in millimetres; each link lies in a layer in which it passes\n"
         "           all other links over the whole motion; the name of a DXF layer, such as L2_ROD, says in which one\n"

@@ -19,34 +19,27 @@ typedef cli_draw_settings settings;
 #define PICTURES 6
 
 static const cli_option options[] = {
-    { "target", 't', CLI_INPUT, offsetof(settings, target), "FILE", NULL,
-      "linkage: also draw the points of this target", 0, 0, NULL, NULL },
+    { "target", 't', CLI_INPUT, offsetof(settings, target), "FILE", NULL, "linkage: also draw the points of this target", 0, 0, NULL, NULL },
     { "size", 0, CLI_SIZE, offsetof(settings, size), "WIDTHxHEIGHT", NULL,
       "size in pixels; without it a size that suits the format, A4 for sheets", 64, 8192, NULL, NULL },
-    { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "120",
-      "linkage: number of postures in an animation", 2, 10000, NULL, NULL },
+    { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "120", "linkage: number of postures in an animation", 2, 10000, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", "0",
-      "linkage: draw result N of a file written by fit, 1 is the best; 0: the best, or the only linkage in the file",
-      0, 1000000, NULL, NULL },
+      "linkage: draw result N of a file written by fit, 1 is the best; 0: the best, or the only linkage in the file", 0, 1000000, NULL, NULL },
     { "format", 'f', CLI_CHOICE, offsetof(settings, format),
       "name|svg|pdf|png|gif|html|g6|graph6|lam|sentence|franke|edges|json", "name",
       "format of the picture; 'name': by the end of the output's name, svg on standard output. The name of a notation "
       "means that the input holds chains; their notation is recognised from the text", 0, 0, NULL, NULL },
-    { "title", 0, CLI_TEXT, offsetof(settings, title), "TEXT", NULL,
-      "title; without it the name of the linkage", 0, 0, NULL, NULL },
+    { "title", 0, CLI_TEXT, offsetof(settings, title), "TEXT", NULL, "title; without it the name of the linkage", 0, 0, NULL, NULL },
     { "all-modes", 0, CLI_FLAG, offsetof(settings, all_modes), NULL, NULL,
       "linkage: also draw the curves of the other assembly modes, dashed", 0, 0, NULL, NULL },
     { "to", 0, CLI_REAL, offsetof(settings, until), "T", "0",
-      "linkage whose inputs have motions in time: show them from 0 to T [s]; 0: until they repeat or come to rest",
-      0, 1e6, NULL, NULL },
+      "linkage whose inputs have motions in time: show them from 0 to T [s]; 0: until they repeat or come to rest", 0, 1e6, NULL, NULL },
     { "azimuth", 0, CLI_REAL, offsetof(settings, azimuth), "DEG", "35",
       "spatial model: direction it is seen from, about the upward axis [degrees]", -360, 360, NULL, NULL },
     { "elevation", 0, CLI_REAL, offsetof(settings, elevation), "DEG", "25",
       "spatial model: height it is seen from, above the level plane [degrees]", -90, 90, NULL, NULL },
-    { "grid", 0, CLI_SIZE, offsetof(settings, grid), "COLUMNSxROWS", "6x8",
-      "chains: number of pictures on a page", 1, 64, NULL, NULL },
-    { "each", 0, CLI_FLAG, offsetof(settings, each), NULL, NULL,
-      "chains: one page or file for each chain", 0, 0, NULL, "grid" },
+    { "grid", 0, CLI_SIZE, offsetof(settings, grid), "COLUMNSxROWS", "6x8", "chains: number of pictures on a page", 1, 64, NULL, NULL },
+    { "each", 0, CLI_FLAG, offsetof(settings, each), NULL, NULL, "chains: one page or file for each chain", 0, 0, NULL, "grid" },
     { "caption", 0, CLI_CHOICE, offsetof(settings, caption), "number|graph6|joints|assortment|none", "number",
       "chains: text below each picture; the assortment counts binary, ternary, ... links", 0, 0, NULL, NULL },
     { "numbers", 0, CLI_FLAG, offsetof(settings, numbers), NULL, NULL, "chains: number the links", 0, 0, NULL, NULL },
@@ -87,8 +80,7 @@ static lw_status compare(const cli_call *call, lw_scene *scene, lw_error *e)
     return st;
 }
 
-static lw_status make_picture(const cli_call *call, const lw_model *m, const lw_target *t,
-                              lw_draw_kind kind, lw_bytes *bytes, lw_error *e)
+static lw_status make_picture(const cli_call *call, const lw_model *m, const lw_target *t, lw_draw_kind kind, lw_bytes *bytes, lw_error *e)
 {
     const settings *s = call->settings;
     lw_scene_options o = lw_scene_options_default();

@@ -31,8 +31,7 @@ static lw_status write_list(FILE *f, const json_t *list, bool as_json, lw_error 
                 return lw_error_set(e, LW_E_MEMORY, "out of memory");
             fputc('\n', f);
         } else
-            fprintf(f, "%-20s %-34s %-24s %s\n", text_of(row, "name"), text_of(row, "title"), text_of(row, "year"),
-                    text_of(row, "use"));
+            fprintf(f, "%-20s %-34s %-24s %s\n", text_of(row, "name"), text_of(row, "title"), text_of(row, "year"), text_of(row, "use"));
     return LW_OK;
 }
 
@@ -108,10 +107,8 @@ const cli_command cli_gallery_command = {
         "  linkwright gallery klann -o klann.json             the file of one, to change it\n"
         "  linkwright gallery peaucellier | linkwright draw - -o line.svg\n",
     .about =
-        "Without NAME prints the list of mechanisms; with --json one object a line, with the source of each. With "
-            "NAME prints\n"
-        "the linkage as JSON (docs/notation.md), which trace, draw, simulate and convert read. Pictures: "
-            "docs/gallery.md.\n",
+        "Without NAME prints the list of mechanisms; with --json one object a line, with the source of each. With NAME prints\n"
+        "the linkage as JSON (docs/notation.md), which trace, draw, simulate and convert read. Pictures: docs/gallery.md.\n",
     .options = options,
     .settings_size = 1,
     .most_words = 1,

@@ -19,75 +19,56 @@ static const cli_option options[] = {
     { "view", 0, CLI_TEXT, PLACE(view), "NAME", NULL,
       "which view to make: kinematic, dynamic, elastic, clearance, or one of the master; without it that of the "
       "master, or everything", 0, 0, NULL, NULL },
-    { "map", 0, CLI_OUTPUT, PLACE(map), "FILE", NULL,
-      "expand: also write where each line of the model comes from, as CSV", 0, 0, NULL, NULL },
+    { "map", 0, CLI_OUTPUT, PLACE(map), "FILE", NULL, "expand: also write where each line of the model comes from, as CSV", 0, 0, NULL, NULL },
     { "vary", 0, CLI_TEXT, PLACE(vary), "NAME=FROM:TO,...", NULL,
-      "sweep, optimise: parameters to vary, in their units; a grid takes NAME=FROM:TO:N, and NAME alone its range in "
-      "the master",
-      0, 0, NULL, NULL },
+      "sweep, optimise: parameters to vary, in their units; a grid takes NAME=FROM:TO:N, and NAME alone its range in the master", 0, 0, NULL, NULL },
     { "measure", 0, CLI_TEXT, PLACE(measure), "FIGURE,...", NULL,
-      "sweep: figures of each variant, listed above; without it peak and rms of each drive, and its greatest speed", 0,
-          0,
-      NULL, NULL },
+      "sweep: figures of each variant, listed above; without it peak and rms of each drive, and its greatest speed", 0, 0, NULL, NULL },
     { "samples", 0, CLI_INT, PLACE(samples), "N", NULL,
       "sweep: N points that fill the ranges evenly (Sobol's sequence) instead of a grid", 1, 1000000, NULL, NULL },
     { "sensitivity", 0, CLI_FLAG, PLACE(sensitivity), NULL, NULL,
-      "sweep: percent of change of each figure for one percent of each parameter, about the chosen variant", 0, 0,
-          NULL, "samples" },
-    { "plot", 'p', CLI_PLOT, PLACE(plot), "FILE", NULL,
-      "sweep: draw the figures over the first parameter, as SVG, PDF or PNG", 0, 0, NULL, NULL },
+      "sweep: percent of change of each figure for one percent of each parameter, about the chosen variant", 0, 0, NULL, "samples" },
+    { "plot", 'p', CLI_PLOT, PLACE(plot), "FILE", NULL, "sweep: draw the figures over the first parameter, as SVG, PDF or PNG", 0, 0, NULL, NULL },
     { "normalised", 0, CLI_FLAG, PLACE(normalised), NULL, NULL,
       "sweep: draw each figure divided by its value in the chosen variant", 0, 0, "plot", NULL },
-    { "minimise", 0, CLI_TEXT, PLACE(minimise), "FIGURE", NULL, "optimise: the figure to make small", 0, 0, NULL,
-      "maximise" },
-    { "maximise", 0, CLI_TEXT, PLACE(maximise), "FIGURE", NULL, "optimise: the figure to make large", 0, 0, NULL,
-      NULL },
+    { "minimise", 0, CLI_TEXT, PLACE(minimise), "FIGURE", NULL, "optimise: the figure to make small", 0, 0, NULL, "maximise" },
+    { "maximise", 0, CLI_TEXT, PLACE(maximise), "FIGURE", NULL, "optimise: the figure to make large", 0, 0, NULL, NULL },
     { "require", 0, CLI_TEXT, PLACE(require), "FIGURE<=N,...", NULL,
       "optimise: conditions besides the checks of the master: FIGURE<=N or FIGURE>=N", 0, 0, NULL, NULL },
     { "solver", 0, CLI_TEXT, PLACE(solver), "NAME", "cobyla",
       "optimise: method of NLopt without derivatives: cobyla, neldermead, sbplx, bobyqa; isres, crs, direct, esch "
       "search the whole range", 0, 0, NULL, NULL },
-    { "max-evaluations", 0, CLI_INT, PLACE(max_evals), "N", "500", "optimise: greatest number of models", 1, 10000000,
-      NULL, NULL },
-    { "from", 0, CLI_REAL, PLACE(from), "T", "0", "sweep, optimise: start of the run of a model [s]", 0, 0, NULL,
-      NULL },
+    { "max-evaluations", 0, CLI_INT, PLACE(max_evals), "N", "500", "optimise: greatest number of models", 1, 10000000, NULL, NULL },
+    { "from", 0, CLI_REAL, PLACE(from), "T", "0", "sweep, optimise: start of the run of a model [s]", 0, 0, NULL, NULL },
     { "to", 0, CLI_REAL, PLACE(to), "T", "1", "sweep, optimise: end of the run of a model [s]", 0, 0, NULL, NULL },
-    { "steps", 'n', CLI_INT, PLACE(steps), "N", "200", "sweep, optimise: number of time intervals of a run", 1,
-      10000000, NULL, NULL },
+    { "steps", 'n', CLI_INT, PLACE(steps), "N", "200", "sweep, optimise: number of time intervals of a run", 1, 10000000, NULL, NULL },
     { "speed", 's', CLI_TEXT, PLACE(speed), "W", NULL,
-      "sweep, optimise: drive the inputs without a motion at this constant speed [rad/s] or [m/s], or with a unit: "
-      "\"60 rpm\"", 0, 0,
-      NULL, NULL },
+      "sweep, optimise: drive the inputs without a motion at this constant speed [rad/s] or [m/s], or with a unit: \"60 rpm\"", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
 static const cli_action actions[] = {
     { "expand", "MASTER.json",
-      "Writes the model of the chosen parameters as an ordinary model file. The model is read back first, and all "
-      "checks of\n"
+      "Writes the model of the chosen parameters as an ordinary model file. The model is read back first, and all checks of\n"
       "the master must hold; errors name the line and column of the master.\n",
       1, 1, cli_family_expand, CLI_MASTER, "JSON" },
     { "table", "MASTER.json",
       "Prints the parameters, derived values and checks of all configurations, one column each.\n",
       1, 1, cli_family_table, CLI_MASTER, "text" },
     { "check", "MASTER.json",
-      "Makes every configuration in every view, reads each model back, and works out all checks. Exit code 1: "
-      "something\n"
+      "Makes every configuration in every view, reads each model back, and works out all checks. Exit code 1: something\n"
       "fails.\n",
       1, 1, cli_family_check, CLI_MASTER, "text" },
     { "sweep", "MASTER.json --vary NAME=FROM:TO:N",
-      "Varies parameters over a grid or an even design, or about the chosen variant, and prints figures of each "
-      "model. A figure is\n"
-      "FUNCTION(COLUMN) over a run as of 'linkwright simulate': peak (greatest magnitude), max, min, mean, rms, "
-      "range, first,\n"
+      "Varies parameters over a grid or an even design, or about the chosen variant, and prints figures of each model. A figure is\n"
+      "FUNCTION(COLUMN) over a run as of 'linkwright simulate': peak (greatest magnitude), max, min, mean, rms, range, first,\n"
       "last, integral of a column, such as rms(lift.drive), and NAME.power of a drive; *.drive is all drives at once.\n"
       "frequency(K) is the K-th natural frequency, condition(TOOL) the greatest condition number of a robot, arc(range) and\n"
       "arc(transmission) what 'linkwright trace' says of a linkage with one input (docs/family.md). Any other figure is\n"
       "a formula over parameters and derived values. A variant that fails has empty figures and the reason.\n",
       1, 1, cli_family_sweep, CLI_MASTER, NULL },
     { "optimise", "MASTER.json --vary NAME,... --minimise FIGURE",
-      "Finds the parameters within their ranges that make a figure least or greatest, under the checks of the master "
-      "and\n"
+      "Finds the parameters within their ranges that make a figure least or greatest, under the checks of the master and\n"
       "--require. A local method starts from the chosen variant.\n",
       1, 1, cli_family_optimise, CLI_MASTER, NULL },
     { .name = NULL }
@@ -401,12 +382,9 @@ const cli_command cli_family_command = {
         "  linkwright family check examples/families/loader.json                 # every configuration in every view\n"
         "  linkwright family sweep examples/families/loader.json --vary reach=2:3:11 --to 2 -p reach.svg --normalised\n"
         "  linkwright family sweep examples/families/loader.json --vary reach,drop --sensitivity --to 2\n"
-        "  linkwright family optimise examples/families/loader.json --vary drop,pin_height --minimise "
-        "\"peak(lift.drive)\" "
-        "--to 2\n",
+        "  linkwright family optimise examples/families/loader.json --vary drop,pin_height --minimise \"peak(lift.drive)\" --to 2\n",
     .about =
-        "A master file describes all sizes and variants of a product: parameters with units and ranges, formulas, "
-        "parts\n"
+        "A master file describes all sizes and variants of a product: parameters with units and ranges, formulas, parts\n"
         "that are used several times, conditions, views and checks (docs/family.md).\n",
     .options = options,
     .settings_size = sizeof(cli_family_settings),

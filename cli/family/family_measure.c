@@ -253,8 +253,7 @@ static lw_status arcs(const lw_model *model, int n, cli_measure *m, double *valu
         }
         value[i] = values[which];
         const char *length = model->linkage.units.length;
-        snprintf(m[i].unit, sizeof m[i].unit, "%s", which == 3 ? "deg" : !slides ? model->linkage.units.angle : *length ? length
-                 : "m");
+        snprintf(m[i].unit, sizeof m[i].unit, "%s", which == 3 ? "deg" : !slides ? model->linkage.units.angle : *length ? length : "m");
     }
     lw_kinematics_destroy(k);
     return s;

@@ -61,8 +61,7 @@ static lw_status read_vary(const lw_master *m, char *item, bool ranges, vary *y,
     y->name = p->name;
     y->unit = *p->unit ? p->unit : "1";
     if (p->kind != LW_AMOUNT_NUMBER)
-        return lw_error_set(e, LW_E_ARG, "--vary: %s is no number; make a configuration for each of its values",
-                            p->name);
+        return lw_error_set(e, LW_E_ARG, "--vary: %s is no number; make a configuration for each of its values", p->name);
     y->from = p->least;
     y->to = p->most;
     if (!equals && !p->has_range)
@@ -90,8 +89,7 @@ static lw_status read_vary(const lw_master *m, char *item, bool ranges, vary *y,
 static lw_status read_variation(sweep *s, const char *list, bool ranges, lw_error *e)
 {
     char item[256];
-    lw_status st = list ? LW_OK : lw_error_set(e, LW_E_ARG, "--vary is missing: the parameters to vary, as in "
-                                                            "\"reach=2:3:11\"");
+    lw_status st = list ? LW_OK : lw_error_set(e, LW_E_ARG, "--vary is missing: the parameters to vary, as in \"reach=2:3:11\"");
     for (const char *at = list; st == LW_OK && cli_family_next(&at, item, sizeof item);) {
         if (s->n_vary == VARY_MAX)
             return lw_error_set(e, LW_E_ARG, "at most %d parameters can be varied", VARY_MAX);
@@ -399,8 +397,7 @@ static void write_sensitivities(const sweep *s, FILE *f, cli_json j, const doubl
     }
     for (int i = 0; i < s->n_vary; i++) {
         const double *low = s->value + (size_t)(2*i)*(size_t)s->n_measure, *high = low + s->n_measure;
-        double step = s->point[(size_t)(2*i + 1)*(size_t)s->n_vary
-                               + (size_t)i] - s->point[(size_t)(2*i)*(size_t)s->n_vary + (size_t)i];
+        double step = s->point[(size_t)(2*i + 1)*(size_t)s->n_vary + (size_t)i] - s->point[(size_t)(2*i)*(size_t)s->n_vary + (size_t)i];
         double values[CLI_MEASURE_MAX];
         for (int k = 0; k < s->n_measure; k++)
             values[k] = (high[k] - low[k])/step*base_point[i]/base[k];
@@ -459,8 +456,7 @@ int cli_family_sweep(const cli_call *call)
     lw_output out;
     double base[CLI_MEASURE_MAX] = { 0 }, base_point[VARY_MAX] = { 0 };
     int code = CLI_DONE;
-    lw_status st = s ? open_sweep(call, s, o->sensitivity || o->samples > 0, &e) : lw_error_set(&e, LW_E_MEMORY,
-        "out of memory");
+    lw_status st = s ? open_sweep(call, s, o->sensitivity || o->samples > 0, &e) : lw_error_set(&e, LW_E_MEMORY, "out of memory");
     if (st == LW_OK && o->samples > 0 && o->plot)
         st = lw_error_set(&e, LW_E_ARG, "--plot draws grids; leave out --samples");
     if (st == LW_OK && o->sensitivity && o->plot)
@@ -644,8 +640,7 @@ static void write_optimum(const optimum *p, FILE *f, const double *x, const lw_s
             cli_json_real(&j, "before", first[i]);
             cli_json_end(&j);
         } else
-            fprintf(f, "%-32s %.10g %s   (before %.10g)\n", s->measure[i].text, p->value[i], s->measure[i].unit,
-                    first[i]);
+            fprintf(f, "%-32s %.10g %s   (before %.10g)\n", s->measure[i].text, p->value[i], s->measure[i].unit, first[i]);
     }
     if (json) {
         cli_json_end(&j);

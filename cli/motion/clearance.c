@@ -27,8 +27,7 @@ static lw_status add_range(double **list, int *n, const double v[3], const char 
 {
     double count = (v[1] - v[0])/v[2];
     if (!(count >= 0) || count > CLI_CLEARANCE_LIST_MAX)
-        return lw_error_set(e, LW_E_ARG, "--%s: '%s' is no range FROM:TO:STEP of at most %d numbers", name, text,
-                            CLI_CLEARANCE_LIST_MAX);
+        return lw_error_set(e, LW_E_ARG, "--%s: '%s' is no range FROM:TO:STEP of at most %d numbers", name, text, CLI_CLEARANCE_LIST_MAX);
     lw_status s = LW_OK;
     for (int i = 0; s == LW_OK && i <= (int)floor(count + 1e-9); i++)
         s = add(list, n, v[0] + i*v[2], name, e);
@@ -109,8 +108,7 @@ static lw_status positive(const double *v, int n, bool zero, const char *name, l
 {
     for (int i = 0; i < n; i++)
         if (!(v[i] > 0 || (zero && v[i] == 0)))
-            return lw_error_set(e, LW_E_ARG, "--%s: %g is out of range: %s", name, v[i], zero ? "0 or "
-                                "more" : "above 0");
+            return lw_error_set(e, LW_E_ARG, "--%s: %g is out of range: %s", name, v[i], zero ? "0 or more" : "above 0");
     return LW_OK;
 }
 

@@ -60,8 +60,7 @@ static void interval(FILE *f, double from, double to)
 
 void cli_clearance_limits(const cli_clearance *c, FILE *f)
 {
-    fprintf(f, "%-10s %-20s %10s %10s  %-19s  %-19s  %s\n", "joint", "model", "K [N/m]", "c [N s/m]", "kept - lost",
-            "lost - kept", "lost");
+    fprintf(f, "%-10s %-20s %10s %10s  %-19s  %-19s  %s\n", "joint", "model", "K [N/m]", "c [N s/m]", "kept - lost", "lost - kept", "lost");
     for (int i = 0; i < c->sweep.n_limit; i++) {
         const lw_sweep_limit *l = &c->sweep.limit[i];
         const lw_sweep_law *law = &c->sweep.law[l->law];
@@ -208,8 +207,7 @@ lw_status cli_clearance_passes(const cli_clearance *c, const char *path, lw_erro
     size_t n_number = 1;
     int n_series = 0;
     if (2*c->sweep.n_law > LW_SERIES_MAX)
-        return lw_error_set(e, LW_E_ARG, "--passes shows %d laws at most, the lists make %d", LW_SERIES_MAX/2,
-                            c->sweep.n_law);
+        return lw_error_set(e, LW_E_ARG, "--passes shows %d laws at most, the lists make %d", LW_SERIES_MAX/2, c->sweep.n_law);
     for (int i = 0; i < c->sweep.n_row; i++)
         n_number += 2*(size_t)c->sweep.row[i].n_pass;
     double *x = malloc(n_number*sizeof *x), *p = x;
@@ -270,8 +268,7 @@ static lw_status write_history(const cli_clearance *c, const samples *l, const c
         const lw_clearance_sample *p = &l->s[i];
         fprintf(o.f, "\n%.12g,%.12g,%.12g,%.12g", p->t, p->input, p->input_rate, p->energy);
         for (int j = 0; j < p->n_point; j++)
-            fprintf(o.f, ",%.12g,%.12g,%.12g,%d", p->point[j].in_bush.x, p->point[j].in_bush.y, p->point[j].force,
-                    p->point[j].touching);
+            fprintf(o.f, ",%.12g,%.12g,%.12g,%d", p->point[j].in_bush.x, p->point[j].in_bush.y, p->point[j].force, p->point[j].touching);
     }
     fputc('\n', o.f);
     return lw_output_commit(&o, e);

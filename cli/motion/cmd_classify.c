@@ -19,8 +19,7 @@ static const char *const units[] = { "deg", "rad", "turn" };
 static const cli_option options[] = {
     { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-12",
       "two sums of lengths are equal if they differ by at most E times the perimeter", 0, 0.1, NULL, NULL },
-    { "angle-unit", 0, CLI_CHOICE, offsetof(settings, unit), "deg|rad|turn", "deg",
-      "unit of the angles that are printed", 0, 0, NULL, NULL },
+    { "angle-unit", 0, CLI_CHOICE, offsetof(settings, unit), "deg|rad|turn", "deg", "unit of the angles that are printed", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -232,8 +231,7 @@ static int run(const cli_call *call)
     lw_fourbar_class c;
     lw_output o;
     lw_error e = { 0 };
-    if (read_lengths(call, r, &e) != LW_OK || lw_fourbar_classify(r, s->tolerance, &c, &e) != LW_OK
-        || cli_open(call, &o, &e) != LW_OK)
+    if (read_lengths(call, r, &e) != LW_OK || lw_fourbar_classify(r, s->tolerance, &c, &e) != LW_OK || cli_open(call, &o, &e) != LW_OK)
         return cli_fail(call, &e);
     unit u = angle_unit(s->unit);
     if (call->common.json)

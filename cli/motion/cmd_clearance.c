@@ -15,8 +15,7 @@ typedef struct settings {
 
 static const cli_option options[] = {
     { "speeds", 0, CLI_TEXT, offsetof(settings, speed), "LIST", NULL,
-      "speeds of the input at the start: numbers and ranges FROM:TO:STEP, separated by commas; without it the speed in "
-      "the file", 0, 0, NULL, NULL },
+      "speeds of the input at the start: numbers and ranges FROM:TO:STEP, separated by commas; without it the speed in the file", 0, 0, NULL, NULL },
     { "speed-unit", 0, CLI_CHOICE, offsetof(settings, unit), "rpm|rad/s|m/s", "rpm",
       "unit of the speeds; m/s for inputs that slide", 0, 0, NULL, NULL },
     { "stiffness", 'K', CLI_TEXT, offsetof(settings, stiffness), "LIST", NULL,
@@ -27,8 +26,7 @@ static const cli_option options[] = {
       "models of the clearance to compare: zero, link, mlsd, impact, hunt-crossley, lankarani-nikravesh; instead of "
       "the one in the file", 0, 0, NULL, NULL },
     { "to", 0, CLI_REAL, offsetof(settings, end), "T", "1.25", "end time of a run [s]", 1e-9, 1e9, NULL, NULL },
-    { "settle", 0, CLI_REAL, offsetof(settings, settle), "T", "0.4",
-      "time after which contact is judged [s]", 0, 1e9, NULL, NULL },
+    { "settle", 0, CLI_REAL, offsetof(settings, settle), "T", "0.4", "time after which contact is judged [s]", 0, 1e9, NULL, NULL },
     { "start", 0, CLI_CHOICE, offsetof(settings, start), "closed|seated|crank", "closed",
       "closed: the pin is in the middle of its bush and all links have the speeds of the linkage without clearance; "
       "seated: the pin is pressed into the bush by the reaction force; crank: only the driven link moves",
@@ -37,8 +35,7 @@ static const cli_option options[] = {
       "error allowed in a step, divided by the size of the linkage", 1e-14, 1e-3, NULL, NULL },
     { "limits", 0, CLI_FLAG, offsetof(settings, limits), NULL, NULL,
       "print only the speeds at which contact is lost, and kept again, as the speed rises", 0, 0, NULL, NULL },
-    { "refine", 0, CLI_REAL, offsetof(settings, refine), "W", NULL,
-      "narrow down each of these speeds to this width", 0, 1e9, NULL, NULL },
+    { "refine", 0, CLI_REAL, offsetof(settings, refine), "W", NULL, "narrow down each of these speeds to this width", 0, 1e9, NULL, NULL },
     { "plot", 'p', CLI_PLOT, offsetof(settings, plot), "FILE", NULL,
       "picture of speed and stiffness that shows where contact is kept or lost (.svg, .pdf, .png)", 0, 0, NULL, NULL },
     { "passes", 0, CLI_PLOT, offsetof(settings, passes), "FILE", NULL,
@@ -51,8 +48,7 @@ static const cli_option options[] = {
     { "history", 0, CLI_OUTPUT, offsetof(settings, history), "FILE", NULL,
       "table of path and force over time (CSV); for one speed and one model", 0, 0, NULL, NULL },
     { "every", 0, CLI_REAL, offsetof(settings, every), "T", NULL,
-      "time between rows and points of these files [s]; without it a ten-thousandth of the run",
-      1e-12, 1e9, NULL, NULL },
+      "time between rows and points of these files [s]; without it a ten-thousandth of the run", 1e-12, 1e9, NULL, NULL },
     { .name = NULL }
 };
 
@@ -66,15 +62,12 @@ static lw_status set_unit(const cli_call *call, cli_clearance *c, lw_error *e)
     int unit = slides && !cli_given(&call->parsed, "speed-unit") ? 2 : s->unit;
     if (s->speed && k->n_input == 0)
         return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0,
-                           "--speeds is for the input, and the model has none; "
-                           "add \"input\" to the file");
+                           "--speeds is for the input, and the model has none; add \"input\" to the file");
     if (s->speed && c->model->motion[0])
         return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0,
-                           "--speeds is for an input that runs freely, but its "
-                           "\"motion\" is prescribed; give it a \"speed\" instead");
+                           "--speeds is for an input that runs freely, but its \"motion\" is prescribed; give it a \"speed\" instead");
     if (k->n_input > 0 && (unit == 2) != slides)
-        return lw_error_set(e, LW_E_ARG, "--speed-unit %s does not go with an input that %s", name[unit],
-                            slides ? "slides" : "turns");
+        return lw_error_set(e, LW_E_ARG, "--speed-unit %s does not go with an input that %s", name[unit], slides ? "slides" : "turns");
     c->unit = name[unit];
     c->o.unit = size[unit];
     return LW_OK;

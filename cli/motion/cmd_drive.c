@@ -10,8 +10,7 @@ static const cli_option options[] = {
     { "steps", 'n', CLI_INT, PLACE(steps), "N", "1000",
       "load, select: number of time intervals of the cycle; simulate: print N + 1 rows instead of the figures", 1, 10000000, NULL, NULL },
     { "speed", 's', CLI_TEXT, PLACE(speed), "W", NULL,
-      "load, select: drive the inputs without a motion at this constant speed [rad/s] or [m/s], or with a unit: \"60 rpm\"", 0, 0,
-      NULL, NULL },
+      "load, select: drive the inputs without a motion at this constant speed [rad/s] or [m/s], or with a unit: \"60 rpm\"", 0, 0, NULL, NULL },
     { "plot", 'p', CLI_PLOT, PLACE(plot), "FILE", NULL,
       "load: draw torque over speed of each drive; select: with the limits of the first choice; simulate: the run over time; as "
       "SVG, PDF or PNG", 0, 0, NULL,
@@ -21,8 +20,7 @@ static const cli_option options[] = {
     { "matrices", 0, CLI_OUTPUT, PLACE(matrices), "FILE", NULL,
       "simulate: write the state matrices A, B, C, D of the axis and of the closed loop as JSON", 0, 0, NULL, NULL },
     { "matrices-folder", 0, CLI_TEXT, PLACE(folder), "FOLDER", NULL,
-      "simulate: write the matrices as CSV files plant-A.csv ... whole-D.csv, with names and units of states, inputs and outputs",
-      0, 0, NULL, NULL },
+      "simulate: write the matrices as CSV files plant-A.csv ... whole-D.csv, with names and units of states, inputs and outputs", 0, 0, NULL, NULL },
     { "bode", 0, CLI_PLOT, PLACE(bode), "FILE", NULL,
       "simulate: draw gain and phase of each open loop over frequency with its margins, and the poles of the whole (.svg, .pdf, "
       ".png)", 0, 0, NULL, NULL },
@@ -38,8 +36,7 @@ static const cli_option options[] = {
     { "results", 0, CLI_INT, PLACE(results), "N", "10", "select: number of choices to print", 1, 2e9, NULL, NULL },
     { "mass", 0, CLI_REAL, PLACE(mass), "M", NULL, "radius: the mass that is moved [kg]", 1e-15, 1e15, NULL, NULL },
     { "way", 0, CLI_REAL, PLACE(way), "S", NULL, "radius: the way from rest to rest [m]", 1e-9, 1e9, NULL, NULL },
-    { "wanted-acceleration", 0, CLI_REAL, PLACE(acceleration), "A", NULL, "radius: the acceleration that is wanted [m/s^2]", 1e-9, 1e9,
-      NULL, NULL },
+    { "wanted-acceleration", 0, CLI_REAL, PLACE(acceleration), "A", NULL, "radius: the acceleration that is wanted [m/s^2]", 1e-9, 1e9, NULL, NULL },
     { .name = NULL }
 };
 

@@ -22,8 +22,7 @@ static const cli_option options[] = {
       "a posture is closed if its joints fit to within E times the size of the linkage; use more than the default for "
       "files whose numbers are rounded", 0, 1e-4, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", NULL,
-      "number of the result in a file that 'linkwright fit' wrote, 1 is the best; without it the best",
-      1, 1e9, NULL, NULL },
+      "number of the result in a file that 'linkwright fit' wrote, 1 is the best; without it the best", 1, 1e9, NULL, NULL },
     { .name = NULL }
 };
 
@@ -89,8 +88,7 @@ static void write_freedoms(FILE *f, const lw_linkage *linkage, const lw_mobility
         fprintf(f, "%-16s%d on another motion curve through the posture\n", "", m->least_freedom);
     int own = lw_linkage_free_inputs(linkage);
     if (own > 0)
-        fprintf(f, "%-16s%d of %d freedom%s by %d input%s\n", "driven", m->driven, m->freedom,
-                lw_plural(m->freedom), own, lw_plural(own));
+        fprintf(f, "%-16s%d of %d freedom%s by %d input%s\n", "driven", m->driven, m->freedom, lw_plural(m->freedom), own, lw_plural(own));
     if (own < linkage->n_input)
         fprintf(f, "%-16s%d input%s to the first, which takes as many freedoms\n", "tied", linkage->n_input - own,
                 lw_plural(linkage->n_input - own));
@@ -124,8 +122,7 @@ static void write_text(FILE *f, const lw_linkage *linkage, const lw_mobility *m,
     fprintf(f, "%-16s%s\n", "verdict", verdict(m));
     if (adjusted > 0)
         fprintf(f, "%-16sjoints by up to %.3g m, so that the dimensions fit; as drawn the linkage does not move\n", "adjusted", adjusted);
-    fprintf(f, "%-16s%d = 3*%d - %d  (freedoms of the links less rows of the joints)\n", "count", m->count,
-            m->n_body, m->n_row);
+    fprintf(f, "%-16s%d = 3*%d - %d  (freedoms of the links less rows of the joints)\n", "count", m->count, m->n_body, m->n_row);
     fprintf(f, "%-16s%d", "freedom", m->freedom);
     if (m->generic >= 0 && m->generic != m->freedom)
         fprintf(f, "  (%d with other dimensions)", m->generic);
@@ -159,12 +156,10 @@ static void write_large_text(FILE *f, const lw_assembly *a, const lw_freedoms *m
     fprintf(f, "%-16s%d = 3*%d - %d  (freedoms of the links less rows of the joints)\n", "count", m->count, m->n_body, m->n_row);
     fprintf(f, "%-16s%d\n", "freedom", m->freedom);
     if (moving && own > 0)
-        fprintf(f, "%-16s%d of %d freedom%s by %d input%s\n", "driven", m->driven, m->freedom, lw_plural(m->freedom), own,
-                lw_plural(own));
+        fprintf(f, "%-16s%d of %d freedom%s by %d input%s\n", "driven", m->driven, m->freedom, lw_plural(m->freedom), own, lw_plural(own));
     write_names(f, "loose", all_links(a), 0, m->loose, "  (move while every input stands still)");
     write_names(f, "still links", all_links(a), 0, m->still, "");
-    fprintf(f, "%-16s%d in the posture%s\n", "first order", m->instant,
-            moving && m->instant > m->freedom ? "  (a singular posture)" : "");
+    fprintf(f, "%-16s%d in the posture%s\n", "first order", m->instant, moving && m->instant > m->freedom ? "  (a singular posture)" : "");
     fprintf(f, "%-16s%d of %d rows%s\n", "rank", m->rank, m->n_row, moving ? ", along the motion" : "");
     fprintf(f, "%-16s%d\n", "redundant", m->n_redundant);
     for (int i = 0; i < m->n_redundant; i++)

@@ -19,16 +19,11 @@ typedef struct settings {
 } settings;
 
 static const cli_option options[] = {
-    { "from-state", 0, CLI_TEXT, offsetof(settings, from), "V,A", "0,0", "speed and acceleration at the start", 0, 0,
-      NULL,
-      NULL },
-    { "to-state", 0, CLI_TEXT, offsetof(settings, to), "V,A", "0,0", "speed and acceleration at the end", 0, 0, NULL,
-      NULL },
+    { "from-state", 0, CLI_TEXT, offsetof(settings, from), "V,A", "0,0", "speed and acceleration at the start", 0, 0, NULL, NULL },
+    { "to-state", 0, CLI_TEXT, offsetof(settings, to), "V,A", "0,0", "speed and acceleration at the end", 0, 0, NULL, NULL },
     { "speed-limit", 0, CLI_TEXT, offsetof(settings, speed), "V|MIN:MAX", NULL,
       "limit of the speed, in both directions or from MIN (negative) to MAX", 0, 0, NULL, NULL },
-    { "acceleration-limit", 0, CLI_TEXT, offsetof(settings, acceleration), "A|MIN:MAX", NULL,
-      "limit of the acceleration",
-      0, 0, NULL, NULL },
+    { "acceleration-limit", 0, CLI_TEXT, offsetof(settings, acceleration), "A|MIN:MAX", NULL, "limit of the acceleration", 0, 0, NULL, NULL },
     { "jerk-limit", 0, CLI_TEXT, offsetof(settings, jerk), "J|MIN:MAX", NULL, "limit of the jerk", 0, 0, NULL, NULL },
     { "law", 0, CLI_TEXT, offsetof(settings, law), "NAME", NULL,
       "a law of motion instead of the quickest motion: 345, 4567, cycloid, modified-sine, modified-trapezoid, havsin, "
@@ -41,11 +36,9 @@ static const cli_option options[] = {
     { "swing", 0, CLI_REAL, offsetof(settings, swing), "F", NULL,
       "also print the amplitude of an oscillation of F Hz after the motion", 1e-9, 1e9, NULL, "law" },
     { "power", 0, CLI_REAL, offsetof(settings, power), "P", NULL,
-      "limit of the power that moves the mass: sets the acceleration for the least time from rest to rest", 1e-12, 1e15,
-      "mass", "law" },
+      "limit of the power that moves the mass: sets the acceleration for the least time from rest to rest", 1e-12, 1e15, "mass", "law" },
     { "mass", 0, CLI_REAL, offsetof(settings, mass), "M", NULL, "the mass that is moved", 1e-15, 1e15, "power", NULL },
-    { "dwell", 0, CLI_REAL, offsetof(settings, dwell), "T", "0", "rest of T seconds after each of several moves", 0, 1e12, NULL,
-      "law" },
+    { "dwell", 0, CLI_REAL, offsetof(settings, dwell), "T", "0", "rest of T seconds after each of several moves", 0, 1e12, NULL, "law" },
     { "straight", 0, CLI_FLAG, offsetof(settings, straight), NULL, NULL,
       "several axes move along a straight line, in phase; without it they begin and end together", 0, 0, NULL, NULL },
     { "steps", 'n', CLI_INT, offsetof(settings, rows), "N", "0",
@@ -86,9 +79,7 @@ static lw_status read_pair(const char *name, const char *text, double *a, double
         *b = strtod(second, &end);
         fine = end != second && !*end && isfinite(*a) && isfinite(*b);
     }
-    return fine ? LW_OK : lw_error_set(e, LW_E_ARG, "--%s is \"%.80s\"; expected speed and acceleration, like 0.5,0",
-                                       name,
-                                       text);
+    return fine ? LW_OK : lw_error_set(e, LW_E_ARG, "--%s is \"%.80s\"; expected speed and acceleration, like 0.5,0", name, text);
 }
 
 /* "V" or "MIN:MAX"; text NULL: no limit. */
@@ -139,12 +130,9 @@ static lw_status make_law(const settings *o, motion *m, lw_error *e)
         return lw_error_set(e, LW_E_ARG, "--law %s: the acceleration steps, so that no limit of jerk can be kept; "
             "leave out --jerk-limit, or take cycloid, 345, modified-sine, ...", law->name);
     if (T == 0 && !(o->duration > 0))
-        return lw_error_set(e, LW_E_ARG, "--law %s needs --duration, or a limit of speed, acceleration or jerk",
-                            law->name);
+        return lw_error_set(e, LW_E_ARG, "--law %s needs --duration, or a limit of speed, acceleration or jerk", law->name);
     if (o->duration > 0 && o->duration < T*(1 - 1e-12))
-        return lw_error_set(e, LW_NOTHING, "the law %s needs at least %.9g s within these limits, not %g s",
-                            law->name, T,
-                            o->duration);
+        return lw_error_set(e, LW_NOTHING, "the law %s needs at least %.9g s within these limits, not %g s", law->name, T, o->duration);
     m->duration = o->duration > 0 ? o->duration : T;
     double v = m->way*law->speed_peak/m->duration, a = s*law->acceleration_peak/pow(m->duration, 2);
     double j = s*law->jerk_peak/pow(m->duration, 3);
@@ -186,8 +174,7 @@ static lw_status make_motion(const settings *o, motion *m, lw_error *e)
         return s;
     if ((o->frequency > 0 || o->power > 0) && (from.v != 0 || from.a != 0 || to.v != 0 || to.a != 0))
         return lw_error_set(e, LW_E_ARG,
-                            "--frequency and --power are for motions from rest to rest; leave out --from-state "
-                            "and --to-state");
+                            "--frequency and --power are for motions from rest to rest; leave out --from-state and --to-state");
     if (o->law)
         return make_law(o, m, e);
     if (o->power > 0 && m->way != 0)
@@ -446,29 +433,21 @@ const cli_command cli_profile_command = {
     .words = "WAY[,WAY,...] ... or CYCLE.json",
     .title = "motion of an axis: least time under limits of speed, acceleration and jerk, or a law",
     .examples =
-        "  linkwright profile 0.8 --speed-limit 3 --acceleration-limit 20 --jerk-limit 400          # metres, or any "
-            "other unit\n"
+        "  linkwright profile 0.8 --speed-limit 3 --acceleration-limit 20 --jerk-limit 400          # metres, or any other unit\n"
         "  linkwright profile 0.1 --from-state 2,0 --speed-limit 3 --acceleration-limit 20 --jerk-limit 400   # "
             "already moving: it overshoots\n"
         "  linkwright profile 90 --law modified-sine --duration 0.5 -n 100 -o cam.csv  # degrees in half a second\n"
-        "  linkwright profile 1 --acceleration-limit 20 --jerk-limit 400 --frequency 20 -p move.svg # no swing of 20 "
-            "Hz "
-            "afterwards\n"
-        "  linkwright profile 1,0.2,0.8 --speed-limit 3 --acceleration-limit 20 --jerk-limit 400 --straight   # three axes, in "
-            "phase\n"
+        "  linkwright profile 1 --acceleration-limit 20 --jerk-limit 400 --frequency 20 -p move.svg # no swing of 20 Hz afterwards\n"
+        "  linkwright profile 1,0.2,0.8 --speed-limit 3 --acceleration-limit 20 --jerk-limit 400 --straight   # three axes, in phase\n"
         "  linkwright profile 0.5 0.3 -0.8 --acceleration-limit 20 --dwell 0.2   # three moves, each followed by a rest\n"
         "  linkwright profile examples/cycles/gantry.json                        # a work cycle: phase times of its moves\n",
     .about =
-        "Prints the duration, the extremes of speed, acceleration and jerk, and the phases of constant jerk of a "
-            "motion over\n"
-        "WAY. All lengths (or angles) are in one unit of your choice, times in seconds. The motion is the quickest "
-            "within the\n"
-        "limits, from any speed and acceleration to any other; a limit that is not given does not count, but "
-            "acceleration\n"
+        "Prints the duration, the extremes of speed, acceleration and jerk, and the phases of constant jerk of a motion over\n"
+        "WAY. All lengths (or angles) are in one unit of your choice, times in seconds. The motion is the quickest within the\n"
+        "limits, from any speed and acceleration to any other; a limit that is not given does not count, but acceleration\n"
         "or jerk must have one. With --duration it takes just that time, as smoothly as a mixture of the two extreme\n"
         "motions does. With -n it prints a table, with --plot it draws the motion, with --json it prints everything.\n"
-        "Exit code 1: no motion within the limits takes the duration; the message names the next one that is "
-            "possible.\n"
+        "Exit code 1: no motion within the limits takes the duration; the message names the next one that is possible.\n"
         "\n"
         "Several ways with commas are axes that begin and end together. A limit counts for all, or is a list too. Ways in\n"
         "separate words are moves one after the other, with --dwell between them.\n"

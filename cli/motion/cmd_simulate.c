@@ -28,30 +28,23 @@ static const double ELASTIC_TOLERANCE = 1e-7;
 #define CHOICE(id, name, text) "|" #name
 #define HELP(id, name, text)   "  " #name " - " text "\n"
 static const cli_option options[] = {
-    { "analysis", 'a', CLI_CHOICE, offsetof(settings, analysis),
-      "transient|static|quasistatic|kinematic|dynamic|linear", "transient",
-      "transient: motion in time, kinematic if every degree of freedom is driven, else dynamic; linear: small "
-      "vibrations", 0, 0, NULL, NULL },
+    { "analysis", 'a', CLI_CHOICE, offsetof(settings, analysis), "transient|static|quasistatic|kinematic|dynamic|linear", "transient",
+      "transient: motion in time, kinematic if every degree of freedom is driven, else dynamic; linear: small vibrations", 0, 0, NULL, NULL },
     { "formulation", 0, CLI_CHOICE, offsetof(settings, formulation), "auto" LW_FORMULATION_LIST(CHOICE), "auto",
       "equations and method, listed above; auto takes the first that suits, see --explain", 0, 0, NULL, NULL },
     { "explain", 'e', CLI_FLAG, offsetof(settings, explain), NULL, NULL,
       "print which formulation is used, why, and its number of unknowns", 0, 0, NULL, NULL },
     { "from", 0, CLI_REAL, offsetof(settings, from), "T", "0", "start time [s]", 0, 0, NULL, NULL },
     { "to", 0, CLI_REAL, offsetof(settings, to), "T", "1", "end time [s]", 0, 0, NULL, NULL },
-    { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "100",
-      "number of time intervals; there is one row more", 1, 10000000, NULL, NULL },
+    { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "100", "number of time intervals; there is one row more", 1, 10000000, NULL, NULL },
     { "speed", 's', CLI_TEXT, offsetof(settings, speed), "W", NULL,
-      "drive the inputs without a motion at this constant speed [rad/s] or [m/s], or with a unit: \"60 rpm\"", 0, 0, NULL,
-      NULL },
+      "drive the inputs without a motion at this constant speed [rad/s] or [m/s], or with a unit: \"60 rpm\"", 0, 0, NULL, NULL },
     { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-10",
-      "error allowed in a step: of angles, and of lengths divided by the size of the linkage; 1e-7 with elastic links",
-      1e-14, 0.1, NULL, NULL },
+      "error allowed in a step: of angles, and of lengths divided by the size of the linkage; 1e-7 with elastic links", 1e-14, 0.1, NULL, NULL },
     { "rho", 0, CLI_REAL, offsetof(settings, rho), "R", "0.8",
       "with --formulation alpha: the part of infinitely fast vibrations that a step leaves; 1 damps none", 0, 1, NULL, NULL },
-    { "max-steps", 0, CLI_INT, offsetof(settings, max_steps), "N", "100000000",
-      "greatest number of steps of the integration", 1, 2e9, NULL, NULL },
-    { "rigid", 0, CLI_FLAG, offsetof(settings, linear.rigid), NULL, NULL,
-      "take elastic links as rigid bars of the same mass", 0, 0, NULL, NULL },
+    { "max-steps", 0, CLI_INT, offsetof(settings, max_steps), "N", "100000000", "greatest number of steps of the integration", 1, 2e9, NULL, NULL },
+    { "rigid", 0, CLI_FLAG, offsetof(settings, linear.rigid), NULL, NULL, "take elastic links as rigid bars of the same mass", 0, 0, NULL, NULL },
     { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL,
       "solve a model in space whose axes are all parallel as a planar one; reactions across the plane are left out", 0, 0, NULL, NULL },
     { "balance", 'b', CLI_FLAG, offsetof(settings, balance), NULL, NULL,
@@ -64,13 +57,11 @@ static const cli_option options[] = {
     { "gif", 'g', CLI_GIF, offsetof(settings, gif), "FILE", NULL,
       "animation of the motion in true time, at most 50 frames in a second; motions shorter than half a second slower", 0, 0, NULL, NULL },
     { "rest", 0, CLI_FLAG, offsetof(settings, linear.rest), NULL, NULL,
-      "with --analysis linear: vibrations about the static equilibrium near the posture of the file",
-      0, 0, NULL, NULL },
+      "with --analysis linear: vibrations about the static equilibrium near the posture of the file", 0, 0, NULL, NULL },
     { "hold", 0, CLI_FLAG, offsetof(settings, linear.hold), NULL, NULL,
       "with --analysis linear: keep the inputs fixed; inputs with a motion always are", 0, 0, NULL, NULL },
     { "along", 0, CLI_INT, offsetof(settings, linear.along), "N", NULL,
-      "with --analysis linear: in N + 1 postures from the first to the last value of the input, or over one turn",
-      1, 1000000, NULL, NULL },
+      "with --analysis linear: in N + 1 postures from the first to the last value of the input, or over one turn", 1, 1000000, NULL, NULL },
     { "modes", 0, CLI_INT, offsetof(settings, linear.modes), "N", "20",
       "with --analysis linear, for elastic links and more than 32 links: number of slowest modes", 1, 40, NULL, NULL },
     { "fft", 0, CLI_FLAG, offsetof(settings, linear.fft), NULL, NULL,
@@ -249,8 +240,7 @@ const cli_command cli_simulate_command = {
         "  linkwright simulate model.json --speed \"60 rpm\" --plot torque.svg  drive its input, plot the torque\n"
         "  linkwright simulate model.json --analysis static                 static equilibrium\n"
         "  linkwright simulate model.json --speed 6.283185307179586 --balance\n"
-        "  linkwright simulate model.json --analysis linear --rest --fft     eigenfrequencies, compared with a "
-        "vibration\n",
+        "  linkwright simulate model.json --analysis linear --rest --fft     eigenfrequencies, compared with a vibration\n",
     .about =
         "The model is a linkage with masses, gravity, springs, dampers, forces, motors, friction and stops\n"
         "(docs/notation.md, \"Model\"). Columns are the time t; for each input its value, its rate and its driving\n"

@@ -44,8 +44,7 @@ static const cli_option options[] = {
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", "0",
       "number of the result in a file that 'linkwright fit' wrote, 1 is the best; without it the best, or the one "
       "linkage in the file", 0, 1000000, NULL, NULL },
-    { "tracer", 0, CLI_TEXT, offsetof(settings, tracer), "NAME", NULL,
-      "only this point (tracer); without it all of them", 0, 0, NULL, NULL },
+    { "tracer", 0, CLI_TEXT, offsetof(settings, tracer), "NAME", NULL, "only this point (tracer); without it all of them", 0, 0, NULL, NULL },
     { "mode", 'm', CLI_CHOICE, offsetof(settings, mode), "both|file", "both",
       "both: arcs of all assembly modes; file: only the arc that contains the posture of the file", 0, 0, NULL, NULL },
     { "input-range", 0, CLI_RANGE, offsetof(settings, input_range), "MIN:MAX", NULL,
@@ -66,11 +65,9 @@ static const cli_option options[] = {
       "follow the motion past the limits of the input until it closes, and print one closed curve with rows at equal "
       "distances", 0, 0, NULL, "input-range" },
     { "all-assemblies", 0, CLI_FLAG, offsetof(settings, all), NULL, NULL,
-      "search for every circuit, also if the linkage is not made of dyads; the search is random (--seed)",
-      0, 0, NULL, NULL },
+      "search for every circuit, also if the linkage is not made of dyads; the search is random (--seed)", 0, 0, NULL, NULL },
     { "explain", 'e', CLI_FLAG, offsetof(settings, explain), NULL, NULL,
-      "print how the linkage would be solved, group by group, and which parts are not needed; then end",
-      0, 0, NULL, NULL },
+      "print how the linkage would be solved, group by group, and which parts are not needed; then end", 0, 0, NULL, NULL },
     { "time-range", 0, CLI_TEXT, offsetof(settings, range), "T0:T1:DT", NULL,
       "move all inputs by their \"motion\" from time T0 to T1 [s], with a row every DT", 0, 0, NULL, "input-range" },
     { .name = NULL }
@@ -204,8 +201,7 @@ static int print_plan(const cli_call *call, cli_trace *t)
     bool some = cut_short(call, &t->rows, t->dropped, CLI_PIECE_MAX) || t->more_arcs;
     int code = some ? CLI_LIMIT : t->n_piece ? CLI_DONE : CLI_NOTHING;
     if (code == CLI_NOTHING)
-        cli_note(call, "%s", t->motion.n_arc ? "the linkage does not reach that range of the input"
-                                             : "the linkage closes nowhere");
+        cli_note(call, "%s", t->motion.n_arc ? "the linkage does not reach that range of the input" : "the linkage closes nowhere");
     return cli_close(call, &o, code);
 }
 
@@ -496,8 +492,7 @@ static int choose_way(const job *j)
         return in_time(j);
     int own = lw_linkage_free_inputs(k);
     if (own > 1)
-        cli_note(call, "input 1 moves, the other%s; --time-range moves all by their motions",
-                 own > 2 ? "s rest" : " rests");
+        cli_note(call, "input 1 moves, the other%s; --time-range moves all by their motions", own > 2 ? "s rest" : " rests");
     if (j->s->cycle)
         return run_curves(j, NULL);
     cli_trace *t = calloc(1, sizeof *t);

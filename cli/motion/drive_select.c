@@ -210,14 +210,12 @@ static lw_status draw_choices(int n, const lw_load *l, const lw_drive_parts *p,
         panels++;
         if (panels == 1) {
             static char title[300];
-            snprintf(title, sizeof title, "%s: %s, %s, %s", l[i].name, p->motor[c->motor].name, g->name,
-                     amplifier_name(p, c));
+            snprintf(title, sizeof title, "%s: %s, %s, %s", l[i].name, p->motor[c->motor].name, g->name, amplifier_name(p, c));
             plot[0].title = title;
         }
     }
     plot[0].height = panels == 1 ? 560 : 420*panels;
-    lw_status s = panels ? lw_draw_plots(panels, plot, path, e) : lw_error_set(e, LW_NOTHING,
-                                                                               "there is no choice to draw");
+    lw_status s = panels ? lw_draw_plots(panels, plot, path, e) : lw_error_set(e, LW_NOTHING, "there is no choice to draw");
     free(xy);
     return s;
 }
@@ -349,8 +347,7 @@ static void print_motor(FILE *f, const lw_motor_part *m, const cli_drive_setting
         = m->torque/(2*sqrt(m->inertia*o->mass));
     double wanted = o->acceleration > 0 ? o->acceleration : best, t_63
         = m->resistance*m->inertia/(m->torque_constant*m->torque_constant);
-    fprintf(f, "%s\n  current %.4g A; power: electrical %.2f W, mechanical %.2f W, lost in the winding %.2f W; "
-               "voltage %.2f V: "
+    fprintf(f, "%s\n  current %.4g A; power: electrical %.2f W, mechanical %.2f W, lost in the winding %.2f W; voltage %.2f V: "
             "back EMF %.2f V, resistance %.3f V\n  time constant R J/Kt^2 %.2f ms (63 %% of the speed); J w/T as "
             "printed %.1f ms (to full speed at "
             "constant torque)\n", m->name, current, power + heat, power, heat, emf + fall, emf, fall, 1000*t_63,
@@ -358,8 +355,7 @@ static void print_motor(FILE *f, const lw_motor_part *m, const cli_drive_setting
     fprintf(f, "  %-34s %10s %10s %9s %9s %9s %9s %10s %10s\n", "", "radius", "motor", "speed", "way v2/a",
             "time 2v/a", "efficiency",
             "true a", "true time");
-    fprintf(f, "  %-34s %10s %10s %9s %9s %9s %9s %10s %10s\n", "", "[mm]", "[rad/s2]", "[m/s]", "[m]", "[s]", "",
-            "[m/s2]", "[s]");
+    fprintf(f, "  %-34s %10s %10s %9s %9s %9s %9s %10s %10s\n", "", "[mm]", "[rad/s2]", "[m/s]", "[m]", "[s]", "", "[m/s2]", "[s]");
     const struct { const char *what; double r; } rows[] = {
         { "a J/T (leaves out the load)", lw_radius_printed(m, wanted) },
         { "least time, (s T/(2 w^2 m))^(1/3)", lw_radius_of_way(m, o->mass, o->way) },

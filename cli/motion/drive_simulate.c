@@ -283,8 +283,7 @@ static lw_status write_tables(const char *folder, const char *system, const lw_s
     lw_status s = write_table(folder, system, 'A', m->sample, m->n_state, m->n_state, m->a, m->state, m->state_unit, m->state,
                               m->state_unit, e);
     if (s == LW_OK)
-        s = write_table(folder, system, 'B', m->sample, m->n_state, m->n_input, m->b, m->state, m->state_unit, m->input,
-                        m->input_unit, e);
+        s = write_table(folder, system, 'B', m->sample, m->n_state, m->n_input, m->b, m->state, m->state_unit, m->input, m->input_unit, e);
     if (s == LW_OK)
         s = write_table(folder, system, 'C', m->sample, m->n_output, m->n_state, m->c, m->output, m->output_unit, m->state,
                         m->state_unit, e);

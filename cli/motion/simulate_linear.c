@@ -41,8 +41,7 @@ static void head(linear *l)
         cli_json_array(&l->j, "postures");
         return;
     }
-    fprintf(l->out, "# %s\n# frequencies [Hz], eigenvalue re + i im [1/s], input [rad or m; empty: none], unbalanced: force "
-            "left over in "
+    fprintf(l->out, "# %s\n# frequencies [Hz], eigenvalue re + i im [1/s], input [rad or m; empty: none], unbalanced: force left over in "
             "shares of the greatest\nposture,input,mode,frequency,natural,damping,re,im,unbalanced%s\n", l->call->line,
             l->o->fft ? ",heard" : "");
 }
@@ -179,8 +178,7 @@ static const lw_mode *growing(const lw_modes *m)
 {
     const lw_mode *most = NULL;
     for (int k = 0; k < m->n_mode; k++)
-        if (m->mode[k].re > 1e-9*(fabs(m->mode[k].im) + fabs(m->mode[m->n_mode - 1].natural))
-            && (!most || m->mode[k].re > most->re))
+        if (m->mode[k].re > 1e-9*(fabs(m->mode[k].im) + fabs(m->mode[m->n_mode - 1].natural)) && (!most || m->mode[k].re > most->re))
             most = &m->mode[k];
     return most;
 }
@@ -274,8 +272,7 @@ static lw_status along(linear *l, lw_error *e)
         return lw_error_set(e, LW_E_ARG, "modes along the motion need an input, and the model has none");
     bool pin = lw_joint_turns(l->s->joint[l->s->input_joint[0]].kind), whole = in->first == in->last;
     if (whole && !pin)
-        return lw_error_set(e, LW_E_ARG, "modes along the motion of a slider need its range: give the input a \"from\" "
-                            "and a \"to\"");
+        return lw_error_set(e, LW_E_ARG, "modes along the motion of a slider need its range: give the input a \"from\" and a \"to\"");
     double first = whole ? in->value : in->first, last = whole ? in->value + 2*LW_PI : in->last;
     lw_status s = LW_OK;
     for (int k = 0; s == LW_OK && k <= l->o->along && !cli_interrupted(); k++) {
@@ -356,8 +353,7 @@ int cli_simulate_linear(const cli_call *call, lw_model *m, lw_spatial *space, co
     if (s == LW_OK && l->modes.cut)
         cli_note(call, "some loads have no potential: modes faster than the first %d are not found to 1e-6, and are left out", l->modes.n_mode);
     if (s == LW_OK && !o->rest && !o->along && l->modes.unbalanced > 1e-9)
-        cli_note(call, "the posture is no equilibrium: %.3g of the greatest force is left over; --rest goes to one",
-                 l->modes.unbalanced);
+        cli_note(call, "the posture is no equilibrium: %.3g of the greatest force is left over; --rest goes to one", l->modes.unbalanced);
     if (s == LW_OK && !o->along && inputs_move(l))
         cli_note(call, "inputs move at t = %g s, but the modes are those at rest: without centrifugal and gyroscopic forces, which a run in "
                  "time has", o->t);

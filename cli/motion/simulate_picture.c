@@ -16,8 +16,7 @@ static bool wanted(const cli_table *t, int c, const char *list, bool driven)
         return driven ? dot && strcmp(dot, ".drive") == 0 : strcmp(name, "kinetic") == 0 || strcmp(name, "potential") == 0;
     for (const char *p = list; *p;) {
         size_t n = strcspn(p, ",");
-        if ((strlen(name) == n && strncmp(name, p, n) == 0) || (dot && (size_t)(dot - name) == n && strncmp(name, p,
-                                                                                                            n) == 0))
+        if ((strlen(name) == n && strncmp(name, p, n) == 0) || (dot && (size_t)(dot - name) == n && strncmp(name, p, n) == 0))
             return true;
         p += n + (p[n] == ',');
     }

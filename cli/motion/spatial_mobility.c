@@ -48,8 +48,7 @@ static void write_text(FILE *f, const lw_space_adjusted *a, const lw_space_mobil
     for (int i = 0; i < m->n_redundant; i++)
         fprintf(f, "%-16s%s of %s\n", "", m->redundant[i].row, name_of(model, m->redundant[i].joint));
     if (lw_spatial_is_planar(model, &normal))
-        fprintf(f, "%-16saxes are parallel to [%.6g, %.6g, %.6g]: the motion is planar; written with two numbers a "
-                   "place, it "
+        fprintf(f, "%-16saxes are parallel to [%.6g, %.6g, %.6g]: the motion is planar; written with two numbers a place, it "
                 "is solved faster\n", "planar", normal.x, normal.y, normal.z);
     if (m->freedom > 0)
         fprintf(f, "%-16s%.3g (sizes and radians), joints closed to %.2g m\n", "moved", m->moved, m->residual);

@@ -245,8 +245,7 @@ static lw_status keep_row(run *r)
     if (!make_room((void **)&t->row, n, columns*sizeof *t->row))
         return LW_E_MEMORY;
     memcpy(t->row + n*columns, r->row, columns*sizeof *r->row);
-    if (r->film && (!make_room((void **)&r->pose, n, links*sizeof *r->pose)
-                    || !make_room((void **)&r->path, n, tracers*sizeof *r->path)))
+    if (r->film && (!make_room((void **)&r->pose, n, links*sizeof *r->pose) || !make_room((void **)&r->path, n, tracers*sizeof *r->path)))
         return LW_E_MEMORY;
     for (size_t i = 0; r->film && i < links; i++)
         r->pose[n*links + i] = (lw_space_pose){ r->link[i].place, r->link[i].turn };

@@ -47,9 +47,7 @@ static lw_status spatial_table(lw_spatial *m, const cli_table_options *o, cli_ta
     return cli_spatial_table(m, &d, o->speed, t, e);
 }
 
-lw_status cli_table_run(const cli_call *call, lw_model *planar, lw_spatial *spatial, const cli_table_options *o,
-                        cli_table *t,
-                        lw_error *e)
+lw_status cli_table_run(const cli_call *call, lw_model *planar, lw_spatial *spatial, const cli_table_options *o, cli_table *t, lw_error *e)
 {
     *t = (cli_table){ 0 };
     return spatial ? spatial_table(spatial, o, t, e) : planar_table(call, planar, o, t, e);

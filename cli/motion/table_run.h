@@ -13,7 +13,6 @@ typedef struct cli_table_options {
 } cli_table_options;
 
 /* One of planar and spatial is the model, which may be changed.  t needs cli_table_free also after a failure. */
-lw_status cli_table_run(const cli_call *call, lw_model *planar, lw_spatial *spatial, const cli_table_options *o,
-                        cli_table *t, lw_error *e);
+lw_status cli_table_run(const cli_call *call, lw_model *planar, lw_spatial *spatial, const cli_table_options *o, cli_table *t, lw_error *e);
 
 #endif

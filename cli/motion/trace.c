@@ -170,8 +170,7 @@ static void csv_turnings(const cli_trace *t, const cli_piece *p)
     const double *mode = t->motion.arc[p->arc].mode;
     int n = lw_output_limits_find(&t->plan, &t->k, t->dim, mode, p->first, p->last, turn, TURN_MAX);
     for (int i = 0; i < n; i++) {
-        fprintf(t->rows.f, "# dead point of arc %d: %s turns back at input ", p->arc + 1,
-                t->k.link_name[turn[i].link]);
+        fprintf(t->rows.f, "# dead point of arc %d: %s turns back at input ", p->arc + 1, t->k.link_name[turn[i].link]);
         cli_row_number(t->rows.f, shown_input(t, turn[i].input));
         fputc('\n', t->rows.f);
     }
@@ -255,8 +254,7 @@ void cli_note_nearly_flat(const cli_call *call, const lw_linkage *linkage)
         && lw_plan_read(&t->plan, linkage, t->dim, t->mode, &t->input, NULL) == LW_OK
         && lw_motion_find(&t->plan, t->dim, &t->motion) == LW_OK) {
         int arc = lw_motion_arc(&t->plan, &t->motion, t->mode, t->input);
-        double left = arc < 0 ? 0 : lw_motion_nearly_flat(&t->motion, t->motion.arc[arc].circuit,
-                                                             !t->plan.input_is_slider);
+        double left = arc < 0 ? 0 : lw_motion_nearly_flat(&t->motion, t->motion.arc[arc].circuit, !t->plan.input_is_slider);
         if (left > 0)
             cli_note(call, "two links come within %.2g deg of a straight line without passing it, as in a parallelogram or a kite drawn with "
                      "rounded numbers; the motion follows the rounded numbers, with exact ones it would pass a change point there "

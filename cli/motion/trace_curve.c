@@ -169,8 +169,7 @@ static double rounds_at(const cli_curve_trace *t, lw_motion_curve *motion, const
 static double station_at(lw_motion_curve *motion, const cli_stretch *s, double u, double rounds)
 {
     int part = s->input_per_round == 0 && rounds > 0;
-    return lw_motion_curve_find(motion, s->part[part].from, s->part[part].to,
-                                u - s->part[part].more - rounds*s->input_per_round);
+    return lw_motion_curve_find(motion, s->part[part].from, s->part[part].to, u - s->part[part].more - rounds*s->input_per_round);
 }
 
 /* Add the turns of the links: every round of a closed curve adds as many turns as the first. */
@@ -554,8 +553,7 @@ static bool solve(cli_groups *g, double u)
     return s == LW_OK && g->posture.margin > LEAST_MARGIN;
 }
 
-void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double u, const cli_rows *rows,
-                     const cli_row *row)
+void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double u, const cli_rows *rows, const cli_row *row)
 {
     double dim[LW_DIM_MAX], input;
     lw_system_write(s, q, &g->k);

@@ -28,8 +28,7 @@ typedef struct cli_groups {
 cli_groups *cli_groups_make(const lw_linkage *linkage, unsigned tracers);
 
 /* Start the next rows from posture q of s, which was printed as `row` at input u. */
-void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double u, const cli_rows *rows,
-                     const cli_row *row);
+void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double u, const cli_rows *rows, const cli_row *row);
 
 /* Compute the row at input u; by: input rate that scales the derivatives. False: the plan is too near a dead point. */
 bool cli_groups_row(cli_groups *g, double u, double by, const cli_rows *rows, cli_row *row);

@@ -85,8 +85,7 @@ static lw_status find_ends(const cli_trace_large *t, double ends[2], bool limit[
     bool whole = !t->input_range && in->first == in->last;
     lw_status st = LW_OK;
     if (whole && cli_input_slides(a, 0))
-        return lw_error_set(e, LW_E_ARG, "the range of the input is needed: give it \"first\" and \"last\" in the file, or "
-                            "--input-range");
+        return lw_error_set(e, LW_E_ARG, "the range of the input is needed: give it \"first\" and \"last\" in the file, or --input-range");
     ends[0] = whole ? start : t->input_range ? t->input_range[0] : fmin(in->first, in->last);
     ends[1] = whole ? start + 2*LW_PI : t->input_range ? t->input_range[1] : fmax(in->first, in->last);
     if (ends[1] > start)

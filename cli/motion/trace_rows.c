@@ -193,8 +193,7 @@ lw_status cli_rows_plot(const cli_rows *r, const char *path, lw_error *e)
     if (kept->failed)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (n_line > LINES)
-        return lw_error_set(e, LW_E_ARG, "%d tracers are too many lines for one plot; --tracer NAME draws one",
-                            tracers);
+        return lw_error_set(e, LW_E_ARG, "%d tracers are too many lines for one plot; --tracer NAME draws one", tracers);
     double *y = malloc((size_t)(1 + (PANELS + 1)*n_line)*(kept->n + 1)*sizeof *y);
     char name[PANELS][LINES][LW_NAME_SIZE + 8], label[PANELS][64];
     lw_series series[PANELS][LINES];
@@ -282,8 +281,7 @@ static void put_double(cli_rows *r, int arc, const char *name, const lw_double_p
         cli_json_reals(r->json, "inputs", v + 2, 2);
         cli_json_end(r->json);
     } else
-        fprintf(r->f, "# double point of arc %d: %s at %.10g, %.10g, inputs %.10g and %.10g\n", arc, name, v[0], v[1], v[2],
-                v[3]);
+        fprintf(r->f, "# double point of arc %d: %s at %.10g, %.10g, inputs %.10g and %.10g\n", arc, name, v[0], v[1], v[2], v[3]);
 }
 
 void cli_rows_arc_end(cli_rows *r, int arc)

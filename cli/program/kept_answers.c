@@ -126,8 +126,7 @@ static lw_status read_all(cli_kept *k, const char *text, size_t size, size_t *en
             continue;
         }
         if (record == 0 || sscanf(word, "task %zu bytes %zu check %" SCNx64 "%n", &task, &n, &check, &head) != 3 || word[head])
-            return lw_error_set(e, LW_E_NOTATION, "record %ld of %s is damaged, or this is no file of kept answers",
-                                record + 1, k->path);
+            return lw_error_set(e, LW_E_NOTATION, "record %ld of %s is damaged, or this is no file of kept answers", record + 1, k->path);
         if (n >= size - first)
             return LW_OK;
         if (cli_kept_check(task, text + first, n) != check || text[first + n] != '\n' || task > 100000000)

@@ -16,8 +16,7 @@ void             cli_free_model(struct lw_model *m);               /* NULL is fi
 /* The same of a planar or a spatial model (grammar/model/spatial.h): one of *planar and *spatial is set.  A planar file costs no
  * more than with cli_read_model.  spatial NULL: a spatial model is an error. */
 struct lw_spatial;
-lw_status cli_read_any_model(const char *path, int which, struct lw_model **planar, struct lw_spatial **spatial,
-                             lw_error *e);
+lw_status cli_read_any_model(const char *path, int which, struct lw_model **planar, struct lw_spatial **spatial, lw_error *e);
 lw_status cli_any_model_text(const char *text, size_t size, const char *path, int which, struct lw_model **planar,
                              struct lw_spatial **spatial, lw_error *e);
 void      cli_free_spatial(struct lw_spatial *m);                  /* NULL is fine */

@@ -327,8 +327,7 @@ static void receive(desk *d)
 /* The next task is left out. */
 static bool skip_next(desk *d)
 {
-    if (d->next == d->w->n_task || d->next >= d->turn + d->n_kept || !d->w->skip
-        || !d->w->skip(d->w->context, d->next))
+    if (d->next == d->w->n_task || d->next >= d->turn + d->n_kept || !d->w->skip || !d->w->skip(d->w->context, d->next))
         return false;
     d->early[d->next++ % d->n_kept].here = true;
     take_early(d);

@@ -13,21 +13,16 @@
     { name, letter, kind, offsetof(cli_common, member), argument, fallback, help, least, most, NULL, NULL }
 
 const cli_option cli_common_options[] = {
-    ROW("output", 'o', CLI_OUTPUT, output, "FILE", NULL,
-        "write to this file, completely or not at all, instead of standard output", 0, 0),
+    ROW("output", 'o', CLI_OUTPUT, output, "FILE", NULL, "write to this file, completely or not at all, instead of standard output", 0, 0),
     ROW("force",  0, CLI_FLAG, force, NULL, NULL,
         "also replace existing files that linkwright did not write; an input of the same command is never replaced", 0,
         0),
     ROW("json",   0, CLI_FLAG, json, NULL, NULL, "print JSON instead of text; -o FILE.json does the same", 0, 0),
-    ROW("seed",   0, CLI_SEED, seed, "N", "1",
-        "seed of the random numbers; the same seed gives the same answer", 0, 0),
-    ROW("jobs",  'j', CLI_INT, jobs, "N", "0",
-        "number of threads, 0 for one per core; the answer is the same for any number", 0, 1024),
-    ROW("time",   0, CLI_REAL, time, "SECONDS", "0",
-        "stop after this time and keep what was found; 0 is no limit", 0, 1e9),
+    ROW("seed",   0, CLI_SEED, seed, "N", "1", "seed of the random numbers; the same seed gives the same answer", 0, 0),
+    ROW("jobs",  'j', CLI_INT, jobs, "N", "0", "number of threads, 0 for one per core; the answer is the same for any number", 0, 1024),
+    ROW("time",   0, CLI_REAL, time, "SECONDS", "0", "stop after this time and keep what was found; 0 is no limit", 0, 1e9),
     ROW("memory", 0, CLI_REAL, memory, "GB", NULL,
-        "greatest memory of the program; work that would need more ends in order. Without it three quarters of the "
-        "machine's", 0.01, 1e6),
+        "greatest memory of the program; work that would need more ends in order. Without it three quarters of the machine's", 0.01, 1e6),
     ROW("quiet", 'q', CLI_FLAG, quiet, NULL, NULL, "print no progress and no notes on standard error", 0, 0),
     ROW("help",  'h', CLI_FLAG, help, NULL, NULL, "show this text", 0, 0),
     { .name = NULL }
@@ -53,17 +48,14 @@ static int row_by_letter(const cli_option *options, char letter)
 
 static bool any_range(const cli_option *r) { return r->least == 0 && r->most == 0; }
 
-static lw_status check_range(const cli_option *r, const char *name, const char *text, double v,
-                             lw_error *e)
+static lw_status check_range(const cli_option *r, const char *name, const char *text, double v, lw_error *e)
 {
     if (any_range(r) || (v >= r->least && v <= r->most))
         return LW_OK;
-    return lw_error_set(e, LW_E_ARG, "%s %s: %s is out of range; allowed is %g to %g", name, r->argument, text,
-                        r->least, r->most);
+    return lw_error_set(e, LW_E_ARG, "%s %s: %s is out of range; allowed is %g to %g", name, r->argument, text, r->least, r->most);
 }
 
-static lw_status real_value(const cli_option *r, const char *name, const char *text, size_t size,
-                            double *v, lw_error *e)
+static lw_status real_value(const cli_option *r, const char *name, const char *text, size_t size, double *v, lw_error *e)
 {
     if (lw_number_parse(text, size, v) != LW_OK)
         return lw_error_set(e, LW_E_ARG, "%s %s: '%.*s' is no number; write it as 2, -0.5 or 1e-3", name, r->argument,
@@ -71,13 +63,11 @@ static lw_status real_value(const cli_option *r, const char *name, const char *t
     return check_range(r, name, text, *v, e);
 }
 
-static lw_status int_value(const cli_option *r, const char *name, const char *text, size_t size,
-                           int *v, lw_error *e)
+static lw_status int_value(const cli_option *r, const char *name, const char *text, size_t size, int *v, lw_error *e)
 {
     double d = 0;
     if (lw_number_parse(text, size, &d) != LW_OK || d != floor(d) || fabs(d) > INT_MAX)
-        return lw_error_set(e, LW_E_ARG, "%s: '%.*s' is no whole number of at most %d", name, (int)size,
-                            text, INT_MAX);
+        return lw_error_set(e, LW_E_ARG, "%s: '%.*s' is no whole number of at most %d", name, (int)size, text, INT_MAX);
     *v = (int)d;
     return check_range(r, name, text, d, e);
 }
@@ -88,8 +78,7 @@ static lw_status seed_value(const char *name, const char *text, uint64_t *v, lw_
     errno = 0;
     unsigned long long n = digits ? strtoull(text, NULL, 10) : 0;
     if (!digits || errno == ERANGE)
-        return lw_error_set(e, LW_E_ARG, "%s: '%s' is no seed; it is a whole number from 0 to %llu",
-                            name, text, ULLONG_MAX);
+        return lw_error_set(e, LW_E_ARG, "%s: '%s' is no seed; it is a whole number from 0 to %llu", name, text, ULLONG_MAX);
     *v = n;
     return LW_OK;
 }
@@ -107,33 +96,28 @@ static bool split(const char *text, char mark, size_t size[2], const char *part[
     return true;
 }
 
-static lw_status range_value(const cli_option *r, const char *name, const char *text, double *v,
-                             lw_error *e)
+static lw_status range_value(const cli_option *r, const char *name, const char *text, double *v, lw_error *e)
 {
     size_t size[2];
     const char *part[2];
     if (!split(text, ':', size, part))
-        return lw_error_set(e, LW_E_ARG, "%s: '%s' is no range; write MIN:MAX, for example 0.5:20",
-                            name, text);
+        return lw_error_set(e, LW_E_ARG, "%s: '%s' is no range; write MIN:MAX, for example 0.5:20", name, text);
     for (int i = 0; i < 2; i++) {
         lw_status s = real_value(r, name, part[i], size[i], &v[i], e);
         if (s != LW_OK)
             return s;
     }
     if (v[0] > v[1])
-        return lw_error_set(e, LW_E_ARG, "%s: the range %s is empty; the smaller number comes first",
-                            name, text);
+        return lw_error_set(e, LW_E_ARG, "%s: the range %s is empty; the smaller number comes first", name, text);
     return LW_OK;
 }
 
-static lw_status size_value(const cli_option *r, const char *name, const char *text, int *v,
-                            lw_error *e)
+static lw_status size_value(const cli_option *r, const char *name, const char *text, int *v, lw_error *e)
 {
     size_t size[2];
     const char *part[2];
     if (!split(text, 'x', size, part))
-        return lw_error_set(e, LW_E_ARG, "%s: '%s' is no size; write WIDTHxHEIGHT, for example 800x600",
-                            name, text);
+        return lw_error_set(e, LW_E_ARG, "%s: '%s' is no size; write WIDTHxHEIGHT, for example 800x600", name, text);
     for (int i = 0; i < 2; i++) {
         lw_status s = int_value(r, name, part[i], size[i], &v[i], e);
         if (s != LW_OK)
@@ -142,8 +126,7 @@ static lw_status size_value(const cli_option *r, const char *name, const char *t
     return LW_OK;
 }
 
-static lw_status choice_value(const cli_option *r, const char *name, const char *text, int *v,
-                              lw_error *e)
+static lw_status choice_value(const cli_option *r, const char *name, const char *text, int *v, lw_error *e)
 {
     size_t length = strlen(text);
     const char *c = r->argument;
@@ -158,8 +141,7 @@ static lw_status choice_value(const cli_option *r, const char *name, const char 
     return lw_error_set(e, LW_E_ARG, "%s: '%s' is none of %s", name, text, r->argument);
 }
 
-lw_status cli_value(const cli_option *r, const char *name, const char *text, void *value,
-                    lw_error *e)
+lw_status cli_value(const cli_option *r, const char *name, const char *text, void *value, lw_error *e)
 {
     switch (r->kind) {
     case CLI_FLAG:   *(bool *)value = true;          return LW_OK;
@@ -251,8 +233,7 @@ static lw_status unknown_letter(parser *q, char letter)
                 snprintf(names + n, sizeof names - n, "%s--%s", n ? ", " : "", rows[i].name);
         }
     }
-    return lw_error_set(q->e, LW_E_ARG, "there is no option -%c%s%s", letter, names[0] ? "; by this letter begin " : "",
-                        names);
+    return lw_error_set(q->e, LW_E_ARG, "there is no option -%c%s%s", letter, names[0] ? "; by this letter begin " : "", names);
 }
 
 static bool is_number(const char *w) { return (w[1] >= '0' && w[1] <= '9') || w[1] == '.'; }
@@ -283,8 +264,7 @@ static lw_status long_option(parser *q, const char *word)
 {
     size_t size = strcspn(word + 2, "=");
     const char *value = word[2 + size] ? word + 2 + size + 1 : NULL;
-    found f = place_of(q, row_by_name(q->own, word + 2, size),
-                       row_by_name(cli_common_options, word + 2, size));
+    found f = place_of(q, row_by_name(q->own, word + 2, size), row_by_name(cli_common_options, word + 2, size));
     if (!f.row)
         return unknown_option(q, word + 2, size);
     char shown[64];
@@ -319,14 +299,12 @@ static lw_status check_partners(parser *q)
         if (r->needs && !cli_given(q->p, r->needs))
             return lw_error_set(q->e, LW_E_ARG, "--%s needs --%s beside it", r->name, r->needs);
         if (r->excludes && cli_given(q->p, r->excludes))
-            return lw_error_set(q->e, LW_E_ARG, "--%s and --%s contradict each other; leave one out",
-                                r->name, r->excludes);
+            return lw_error_set(q->e, LW_E_ARG, "--%s and --%s contradict each other; leave one out", r->name, r->excludes);
     }
     return LW_OK;
 }
 
-lw_status cli_parse(const cli_option *options, int argc, char **argv, void *settings,
-                    cli_common *common, cli_parsed *p, lw_error *e)
+lw_status cli_parse(const cli_option *options, int argc, char **argv, void *settings, cli_common *common, cli_parsed *p, lw_error *e)
 {
     *p = (cli_parsed){ .options = options };
     *common = (cli_common){ 0 };
@@ -395,8 +373,7 @@ void cli_option_help(const cli_option *r, FILE *f)
     char letter[8] = "    ";
     if (r->letter)
         snprintf(letter, sizeof letter, "-%c, ", r->letter);
-    snprintf(head, sizeof head, "  %s--%s%s%s", letter, r->name, r->argument ? " " : "",
-             r->argument ? r->argument : "");
+    snprintf(head, sizeof head, "  %s--%s%s%s", letter, r->name, r->argument ? " " : "", r->argument ? r->argument : "");
     cli_option_text(r, text);
     int n = fprintf(f, "%s", head);
     if (n >= HELP_COLUMN)

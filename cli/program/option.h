@@ -68,15 +68,13 @@ typedef struct cli_parsed {
 
 /* Read argv[0 .. argc-1], without the names of program and command. settings: the command's struct, zeroed. LW_E_ARG
  * with a text: wrong usage. */
-lw_status cli_parse(const cli_option *options, int argc, char **argv, void *settings,
-                    cli_common *common, cli_parsed *p, lw_error *e);
+lw_status cli_parse(const cli_option *options, int argc, char **argv, void *settings, cli_common *common, cli_parsed *p, lw_error *e);
 
 /* Was --name given by the user? */
 bool cli_given(const cli_parsed *p, const char *name);
 
 /* Read one value as the parser does, for lists inside a CLI_TEXT. name: for the message. */
-lw_status cli_value(const cli_option *row, const char *name, const char *text, void *value,
-                    lw_error *e);
+lw_status cli_value(const cli_option *row, const char *name, const char *text, void *value, lw_error *e);
 
 /* Text of a row, with its default and the options it needs or excludes. */
 #define CLI_HELP_SIZE 1024

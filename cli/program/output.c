@@ -52,8 +52,7 @@ int cli_fail(const cli_call *call, const lw_error *e)
 {
     char text[sizeof e->file + sizeof e->text + 64];
     if (e->status == LW_OK) {                    /* no exit code 0 because the failing call filled no message */
-        fprintf(stderr, "linkwright %s: the work could not be finished; most likely it ran out of memory\n",
-                call->command->name);
+        fprintf(stderr, "linkwright %s: the work could not be finished; most likely it ran out of memory\n", call->command->name);
         return CLI_NUMERIC;
     }
     lw_error told = *e;
@@ -290,8 +289,7 @@ int cli_close(const cli_call *call, lw_output *o, int code)
     if (commit(o, partial, &e) != LW_OK)
         return cli_fail(call, &e);
     if (partial)
-        fprintf(stderr, "linkwright %s: stopped before the end: what was found is in %s.partial\n",
-                call->command->name, o->path);
+        fprintf(stderr, "linkwright %s: stopped before the end: what was found is in %s.partial\n", call->command->name, o->path);
     return code;
 }
 
@@ -392,8 +390,7 @@ int cli_may_write(const cli_call *call, const char *path)
         return CLI_DONE;
     const char *input = input_that_is(call, &st);
     if (input)
-        return cli_usage(call, "%s is an input of this command (%s) and is not overwritten; name another file", path,
-                         input);
+        return cli_usage(call, "%s is an input of this command (%s) and is not overwritten; name another file", path, input);
     if (st.st_size > 0 && !call->common.force && !lw_file_is_own(path))
         return cli_usage(call, "%s exists, and linkwright did not write it or it was changed since; name another file, "
                          "or replace it with --force", path);
@@ -457,8 +454,7 @@ int cli_may_write_in(const cli_call *call, const char *folder, const char *forma
     if (n >= LW_PATH_SIZE || is_too_long(path))
         return cli_usage(call, "%.80s: the names of files in this folder become too long; choose a shorter one", folder);
     if (call->common.output && same_place(path, call->common.output))
-        return cli_usage(call, "-o %s is also one of the files that go into the folder %s; name another file",
-                         call->common.output, folder);
+        return cli_usage(call, "-o %s is also one of the files that go into the folder %s; name another file", call->common.output, folder);
     return cli_may_write(call, path);
 }
 
@@ -765,8 +761,7 @@ void cli_limit_memory(const cli_call *call)
 void cli_say_waiting(const char *what)
 {
     if (isatty(STDIN_FILENO))
-        fprintf(stderr, "linkwright: waiting for %s on standard input; end it with Ctrl-D, or name a file instead\n",
-                what);
+        fprintf(stderr, "linkwright: waiting for %s on standard input; end it with Ctrl-D, or name a file instead\n", what);
 }
 
 lw_status cli_read_file(const char *path, const char *what, char **text, size_t *size, lw_error *e)

@@ -82,8 +82,7 @@ static lw_status next_topology(source *s, lw_mechanism *m, lw_error *e)
     return status;
 }
 
-int cli_topologies_each(const cli_call *call, const char *file, bool keep_going, cli_topology_visit *visit,
-                        void *context)
+int cli_topologies_each(const cli_call *call, const char *file, bool keep_going, cli_topology_visit *visit, void *context)
 {
     source from;
     lw_error e = { 0 };

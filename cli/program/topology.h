@@ -34,8 +34,7 @@ typedef lw_status cli_topology_visit(void *context, const lw_mechanism *m, lw_er
 
 /* Read all topologies in `file`; "-" or NULL is standard input. The first error of the input, or of visit, is printed
  * with its place and ends the reading, unless keep_going. Returns the exit code. */
-int cli_topologies_each(const cli_call *call, const char *file, bool keep_going, cli_topology_visit *visit,
-                        void *context);
+int cli_topologies_each(const cli_call *call, const char *file, bool keep_going, cli_topology_visit *visit, void *context);
 
 /* Write m and a line end; after a notation of several lines also an empty line. The first time that the notation leaves
  * out something of m, a note says what. */

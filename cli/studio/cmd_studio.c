@@ -20,8 +20,7 @@ typedef struct settings {
 static const cli_option options[] = {
     { "port", 0, CLI_INT, offsetof(settings, port), "N", "0",
       "port on 127.0.0.1; 0: that of the last time if it is free, else any free one", 0, 65535, NULL, NULL },
-    { "no-browser", 0, CLI_FLAG, offsetof(settings, no_browser), NULL, NULL,
-      "print the address and open no browser", 0, 0, NULL, NULL },
+    { "no-browser", 0, CLI_FLAG, offsetof(settings, no_browser), NULL, NULL, "print the address and open no browser", 0, 0, NULL, NULL },
     { "atlas", 0, CLI_INPUT, offsetof(settings, atlas), "FILE", NULL,
       "catalogue with the coupler curves that appear while you draw ('linkwright help catalogue curves'); without it one "
       "is made once, in some seconds, in the user's cache folder", 0, 0, NULL, NULL },

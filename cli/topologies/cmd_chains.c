@@ -31,32 +31,25 @@ static const cli_option options[] = {
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL, "number of links", 3, LW_LINK_MAX, NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
       "degree of freedom; 0 gives rigid chains (Baranov trusses)", 0, LW_DOF_MAX, NULL, NULL },
-    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL,
-      "print only the number of chains", 0, 0, NULL, NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "print only the number of chains", 0, 0, NULL, NULL },
     { "by", 0, CLI_CHOICE, offsetof(settings, by), "total|assortment", "total",
       "one number, or one for each assortment (numbers of binary, ternary, ... links)", 0, 0, "count", NULL },
     { "format", 'f', CLI_CHOICE, offsetof(settings, format),
-      "graph6|lam|sentence|franke|edges|json|dot|graphml", "graph6",
-      "how a chain is written", 0, 0, NULL, "count" },
+      "graph6|lam|sentence|franke|edges|json|dot|graphml", "graph6", "how a chain is written", 0, 0, NULL, "count" },
     { "fractionated", 0, CLI_FLAG, offsetof(settings, fractionated), NULL, NULL,
       "also list chains that separate into two at a link or a joint, after the others", 0, 0, NULL, NULL },
-    { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL,
-      "only chains with a planar graph", 0, 0, NULL, "non-planar" },
-    { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL,
-      "only chains with a non-planar graph", 0, 0, NULL, "filter" },
+    { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL, "only chains with a planar graph", 0, 0, NULL, "non-planar" },
+    { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL, "only chains with a non-planar graph", 0, 0, NULL, "filter" },
     { "filter", 0, CLI_TEXT, offsetof(settings, filter), "NAME", NULL,
       "only certain chains: planar, non-planar, asymmetric, or no-dyad (no two binary links in a row); every, "
       "distinct: all, but --count lists them one by one (distinct: and compares them), as a second count; generating: "
       "all, but --count makes only those with symmetries and takes the rest from generating functions",
       0, 0, NULL, "planar" },
     { "part", 0, CLI_TEXT, offsetof(settings, part), "R/M", NULL,
-      "compute part R of M (R = 1 .. M); the parts have no chain in common and together are complete",
-      0, 0, NULL, NULL },
-    { "resume", 0, CLI_FLAG, offsetof(settings, resume), NULL, NULL,
-      "continue the listing in -o FILE that was interrupted", 0, 0, NULL, "count" },
+      "compute part R of M (R = 1 .. M); the parts have no chain in common and together are complete", 0, 0, NULL, NULL },
+    { "resume", 0, CLI_FLAG, offsetof(settings, resume), NULL, NULL, "continue the listing in -o FILE that was interrupted", 0, 0, NULL, "count" },
     { "keep", 0, CLI_INPUT, offsetof(settings, keep), "FILE", NULL,
-      "count in parts, keep the numbers of each part in FILE, and leave out the parts that FILE holds already",
-      0, 0, "count", NULL },
+      "count in parts, keep the numbers of each part in FILE, and leave out the parts that FILE holds already", 0, 0, "count", NULL },
     { "structures", 0, CLI_STORE, offsetof(settings, structures), "FILE", NULL,
       "read the structures from FILE; if there is no such file, write it", 0, 0, NULL, NULL },
     { "mpi", 0, CLI_FLAG, offsetof(settings, mpi), NULL, NULL,
@@ -117,8 +110,7 @@ static int unknown_filter(const cli_call *call, const char *name)
     while (lw_filters[n].name)
         n++;
     const char *near = LW_SUGGEST(name, lw_filters, n, name);
-    return cli_usage(call, "there is no filter '%s'%s%s%s", name, near ? "; did you mean '" : "", near ? near : "",
-                     near ? "'?" : "");
+    return cli_usage(call, "there is no filter '%s'%s%s%s", name, near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
 }
 
 /* Read the settings that are more than a number. CLI_DONE: they are valid. */
@@ -201,8 +193,7 @@ static lw_status say_how_long(task *t, lw_error *error)
         cli_note(t->call, "about %.2g structures and %.2g chains, %.2g s on %d core%s, %.2g MB", e.structures,
                  t->expected, seconds, cores, lw_plural(cores), e.bytes/1e6);
     if (e.bytes > cli_memory(t->call))
-        return lw_error_set(error, LW_E_MEMORY, "the structures with %d loops need about %.2g GB", n.n_loop,
-                            e.bytes/1e9);
+        return lw_error_set(error, LW_E_MEMORY, "the structures with %d loops need about %.2g GB", n.n_loop, e.bytes/1e9);
     return LW_OK;
 }
 
@@ -585,8 +576,7 @@ static lw_status list_all(task *t, lw_error *e)
     cli_progress_end(&t->progress);
     if (status == LW_E_KIND || (status == LW_OK && t->before.n_line > 0 && !t->compared))
         return lw_error_at(e, LW_E_KIND, t->call->common.output, (long)t->before.n_line, 1,
-                           "another chain comes here, so "
-                           "this is a listing of something else; --resume needs the same options as before");
+                           "another chain comes here, so this is a listing of something else; --resume needs the same options as before");
     return status;
 }
 
@@ -612,15 +602,13 @@ static int enumerate(task *t, lw_error *e)
         return cli_fail(t->call, e);
     if (t->s->structures || !kept_complete(t)) {
         t->progress = cli_progress_begin(t->call, "structures", "structures");
-        status = lw_chains_create_while(t->s->links, t->s->dof, t->call->common.jobs, t->s->structures,
-                                        tick_structures, t, &t->chains, e);
+        status = lw_chains_create_while(t->s->links, t->s->dof, t->call->common.jobs, t->s->structures, tick_structures, t, &t->chains, e);
         cli_progress_end(&t->progress);
     }
     if (status != LW_OK)
         return cli_interrupted() && !cli_timed_out() ? CLI_DONE : cli_fail(t->call, e);
     t->progress = cli_progress_begin(t->call, "chains", "chains");
-    if ((listing ? cli_resume_open(t->call, t->s->resume, &t->out, &t->before, e) : cli_open(t->call, &t->out,
-                                                                                             e)) != LW_OK)
+    if ((listing ? cli_resume_open(t->call, t->s->resume, &t->out, &t->before, e) : cli_open(t->call, &t->out, e)) != LW_OK)
         return cli_fail(t->call, e);
     status = t->s->count ? count_all(t) : list_all(t, e);
     return finish(t, lw_graph_error(e, status), e);

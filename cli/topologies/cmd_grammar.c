@@ -19,28 +19,22 @@ static const cli_option options[] = {
     CLI_FORMAT_ROW(settings, format, NULL, "parse, print, derive: "),
     { "keep-going", 'k', CLI_FLAG, offsetof(settings, keep_going), NULL, NULL,
       "parse, print, explain: after an error in the input continue with the next topology", 0, 0, NULL, NULL },
-    { "sentence", 0, CLI_TEXT, offsetof(settings, from), "SENTENCE", NULL,
-      "derive: the sentence that the rule is applied to", 0, 0, NULL, NULL },
+    { "sentence", 0, CLI_TEXT, offsetof(settings, from), "SENTENCE", NULL, "derive: the sentence that the rule is applied to", 0, 0, NULL, NULL },
     { "rule", 0, CLI_INT, offsetof(settings, rule), "N", NULL,
-      "derive: apply one rule; rules 1 and 2 make a first sentence, rules 3 and 4 extend --sentence at --at",
-      1, 4, NULL, "links" },
+      "derive: apply one rule; rules 1 and 2 make a first sentence, rules 3 and 4 extend --sentence at --at", 1, 4, NULL, "links" },
     { "at", 0, CLI_TEXT, offsetof(settings, at), "X,Y", NULL,
       "derive: the two parts between which the new string of links is put", 0, 0, "rule", NULL },
     { "word", 'w', CLI_INT, offsetof(settings, word), "N", NULL,
-      "derive: number of the word that is extended, from 1; without it the first that holds X and Y",
-      1, LW_WORD_MAX, "at", NULL },
+      "derive: number of the word that is extended, from 1; without it the first that holds X and Y", 1, LW_WORD_MAX, "at", NULL },
     { "joints", 0, CLI_TEXT, offsetof(settings, k), "KINDS", NULL,
       "derive: with --rule the kinds of the new joints in order (rule 4: three), with --links the kinds allowed: r "
       "pin, t slider; without it r", 0, 0, NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
-      "derive: all topologies with P links that the rules can make; coverage: greatest number of links",
-      3, LW_LINK_MAX, NULL, NULL },
-    { "rules", 0, CLI_TEXT, offsetof(settings, rules), "LIST", "1,2,3,4",
-      "derive: with --links, the rules that may be used", 0, 0, NULL, NULL },
+      "derive: all topologies with P links that the rules can make; coverage: greatest number of links", 3, LW_LINK_MAX, NULL, NULL },
+    { "rules", 0, CLI_TEXT, offsetof(settings, rules), "LIST", "1,2,3,4", "derive: with --links, the rules that may be used", 0, 0, NULL, NULL },
     { "anywhere", 0, CLI_FLAG, offsetof(settings, anywhere), NULL, NULL,
       "derive: X and Y need not lie at the same region of the drawing", 0, 0, "links", NULL },
-    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL,
-      "derive: print only the number", 0, 0, "links", NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "derive: print only the number", 0, 0, "links", NULL },
     { .name = NULL }
 };
 
@@ -230,8 +224,7 @@ static int derive_by_hand(const cli_call *call)
     char letters[16];
     const char *kinds = joint_letters(s, NULL, letters);
     if (kinds && strlen(kinds) != (size_t)lw_rule_kinds(s->rule))
-        return cli_usage(call, "rule %d has %d joints k, --joints %s gives %zu", s->rule, lw_rule_kinds(s->rule),
-                         s->k, strlen(kinds));
+        return cli_usage(call, "rule %d has %d joints k, --joints %s gives %zu", s->rule, lw_rule_kinds(s->rule), s->k, strlen(kinds));
     if (kinds)
         memcpy(p.kind, kinds, strlen(kinds));
     if (s->rule <= 2) {
@@ -277,8 +270,7 @@ static int derive_all(const cli_call *call)
     if (s == LW_E_ARG)
         lw_error_set(&j.e, s, "--joints with --links takes r, t or r,t, not '%s'", how.kinds);
     if (s == LW_E_MEMORY)
-        lw_error_set(&j.e, s, "the mechanisms that are reached with %d links do not fit into memory",
-                     how.n_link);
+        lw_error_set(&j.e, s, "the mechanisms that are reached with %d links do not fit into memory", how.n_link);
     if (lw_graph_error(&j.e, s) < 0) {
         lw_output_abandon(&j.out);
         return cli_fail(call, &j.e);

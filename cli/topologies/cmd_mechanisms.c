@@ -24,37 +24,31 @@ static const cli_option options[] = {
     CLI_FORMAT_ROW(settings, format, "json", ""),
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
       "use all chains with P links, instead of reading chains", 3, LW_LINK_MAX, NULL, NULL },
-    { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
-      "degree of freedom of these chains", 1, LW_DOF_MAX, NULL, NULL },
+    { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1", "degree of freedom of these chains", 1, LW_DOF_MAX, NULL, NULL },
     { "n2", 0, CLI_INT, offsetof(settings, n2), "K", "0",
       "number of joints with two degrees of freedom in these chains", 0, LW_LINK_MAX, "links", NULL },
-    { "no-ground", 0, CLI_FLAG, offsetof(settings, no_ground), NULL, NULL,
-      "do not choose a ground link", 0, 0, NULL, "output-link" },
+    { "no-ground", 0, CLI_FLAG, offsetof(settings, no_ground), NULL, NULL, "do not choose a ground link", 0, 0, NULL, "output-link" },
     { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", NULL,
       "kinds of joints: r pin and t slider (one degree of freedom), p pin in a slot and g gear pair (two); all "
       "combinations that have F degrees of freedom", 0, 0, NULL, NULL },
     { "slider-direction", 0, CLI_FLAG, offsetof(settings, slider_direction), NULL, NULL,
-      "tell apart which link of a slider has the guide and which the block: the slider-crank has 4 inversions then, "
-      "else 2", 0, 0, "joints", NULL },
+      "tell apart which link of a slider has the guide and which the block: the slider-crank has 4 inversions then, else 2", 0, 0, "joints", NULL },
     { "translating-cams", 0, CLI_FLAG, offsetof(settings, translating_cams), NULL, NULL,
       "also combinations in which two links that touch (g) never turn against each other, such as a wedge", 0, 0, "joints", NULL },
     { "input", 'i', CLI_CHOICE, offsetof(settings, input), "none|ground|any", "none",
       "choose F driven joints: from the joints at the ground, or from all", 0, 0, NULL, NULL },
     { "output-link", 0, CLI_FLAG, offsetof(settings, output), NULL, NULL, "choose an output link", 0, 0, NULL, NULL },
-    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL,
-      "print only the number after each step", 0, 0, NULL, NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "print only the number after each step", 0, 0, NULL, NULL },
     { "void", 0, CLI_FLAG, offsetof(settings, void_ones), NULL, NULL,
       "list the combinations of joint kinds that are left out, with the reason", 0, 0, "joints", "count" },
     { "assur", 0, CLI_FLAG, offsetof(settings, assur), NULL, NULL,
-      "list the Assur groups of each mechanism in the order in which they are solved; requires --input",
-      0, 0, NULL, "count" },
+      "list the Assur groups of each mechanism in the order in which they are solved; requires --input", 0, 0, NULL, "count" },
     { "assur-groups", 0, CLI_INT, offsetof(settings, assur_groups), "N", NULL,
       "list all Assur groups of N links instead", 2, LW_LINK_MAX-1, NULL, "links" },
     { "multiple-joints", 0, CLI_FLAG, offsetof(settings, multiple), NULL, NULL,
       "list the chains with multiple joints instead (several links on one pin)", 0, 0, "links", "joints" },
     { "fractionated", 0, CLI_FLAG, offsetof(settings, fractionated), NULL, NULL,
-      "also list chains that separate into two at a link or a pin, after the others", 0, 0,
-      "multiple-joints", NULL },
+      "also list chains that separate into two at a link or a pin, after the others", 0, 0, "multiple-joints", NULL },
     { "keep-going", 'k', CLI_FLAG, offsetof(settings, keep_going), NULL, NULL,
       "after an error in the input continue with the next chain", 0, 0, NULL, NULL },
     { .name = NULL }
@@ -326,8 +320,7 @@ static int run_job(job *j)
     if (cli_open(call, &j->out, &j->e) != LW_OK)
         return cli_fail(call, &j->e);
     if (!listed) {
-        code = cli_topologies_each(call, call->parsed.n_word > 0 ? call->parsed.word[0] : NULL, j->s->keep_going,
-                                   from_input, j);
+        code = cli_topologies_each(call, call->parsed.n_word > 0 ? call->parsed.word[0] : NULL, j->s->keep_going, from_input, j);
     } else {
         lw_status s = run_lists(j);
         if (lw_graph_error(&j->e, s) < 0) {

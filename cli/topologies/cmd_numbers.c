@@ -7,10 +7,8 @@ typedef struct settings { int dof, loops, n2; bool labelled; } settings;
 
 static const cli_option options[] = {
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1", "degree of freedom", 0, LW_DOF_MAX, NULL, NULL },
-    { "loops", 0, CLI_INT, offsetof(settings, loops), "L", NULL,
-      "number of independent loops; without it 1 to 4", 1, LW_LOOP_MAX, NULL, NULL },
-    { "n2", 0, CLI_INT, offsetof(settings, n2), "K", "0",
-      "greatest number of joints with two degrees of freedom", 0, 3*LW_LOOP_MAX, NULL, NULL },
+    { "loops", 0, CLI_INT, offsetof(settings, loops), "L", NULL, "number of independent loops; without it 1 to 4", 1, LW_LOOP_MAX, NULL, NULL },
+    { "n2", 0, CLI_INT, offsetof(settings, n2), "K", "0", "greatest number of joints with two degrees of freedom", 0, 3*LW_LOOP_MAX, NULL, NULL },
     { "labelled", 0, CLI_FLAG, offsetof(settings, labelled), NULL, NULL,
       "also print how many chains there are when the links have names 1 .. P, from generating functions", 0, 0, NULL, "n2" },
     { .name = NULL }

@@ -20,22 +20,16 @@ typedef struct settings {
 } settings;
 
 static const cli_option options[] = {
-    { "loops", 0, CLI_INT, offsetof(settings, loops), "L", NULL,
-      "number of independent loops", 2, LW_LOOP_MAX, NULL, NULL },
+    { "loops", 0, CLI_INT, offsetof(settings, loops), "L", NULL, "number of independent loops", 2, LW_LOOP_MAX, NULL, NULL },
     { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL,
-      "print only the number of structures, for each number of circles (links with three or more joints)",
-      0, 0, NULL, NULL },
-    { "derive", 0, CLI_FLAG, offsetof(settings, derive), NULL, NULL,
-      "print how each structure grows from the first one", 0, 0, NULL, "count" },
-    { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL,
-      "only structures with a planar graph", 0, 0, NULL, "non-planar" },
-    { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL,
-      "only structures with a non-planar graph", 0, 0, NULL, NULL },
+      "print only the number of structures, for each number of circles (links with three or more joints)", 0, 0, NULL, NULL },
+    { "derive", 0, CLI_FLAG, offsetof(settings, derive), NULL, NULL, "print how each structure grows from the first one", 0, 0, NULL, "count" },
+    { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL, "only structures with a planar graph", 0, 0, NULL, "non-planar" },
+    { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL, "only structures with a non-planar graph", 0, 0, NULL, NULL },
     { "structures", 0, CLI_STORE, offsetof(settings, structures), "FILE", NULL,
       "read the structures from FILE; if there is no such file, write it", 0, 0, NULL, "replay" },
     { "part", 0, CLI_TEXT, offsetof(settings, part), "R/M", NULL,
-      "count part R of M (R = 1 .. M) without storing structures, only those with fewer loops; the parts add up to all",
-      0, 0, "count", "planar" },
+      "count part R of M (R = 1 .. M) without storing structures, only those with fewer loops; the parts add up to all", 0, 0, "count", "planar" },
     { "replay", 0, CLI_TEXT, offsetof(settings, replay), "DERIVATION", NULL,
       "print the structure that this derivation makes, step by step", 0, 0, NULL, "loops" },
     { .name = NULL }
@@ -84,8 +78,7 @@ static void write_counts(const cli_call *call, FILE *f, int loops, const lw_stru
         if (call->common.json)
             cli_json_int(&j, NULL, (long long)by_circles[v].n);
         else
-            fprintf(f, weights ? "%9d%12llu%26.12Lf\n" : "%9d%12llu\n", v, (unsigned long long)by_circles[v].n,
-                    by_circles[v].weight);
+            fprintf(f, weights ? "%9d%12llu%26.12Lf\n" : "%9d%12llu\n", v, (unsigned long long)by_circles[v].n, by_circles[v].weight);
     }
     if (call->common.json) {
         cli_json_end(&j);
@@ -129,8 +122,7 @@ static int replay(const cli_call *call)
     lw_derivation d;
     lw_output o;
     lw_error e = { 0 };
-    if (lw_derivation_read(s->replay, strlen(s->replay), "--replay", &d, &e) != LW_OK || cli_open(call, &o,
-                                                                                                  &e) != LW_OK)
+    if (lw_derivation_read(s->replay, strlen(s->replay), "--replay", &d, &e) != LW_OK || cli_open(call, &o, &e) != LW_OK)
         return cli_fail(call, &e);
     for (int n = 0, n_ear = d.n_ear; n <= n_ear; n++) {
         lw_structure structure;
