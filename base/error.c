@@ -13,8 +13,7 @@ static void make_printable(char *s)
             *s = '?';
 }
 
-static void fill(lw_error *e, lw_status s, const char *file, long line, long column,
-                 const char *format, va_list arg)
+static void fill(lw_error *e, lw_status s, const char *file, long line, long column, const char *format, va_list arg)
 {
     e->status = s;
     snprintf(e->file, sizeof e->file, "%s", file ? file : "");
@@ -36,8 +35,7 @@ lw_status lw_error_set(lw_error *e, lw_status s, const char *format, ...)
     return s;
 }
 
-lw_status lw_error_at(lw_error *e, lw_status s, const char *file, long line, long column,
-                      const char *format, ...)
+lw_status lw_error_at(lw_error *e, lw_status s, const char *file, long line, long column, const char *format, ...)
 {
     if (e) {
         va_list arg;

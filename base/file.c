@@ -345,8 +345,7 @@ static bool own_text(const char *path, char text[OWN_SIZE])
     struct stat st;
     if (stat(path, &st) != 0)
         return false;
-    snprintf(text, OWN_SIZE, "%lld %lld.%09ld", (long long)st.st_size, (long long)st.st_mtim.tv_sec,
-             st.st_mtim.tv_nsec);
+    snprintf(text, OWN_SIZE, "%lld %lld.%09ld", (long long)st.st_size, (long long)st.st_mtim.tv_sec, st.st_mtim.tv_nsec);
     return true;
 }
 

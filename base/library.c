@@ -15,8 +15,7 @@ lw_status lw_library_load(const char *file, const char *package, const lw_librar
     for (int i = 0; i < n; i++)
         if (!dlsym(library, call[i].name)) {
             dlclose(library);
-            return lw_error_set(e, LW_E_IO, "the library %s has no function %s: it is of another version", file,
-                                call[i].name);
+            return lw_error_set(e, LW_E_IO, "the library %s has no function %s: it is of another version", file, call[i].name);
         }
     for (int i = 0; i < n; i++) {
         void *found = dlsym(library, call[i].name);

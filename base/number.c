@@ -147,8 +147,7 @@ static bool put_decimal(const decimal *d, int digits, char text[LW_NUMBER_SIZE])
 {
     uint64_t ten = digits == 15 ? 100 : digits == 16 ? 10 : 1, q = d->first/ten, r = d->first % ten;
     lw_whole half = d->shift ? (lw_whole)1 << (d->shift - 1) : 0;
-    if (ten > 1 ? r > ten/2 || (r == ten/2 && (d->rest > 0 || q % 2))
-                : half && (d->rest > half || (d->rest == half && q % 2)))
+    if (ten > 1 ? r > ten/2 || (r == ten/2 && (d->rest > 0 || q % 2)) : half && (d->rest > half || (d->rest == half && q % 2)))
         q++;
     int64_t off = (int64_t)(q*ten - d->first);                        /* a unit is at most 22.3 2^shift */
     bool back = off >= -12 && off <= 12;

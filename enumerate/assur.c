@@ -325,8 +325,7 @@ static lw_status list_truss(void *context, const lw_chain_item *item)
 static lw_status find_trusses(int n_link, int n_thread, lw_chains **trusses, lw_error *e)
 {
     if (n_link < 2 || n_link % 2)
-        return lw_error_set(e, LW_E_ARG, "an Assur group of pins has 3N/2 joints, so its number of links N is "
-                            "even, not %d", n_link);
+        return lw_error_set(e, LW_E_ARG, "an Assur group of pins has 3N/2 joints, so its number of links N is even, not %d", n_link);
     return lw_chains_create(n_link + 1, 0, n_thread, trusses, e);
 }
 

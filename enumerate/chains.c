@@ -48,8 +48,7 @@ lw_status lw_chains_create_within(int n_link, int dof, int most_circles, int n_t
     if (status != LW_OK)
         return status;
     if (made->numbers.n_loop > 1)
-        status = lw_structures_create_within(made->numbers.n_loop, most_circles, n_thread, tick, context,
-                                             &made->structures);
+        status = lw_structures_create_within(made->numbers.n_loop, most_circles, n_thread, tick, context, &made->structures);
     if (status == LW_OK) {
         *chains = made;
         return LW_OK;
@@ -154,8 +153,7 @@ static lw_status tally_item(void *context, const lw_chain_item *item)
     return LW_OK;
 }
 
-lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_t k, lw_weighting *w,
-                        lw_tally *tally)
+lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_t k, lw_weighting *w, lw_tally *tally)
 {
     const lw_filter *f = how->filter;
     *tally = (lw_tally){ 0, 0, 0 };

@@ -23,8 +23,7 @@ lw_status lw_walk_structure(const lw_chains *chains, const lw_chain_walk *how, s
                             lw_chain_visit *visit, void *context);
 
 /* Count them. */
-lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_t k, lw_weighting *w,
-                        lw_tally *tally);
+lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_t k, lw_weighting *w, lw_tally *tally);
 
 /* Where how->skip ends: the structure, and the number of chains to leave out there. */
 typedef struct lw_walk_start { size_t structure; uint64_t skip; } lw_walk_start;

@@ -47,8 +47,7 @@ static lw_status crew_report(crew *c, size_t n, lw_status status)
 {
     pthread_mutex_lock(&c->lock);
     c->done += n;
-    if (c->status == LW_OK && status == LW_OK && c->how->tick
-        && !c->how->tick(c->how->tick_context, (double)c->done/(double)c->size))
+    if (c->status == LW_OK && status == LW_OK && c->how->tick && !c->how->tick(c->how->tick_context, (double)c->done/(double)c->size))
         status = LW_STOPPED;
     if (c->status == LW_OK)
         c->status = status;
@@ -102,8 +101,7 @@ static void print_job(void *context, size_t job, int thread)
     lw_status status = LW_OK;
     lw_piece_begin(&p.piece, &all->out, job);
     if (!crew_stopped(c))
-        status = lw_walk_structure(c->chains, c->how, all->start.structure + job, c->weighting[thread],
-                                   print_item, &p);
+        status = lw_walk_structure(c->chains, c->how, all->start.structure + job, c->weighting[thread], print_item, &p);
     lw_piece_end(&p.piece);
     status = crew_report(c, 1, status);
     if (status != LW_OK)

@@ -126,8 +126,7 @@ lw_status lw_chains_estimate(int n_link, int dof, lw_estimate *estimate, lw_erro
     return lw_chains_estimate_while(n_link, dof, NULL, NULL, estimate, e);
 }
 
-lw_status lw_chains_estimate_while(int n_link, int dof, bool (*go_on)(void *context), void *context,
-                                   lw_estimate *estimate, lw_error *e)
+lw_status lw_chains_estimate_while(int n_link, int dof, bool (*go_on)(void *context), void *context, lw_estimate *estimate, lw_error *e)
 {
     sampling a = { .dof = dof, .go_on = go_on, .context = context };
     lw_numbers numbers;

@@ -19,7 +19,6 @@ typedef struct lw_estimate {
 lw_status lw_chains_estimate(int n_link, int dof, lw_estimate *estimate, lw_error *e);
 
 /* The same; go_on is called from time to time, and if it returns false: LW_STOPPED. */
-lw_status lw_chains_estimate_while(int n_link, int dof, bool (*go_on)(void *context), void *context,
-                                   lw_estimate *estimate, lw_error *e);
+lw_status lw_chains_estimate_while(int n_link, int dof, bool (*go_on)(void *context), void *context, lw_estimate *estimate, lw_error *e);
 
 #endif

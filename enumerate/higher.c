@@ -112,8 +112,7 @@ static bool grow_tick(void *context, int loops, size_t found)
 
 static bool walk_tick(void *context, double done) { return grow_tick(context, 0, (size_t)done); }
 
-lw_status lw_higher_each(int n_link, int dof, int n2, int n_thread, lw_higher_visit *visit, void *context,
-                         lw_error *e)
+lw_status lw_higher_each(int n_link, int dof, int n2, int n_thread, lw_higher_visit *visit, void *context, lw_error *e)
 {
     return lw_higher_each_while(n_link, dof, n2, n_thread, NULL, visit, context, e);
 }

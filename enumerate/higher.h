@@ -16,8 +16,7 @@ typedef lw_status lw_higher_visit(void *context, const lw_chain *c);
 /* Every chain with n_link links, F = dof and n2 >= 0 joints of two freedoms once, not fractionated.  Order: that
  * of chains.h for the chains of n_link + n2 links, then marks by their lowest link that differs.  Links keep
  * their order.  LW_E_ARG with the equation when the numbers do not go together; LW_E_MEMORY. */
-lw_status lw_higher_each(int n_link, int dof, int n2, int n_thread, lw_higher_visit *visit, void *context,
-                         lw_error *e);
+lw_status lw_higher_each(int n_link, int dof, int n2, int n_thread, lw_higher_visit *visit, void *context, lw_error *e);
 
 /* The same; go_on is called from time to time, also where nothing is found.  If it returns false: LW_STOPPED. */
 lw_status lw_higher_each_while(int n_link, int dof, int n2, int n_thread, bool (*go_on)(void *context),

@@ -69,8 +69,7 @@ static lw_status choose(const choice *c, int n, int from, uint64_t set)
     return s;
 }
 
-lw_status lw_inputs_each(const lw_mechanism *m, int n, bool at_ground, lw_mechanism_visit *visit,
-                         void *context)
+lw_status lw_inputs_each(const lw_mechanism *m, int n, bool at_ground, lw_mechanism_visit *visit, void *context)
 {
     lw_symmetry symmetry;
     choice c = { .m = m, .symmetry = &symmetry, .visit = visit, .context = context };

@@ -16,8 +16,7 @@ lw_status lw_grounds_each(const lw_mechanism *m, lw_mechanism_visit *visit, void
  * overconstrains nothing (freedom.h), so n = F of them determine every motion.  In rising order of joint numbers.
  * LW_E_ARG when inputs are chosen already, n is not 1 .. LW_INPUT_MAX, or at_ground is set and there is no ground;
  * LW_E_MEMORY. */
-lw_status lw_inputs_each(const lw_mechanism *m, int n, bool at_ground, lw_mechanism_visit *visit,
-                         void *context);
+lw_status lw_inputs_each(const lw_mechanism *m, int n, bool at_ground, lw_mechanism_visit *visit, void *context);
 
 /* Every output link: not the ground, and not a link that a driven joint connects to the ground, whose motion is
  * the input itself.  LW_E_ARG when there is no ground or an output already; LW_E_MEMORY. */

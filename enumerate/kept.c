@@ -194,14 +194,12 @@ static lw_status open_file(lw_kept *k, const char *path, lw_error *e)
     if (k->fd < 0)
         return lw_file_failed(e, "written", path, errno);
     if (flock(k->fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-        return lw_error_set(e, LW_E_IO, "another program writes %s; give each its own file and join them with cat",
-                            path);
+        return lw_error_set(e, LW_E_IO, "another program writes %s; give each its own file and join them with cat", path);
     errno = 0;
     char *text = read_text(k->fd, &size);
     if (!text)
         return errno == ENOMEM ? lw_error_set(e, LW_E_MEMORY, "out of memory") : lw_error_set(e, LW_E_IO, "cannot read %s", path);
-    bool own = memchr(text, '\0', size) == NULL && (size > 0 || lseek(k->fd, 0, SEEK_END) == 0
-                                                     || memcmp(text, "# linkwright", 12) == 0);
+    bool own = memchr(text, '\0', size) == NULL && (size > 0 || lseek(k->fd, 0, SEEK_END) == 0 || memcmp(text, "# linkwright", 12) == 0);
     lw_status status = own ? read_lines(k, text, size, e) : bad_line(k, 1, "this is no file of a kept count", e);
     free(text);
     if (status == LW_OK && (ftruncate(k->fd, (off_t)size) != 0 || lseek(k->fd, 0, SEEK_END) < 0))

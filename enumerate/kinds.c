@@ -62,8 +62,7 @@ static bool next_choice(const lw_mechanism *m, const alphabet *by_freedom, uint8
     return false;
 }
 
-lw_status lw_kinds_each(const lw_mechanism *m, const char *kinds, lw_mechanism_visit *visit,
-                        lw_void_visit *left_out, void *context)
+lw_status lw_kinds_each(const lw_mechanism *m, const char *kinds, lw_mechanism_visit *visit, lw_void_visit *left_out, void *context)
 {
     alphabet by_freedom[3];
     lw_symmetry symmetry;

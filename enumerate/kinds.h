@@ -20,7 +20,6 @@ typedef lw_status lw_void_visit(void *context, const lw_mechanism *m, lw_void re
  * too; if m has translating cams, a contact g need not turn.  kinds: the letters allowed, of "rtpg"; at least one for each number of freedoms
  * that joints of m have.  Order: lexicographic in the kinds of joints 0, 1, 2, ..., by their
  * order in `kinds`.  left_out may be NULL.  LW_E_ARG, LW_E_MEMORY. */
-lw_status lw_kinds_each(const lw_mechanism *m, const char *kinds, lw_mechanism_visit *visit,
-                        lw_void_visit *left_out, void *context);
+lw_status lw_kinds_each(const lw_mechanism *m, const char *kinds, lw_mechanism_visit *visit, lw_void_visit *left_out, void *context);
 
 #endif

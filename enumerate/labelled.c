@@ -150,8 +150,7 @@ static int first_of(const field *f, const uint64_t *row)
 }
 
 /* out[loops] += factor times the part of a b with `loops` loops less `shift`; with rooted, a counts n times. */
-static void add_product(field *f, series *out, int loops, int shift, uint64_t factor, bool rooted, const series *a,
-                        const series *b)
+static void add_product(field *f, series *out, int loops, int shift, uint64_t factor, bool rooted, const series *a, const series *b)
 {
     int to = 2*(loops - shift) + a->offset + b->offset, most = f->n_most;
     if (f->failed || !has_rows(f, out, loops) || to < 0 || to > f->part_most)
@@ -526,8 +525,7 @@ static bool count_modulo(uint64_t prime, const lw_numbers *numbers, const lw_cha
 
 static lw_status too_many(const lw_numbers *n, lw_error *e)
 {
-    return lw_error_set(e, LW_E_ARG, "there are more than 5e36 labelled chains with %d links and F = %d", n->n_link,
-                        n->dof);
+    return lw_error_set(e, LW_E_ARG, "there are more than 5e36 labelled chains with %d links and F = %d", n->n_link, n->dof);
 }
 
 lw_status lw_labelled_chains(const lw_numbers *numbers, lw_chain_table *table, lw_error *e)

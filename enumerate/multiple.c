@@ -274,14 +274,12 @@ static lw_status each(int n_link, int dof, int n_thread, laying l, lw_error *e)
     return s;
 }
 
-lw_status lw_multiple_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context,
-                           lw_error *e)
+lw_status lw_multiple_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context, lw_error *e)
 {
     return each(n_link, dof, n_thread, (laying){ .visit = visit, .context = context }, e);
 }
 
-lw_status lw_multiple_fractionated_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context,
-                                        lw_error *e)
+lw_status lw_multiple_fractionated_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context, lw_error *e)
 {
     return each(n_link, dof, n_thread, (laying){ .fractionated = true, .visit = visit, .context = context }, e);
 }

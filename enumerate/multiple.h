@@ -29,11 +29,9 @@ typedef lw_status lw_multiple_visit(void *context, const lw_multiple *m);
 /* Visit once every chain with n_link links, F = dof and at least one multiple joint, not fractionated, in the order of
  * the simple chains (chains.h).  Keeps all forms in memory, 264 bytes each.  LW_E_ARG with the
  * equation, LW_E_MEMORY. */
-lw_status lw_multiple_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context,
-                           lw_error *e);
+lw_status lw_multiple_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context, lw_error *e);
 
 /* The same for chains that separate at a link or a pin.  They arise from simple chains of both sorts. */
-lw_status lw_multiple_fractionated_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context,
-                                        lw_error *e);
+lw_status lw_multiple_fractionated_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context, lw_error *e);
 
 #endif

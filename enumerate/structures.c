@@ -187,8 +187,7 @@ lw_status lw_structures_read(FILE *f, const char *path, lw_structures **out, lw_
     lw_structures_free(set);
     if (status == LW_OK && ferror(f))
         status = LW_E_IO;
-    return status == LW_OK ? lw_error_set(e, LW_E_NOTATION, "%s is damaged or cut short; remove it, and it is made again",
-                                          path)
+    return status == LW_OK ? lw_error_set(e, LW_E_NOTATION, "%s is damaged or cut short; remove it, and it is made again", path)
          : lw_error_set(e, status, "cannot read %s: %s", path, lw_status_text(status));
 }
 
@@ -338,8 +337,7 @@ static lw_status sort_level(const builder *b, level *l)
     return LW_OK;
 }
 
-static lw_status build_level(lw_structures *set, int loops, int most_circles, int n_thread, lw_structures_tick *tick,
-                             void *context)
+static lw_status build_level(lw_structures *set, int loops, int most_circles, int n_thread, lw_structures_tick *tick, void *context)
 {
     builder b = { .form_size = 2*3*(size_t)(loops - 1) };
     block *wave = malloc(WAVE*sizeof *wave);
@@ -370,8 +368,7 @@ lw_status lw_structures_create(int loops, int n_thread, lw_structures **out)
     return lw_structures_create_while(loops, n_thread, NULL, NULL, out);
 }
 
-lw_status lw_structures_create_while(int loops, int n_thread, lw_structures_tick *tick, void *context,
-                                     lw_structures **out)
+lw_status lw_structures_create_while(int loops, int n_thread, lw_structures_tick *tick, void *context, lw_structures **out)
 {
     return lw_structures_create_within(loops, LW_CIRCLE_MAX, n_thread, tick, context, out);
 }

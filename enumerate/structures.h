@@ -24,8 +24,7 @@ lw_status lw_structures_create(int loops, int n_thread, lw_structures **set);
 /* The same; tick is called from time to time in the calling thread, with the level at work and the number of
  * structures found there.  If it returns false: LW_STOPPED, nothing made. */
 typedef bool lw_structures_tick(void *context, int loops, size_t found);
-lw_status lw_structures_create_while(int loops, int n_thread, lw_structures_tick *tick, void *context,
-                                     lw_structures **set);
+lw_status lw_structures_create_while(int loops, int n_thread, lw_structures_tick *tick, void *context, lw_structures **set);
 /* The same, but only structures with at most `most_circles` circles; others are not grown. */
 lw_status lw_structures_create_within(int loops, int most_circles, int n_thread, lw_structures_tick *tick,
                                       void *context, lw_structures **set);

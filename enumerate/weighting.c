@@ -41,8 +41,7 @@ static lw_status fill_lines(lw_weighting *w)
     for (size_t g = 0; g < w->n_element; g++) {
         const uint8_t *to = w->circle[g];
         for (int e = 0; e < s->n_line; e++)
-            w->line[g][e] = (uint8_t)(w->parallel[e] ? w->line[g][e - 1] + 1
-                                                     : first[to[s->end[e][0]]][to[s->end[e][1]]]);
+            w->line[g][e] = (uint8_t)(w->parallel[e] ? w->line[g][e - 1] + 1 : first[to[s->end[e][0]]][to[s->end[e][1]]]);
     }
     return LW_OK;
 }
@@ -168,8 +167,7 @@ static void join_classes(uint8_t *lowest, int n_link, int i, int k)
 }
 
 /* Parallel lines with equal weights are equivalent, link by link. */
-static void join_parallels(const lw_weighting *w, const uint8_t *weight, const uint8_t *start, int n_link,
-                           uint8_t *lowest)
+static void join_parallels(const lw_weighting *w, const uint8_t *weight, const uint8_t *start, int n_link, uint8_t *lowest)
 {
     for (int e = 1; e < w->s.n_line; e++)
         for (int i = 0; w->parallel[e] && weight[e] == weight[e - 1] && i < weight[e]; i++)

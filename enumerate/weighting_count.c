@@ -219,6 +219,5 @@ lw_status lw_weighting_excess(const lw_weighting *w, lw_tally *out)
         n_fixed += t.n_chain;
     }
     lw_search_close(&t.search);
-    return lw_labelled_forms(w->s.n_circle + w->n_binary, n_exchange*w->n_element, x.n_fixed + n_exchange*n_fixed,
-                             &out->n_labelled);
+    return lw_labelled_forms(w->s.n_circle + w->n_binary, n_exchange*w->n_element, x.n_fixed + n_exchange*n_fixed, &out->n_labelled);
 }

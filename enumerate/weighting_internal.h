@@ -52,8 +52,7 @@ typedef struct lw_weighting_state { int depth, next, before, left; } lw_weightin
  * parallel lines from number `apart` on are distinguishable.  The unknowns follow the lines in `order`, which keeps
  * parallel lines together (n_line; NULL: their numbers). */
 lw_status lw_search_open(lw_weighting_search *t, const lw_weighting *w);
-void      lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g, const uint8_t *line,
-                          int apart, const uint8_t *order);
+void      lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g, const uint8_t *line, int apart, const uint8_t *order);
 void      lw_search_close(lw_weighting_search *t);
 
 /* Unknowns from s->next on that are inside every tight set. */
@@ -74,7 +73,6 @@ static inline int lw_search_most(const lw_weighting_search *t, const lw_weightin
 
 /* Set unknown k to n on each of its lines, and all unknowns from s->next up to it to 0.  False when the binary links
  * that are left cannot satisfy every set, each set taken alone. */
-bool lw_search_settle(const lw_weighting_search *t, const lw_weighting_state *s, int k, int n,
-                      lw_weighting_state *after);
+bool lw_search_settle(const lw_weighting_search *t, const lw_weighting_state *s, int k, int n, lw_weighting_state *after);
 
 #endif

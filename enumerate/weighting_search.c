@@ -22,8 +22,7 @@ lw_status lw_search_open(lw_weighting_search *t, const lw_weighting *w)
 void lw_search_close(lw_weighting_search *t) { free(t->column); }
 
 /* The cycles of lines of automorphism g, in the order of their first lines in `order`. */
-static void find_unknowns(const lw_weighting *w, size_t g, const uint8_t *line, int apart, const uint8_t *order,
-                          lw_weighting_search *t)
+static void find_unknowns(const lw_weighting *w, size_t g, const uint8_t *line, int apart, const uint8_t *order, lw_weighting_search *t)
 {
     uint64_t seen = 0;
     t->n_unknown = 0;
@@ -58,8 +57,7 @@ static void find_supply(lw_weighting_search *t)
     }
 }
 
-void lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g, const uint8_t *line, int apart,
-                     const uint8_t *order)
+void lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g, const uint8_t *line, int apart, const uint8_t *order)
 {
     find_unknowns(w, g, line, apart, order, t);
     find_supply(t);

@@ -57,8 +57,7 @@ lw_status lw_build_chains(lw_store *s, const lw_chains *chains, const lw_build_t
 
 /* Store every chain with multiple joints that is not fractionated (enumerate/multiple.h), in one transaction: a call that
  * is stopped stores nothing.  LW_E_ARG, LW_STOPPED, LW_E_IO, LW_E_MEMORY. */
-lw_status lw_build_multiple(lw_store *s, int links, int dof, const lw_build_control *control, lw_build_counts *counts,
-                            lw_error *e);
+lw_status lw_build_multiple(lw_store *s, int links, int dof, const lw_build_control *control, lw_build_counts *counts, lw_error *e);
 
 /* ---- linkages --------------------------------------------------------------------------------------------- */
 
@@ -92,16 +91,14 @@ lw_status lw_build_sweep_make(const lw_curve_maker *maker, lw_atlas_kinds kinds,
 lw_status lw_build_sweep_begin(lw_build_sweep *b, lw_store *s, const char *about, const lw_build_control *control,
                                lw_build_counts *counts, lw_error *e);
 lw_status lw_build_sweep_draw(const lw_build_sweep *b, size_t segment, const lw_build_control *control, lw_atlas_tree tree[2]);
-lw_status lw_build_sweep_put(lw_build_sweep *b, lw_store *s, lw_atlas_tree tree[2], lw_build_counts *counts,
-                             lw_error *e);
+lw_status lw_build_sweep_put(lw_build_sweep *b, lw_store *s, lw_atlas_tree tree[2], lw_build_counts *counts, lw_error *e);
 
 /* ---- checking --------------------------------------------------------------------------------------------- */
 
 /* Check the file (every page and reference), that every chain is the one its label names and moves with its number of
  * freedoms, and all sums that the tables must fulfil.  *n_chain: chains; *n_open: builds that are not finished.
  * LW_E_NOTATION with the first fault.  control may be NULL. */
-lw_status lw_build_check(lw_store *s, const lw_build_control *control, uint64_t *n_chain, uint64_t *n_open,
-                         lw_error *e);
+lw_status lw_build_check(lw_store *s, const lw_build_control *control, uint64_t *n_chain, uint64_t *n_open, lw_error *e);
 
 /* Compare published counts with the catalogue.  `row` is called for every published number about a build that is
  * finished in this catalogue. */

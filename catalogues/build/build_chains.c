@@ -63,8 +63,7 @@ static void print_inputs(const lw_mechanism *m, char *text, size_t size)
 {
     size_t n = 0;
     for (int i = 0; i < m->n_input && n < size; i++)
-        n += (size_t)snprintf(text + n, size - n, "%s%d-%d", i ? " " : "", m->link[m->input[i]][0] + 1,
-                              m->link[m->input[i]][1] + 1);
+        n += (size_t)snprintf(text + n, size - n, "%s%d-%d", i ? " " : "", m->link[m->input[i]][0] + 1, m->link[m->input[i]][1] + 1);
 }
 
 #define GROUPS_SIZE (LW_LINK_MAX*16)
@@ -77,8 +76,7 @@ static void print_groups(const lw_assur *a, char text[GROUPS_SIZE])
     text[0] = 0;
     for (int k = 0; k < a->n_group; k++) {
         const lw_assur_group *g = &a->group[k];
-        n += (size_t)snprintf(text + n, GROUPS_SIZE - n, "%s%s%d:", k ? " " : "",
-                              g->n_class <= 10 ? roman[g->n_class] : "?", g->order);
+        n += (size_t)snprintf(text + n, GROUPS_SIZE - n, "%s%s%d:", k ? " " : "", g->n_class <= 10 ? roman[g->n_class] : "?", g->order);
         for (uint32_t l = g->links; l; l &= l - 1)
             n += (size_t)snprintf(text + n, GROUPS_SIZE - n, "%s%d", l == g->links ? "" : ",", __builtin_ctz(l) + 1);
     }
@@ -328,8 +326,7 @@ static lw_status begin(job *j)
     lw_store_run run = { "build", what, lw_build_command(j->control), j->control->seed };
     lw_status status = lw_build_open(&j->transaction, &j->e);
     if (status == LW_OK)
-        status = lw_store_build_begin(store, numbers->n_link, numbers->dof, joints, &j->counts->done,
-                                      &j->counts->was_complete, &j->e);
+        status = lw_store_build_begin(store, numbers->n_link, numbers->dof, joints, &j->counts->done, &j->counts->was_complete, &j->e);
     j->counts->before = j->counts->done;
     if (status != LW_OK || j->counts->was_complete)
         return status;

@@ -107,8 +107,7 @@ static lw_status check_sums(lw_store *s, lw_error *e)
           "SELECT count(*) FROM chain c JOIN structure s ON s.id = c.structure "
           "WHERE s.loops != c.loops OR s.circles != c.links - c.binary OR s.planar != c.planar", NULL },
         { "segments of curves lack blocks or have too many",
-          "SELECT count(*) FROM curve_segment s WHERE n != "
-          "(SELECT coalesce(sum(length(terms)), 0)/64 FROM curve_block b "
+          "SELECT count(*) FROM curve_segment s WHERE n != (SELECT coalesce(sum(length(terms)), 0)/64 FROM curve_block b "
           "WHERE b.id >= s.first_block AND b.id < s.first_block + length(s.boxes)/68) "
           "OR n != (SELECT coalesce(sum(length(linkages)), 0)/36 FROM curve_block b "
           "WHERE b.id >= s.first_block AND b.id < s.first_block + length(s.boxes)/68)", NULL },
@@ -130,8 +129,7 @@ static lw_status check_sums(lw_store *s, lw_error *e)
     return LW_OK;
 }
 
-lw_status lw_build_check(lw_store *s, const lw_build_control *control, uint64_t *n_chain, uint64_t *n_open,
-                         lw_error *e)
+lw_status lw_build_check(lw_store *s, const lw_build_control *control, uint64_t *n_chain, uint64_t *n_open, lw_error *e)
 {
     check c = { .control = control };
     long long n = 0;

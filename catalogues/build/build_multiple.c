@@ -72,8 +72,7 @@ static lw_status take(void *context, const lw_multiple *found)
     return s == LW_OK && !lw_build_goes_on(j->control, (double)j->counts->done, 0) ? LW_STOPPED : s;
 }
 
-lw_status lw_build_multiple(lw_store *s, int links, int dof, const lw_build_control *control, lw_build_counts *counts,
-                            lw_error *e)
+lw_status lw_build_multiple(lw_store *s, int links, int dof, const lw_build_control *control, lw_build_counts *counts, lw_error *e)
 {
     char what[64];
     uint64_t done = 0;

@@ -84,8 +84,7 @@ static lw_status close_list(job *j, lw_status s, lw_output *o, const char *name,
     s = lw_output_commit(o, &j->e);
     if (s == LW_OK)
         s = add_sum(j, name);
-    snprintf(row, sizeof row, "%.*s,%d,%d,%llu,%s\n", (int)strcspn(name, "/"), name, links, dof, (unsigned long long)n,
-             name);
+    snprintf(row, sizeof row, "%.*s,%d,%d,%llu,%s\n", (int)strcspn(name, "/"), name, links, dof, (unsigned long long)n, name);
     lw_bytes_text(&j->counts, row);
     return s;
 }
@@ -258,8 +257,7 @@ static const char readme[] =
     "|---|---|\n"
     "| chains/links-P-dof-F.g6 | every planar kinematic chain with P links (up to @n), F degrees of freedom and joints of"
     " one freedom each, as graph6: links are vertices, joints are edges. No chain is fractionated (none falls apart at a"
-    " link or a joint), and none has a rigid part of several links. F = 0 are the Baranov trusses: rigid, without a smaller"
-    " rigid part |\n"
+    " link or a joint), and none has a rigid part of several links. F = 0 are the Baranov trusses: rigid, without a smaller rigid part |\n"
     "| mechanisms/links-P-dof-F.csv | every choice of a ground link up to symmetry, for chains up to @m links: the chain"
     " (graph6), the ground link (vertices count from 1), and how many links of the chain are equivalent to it |\n"
     "| assur-groups/links-N.csv | every Assur group of pins with N links, up to @g: the Baranov truss (graph6), the link"
@@ -337,8 +335,7 @@ lw_release_size lw_release_sizes(int links, char command[LW_RELEASE_COMMAND])
     return (lw_release_size){ .chains = links, .mechanisms = links - 4, .groups = (links - 2)/2*2 };
 }
 
-lw_status lw_release_write(const char *folder, const lw_release_size *size, const lw_build_control *control,
-                           lw_error *e)
+lw_status lw_release_write(const char *folder, const lw_release_size *size, const lw_build_control *control, lw_error *e)
 {
     char sums[LW_PATH_SIZE];
     if (size->chains < 3 || size->mechanisms < 3 || size->groups < 2 || size->chains > LW_LINK_MAX

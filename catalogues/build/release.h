@@ -30,7 +30,6 @@ lw_release_size lw_release_sizes(int links, char command[LW_RELEASE_COMMAND]);
  * was built of atlas.sqlite when a call was stopped is kept as atlas.sqlite.partial, and the same call goes on from it.
  * control->command should tell how to write the same folder again.
  * LW_E_ARG: chains or mechanisms below 3, mechanisms above chains, groups below 2; LW_E_IO, LW_E_MEMORY, LW_STOPPED. */
-lw_status lw_release_write(const char *folder, const lw_release_size *size, const lw_build_control *control,
-                           lw_error *e);
+lw_status lw_release_write(const char *folder, const lw_release_size *size, const lw_build_control *control, lw_error *e);
 
 #endif

@@ -189,8 +189,7 @@ lw_status lw_curve_maker_of(const char *families, lw_curve_maker **maker, lw_err
 }
 
 /* The topologies with so many links. */
-static lw_status add_set(lw_curve_maker *m, const lw_mechanism_set *all, int links, const volatile int *interrupt,
-                         lw_error *e)
+static lw_status add_set(lw_curve_maker *m, const lw_mechanism_set *all, int links, const volatile int *interrupt, lw_error *e)
 {
     lw_status status = LW_OK;
     lw_family_made *made = malloc(sizeof *made);
@@ -213,8 +212,7 @@ static lw_status add_set(lw_curve_maker *m, const lw_mechanism_set *all, int lin
     return status;
 }
 
-lw_status lw_curve_maker_links(int links, const char *kinds, int jobs, const volatile int *interrupt, lw_curve_maker **maker,
-                               lw_error *e)
+lw_status lw_curve_maker_links(int links, const char *kinds, int jobs, const volatile int *interrupt, lw_curve_maker **maker, lw_error *e)
 {
     lw_mechanism_set all;
     lw_mechanism_request request = { .links = links, .dof = 1, .kinds = kinds, .only = "all", .task = LW_TASK_PATH,
@@ -486,8 +484,7 @@ lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool close
 /* ---- points ----------------------------------------------------------------------------------------- */
 
 /* Solve all postures of a four-bar. */
-static lw_status solve_type(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, lw_curve_work *work,
-                            lw_curve_traits *traits)
+static lw_status solve_type(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, lw_curve_work *work, lw_curve_traits *traits)
 {
     const kind *k = &maker->kind[row->family];
     scratch *w = &work->w;
@@ -512,8 +509,7 @@ static lw_status solve_type(const lw_curve_maker *maker, const lw_curve_row *row
     return LW_OK;
 }
 
-static lw_status solve_topology(const lw_curve_maker *m, const lw_curve_row *row, bool closed, lw_curve_work *work,
-                                lw_curve_traits *traits)
+static lw_status solve_topology(const lw_curve_maker *m, const lw_curve_row *row, bool closed, lw_curve_work *work, lw_curve_traits *traits)
 {
     member t;
     lw_status status = member_of(m, row, work, &t);
@@ -579,8 +575,7 @@ static lw_status type_linkage(const lw_curve_maker *maker, const lw_curve_row *r
     return lw_plan_write(from->plan, dim, modes, 0.5*(row->first + row->last), linkage);
 }
 
-lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, lw_curve_work *work,
-                           lw_linkage *linkage)
+lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, lw_curve_work *work, lw_linkage *linkage)
 {
     int at = index_of(maker, row);
     if (at < 0)

@@ -54,8 +54,7 @@ lw_status lw_curve_maker_create(const char *types, lw_curve_maker **maker, lw_er
 /* All mechanisms with so many links (6, 8) and one freedom, of pins ("r") or pins and sliders ("rt"), whose tracer moves in
  * a way that fewer links do not allow, driven by a pin from which dyads solve them.  Eight links with sliders take some
  * seconds; LW_STOPPED with a text: *interrupt became nonzero.  NULL: nothing stops it. */
-lw_status lw_curve_maker_links(int links, const char *kinds, int jobs, const volatile int *interrupt, lw_curve_maker **maker,
-                               lw_error *e);
+lw_status lw_curve_maker_links(int links, const char *kinds, int jobs, const volatile int *interrupt, lw_curve_maker **maker, lw_error *e);
 
 /* Add a family: linkages of any topology that a plan of dyads solves (pins and sliders, one pin as input, tracer 0).  They are
  * drawn as for a fit (optimise/search/random_linkage.h); their closed curves belong to a full turn of the input.
@@ -92,8 +91,7 @@ bool lw_curve_row_may(const lw_curve_row *row, bool turns, double least);
 
 /* The linkage, in the middle of its range; its tracer is named P.  If the curve is open, the range of its input is that
  * of the curve. */
-lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, lw_curve_work *work,
-                           lw_linkage *linkage);
+lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, lw_curve_work *work, lw_linkage *linkage);
 
 /* Lay the linkage elsewhere: mirror it in the x axis if `mirrored`, then  p -> shift + size e^{i turn} p. */
 void lw_linkage_lay(lw_linkage *linkage, bool mirrored, double turn, double size, lw_vec2 shift);

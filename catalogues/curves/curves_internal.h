@@ -33,7 +33,6 @@ void      lw_curve_topology_free(lw_curve_topology *t);
 
 /* The linkage of a key: dim (n_dim) with the tracer, mode (n_dyad), and the range of its input. turns: the input must
  * turn fully. False: the key gives no linkage. */
-bool      lw_curve_topology_draw(lw_curve_topology *t, const uint32_t key[2], bool turns, double *dim, double *mode,
-                                 lw_range *range);
+bool      lw_curve_topology_draw(lw_curve_topology *t, const uint32_t key[2], bool turns, double *dim, double *mode, lw_range *range);
 
 #endif

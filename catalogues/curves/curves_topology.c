@@ -165,8 +165,7 @@ static double link_length(const lw_plan *plan, int link, const double *dim)
     return 1;
 }
 
-bool lw_curve_topology_draw(lw_curve_topology *t, const uint32_t key[2], bool turns, double *dim, double *mode,
-                            lw_range *range)
+bool lw_curve_topology_draw(lw_curve_topology *t, const uint32_t key[2], bool turns, double *dim, double *mode, lw_range *range)
 {
     lw_problem *p = t->work;
     void *own = (unsigned char *)t->work + rounded(sizeof *p);

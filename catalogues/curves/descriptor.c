@@ -425,7 +425,6 @@ void lw_curve_smooth(const lw_vec2 *p, size_t n, bool closed, lw_vec2 *out, size
             out[j] = p[i];
             continue;
         }
-        out[j] = spline(beside(p, n, closed, i, -1, p[k]), p[i], p[k], beside(p, n, closed, k, 1, p[i]),
-                        at - (double)i);
+        out[j] = spline(beside(p, n, closed, i, -1, p[k]), p[i], p[k], beside(p, n, closed, k, 1, p[i]), at - (double)i);
     }
 }

@@ -81,8 +81,7 @@ static lw_status take_word(lw_cursor *c, char *word, size_t size, const char *wh
         word[n++] = (char)toupper(lw_cursor_next(c));
     }
     word[n] = 0;
-    return n > 0 ? LW_OK : lw_cursor_fail(&start, "%s is expected, not %s", what,
-                                          lw_byte_name(lw_cursor_peek(&start), name));
+    return n > 0 ? LW_OK : lw_cursor_fail(&start, "%s is expected, not %s", what, lw_byte_name(lw_cursor_peek(&start), name));
 }
 
 /* Read a number; a D behind it means degrees. */
@@ -194,8 +193,7 @@ static lw_status take_statement(lw_cursor *c, lw_adams_statement *st)
     return take_arguments(c, st);
 }
 
-lw_status lw_adams_scan(const char *text, size_t size, const char *file, lw_adams_visit *visit, void *context,
-                        lw_error *e)
+lw_status lw_adams_scan(const char *text, size_t size, const char *file, lw_adams_visit *visit, void *context, lw_error *e)
 {
     lw_error own;
     lw_cursor c = lw_cursor_start(text, size, file, e ? e : &own);

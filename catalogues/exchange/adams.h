@@ -39,8 +39,7 @@ typedef struct lw_adams_statement {
 /* Visit each statement in order, up to END; the first line is a title and is skipped. A status of visit other than
  * LW_OK ends the scan. LW_E_NOTATION with line and column. */
 typedef lw_status lw_adams_visit(void *context, const lw_adams_statement *s, lw_error *e);
-lw_status lw_adams_scan(const char *text, size_t size, const char *file, lw_adams_visit *visit, void *context,
-                        lw_error *e);
+lw_status lw_adams_scan(const char *text, size_t size, const char *file, lw_adams_visit *visit, void *context, lw_error *e);
 
 /* The argument of this name; NULL: there is none. */
 const lw_adams_argument *lw_adams_find(const lw_adams_statement *s, const char *key);

@@ -41,8 +41,7 @@ lw_status lw_export_gear(const lw_assembly *linkage, int gear, int joint[2], dou
         joint[i] = g.slider[i] >= 0 ? g.slider[i] : pin_on_carrier(linkage, link, g.carrier, g.centre[i]);
         if (joint[i] < 0)
             return lw_error_set(e, LW_E_KIND,
-                                "gear '%s': '%s' turns on '%s' by no pin of their own, which this format "
-                                "needs",
+                                "gear '%s': '%s' turns on '%s' by no pin of their own, which this format needs",
                                 linkage->joint[gear].name, linkage->link_name[link], linkage->link_name[g.carrier]);
         const lw_joint *p = &linkage->joint[joint[i]];
         bool second = g.slider[i] < 0 && p->link[1] == linkage->ground ? p->link[0] == link : p->link[1] == link;

@@ -194,8 +194,7 @@ static lw_status check_loads(const writer *w, lw_error *e)
     const lw_model *m = w->m;
     for (int i = 0; m && i < m->n_spring; i++)
         if (m->spring[i].law)
-            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which is not written to ADAMS",
-                                m->spring[i].name);
+            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which is not written to ADAMS", m->spring[i].name);
     for (int i = 0; m && i < m->n_joint_spring; i++)
         if (m->joint_spring[i].law || !lw_joint_turns(w->k->joint[m->joint_spring[i].joint].kind))
             return lw_error_set(e, LW_E_KIND, "joint spring '%s' %s, which is not written to ADAMS",
@@ -203,19 +202,16 @@ static lw_status check_loads(const writer *w, lw_error *e)
                                 m->joint_spring[i].law ? "has a law of its own" : "acts along a slider");
     for (int i = 0; m && i < m->n_motor; i++)
         if (!lw_joint_turns(w->k->joint[m->motor[i].joint].kind))
-            return lw_error_set(e, LW_E_KIND, "motor '%s' moves a slider, which is not written to ADAMS",
-                                m->motor[i].name);
+            return lw_error_set(e, LW_E_KIND, "motor '%s' moves a slider, which is not written to ADAMS", m->motor[i].name);
     for (int i = 0; m && i < m->n_force; i++)
         if (lw_export_varies(m->force[i].fx) || lw_export_varies(m->force[i].fy) || lw_export_varies(m->force[i].torque))
-            return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which is not written to ADAMS",
-                                m->force[i].name);
+            return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which is not written to ADAMS", m->force[i].name);
     for (int j = 0; m && j < w->k->n_joint; j++) {
         const char *what = m->friction[j].coefficient > 0 ? "friction" : m->clearance[j].model != LW_CLEARANCE_NONE
             ? "clearance"
                          : m->stop[j].has_least || m->stop[j].has_greatest ? "a stop" : NULL;
         if (what)
-            return lw_error_set(e, LW_E_KIND, "joint '%s' has %s, which is not written to ADAMS",
-                                w->k->joint[j].name, what);
+            return lw_error_set(e, LW_E_KIND, "joint '%s' has %s, which is not written to ADAMS", w->k->joint[j].name, what);
     }
     return LW_OK;
 }
@@ -303,8 +299,7 @@ static void put_loads(writer *w)
         lw_vec2 z = size > 0 ? lw_v2(fx/size, fy/size) : lw_v2(1, 0);
         put_name(w, p->name, " force");
         if (size > 0)
-            put_action(w, &force, at, put_marker(w, p->follows ? p->link : w->k->ground, p->at, &z, 0, p->name),
-                       ", TRANSLATION", size);
+            put_action(w, &force, at, put_marker(w, p->follows ? p->link : w->k->ground, p->at, &z, 0, p->name), ", TRANSLATION", size);
         if (torque != 0)
             put_action(w, &force, at, w->origin, ", ROTATION", torque);
     }

@@ -303,8 +303,7 @@ static lw_status check_loads(const writer *w, lw_error *e)
     const lw_assembly *k = w->k;
     for (int i = 0; m && i < m->n_spring; i++)
         if (m->spring[i].law)
-            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which has no form in MJCF",
-                                m->spring[i].name);
+            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which has no form in MJCF", m->spring[i].name);
     for (int i = 0; m && i < m->n_joint_spring; i++) {
         const lw_joint_spring *p = &m->joint_spring[i];
         if (p->law || lw_joint_has_slot(k->joint[p->joint].kind) || !w->tree.in_tree[p->joint])
@@ -317,8 +316,7 @@ static lw_status check_loads(const writer *w, lw_error *e)
                                 "in MJCF", m->motor[i].name);
     for (int i = 0; m && i < m->n_force; i++)
         if (lw_export_varies(m->force[i].fx) || lw_export_varies(m->force[i].fy) || lw_export_varies(m->force[i].torque))
-            return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which has no form in MJCF",
-                                m->force[i].name);
+            return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which has no form in MJCF", m->force[i].name);
     for (int j = 0; m && j < k->n_joint; j++) {
         const lw_joint_stop *stop = &m->stop[j];
         bool stops = stop->has_least || stop->has_greatest;

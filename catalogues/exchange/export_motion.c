@@ -175,8 +175,7 @@ static void put_joints(const lw_assembly *linkage, lw_bytes *out)
             put_number(out, ", \"angle\": ", atan2(p->along.y, p->along.x)/linkage->units.radian);
         if (lw_joint_has_ratio(p->kind))
             put_number(out, ", \"ratio\": ", p->ratio);
-        lw_bytes_text(out, p->link[0] == linkage->ground || p->link[1] == linkage->ground ? ", \"ground\": true}"
-                           : ", \"ground\": false}");
+        lw_bytes_text(out, p->link[0] == linkage->ground || p->link[1] == linkage->ground ? ", \"ground\": true}" : ", \"ground\": false}");
     }
 }
 
@@ -186,8 +185,7 @@ static void put_links(const lw_assembly *linkage, lw_bytes *out)
         bool first = true;
         lw_bytes_text(out, link ? ",\n    {\"name\": " : "\n    {\"name\": ");
         put_string(out, linkage->link_name[link]);
-        lw_bytes_text(out, link == linkage->ground ? ", \"ground\": true, \"joints\": ["
-                           : ", \"ground\": false, \"joints\": [");
+        lw_bytes_text(out, link == linkage->ground ? ", \"ground\": true, \"joints\": [" : ", \"ground\": false, \"joints\": [");
         for (int j = 0; j < linkage->n_joint; j++)
             if (linkage->joint[j].link[0] == link || linkage->joint[j].link[1] == link) {
                 lw_bytes_text(out, first ? "" : ", ");

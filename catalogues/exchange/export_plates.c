@@ -89,8 +89,7 @@ static void put_outline(const lw_plates *w, lw_bytes *out, const char *layer, co
     for (int i = 0; i < loop.n; i++) {
         const lw_plate_side *a = &loop.side[i], *b = &loop.side[(i + 1) % loop.n];
         if (a->arc)
-            put_arc(out, layer, lw_v2_add(a->centre, shift), r, lw_v2_sub(a->from, a->centre), lw_v2_sub(b->from,
-                a->centre));
+            put_arc(out, layer, lw_v2_add(a->centre, shift), r, lw_v2_sub(a->from, a->centre), lw_v2_sub(b->from, a->centre));
         else
             put_line(out, layer, lw_v2_add(a->from, shift), lw_v2_add(b->from, shift));
     }
@@ -254,8 +253,7 @@ static void put_assembly(const lw_plates *w, lw_bytes *out)
                        "    translate([p[0], p[1], floor*floor_height]) rotate(p[2]) children();\n}\n\n");
     for (int link = 0; link < w->scene.linkage.n_link; link++) {
         char line[96];
-        snprintf(line, sizeof line, "color(hues[%d]) place(%d, %d) link%d();\n", link % 6, link, w->layers.layer[link],
-                 link);
+        snprintf(line, sizeof line, "color(hues[%d]) place(%d, %d) link%d();\n", link % 6, link, w->layers.layer[link], link);
         lw_bytes_text(out, line);
     }
     for (int i = 0; i < w->layers.n_pin; i++) {

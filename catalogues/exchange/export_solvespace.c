@@ -266,8 +266,7 @@ static lw_status check(const lw_assembly *linkage, lw_error *e)
     lw_status s = lw_assembly_check(linkage, e);
     for (int j = 0; s == LW_OK && j < linkage->n_joint; j++)
         if (!lw_joint_has_position(linkage->joint[j].kind))
-            s = lw_error_set(e, LW_E_KIND, "joint '%s': gears and welds have no form in this sketch",
-                             linkage->joint[j].name);
+            s = lw_error_set(e, LW_E_KIND, "joint '%s': gears and welds have no form in this sketch", linkage->joint[j].name);
     return s;
 }
 
@@ -301,8 +300,7 @@ lw_status lw_export_solvespace(const lw_assembly *linkage, const lw_export_optio
         s = lw_error_set(e, LW_E_MEMORY, "out of memory for a sketch");
     if (s == LW_OK && (w.n - linkage->n_link > (int)REQUESTS || w.request > REQUESTS)) {
         lw_bytes_free(out);
-        s = lw_error_set(e, LW_E_KIND, "a sketch of SolveSpace numbers up to %u points and lines, and this linkage needs more",
-                         REQUESTS);
+        s = lw_error_set(e, LW_E_KIND, "a sketch of SolveSpace numbers up to %u points and lines, and this linkage needs more", REQUESTS);
     }
     free(w.p), free(w.on), free(w.group), free(w.next), free(w.first), free(w.last);
     return s;

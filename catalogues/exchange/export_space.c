@@ -31,8 +31,7 @@ lw_status lw_export_space_loads(const lw_spatial *m, const char *format, bool be
                             "of the file to export the rest", format);
     for (int i = 0; i < m->n_spring; i++)
         if (m->spring[i].law)
-            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which is not written to %s",
-                                m->spring[i].name, format);
+            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which is not written to %s", m->spring[i].name, format);
     for (int i = 0; i < m->n_joint_spring; i++)
         if (m->joint_spring[i].law || m->joint_spring[i].measure.of >= LW_OF_X)
             return lw_error_set(e, LW_E_KIND, "joint spring '%s' has a law of its own, which is not written to %s",
@@ -40,8 +39,7 @@ lw_status lw_export_space_loads(const lw_spatial *m, const char *format, bool be
     for (int i = 0; i < m->n_force; i++)
         for (int c = 0; c < 3; c++)
             if (lw_export_varies(m->force[i].force[c]) || lw_export_varies(m->force[i].torque[c]))
-                return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which is not written to %s",
-                                    m->force[i].name, format);
+                return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which is not written to %s", m->force[i].name, format);
     return LW_OK;
 }
 

@@ -156,8 +156,7 @@ static lw_status put_joint(writer *w, int j, lw_error *e)
     if (p->kind == LW_SPATIAL_FREE)
         return LW_OK;
     if (p->kind == LW_SPATIAL_UNIVERSAL && fabs(lw_v3_dot(p->axis, p->second)) > 1e-9)
-        return lw_error_set(e, LW_E_KIND, "the axes of universal joint '%s' are not at right angles, which ADAMS does "
-                            "not know", p->name);
+        return lw_error_set(e, LW_E_KIND, "the axes of universal joint '%s' are not at right angles, which ADAMS does not know", p->name);
     put_name(w, p->name, "");
     put_id(w, "JOINT/", j + 1);
     put(w, ", ");
@@ -182,8 +181,7 @@ static lw_status check(const lw_spatial *m, lw_error *e)
                                 m->joint_spring[i].name);
     for (int i = 0; i < m->n_motor; i++)
         if (!lw_spatial_kind_of(m->joint[m->motor[i].joint].kind)->turns)
-            return lw_error_set(e, LW_E_KIND, "motor '%s' moves a slide, which is not written to ADAMS",
-                                m->motor[i].name);
+            return lw_error_set(e, LW_E_KIND, "motor '%s' moves a slide, which is not written to ADAMS", m->motor[i].name);
     for (int i = 0; i < m->n_coupling; i++)
         for (int k = 0; k < m->coupling[i].n; k++) {
             lw_spatial_kind kind = m->joint[m->coupling[i].of[k].index].kind;
@@ -264,8 +262,7 @@ static void put_loads(writer *w)
         for (int c = 0; c < 6; c++)
             v[c] = lw_export_constant(c < 3 ? p->force[c] : p->torque[c - 3]);
         put_name(w, p->name, " force");
-        put_action(w, p->link, p->at, lw_v3(v[0], v[1], v[2]), p->follows ? p->link : m->ground, p->name,
-                   ", TRANSLATION");
+        put_action(w, p->link, p->at, lw_v3(v[0], v[1], v[2]), p->follows ? p->link : m->ground, p->name, ", TRANSLATION");
         put_action(w, p->link, p->at, lw_v3(v[3], v[4], v[5]), p->follows ? p->link : m->ground, p->name, ", ROTATION");
     }
 }
@@ -386,8 +383,7 @@ static lw_status put_motion(writer *w, int i, lw_error *e)
     put(w, "\n, FUNCTION = ");
     if (in->motion) {
         if (!put_function(w, lw_expression_text(in->motion)))
-            return lw_error_set(e, LW_E_KIND, "the motion of %s, \"%s\", has no form in ADAMS", name,
-                                lw_expression_text(in->motion));
+            return lw_error_set(e, LW_E_KIND, "the motion of %s, \"%s\", has no form in ADAMS", name, lw_expression_text(in->motion));
         put_key(w, lw_spatial_offset(in) > 0 ? " - " : " + ", fabs(lw_spatial_offset(in)));
     } else {
         double reach = of == LW_OF_TURN ? 0.1 : 0.1*lw_spatial_size(w->m);

@@ -194,8 +194,7 @@ static void put_inertia(writer *w, int depth, const lw_spatial_body *b, lw_vec3 
     lw_mat3 axes = { { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } };
     if (b)
         lw_m3_principal(b->inertia, value, &axes);
-    double least = fmax(LITTLE*(b && b->mass > 0 ? mass : w->mass)*w->size*w->size,
-                        SLIM*fmax(value[0], fmax(value[1], value[2])));
+    double least = fmax(LITTLE*(b && b->mass > 0 ? mass : w->mass)*w->size*w->size, SLIM*fmax(value[0], fmax(value[1], value[2])));
     for (int i = 0; i < 3; i++)
         value[i] = fmax(value[i], least);
     lw_quaternion turn = lw_quaternion_of_matrix(&axes);
@@ -390,18 +389,15 @@ static lw_status check(const writer *w, lw_error *e)
             return lw_error_set(e, LW_E_KIND, "an input prescribes tracer '%s', which has no form in MJCF; name the "
                                 "joints that move it as \"drives\"", m->tracer[of.index].name);
         if (is_actuated(w, i) && !w->tree.in_tree[of.index])
-            return lw_error_set(e, LW_E_KIND, "'%s' closes a loop of driven joints, which has no form in MJCF",
-                                m->joint[of.index].name);
+            return lw_error_set(e, LW_E_KIND, "'%s' closes a loop of driven joints, which has no form in MJCF", m->joint[of.index].name);
     }
     for (int i = 0; i < m->n_joint_spring; i++)
         if (!w->tree.in_tree[m->joint_spring[i].measure.index])
-            return lw_error_set(e, LW_E_KIND, "joint spring '%s' acts at a joint by which a loop is closed, which has "
-                                "no form in MJCF",
+            return lw_error_set(e, LW_E_KIND, "joint spring '%s' acts at a joint by which a loop is closed, which has no form in MJCF",
                                 m->joint_spring[i].name);
     for (int i = 0; i < m->n_motor; i++)
         if (!w->tree.in_tree[m->motor[i].joint])
-            return lw_error_set(e, LW_E_KIND, "motor '%s' acts at a joint by which a loop is closed, which has no form "
-                                "in MJCF",
+            return lw_error_set(e, LW_E_KIND, "motor '%s' acts at a joint by which a loop is closed, which has no form in MJCF",
                                 m->motor[i].name);
     for (int i = 0; i < m->n_coupling; i++)
         for (int k = 0; k < m->coupling[i].n; k++)
@@ -454,8 +450,7 @@ static double choose_step(const writer *w)
     for (int i = 0; i < w->m->n_spring; i++)
         stiffest = fmax(stiffest, w->m->spring[i].stiffness);
     for (int i = 0; i < w->m->n_joint_spring; i++)
-        stiffest = fmax(stiffest, w->m->joint_spring[i].stiffness/(w->m->joint_spring[i].measure.of == LW_OF_TURN
-                                                                   ? w->size*w->size : 1));
+        stiffest = fmax(stiffest, w->m->joint_spring[i].stiffness/(w->m->joint_spring[i].measure.of == LW_OF_TURN ? w->size*w->size : 1));
     return fmax(1e-6, fmin(STEP, stiffest > 0 && isfinite(least) ? 0.2*sqrt(least/stiffest) : STEP));
 }
 

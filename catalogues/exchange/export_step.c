@@ -233,8 +233,7 @@ static product put_product(writer *w, const char *name, const int *items, int n,
     int formation = put(w, "PRODUCT_DEFINITION_FORMATION('','',#%d)", made);
     p.definition = put(w, "PRODUCT_DEFINITION('design','',#%d,#%d)", formation, DEFINITION_CONTEXT);
     int about = put(w, "PRODUCT_DEFINITION_SHAPE('','',#%d)", p.definition);
-    snprintf(before, sizeof before, "%s('%s',(", solid ? "ADVANCED_BREP_SHAPE_REPRESENTATION"
-             : "SHAPE_REPRESENTATION", name);
+    snprintf(before, sizeof before, "%s('%s',(", solid ? "ADVANCED_BREP_SHAPE_REPRESENTATION" : "SHAPE_REPRESENTATION", name);
     snprintf(after, sizeof after, "),#%d)", CONTEXT);
     p.shape = put_list(w, before, items, n, after);
     put(w, "SHAPE_DEFINITION_REPRESENTATION(#%d,#%d)", about, p.shape);
@@ -244,8 +243,7 @@ static product put_product(writer *w, const char *name, const int *items, int n,
 /* Put a part into the assembly, at the place where it is drawn. */
 static void put_use(writer *w, const product *whole, const product *part, int axes, int number_of, const char *name)
 {
-    int use = put(w, "NEXT_ASSEMBLY_USAGE_OCCURRENCE('%d','%s','',#%d,#%d,$)", number_of, name, whole->definition,
-                  part->definition);
+    int use = put(w, "NEXT_ASSEMBLY_USAGE_OCCURRENCE('%d','%s','',#%d,#%d,$)", number_of, name, whole->definition, part->definition);
     int about = put(w, "PRODUCT_DEFINITION_SHAPE('placement','',#%d)", use);
     int move = put(w, "ITEM_DEFINED_TRANSFORMATION('','',#%d,#%d)", part->axes, axes);
     int relation = put(w, "(REPRESENTATION_RELATIONSHIP('','',#%d,#%d)REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#%d)"

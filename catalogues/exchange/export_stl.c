@@ -117,8 +117,7 @@ static bool bridge(mesh *m, const int *start, int n_loop, int hole)
 /* Is the corner an ear: convex, with no other corner of the ring in its triangle? */
 static bool is_ear(const mesh *m, int at)
 {
-    lw_vec2 a = m->p[m->ring[(at + m->n_ring - 1) % m->n_ring]], b = m->p[m->ring[at]], c = m->p[m->ring[(at
-        + 1) % m->n_ring]];
+    lw_vec2 a = m->p[m->ring[(at + m->n_ring - 1) % m->n_ring]], b = m->p[m->ring[at]], c = m->p[m->ring[(at + 1) % m->n_ring]];
     if (area(a, b, c) <= 0)
         return false;
     for (int i = 0; i < m->n_ring; i++) {

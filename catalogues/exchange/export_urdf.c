@@ -177,8 +177,7 @@ static void put_joint(writer *w, int j, const char *more, const char *type, cons
     bool around = !slides && free && !w->sdf;
     put_name(w, "  <joint name=\"", p->name, more, "\" type=\"");
     put(w, around && !fixed ? "continuous" : type);
-    put_name(w, w->sdf ? "\">\n    <parent>" : "\">\n    <parent link=\"", parent, parent_more, w->sdf
-             ? "</parent>\n" : "\"/>\n");
+    put_name(w, w->sdf ? "\">\n    <parent>" : "\">\n    <parent link=\"", parent, parent_more, w->sdf ? "</parent>\n" : "\"/>\n");
     put_name(w, w->sdf ? "    <child>" : "    <child link=\"", child, child_more, w->sdf ? "</child>\n" : "\"/>\n");
     put_place(w, "    ", at, 0, 0);
     if (!fixed) {
@@ -251,14 +250,12 @@ static lw_status check(const writer *w, lw_error *e)
             return lw_error_set(e, LW_E_KIND, "gear '%s' has no form in %s", w->k->joint[j].name, form);
         if (m && (m->friction[j].coefficient > 0 || m->clearance[j].model != LW_CLEARANCE_NONE || m->stop[j].has_least
                   || m->stop[j].has_greatest))
-            return lw_error_set(e, LW_E_KIND, "joint '%s' has friction, clearance or a stop, which is not written "
-                                "to %s",
+            return lw_error_set(e, LW_E_KIND, "joint '%s' has friction, clearance or a stop, which is not written to %s",
                                 w->k->joint[j].name, form);
     }
     for (int i = 0; m && i < m->n_joint_spring; i++) {
         const lw_joint_spring *p = &m->joint_spring[i];
-        if (p->law || lw_joint_has_slot(w->k->joint[p->joint].kind) || (!w->sdf && (p->stiffness > 0
-            || !w->tree.in_tree[p->joint])))
+        if (p->law || lw_joint_has_slot(w->k->joint[p->joint].kind) || (!w->sdf && (p->stiffness > 0 || !w->tree.in_tree[p->joint])))
             return lw_error_set(e, LW_E_KIND, "joint spring '%s' has no form in %s", p->name, form);
     }
     if (m && m->n_spring + m->n_force + m->n_motor > 0)
@@ -278,8 +275,7 @@ static void put_note(writer *w, int loops)
             char name[LW_NAME_SIZE*3];
             if (w->tree.in_tree[j])
                 continue;
-            snprintf(name, sizeof name, "%s (%s, %s)", p->name, w->k->link_name[p->link[0]],
-                     w->k->link_name[p->link[1]]);
+            snprintf(name, sizeof name, "%s (%s, %s)", p->name, w->k->link_name[p->link[0]], w->k->link_name[p->link[1]]);
             for (char *c = name; *c; c++)
                 *c = *c == '-' ? '_' : *c;                     /* two of them would end the comment */
             put_name(w, n++ ? ", " : " ", name, "", " at");
@@ -310,8 +306,7 @@ static void free_writer(writer *w)
     free(w->rod);
 }
 
-static lw_status write_robot(const lw_assembly *linkage, const lw_export_options *o, bool sdf, lw_bytes *out,
-                             lw_error *e)
+static lw_status write_robot(const lw_assembly *linkage, const lw_export_options *o, bool sdf, lw_bytes *out, lw_error *e)
 {
     writer w = { .k = linkage, .m = o ? o->model : NULL, .out = out, .size = lw_export_size(linkage), .sdf = sdf };
     lw_status s = lw_assembly_check(linkage, e);
@@ -320,8 +315,7 @@ static lw_status write_robot(const lw_assembly *linkage, const lw_export_options
         s = lw_export_span(linkage, w.m, &w.tree, e);
     if (s == LW_OK)
         s = check(&w, e);
-    if (s == LW_OK && !(find_owners(&w)
-                        && (w.rod = malloc(((size_t)linkage->n_joint + (size_t)linkage->n_tracer + 1)*sizeof *w.rod))))
+    if (s == LW_OK && !(find_owners(&w) && (w.rod = malloc(((size_t)linkage->n_joint + (size_t)linkage->n_tracer + 1)*sizeof *w.rod))))
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s != LW_OK) {
         free_writer(&w);

@@ -25,8 +25,7 @@ static lw_status add(lw_bytes *out, char *text, lw_error *e)
 
 static bool begins_json(const char *text) { return begins_with(text, "{"); }
 
-static lw_status read_json(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage,
-                           lw_error *e)
+static lw_status read_json(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage, lw_error *e)
 {
     (void)units;
     return lw_assembly_read_result(text, size, file, 0, linkage, e);
@@ -62,8 +61,7 @@ static lw_status write_pmks(const lw_assembly *linkage, const lw_export_options 
     return add(out, lw_pmks_write(linkage, e ? e : &own), e ? e : &own);
 }
 
-static lw_status read_adams(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage,
-                            lw_error *e)
+static lw_status read_adams(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage, lw_error *e)
 {
     (void)units;
     return lw_adams_read(text, size, file, linkage, e);
@@ -132,14 +130,12 @@ static bool has_speed(const lw_assembly *k, const lw_model *m, char *what, size_
     return false;
 }
 
-lw_status lw_format_write(const lw_format *f, const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out,
-                          lw_error *e)
+lw_status lw_format_write(const lw_format *f, const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     const lw_model *m = f->loads && o ? o->model : NULL;
     for (int j = 0; j < linkage->n_joint && f->write != write_json; j++)
         if (lw_joint_freedoms(linkage->joint[j].kind) == 3)
-            return lw_error_set(e, LW_E_KIND, "joint '%s' leaves its link free, which has no form in %s",
-                                linkage->joint[j].name, f->name);
+            return lw_error_set(e, LW_E_KIND, "joint '%s' leaves its link free, which has no form in %s", linkage->joint[j].name, f->name);
     const char *what = !m ? NULL : m->n_contact ? "contacts" : m->n_rope ? "ropes" : m->n_elastic ? "elastic links"
                      : m->states.n_state ? "states" : NULL;
     if (what)
@@ -156,6 +152,5 @@ lw_status lw_format_write_space(const lw_format *f, const lw_spatial *m, lw_byte
 {
     if (f->write_space)
         return f->write_space(m, out, e);
-    return lw_error_set(e, LW_E_KIND, "%s holds planar linkages only; mjcf and adams hold spatial models like this one",
-                        f->name);
+    return lw_error_set(e, LW_E_KIND, "%s holds planar linkages only; mjcf and adams hold spatial models like this one", f->name);
 }

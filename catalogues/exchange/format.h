@@ -12,8 +12,7 @@ typedef struct lw_format {
     const char *end;                   /* of a file's name, ".json"; "": none                            */
     bool      (*begins)(const char *text);                       /* does a terminated text look like it?    */
     /* Numbers without a unit of their own count in `units`.  Free the linkage by lw_assembly_free.  NULL: written only. */
-    lw_status (*read)(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage,
-                      lw_error *e);
+    lw_status (*read)(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage, lw_error *e);
     /* Adds to out, freed after a failure.  LW_E_KIND: the format cannot say this.  NULL: read only. */
     lw_status (*write)(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
     bool        loads;                 /* _write uses the model of the options                           */
@@ -25,8 +24,7 @@ extern const lw_format lw_formats[];
 
 /* f->write, after refusing with LW_E_KIND what no format but json can say: free links; and, where the format takes loads,
  * contacts, ropes, elastic links and states of the model.  Whoever writes a format calls this. */
-lw_status lw_format_write(const lw_format *f, const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out,
-                          lw_error *e);
+lw_status lw_format_write(const lw_format *f, const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* The same of a spatial model; LW_E_KIND also: the format holds planar linkages only. */
 lw_status lw_format_write_space(const lw_format *f, const lw_spatial *m, lw_bytes *out, lw_error *e);

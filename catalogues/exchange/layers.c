@@ -195,8 +195,7 @@ static int hull(lw_vec2 *p, int n, double size, lw_vec2 *out)
             lw_vec2 q = p[pass ? n - 1 - i : i];
             if (pass && i == 0)
                 continue;
-            while (m - base >= 2 && lw_v2_cross(lw_v2_sub(out[m - 1], out[m - 2]), lw_v2_sub(q, out[m - 2]))
-                                    <= 1e-12*size*size)
+            while (m - base >= 2 && lw_v2_cross(lw_v2_sub(out[m - 1], out[m - 2]), lw_v2_sub(q, out[m - 2])) <= 1e-12*size*size)
                 m--;
             if (m > 0 && lw_v2_norm(lw_v2_sub(q, out[m - 1])) < 1e-9*size)
                 continue;
@@ -322,8 +321,7 @@ static bool add_slide(const lw_scene *s, int j, lw_layers *l)
         good = add_pin(l, at, q.guide, q.block, q.block) && good;
         add_hole(l, q.block, at, at);
     }
-    add_hole(l, q.guide, lw_v2_add(q.at, lw_v2_scale(q.along, lo - apart)),
-             lw_v2_add(q.at, lw_v2_scale(q.along, hi + apart)));
+    add_hole(l, q.guide, lw_v2_add(q.at, lw_v2_scale(q.along, lo - apart)), lw_v2_add(q.at, lw_v2_scale(q.along, hi + apart)));
     return good;
 }
 

@@ -60,8 +60,7 @@ lw_status lw_plates_check_holes(const lw_plates *w, lw_error *e)
                              lw_v2_norm(lw_v2_sub(ends[1][0], ends[1][1])) > 0 ? 2 : 1 };
                 if (lw_hull_distance(ends[0], n[0], ends[1], n[1]) <= 2*w->layers.bore)
                     return lw_error_set(e, LW_E_KIND, "two holes or slots of link '%s' meet; solids need them apart, "
-                                        "so choose smaller holes, or export dxf or "
-                                        "scad", w->scene.linkage.link_name[i]);
+                                        "so choose smaller holes, or export dxf or scad", w->scene.linkage.link_name[i]);
             }
     }
     return LW_OK;

@@ -105,8 +105,7 @@ lw_status lw_export_span(const lw_assembly *linkage, const lw_model *m, lw_expor
         rank[j] = rank_of(linkage->joint[j].kind, loaded[j], at_gear[j]);
     if (s == LW_OK && (s = lw_span(linkage->joint, sizeof *linkage->joint, offsetof(lw_joint, link), rank, linkage->n_joint,
                                    linkage->ground, linkage->n_link, t)) != LW_OK)
-        lw_error_set(e, s, s == LW_E_MEMORY ? "out of memory"
-                     : "a link hangs on a gear alone, which has no form in a tree of bodies");
+        lw_error_set(e, s, s == LW_E_MEMORY ? "out of memory" : "a link hangs on a gear alone, which has no form in a tree of bodies");
     for (int i = 0; s == LW_OK && i < linkage->n_link; i++)
         if (t->joint[i] >= 0)
             t->origin[i] = lw_v3(linkage->joint[t->joint[i]].at.x, linkage->joint[t->joint[i]].at.y, 0);

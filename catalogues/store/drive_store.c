@@ -12,8 +12,7 @@ static const char *const insert[] = {
     ("INSERT OR REPLACE INTO amplifier(name, run, voltage, current, current_peak, peak_time, mass, price) "
      "VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)") };
 static const char *const choose[] = {
-    ("SELECT name, torque_constant, resistance, inductance, inertia, torque, torque_peak, speed, mass, price FROM "
-     "motor ORDER BY id"),
+    ("SELECT name, torque_constant, resistance, inductance, inertia, torque, torque_peak, speed, mass, price FROM motor ORDER BY id"),
     "SELECT name, ratio, radius, efficiency, inertia, torque, torque_peak, speed, mass, price FROM gear ORDER BY id",
     "SELECT name, voltage, current, current_peak, peak_time, mass, price FROM amplifier ORDER BY id" };
 
@@ -33,8 +32,7 @@ static lw_status add_one(lw_store *s, const lw_drive_parts *p, int kind, int i, 
     return code == SQLITE_DONE ? LW_OK : lw_store_fail(s, code, "cannot be written", e);
 }
 
-lw_status lw_store_add_drive_parts(lw_store *s, const lw_drive_parts *p, const char *file, const char *command,
-                                   lw_error *e)
+lw_status lw_store_add_drive_parts(lw_store *s, const lw_drive_parts *p, const char *file, const char *command, lw_error *e)
 {
     const lw_store_run run = { .action = "add", .what = file, .command = command };
     lw_status status = lw_store_begin(s, e);

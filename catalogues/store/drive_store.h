@@ -6,8 +6,7 @@
 #include "grammar/model/drive_parts.h"
 
 /* Store the parts; one that has the name of an earlier one replaces it. */
-lw_status lw_store_add_drive_parts(lw_store *s, const lw_drive_parts *p, const char *file, const char *command,
-                                   lw_error *e);
+lw_status lw_store_add_drive_parts(lw_store *s, const lw_drive_parts *p, const char *file, const char *command, lw_error *e);
 
 /* Append all parts of the catalogue `path`. */
 lw_status lw_store_read_drive_parts(const char *path, lw_drive_parts *p, lw_error *e);

@@ -160,10 +160,8 @@ static lw_status choose_list(reader *r)
             return LW_OK;
     }
     if (first == last)
-        return lw_error_set(r->e, LW_E_ARG, "%s have no field '%s'; --fields lists what they have",
-                            lw_list_names[first], missing->name);
-    return lw_error_set(r->e, LW_E_ARG, "no list has all these fields, '%s' and others; --fields lists which has what",
-                        missing->name);
+        return lw_error_set(r->e, LW_E_ARG, "%s have no field '%s'; --fields lists what they have", lw_list_names[first], missing->name);
+    return lw_error_set(r->e, LW_E_ARG, "no list has all these fields, '%s' and others; --fields lists which has what", missing->name);
 }
 
 /* ---- values ------------------------------------------------------------------------------------------ */
@@ -237,8 +235,7 @@ static lw_status read_value(reader *r, const lw_query_field *f, bool pattern)
     const token t = r->next;
     lw_status s;
     if (t.kind == END || t.kind == SIGN)
-        return fault(r, t.at, t.kind == END ? "a value is wanted here%.*s" : "a value is wanted, not '%.*s'", t.at,
-                     t.n);
+        return fault(r, t.at, t.kind == END ? "a value is wanted here%.*s" : "a value is wanted, not '%.*s'", t.at, t.n);
     if (f->kind == LW_FIELD_TEXT) {
         bool part = pattern && !memchr(t.at, '*', t.n) && !memchr(t.at, '?', t.n);
         s = add_text(r, t.at, t.n, part);

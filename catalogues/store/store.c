@@ -48,8 +48,7 @@ lw_status lw_store_fail(lw_store *s, int code, const char *doing, lw_error *e)
                            sqlite3_system_errno(s->db) ? ": " : "",
                            sqlite3_system_errno(s->db) ? strerror(sqlite3_system_errno(s->db)) : "");
     default:
-        return lw_error_at(e, code == SQLITE_CANTOPEN ? LW_E_IO : LW_E_NOTATION, s->path, 0, 0, "%s: %s", doing,
-                           sqlite3_errmsg(s->db));
+        return lw_error_at(e, code == SQLITE_CANTOPEN ? LW_E_IO : LW_E_NOTATION, s->path, 0, 0, "%s: %s", doing, sqlite3_errmsg(s->db));
     }
 }
 
@@ -120,8 +119,7 @@ lw_status lw_store_do(lw_store *s, const char *sql, lw_error *e, const char *for
     return status;
 }
 
-lw_status lw_store_find(lw_store *s, const char *sql, sqlite3_int64 *found, bool *any, lw_error *e,
-                        const char *format, ...)
+lw_status lw_store_find(lw_store *s, const char *sql, sqlite3_int64 *found, bool *any, lw_error *e, const char *format, ...)
 {
     sqlite3_stmt *t;
     lw_status status = lw_store_prepare(s, sql, &t, e);
@@ -357,8 +355,7 @@ static int run_steps(lw_store *s, int from)
         code = sqlite3_exec(s->db, lw_store_steps[i], NULL, NULL, NULL);
     if (code != SQLITE_OK)
         return code;
-    snprintf(sql, sizeof sql, "PRAGMA application_id=%d; PRAGMA user_version=%d", LW_STORE_APPLICATION,
-             lw_store_step_count);
+    snprintf(sql, sizeof sql, "PRAGMA application_id=%d; PRAGMA user_version=%d", LW_STORE_APPLICATION, lw_store_step_count);
     return sqlite3_exec(s->db, sql, NULL, NULL, NULL);
 }
 

@@ -57,8 +57,7 @@ lw_status lw_store_copy_undated(lw_store *s, const char *path, lw_error *e);
 
 /* A build: chains with this number of links and freedoms, joints of these kinds ("r", "rt").  *done: number of chains
  * committed so far, in the order of enumeration; *complete: whether these are all.  Inside a transaction. */
-lw_status lw_store_build_begin(lw_store *s, int links, int dof, const char *joints, uint64_t *done, bool *complete,
-                               lw_error *e);
+lw_status lw_store_build_begin(lw_store *s, int links, int dof, const char *joints, uint64_t *done, bool *complete, lw_error *e);
 lw_status lw_store_build_done(lw_store *s, uint64_t done, bool complete, lw_error *e);
 
 typedef struct lw_store_structure {
@@ -160,8 +159,7 @@ typedef struct lw_store_query {
 lw_status lw_store_ask(lw_store *s, const lw_store_query *q, lw_error *e);
 
 /* The number that a SELECT of one number gives; 0 when it gives no row. */
-lw_status lw_store_number(lw_store *s, const char *sql, const lw_value *value, int n_value, long long *number,
-                          lw_error *e);
+lw_status lw_store_number(lw_store *s, const char *sql, const lw_value *value, int n_value, long long *number, lw_error *e);
 
 /* Has the file this table?  Files of older versions lack some. */
 lw_status lw_store_has_table(lw_store *s, const char *table, bool *has, lw_error *e);

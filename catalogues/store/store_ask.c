@@ -5,8 +5,7 @@
 
 /* What the user's SQL may do: read tables and call functions. ATTACH, writing, and PRAGMAs that change anything are
  * refused; the connection is read-only besides. */
-static int allow(void *context, int action, const char *first, const char *second, const char *base,
-                 const char *trigger)
+static int allow(void *context, int action, const char *first, const char *second, const char *base, const char *trigger)
 {
     (void)context, (void)base, (void)trigger;
     switch (action) {
@@ -109,8 +108,7 @@ static lw_status sql_fault(lw_store *s, const lw_store_query *q, int code, lw_er
     if (!q->foreign)
         return lw_store_fail(s, code, "cannot be read", e);
     if ((code & 0xff) == SQLITE_AUTH)
-        return lw_error_set(e, LW_E_ARG, "the SQL may read the tables of the catalogue and nothing else (%s)",
-                            sqlite3_errmsg(s->db));
+        return lw_error_set(e, LW_E_ARG, "the SQL may read the tables of the catalogue and nothing else (%s)", sqlite3_errmsg(s->db));
     if ((code & 0xff) != SQLITE_ERROR)
         return lw_store_fail(s, code, "cannot be read", e);
     return lw_error_at(e, LW_E_NOTATION, "SQL", at < 0 ? 0 : 1, at + 1, "%s", sqlite3_errmsg(s->db));
@@ -165,8 +163,7 @@ static lw_status take_number(void *context, int n_column, const char *const *nam
     return LW_OK;
 }
 
-lw_status lw_store_number(lw_store *s, const char *sql, const lw_value *value, int n_value, long long *number,
-                          lw_error *e)
+lw_status lw_store_number(lw_store *s, const char *sql, const lw_value *value, int n_value, long long *number, lw_error *e)
 {
     lw_store_query q = { .sql = sql, .value = value, .n_value = n_value, .row = take_number, .context = number };
     *number = 0;

@@ -38,8 +38,7 @@ lw_status lw_store_prepare(lw_store *s, const char *sql, sqlite3_stmt **statemen
 lw_status lw_store_do(lw_store *s, const char *sql, lw_error *e, const char *format, ...);
 
 /* The same for a SELECT of at most one row with one whole number. */
-lw_status lw_store_find(lw_store *s, const char *sql, sqlite3_int64 *found, bool *any, lw_error *e,
-                        const char *format, ...);
+lw_status lw_store_find(lw_store *s, const char *sql, sqlite3_int64 *found, bool *any, lw_error *e, const char *format, ...);
 
 /* The terms, or else the linkages, of one block of curves, which must have this size in bytes. */
 lw_status lw_store_block(lw_store *s, long long id, bool linkages, void *to, size_t size, lw_error *e);

@@ -8,8 +8,7 @@
 
 #include "catalogues/store/nearest.h"
 
-lw_status lw_store_build_begin(lw_store *s, int links, int dof, const char *joints, uint64_t *done, bool *complete,
-                               lw_error *e)
+lw_status lw_store_build_begin(lw_store *s, int links, int dof, const char *joints, uint64_t *done, bool *complete, lw_error *e)
 {
     bool any;
     sqlite3_int64 n_done = 0, is_complete = 0;
@@ -21,8 +20,7 @@ lw_status lw_store_build_begin(lw_store *s, int links, int dof, const char *join
     if (status == LW_OK)
         status = lw_store_find(s, "SELECT done FROM build WHERE id = ?1", &n_done, &any, e, "i", (long long)s->build);
     if (status == LW_OK)
-        status = lw_store_find(s, "SELECT complete FROM build WHERE id = ?1", &is_complete, &any, e, "i",
-                               (long long)s->build);
+        status = lw_store_find(s, "SELECT complete FROM build WHERE id = ?1", &is_complete, &any, e, "i", (long long)s->build);
     *done = (uint64_t)n_done;
     *complete = is_complete != 0;
     return status;
@@ -98,11 +96,9 @@ lw_status lw_store_sweep_begin(lw_store *s, lw_atlas_sweep *sweep, lw_error *e)
         status = lw_store_find(s, "SELECT id FROM sweep WHERE families = ?1 AND kinds = ?2 AND seed = ?3", &s->sweep,
                                &any, e, "tit", sweep->families, (long long)sweep->kinds, seed);
     if (status == LW_OK)
-        status = lw_store_find(s, "SELECT samples FROM sweep WHERE id = ?1", &samples, &any, e, "i",
-                               (long long)s->sweep);
+        status = lw_store_find(s, "SELECT samples FROM sweep WHERE id = ?1", &samples, &any, e, "i", (long long)s->sweep);
     if (status == LW_OK)
-        status = lw_store_find(s, "SELECT segments FROM sweep WHERE id = ?1", &segments, &any, e, "i",
-                               (long long)s->sweep);
+        status = lw_store_find(s, "SELECT segments FROM sweep WHERE id = ?1", &segments, &any, e, "i", (long long)s->sweep);
     if (status == LW_OK)
         status = lw_store_find(s, "SELECT first FROM sweep WHERE id = ?1", &first, &any, e, "i", (long long)s->sweep);
     if (status == LW_OK && (uint64_t)first != sweep->first)

@@ -29,8 +29,7 @@ lw_status lw_template_fault(const lw_template *t, size_t at, const lw_error *inn
 {
     if (inner->status != LW_E_NOTATION)
         return lw_error_set(e, inner->status, "%s", inner->text);
-    return lw_json_fault_inside(&t->json, at + (inner->column > 0 ? (size_t)inner->column - 1 : 0), e, "%s",
-                                inner->text);
+    return lw_json_fault_inside(&t->json, at + (inner->column > 0 ? (size_t)inner->column - 1 : 0), e, "%s", inner->text);
 }
 
 static size_t count_nodes(const lw_json_node *n)
@@ -145,8 +144,7 @@ static int add_symbol(lw_scope *s, const char *name, lw_template *node, lw_error
 
 /* ---- formulas and texts -------------------------------------------------------------------------- */
 
-static lw_status parse(const place *p, const lw_template *t, const char *text, size_t at, size_t size, lw_formula **out,
-                       lw_error *e)
+static lw_status parse(const place *p, const lw_template *t, const char *text, size_t at, size_t size, lw_formula **out, lw_error *e)
 {
     lw_error inner = { 0 };
     lw_status s = lw_formula_parse(text + at, size, look_up, (void *)p, out, &inner);
@@ -356,8 +354,7 @@ static lw_status compile(const place *p, lw_template *t, const lw_key *key, cons
     for (int i = 0; s == LW_OK && i < t->n; i++) {
         lw_template *member = &t->child[i];
         if (member != t->when && member != t->repeat)
-            s = compile(p, member, lw_key_find(t->json.key ? t->json.key : parent, member->json.key),
-                        member->json.key, e);
+            s = compile(p, member, lw_key_find(t->json.key ? t->json.key : parent, member->json.key), member->json.key, e);
     }
     return s;
 }
@@ -498,8 +495,7 @@ static lw_status visit(lw_scope *scope, int in_part, int at, int *path, int dept
         while (first < depth && path[first] != at)
             first++;
         for (int i = first; i <= depth && strlen(circle) < 300; i++)
-            snprintf(circle + strlen(circle), sizeof circle - strlen(circle), "%s%s", i > first ? " -> " : "",
-                     scope->symbol[path[i]].name);
+            snprintf(circle + strlen(circle), sizeof circle - strlen(circle), "%s%s", i > first ? " -> " : "", scope->symbol[path[i]].name);
         return lw_json_fault(&s->node->json, e, "a value needs itself: %s", circle);
     }
     s->mark = 1;
@@ -609,8 +605,7 @@ static lw_status read_use(const place *p, lw_use *u, lw_template *t, lw_error *e
             s = compile(p, *members[i].at, lw_key_find(NULL, members[i].key), NULL, e);
     }
     if (s == LW_OK && (!u->attach != !u->to))
-        s = lw_json_fault(&t->json, e, "\"attach\" and \"to\" belong together: a port of the part, and the port that "
-                                       "it is laid on");
+        s = lw_json_fault(&t->json, e, "\"attach\" and \"to\" belong together: a port of the part, and the port that it is laid on");
     if (s == LW_OK && u->attach && u->at)
         s = lw_json_fault(&u->at->json, e, "\"to\" says where the part is; leave out \"at\"");
     if (s == LW_OK && u->axis && !u->angle)
@@ -673,8 +668,7 @@ static lw_status read_part(lw_master *m, lw_part *part, lw_error *e)
         if (other)
             continue;
         if (list->type != LW_JSON_ARRAY)
-            s = lw_json_fault(&list->json, e, "a part holds parameters, let, ports, use and lists such as links, "
-                                              "joints, forces");
+            s = lw_json_fault(&list->json, e, "a part holds parameters, let, ports, use and lists such as links, joints, forces");
         else
             s = compile(&p, list, lw_key_find(NULL, list->json.key), list->json.key, e);
     }
@@ -694,8 +688,7 @@ static lw_status visit_part(lw_master *m, int at, int *path, int depth, lw_error
         while (first < depth && path[first] != at)
             first++;
         for (int i = first; i <= depth && strlen(circle) < 300; i++)
-            snprintf(circle + strlen(circle), sizeof circle - strlen(circle), "%s%.60s", i > first ? " -> " : "",
-                     m->part[path[i]].name);
+            snprintf(circle + strlen(circle), sizeof circle - strlen(circle), "%s%.60s", i > first ? " -> " : "", m->part[path[i]].name);
         return lw_json_fault(&part->node->json, e, "a part uses itself: %s", circle);
     }
     part->mark = 1;
@@ -782,8 +775,7 @@ static lw_status read_set(const lw_master *m, lw_setting *setting, lw_template *
     return s;
 }
 
-static lw_status read_settings(const lw_master *m, const lw_template *list, lw_setting *out, int *n, bool view,
-                               lw_error *e)
+static lw_status read_settings(const lw_master *m, const lw_template *list, lw_setting *out, int *n, bool view, lw_error *e)
 {
     static const char *const known[] = { "doc", "set", "omit" };
     lw_status s = list ? expect(list, LW_JSON_OBJECT, e) : LW_OK;
@@ -854,8 +846,7 @@ static lw_status read_checks(lw_master *m, const lw_template *list, lw_error *e)
     if (!m->check)
         return no_memory(e);
     for (int i = 0; s == LW_OK && i < list->n; i++) {
-        lw_template *t = &list->child[i], *require = lw_template_member(t, "require"), *text = lw_template_member(t,
-            "text");
+        lw_template *t = &list->child[i], *require = lw_template_member(t, "require"), *text = lw_template_member(t, "text");
         lw_check *c = &m->check[m->n_check++];
         s = expect(t, LW_JSON_OBJECT, e);
         if (s == LW_OK)
@@ -907,8 +898,7 @@ static lw_status read_root(lw_master *m, lw_error *e)
                                          "views",
                                          "configurations", "checks", "$schema" };
     double version = 0;
-    lw_template *root = m->root, *v = lw_template_member(root, "linkwright"), *family = lw_template_member(root,
-        "family");
+    lw_template *root = m->root, *v = lw_template_member(root, "linkwright"), *family = lw_template_member(root, "family");
     lw_status s = expect(root, LW_JSON_OBJECT, e);
     if (s == LW_OK && lw_template_member(root, "joints"))
         return lw_json_fault(&root->json, e, "this is no master file but a model; a master holds it under \"model\"");
@@ -1188,13 +1178,11 @@ lw_status lw_variant_set(lw_variant *v, const char *name, const char *value, lw_
             a.number = number;
         }
         if (st == LW_OK && a.kind != s->info.kind)
-            st = lw_error_set(&inner, LW_E_NOTATION, "%s is expected", s->info.kind == LW_AMOUNT_TRUTH ?
-                              "true or false" : "a number");
+            st = lw_error_set(&inner, LW_E_NOTATION, "%s is expected", s->info.kind == LW_AMOUNT_TRUTH ? "true or false" : "a number");
     }
     if (st != LW_OK) {
         free(copy);
-        return lw_error_at(e, st == LW_E_NOTATION ? LW_E_ARG : st, v->m->file, 0, 0, "%s = %.60s: %s", name, value,
-                           inner.text);
+        return lw_error_at(e, st == LW_E_NOTATION ? LW_E_ARG : st, v->m->file, 0, 0, "%s = %.60s: %s", name, value, inner.text);
     }
     free(v->text[1 + at]);
     v->text[1 + at] = copy;
@@ -1216,13 +1204,11 @@ static lw_status suits(const lw_variant *v, const lw_symbol *s, const lw_amount 
         return LW_OK;
     if (a->kind == LW_AMOUNT_NUMBER && !lw_amount_in(a, s->has_unit ? &s->unit : &plain, &x)) {
         lw_dimension_print(a->dimension, text, sizeof text);
-        return lw_json_fault(at, e, "the value of %s is in [%s], its unit is [%s]", s->name, text, s->has_unit
-                             ? p->unit : "1");
+        return lw_json_fault(at, e, "the value of %s is in [%s], its unit is [%s]", s->name, text, s->has_unit ? p->unit : "1");
     }
     lw_variant_print(v, (int)(s - v->m->scope.symbol) - 1, a, text, sizeof text);
     if (p->has_range && a->kind == LW_AMOUNT_NUMBER && !(x >= p->least && x <= p->most))
-        return lw_json_fault(at, e, "%s = %s is outside its range %g to %g %s", s->name, text, p->least, p->most,
-                             p->unit);
+        return lw_json_fault(at, e, "%s = %s is outside its range %g to %g %s", s->name, text, p->least, p->most, p->unit);
     if (p->whole && a->kind == LW_AMOUNT_NUMBER && x != round(x))
         return lw_json_fault(at, e, "%s = %s is no whole number", s->name, text);
     bool found = !s->choices;

@@ -82,12 +82,10 @@ static void add_instance_text(const map *p, int at, lw_error *e)
     if (at < 0 || !e)
         return;
     size_t used = strlen(e->text);
-    snprintf(e->text + used, sizeof e->text - used, " (in \"%.60s\", part \"%.60s\")", p->instance[at].name,
-             p->instance[at].part->name);
+    snprintf(e->text + used, sizeof e->text - used, " (in \"%.60s\", part \"%.60s\")", p->instance[at].name, p->instance[at].part->name);
 }
 
-static lw_status fault(const writer *w, const lw_template *t, const char *format, ...) __attribute__((format(printf, 3,
-    4)));
+static lw_status fault(const writer *w, const lw_template *t, const char *format, ...) __attribute__((format(printf, 3, 4)));
 static lw_status fault(const writer *w, const lw_template *t, const char *format, ...)
 {
     char text[400];
@@ -143,8 +141,7 @@ static const char *unit_names(const lw_template *t, char text[96])
 }
 
 /* The number of a scalar as it stands in the model file: in the unit of its key. */
-static lw_status in_unit_of_key(const writer *w, const lw_template *t, const lw_formula *f, const lw_amount *a,
-                                double *out)
+static lw_status in_unit_of_key(const writer *w, const lw_template *t, const lw_formula *f, const lw_amount *a, double *out)
 {
     char text[96], one[64];
     const lw_amount *as = lw_formula_unit(f), plain = lw_amount_plain(1);
@@ -162,8 +159,7 @@ static lw_status in_unit_of_key(const writer *w, const lw_template *t, const lw_
     const lw_json_node *n = &t->json;
     while (!n->key && n->parent)
         n = n->parent;
-    return fault(w, t, "the unit of \"%s\" is not known here and this is in [%s]; write the unit of the number, as in "
-                       "\"= ... as mm\"",
+    return fault(w, t, "the unit of \"%s\" is not known here and this is in [%s]; write the unit of the number, as in \"= ... as mm\"",
                  n->key ? n->key : "this", one);
 }
 
@@ -401,8 +397,7 @@ static lw_status read_vector(writer *w, const lw_template *t, int least, double 
     lw_status s = LW_OK;
     out[0] = out[1] = out[2] = 0;
     if (t->kind != LW_TEMPLATE_ARRAY || t->n < least || t->n > 3)
-        return fault(w, t, least == 3 ? "three numbers [x, y, z] are expected here" :
-                     "[x, y] or [x, y, z] is expected here");
+        return fault(w, t, least == 3 ? "three numbers [x, y, z] are expected here" : "[x, y] or [x, y, z] is expected here");
     for (int i = 0; s == LW_OK && i < t->n; i++)
         s = number_of(w, &t->child[i], &out[i]);
     return s;
@@ -453,8 +448,7 @@ static lw_status find_port(writer *w, const lw_template *t, frame *out)
                        || memcmp(w->map->instance[at].name, text, n) != 0))
         at--;
     if (at < 0)
-        return fault(w, t, "a port of a part used before is expected here, as \"name.port\"; there is no \"%.60s\"",
-                     text);
+        return fault(w, t, "a port of a part used before is expected here, as \"name.port\"; there is no \"%.60s\"", text);
     const instance *of = &w->map->instance[at];
     int k = 0;
     while (k < of->part->n_port && strcmp(of->part->port[k].node->json.key, dot + 1) != 0)
@@ -509,8 +503,7 @@ static lw_status set_values(writer *w, const lw_use *u, int at)
         for (int n = 0; n < u->n_with; n++)
             given = given || u->with[n].symbol == i;
         if (!given)
-            s = formula_value(w, scope->symbol[i].node, scope->symbol[i].formula, formula_at(scope->symbol[i].node),
-                              &value[i]);
+            s = formula_value(w, scope->symbol[i].node, scope->symbol[i].formula, formula_at(scope->symbol[i].node), &value[i]);
     }
     for (int i = 1; s == LW_OK && i < scope->n; i++) {
         const lw_symbol *y = &scope->symbol[i];
@@ -531,8 +524,7 @@ static lw_status set_values(writer *w, const lw_use *u, int at)
             s = fault(w, blame, "%s of part \"%s\" is in [%s], its unit is [%s]", p->name, x->part->name, one, p->unit);
         else if (value[i].kind == LW_AMOUNT_NUMBER && !y->has_unit && !y->formula
                  && !lw_dimension_fits(value[i].dimension, lw_amount_plain(0).dimension))
-            s = fault(w, blame, "%s of part \"%s\" is in [%s], but it is a plain number; give it a \"unit\"", p->name,
-                      x->part->name, one);
+            s = fault(w, blame, "%s of part \"%s\" is in [%s], but it is a plain number; give it a \"unit\"", p->name, x->part->name, one);
         else if (p->has_range && value[i].kind == LW_AMOUNT_NUMBER && !(number >= p->least && number <= p->most))
             s = fault(w, blame, "%s = %g of part \"%s\" is outside its range %g to %g %s", p->name, number,
                       x->part->name, p->least,

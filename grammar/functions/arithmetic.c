@@ -138,8 +138,7 @@ lw_status lw_arithmetic_arguments(lw_arithmetic *p, const lw_math_function *f, l
         if (lw_arithmetic_take(p, ','))
             continue;
         if (lw_arithmetic_peek(p) != ')')
-            return lw_arithmetic_fault(p, p->at, "',' or ')' is expected in %s, not %s", f->form,
-                                       lw_byte_name(lw_arithmetic_peek(p), buf));
+            return lw_arithmetic_fault(p, p->at, "',' or ')' is expected in %s, not %s", f->form, lw_byte_name(lw_arithmetic_peek(p), buf));
         if (*n < f->least)
             return lw_arithmetic_fault(p, p->at, "something is missing: %s", f->form);
         p->at++;

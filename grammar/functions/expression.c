@@ -37,8 +37,7 @@ static lw_status emit(parser *p, size_t at, lw_expression_node n, lw_operand *ou
              : lw_arithmetic_fault(p, at, "this is no finite number whatever the variables are");
     }
     if (x->n_node == LW_EXPRESSION_NODE_MAX)
-        return lw_arithmetic_fault(p, at, "the expression is too long: at most %d operations",
-                     LW_EXPRESSION_NODE_MAX);
+        return lw_arithmetic_fault(p, at, "the expression is too long: at most %d operations", LW_EXPRESSION_NODE_MAX);
     x->node[x->n_node] = n;
     *out = (lw_operand){ x->n_node++, 0 };
     return LW_OK;
@@ -90,8 +89,7 @@ static lw_status check_table(const parser *p, const lw_argument *a, int n)
         if (a[i].o.node >= 0)
             return lw_arithmetic_fault(p, a[i].at, "the points of a table are numbers, nothing that changes");
         if (i > 2 && i % 2 && !(a[i].o.value > a[i-2].o.value))
-            return lw_arithmetic_fault(p, a[i].at, "the x of a table must rise, but %g follows %g", a[i].o.value,
-                         a[i-2].o.value);
+            return lw_arithmetic_fault(p, a[i].at, "the x of a table must rise, but %g follows %g", a[i].o.value, a[i-2].o.value);
     }
     return LW_OK;
 }
@@ -186,8 +184,7 @@ static lw_status variable(parser *p, size_t at, int id, lw_operand *out)
             return LW_OK;
         }
     if (x->n_variable == LW_EXPRESSION_VARIABLE_MAX)
-        return lw_arithmetic_fault(p, at, "the expression depends on too many quantities: at most %d",
-                     LW_EXPRESSION_VARIABLE_MAX);
+        return lw_arithmetic_fault(p, at, "the expression depends on too many quantities: at most %d", LW_EXPRESSION_VARIABLE_MAX);
     x->variable[x->n_variable] = id;
     return emit(p, at, (lw_expression_node){ .op = LW_OP_VARIABLE, .index = x->n_variable++, .a = number(0),
                                   .b = number(0) }, out);
@@ -401,14 +398,12 @@ static lw_expression *new_expression(const char *text, size_t size)
     return x;
 }
 
-lw_status lw_expression_parse(const char *text, size_t size, lw_expression_lookup *lookup,
-                              void *context, lw_expression **out, lw_error *e)
+lw_status lw_expression_parse(const char *text, size_t size, lw_expression_lookup *lookup, void *context, lw_expression **out, lw_error *e)
 {
     return lw_expression_parse_words(text, size, &(lw_expression_words){ .context = context, .variable = lookup }, out, e);
 }
 
-lw_status lw_expression_parse_words(const char *text, size_t size, const lw_expression_words *words, lw_expression **out,
-                                    lw_error *e)
+lw_status lw_expression_parse_words(const char *text, size_t size, const lw_expression_words *words, lw_expression **out, lw_error *e)
 {
     *out = NULL;
     lw_expression *x = new_expression(text, size);

@@ -31,8 +31,7 @@ typedef struct lw_expression lw_expression;
 typedef int lw_expression_lookup(void *context, const char *word, const char *name, char *why);
 
 /* LW_E_NOTATION with the column (from 1, in bytes) of the error; LW_E_MEMORY. */
-lw_status lw_expression_parse(const char *text, size_t size, lw_expression_lookup *lookup,
-                              void *context, lw_expression **out, lw_error *e);
+lw_status lw_expression_parse(const char *text, size_t size, lw_expression_lookup *lookup, void *context, lw_expression **out, lw_error *e);
 
 /* Words that stand for more than a variable.  Each may be NULL: there are none.
  *
@@ -48,8 +47,7 @@ typedef struct lw_expression_words {
     const struct lw_moves *(*moves)(void *context, const char *name);
 } lw_expression_words;
 
-lw_status lw_expression_parse_words(const char *text, size_t size, const lw_expression_words *words, lw_expression **out,
-                                    lw_error *e);
+lw_status lw_expression_parse_words(const char *text, size_t size, const lw_expression_words *words, lw_expression **out, lw_error *e);
 void      lw_expression_free(lw_expression *x);
 
 /* The variables of the expression: returns how many there are; *which gets the caller's numbers of them in the

@@ -41,7 +41,6 @@ double lw_op_value(const lw_expression *x, const lw_expression_node *n, double a
 /* The polynomial that LW_OP_CUBIC, LW_OP_SPLINE or LW_OP_MOVES equals at u and beyond u in the direction given by the
  * sign of `direction`:  p[0] + p[1] d + p[2] d^2 + ...,  d = difference to u.  Returns its degree; of a motion, up to
  * the order given. */
-int lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, int direction, int order,
-                double p[LW_SERIES_ORDER_MAX + 1]);
+int lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, int direction, int order, double p[LW_SERIES_ORDER_MAX + 1]);
 
 #endif

@@ -228,8 +228,7 @@ static void exponential(int order, const series a, series c)
 
 static void half_sine(int order, const series a, series c)
 {
-    if (a[0] < 0 || a[0] > 1 || (a[0] == 0 && side(order, a, 0) < 0)
-        || (a[0] == 1 && side(order, a, 1) > 0))
+    if (a[0] < 0 || a[0] > 1 || (a[0] == 0 && side(order, a, 0) < 0) || (a[0] == 1 && side(order, a, 1) > 0))
         return;
     series angle = { 0 }, s, k;
     for (int i = 0; i <= order; i++)
@@ -302,8 +301,7 @@ static void choose(int order, bool least, const series a, const series b, series
     copy((least ? s < 0 : s > 0) ? b : a, c);
 }
 
-static void operation(const lw_expression *x, const lw_expression_node *n, int order, const series a,
-                      const series b, series c)
+static void operation(const lw_expression *x, const lw_expression_node *n, int order, const series a, const series b, series c)
 {
     double value = lw_op_value(x, n, a[0], b[0]);
     constant(value, c);
@@ -347,8 +345,7 @@ void lw_expression_series(const lw_expression *x, int order, const double *v, do
         const lw_expression_node *n = &x->node[i];
         if (n->op == LW_OP_VARIABLE) {
             memset(done[i], 0, sizeof done[i]);
-            memcpy(done[i], v + (size_t)n->index*(size_t)(order + 1),
-                   (size_t)(order + 1)*sizeof *v);
+            memcpy(done[i], v + (size_t)n->index*(size_t)(order + 1), (size_t)(order + 1)*sizeof *v);
             continue;
         }
         fetch(&n->a, done, a);

@@ -43,8 +43,7 @@ static void spline_piece(const lw_spline *s, double u, int direction, double p[4
     p[0] = d == h ? s->y[low+1] : s->y[low] + d*(slope + d*(s->bend[low]/2 + d*jump/6));
 }
 
-int lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, int direction, int order,
-                double p[LW_SERIES_ORDER_MAX + 1])
+int lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, int direction, int order, double p[LW_SERIES_ORDER_MAX + 1])
 {
     if (n->op == LW_OP_MOVES) {
         lw_moves_series(x->moves[n->index], u, direction, order, p);
@@ -172,8 +171,7 @@ static double piece_slope(const lw_expression *x, const lw_expression_node *n, d
 }
 
 /* Derivatives of operation n with value f by its operands; at a kink the right-hand one. */
-static void partials(const lw_expression *x, const lw_expression_node *n, double a, double b, double f,
-                     double *da, double *db)
+static void partials(const lw_expression *x, const lw_expression_node *n, double a, double b, double f, double *da, double *db)
 {
     *da = *db = 0;
     switch (n->op) {

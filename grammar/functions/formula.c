@@ -116,8 +116,7 @@ void lw_dimension_print(lw_dimension d, char *text, size_t size)
             int n = sign*d.of[i];
             if (n <= 0)
                 continue;
-            used += (size_t)snprintf(text + used, size - used, "%s%s", sign < 0 ? used ? "/" : "1/" : used ? " " : "",
-                                     names[i]);
+            used += (size_t)snprintf(text + used, size - used, "%s%s", sign < 0 ? used ? "/" : "1/" : used ? " " : "", names[i]);
             if (n > 1 && used < size)
                 used += (size_t)snprintf(text + used, size - used, "^%d", n);
         }
@@ -414,8 +413,7 @@ static lw_status end_of(parser *p)
 static const lw_language language = { .words = "parameter or function", .depth = DEPTH_MAX, .function = functions,
     .n_function = sizeof functions/sizeof *functions, .whole = disjunction, .number = number, .other = word, .apply = operate };
 
-lw_status lw_formula_parse(const char *text, size_t size, lw_formula_lookup *lookup, void *context, lw_formula **out,
-                           lw_error *e)
+lw_status lw_formula_parse(const char *text, size_t size, lw_formula_lookup *lookup, void *context, lw_formula **out, lw_error *e)
 {
     *out = NULL;
     lw_formula *f = calloc(1, sizeof *f);
@@ -461,8 +459,7 @@ int lw_formula_words(const lw_formula *f, const int **which)
 
 /* ---- value --------------------------------------------------------------------------------------- */
 
-static lw_status mistake(const operation *o, lw_error *e, const char *format, ...) __attribute__((format(printf, 3,
-    4)));
+static lw_status mistake(const operation *o, lw_error *e, const char *format, ...) __attribute__((format(printf, 3, 4)));
 static lw_status mistake(const operation *o, lw_error *e, const char *format, ...)
 {
     char text[400];
@@ -483,8 +480,7 @@ static const char *print_kind(const lw_amount *a, char text[64])
 static lw_status unfit(const operation *o, const lw_amount *a, const lw_amount *b, const char *what, lw_error *e)
 {
     char one[64], two[64];
-    return mistake(o, e, "the units do not fit: [%s] and [%s] cannot be %s", print_kind(a, one), print_kind(b, two),
-                   what);
+    return mistake(o, e, "the units do not fit: [%s] and [%s] cannot be %s", print_kind(a, one), print_kind(b, two), what);
 }
 
 /* b in the unit of a. */
@@ -712,8 +708,7 @@ static lw_status apply(const operation *o, lw_amount *a, lw_error *e)
     }
 }
 
-static lw_status run(const lw_formula *f, const lw_amount *const value[2], lw_amount *out, lw_amount *sides,
-                     lw_error *e)
+static lw_status run(const lw_formula *f, const lw_amount *const value[2], lw_amount *out, lw_amount *sides, lw_error *e)
 {
     lw_amount stack[STACK_MAX + 1];
     int n = 0;

@@ -54,8 +54,7 @@ typedef struct lw_formula lw_formula;
 typedef int lw_formula_lookup(void *context, const char *word, char *why);
 
 /* LW_E_NOTATION with the column (from 1, in bytes) of the error; LW_E_MEMORY. */
-lw_status lw_formula_parse(const char *text, size_t size, lw_formula_lookup *lookup, void *context, lw_formula **out,
-                           lw_error *e);
+lw_status lw_formula_parse(const char *text, size_t size, lw_formula_lookup *lookup, void *context, lw_formula **out, lw_error *e);
 void      lw_formula_free(lw_formula *f);
 
 /* The unit after `as`; NULL: none. */

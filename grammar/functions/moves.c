@@ -20,8 +20,7 @@ static lw_status read_move(const lw_json_node *object, const lw_axis_limits *lim
                                       { "frequency", 1, LW_POSITIVE, &frequency, NULL },
                                       { "power", 1, LW_POSITIVE, &power, NULL } };
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
-    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_read_need(object, "to", &n, e)) == LW_OK)
+    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK && (s = lw_read_need(object, "to", &n, e)) == LW_OK)
         s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     if (s != LW_OK)
         return s;

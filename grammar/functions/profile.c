@@ -199,8 +199,7 @@ typedef struct two_phases {
     extreme most, least;           /* the same phases seen as greatest and, mirrored, as least way */
 } two_phases;
 
-static void add_two_phases(const transfer *m, bool mirrored, double T, double peak, double hold, double loose, int *n,
-                           two_phases list[4])
+static void add_two_phases(const transfer *m, bool mirrored, double T, double peak, double hold, double loose, int *n, two_phases list[4])
 {
     extreme same = { .peak = peak, .hold_peak = hold, .valley = m->a1 };
     extreme other = { .peak = -m->a0, .valley = -peak, .hold_valley = hold };       /* falls and rises */
@@ -375,8 +374,7 @@ static solution first_time(const transfer *most, const transfer *least, double w
 }
 
 /* The phases of the mixture of both extremes that covers the way. */
-static void build(const transfer *most, const transfer *least, lw_axis_state from, double way, const solution *found,
-                  lw_profile *out)
+static void build(const transfer *most, const transfer *least, lw_axis_state from, double way, const solution *found, lw_profile *out)
 {
     extreme x = found->x, y = { 0 };
     double T = found->T, share = 1;
@@ -427,8 +425,7 @@ static void build(const transfer *most, const transfer *least, lw_axis_state fro
 static lw_status check_limits(const lw_axis_limits *l, lw_error *error)
 {
     if (!(l->v[0] < l->v[1] && l->a[0] < 0 && l->a[1] > 0 && l->j[0] < 0 && l->j[1] > 0))
-        return lw_error_set(error, LW_E_ARG, "limits of speed must be rising, those of acceleration and jerk below and "
-                            "above 0");
+        return lw_error_set(error, LW_E_ARG, "limits of speed must be rising, those of acceleration and jerk below and above 0");
     for (int side = 0; side < 2; side++)
         if (isinf(l->a[side]) && isinf(l->j[side]))
             return lw_error_set(error, LW_E_ARG, "neither acceleration nor jerk is limited: the least time would be 0; "
@@ -456,8 +453,7 @@ static lw_status check_state(lw_axis_state s, const lw_axis_limits *l, int sign,
     if (isinf(l->j[1]))
         return LW_OK;
     if (outside(s.a, l->a))
-        return lw_error_set(error, LW_E_ARG, "the %s acceleration %g is outside its limits %g to %g", which, s.a,
-                            l->a[0], l->a[1]);
+        return lw_error_set(error, LW_E_ARG, "the %s acceleration %g is outside its limits %g to %g", which, s.a, l->a[0], l->a[1]);
     double rate = (s.a > 0) == (sign > 0) ? -l->j[0] : l->j[1];      /* jerk that brings it to 0, or from 0 */
     double v = s.v + sign*s.a*fabs(s.a)/2/rate;
     if (outside(v, l->v))
@@ -475,15 +471,13 @@ static lw_status check_all(lw_axis_state from, lw_axis_state to, const lw_axis_l
     return s == LW_OK ? check_state(to, l, -1, error) : s;
 }
 
-static lw_status make(lw_axis_state from, lw_axis_state to, const lw_axis_limits *limits, double least, lw_profile *out,
-                      lw_error *error)
+static lw_status make(lw_axis_state from, lw_axis_state to, const lw_axis_limits *limits, double least, lw_profile *out, lw_error *error)
 {
     transfer greatest = transfer_of(from, to, limits, false), smallest = transfer_of(from, to, limits, true);
     double way = to.x - from.x, slack = 1e-15*(fabs(from.x) + fabs(to.x));
     solution found = first_time(&greatest, &smallest, way, slack, fmax(least, 0));
     if (found.T != found.T)
-        return lw_error_set(error, LW_E_ARG, "the limits of speed %g to %g do not allow a way of %g", limits->v[0],
-                            limits->v[1], way);
+        return lw_error_set(error, LW_E_ARG, "the limits of speed %g to %g do not allow a way of %g", limits->v[0], limits->v[1], way);
     build(&greatest, &smallest, from, way, &found, out);
     lw_axis_limits e = lw_profile_extremes(out);
     if (fmax(-e.v[0], e.v[1])*out->duration < fabs(way)*(1 - 1e-9))

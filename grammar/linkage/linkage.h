@@ -106,13 +106,11 @@ double lw_linkage_posture_input(const lw_linkage *linkage, int joint);
 /* Read one linkage from JSON text (docs/notation.md, "Linkage"), or the first of a text with results, as
  * `linkwright fit --json` prints them.  `file` is for messages only.  LW_E_NOTATION with line and column, also for errors
  * of meaning (a link that does not exist). */
-lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_linkage *linkage,
-                          lw_error *e);
+lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_linkage *linkage, lw_error *e);
 
 /* The same for result number `which` (from 1); 0: the first, or a text that holds one linkage.  LW_E_ARG: the text has
  * no such result. */
-lw_status lw_linkage_read_result(const char *text, size_t size, const char *file, int which, lw_linkage *linkage,
-                                 lw_error *e);
+lw_status lw_linkage_read_result(const char *text, size_t size, const char *file, int which, lw_linkage *linkage, lw_error *e);
 
 /* JSON text of a linkage, in its units.  Every double is written so that it reads back bit-equal (up to the rounding
  * of the unit conversion).  indent: blanks for each level, the text ends with a newline; 0: one line without a

@@ -86,12 +86,10 @@ static lw_status check_counts(const lw_assembly *assembly, lw_error *e)
     };
     for (size_t i = 0; i < sizeof count/sizeof *count; i++)
         if (count[i].n < count[i].least || count[i].n > LW_PART_MAX)
-            return lw_error_set(e, LW_E_ARG, "a linkage has at least %d %s, this one has %d", count[i].least, count[i].what,
-                                count[i].n);
+            return lw_error_set(e, LW_E_ARG, "a linkage has at least %d %s, this one has %d", count[i].least, count[i].what, count[i].n);
     if (!in_range(assembly->ground, assembly->n_link))
         return lw_error_set(e, LW_E_ARG, "the ground is link number %d, which does not exist", assembly->ground);
-    if (!(assembly->units.metre > 0 && isfinite(assembly->units.metre) && assembly->units.radian > 0
-          && isfinite(assembly->units.radian)))
+    if (!(assembly->units.metre > 0 && isfinite(assembly->units.metre) && assembly->units.radian > 0 && isfinite(assembly->units.radian)))
         return lw_error_set(e, LW_E_ARG, "units must be positive and finite; use lw_units_si()");
     if (!memchr(assembly->name, '\0', sizeof assembly->name))
         return lw_error_set(e, LW_E_ARG, "the name of the linkage is not terminated");
@@ -113,11 +111,9 @@ static lw_status check_direction(const lw_joint *j, lw_error *e)
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" of kind '%c' has no direction; `along` belongs to "
                             "kinds 't' and 'p'", j->name, (char)j->kind);
     if (lw_joint_has_ratio(j->kind) && !(sane(j->ratio) && j->ratio != 0))
-        return lw_error_set(e, LW_E_ARG, "joint \"%s\" is a gear, so its ratio must be a number other than "
-                            "0", j->name);
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\" is a gear, so its ratio must be a number other than 0", j->name);
     if (!lw_joint_has_ratio(j->kind) && j->ratio != 0)
-        return lw_error_set(e, LW_E_ARG, "joint \"%s\" of kind '%c' has no ratio; only gears ('g') have",
-                            j->name, (char)j->kind);
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\" of kind '%c' has no ratio; only gears ('g') have", j->name, (char)j->kind);
     return LW_OK;
 }
 
@@ -133,8 +129,7 @@ static lw_status check_joint(const lw_assembly *assembly, const lw_joint *j, lw_
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" joins link \"%s\" to itself; name two links",
                             j->name, assembly->link_name[j->link[0]]);
     if (!sane(j->at.x) || !sane(j->at.y))
-        return lw_error_set(e, LW_E_ARG, "the place of joint \"%s\" is not finite or beyond %g m", j->name,
-                            LW_COORDINATE_MAX);
+        return lw_error_set(e, LW_E_ARG, "the place of joint \"%s\" is not finite or beyond %g m", j->name, LW_COORDINATE_MAX);
     return check_direction(j, e);
 }
 
@@ -143,8 +138,7 @@ static lw_status check_input(const lw_assembly *assembly, int i, bool *driven, l
 {
     const lw_input *in = &assembly->input[i];
     if (!in_range(in->joint, assembly->n_joint))
-        return lw_error_set(e, LW_E_ARG, "input %d drives joint number %d, which does not exist", i + 1,
-                            in->joint);
+        return lw_error_set(e, LW_E_ARG, "input %d drives joint number %d, which does not exist", i + 1, in->joint);
     const lw_joint *j = &assembly->joint[in->joint];
     if (!lw_joint_can_drive(j->kind))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" of kind '%c' cannot be driven; an input is a pin "
@@ -153,8 +147,7 @@ static lw_status check_input(const lw_assembly *assembly, int i, bool *driven, l
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" is driven twice; drop one input", j->name);
     driven[in->joint] = true;
     if (!sane(in->value) || !sane(in->first) || !sane(in->last) || !sane(in->ratio))
-        return lw_error_set(e, LW_E_ARG, "the input at joint \"%s\" has a number that is not finite",
-                            j->name);
+        return lw_error_set(e, LW_E_ARG, "the input at joint \"%s\" has a number that is not finite", j->name);
     if (i == 0 && in->ratio != 0)
         return lw_error_set(e, LW_E_ARG, "the first input, at joint \"%s\", has a ratio: there is none before it "
                             "that it could be tied to", j->name);
@@ -167,8 +160,7 @@ static lw_status check_input(const lw_assembly *assembly, int i, bool *driven, l
 static lw_status check_tracer(const lw_assembly *assembly, const lw_tracer *t, lw_error *e)
 {
     if (!in_range(t->link, assembly->n_link))
-        return lw_error_set(e, LW_E_ARG, "tracer \"%s\" sits on link number %d, which does not exist",
-                            t->name, t->link);
+        return lw_error_set(e, LW_E_ARG, "tracer \"%s\" sits on link number %d, which does not exist", t->name, t->link);
     if (!sane(t->at.x) || !sane(t->at.y) || !sane(t->angle))
         return lw_error_set(e, LW_E_ARG, "tracer \"%s\" has a number that is not finite", t->name);
     return LW_OK;
@@ -275,8 +267,7 @@ lw_status lw_linkage_check(const lw_linkage *linkage, lw_error *e)
     };
     for (size_t i = 0; i < sizeof count/sizeof *count; i++)
         if (count[i].n > count[i].most)
-            return lw_error_set(e, LW_E_ARG, "a linkage has at most %d %s, this one has %d", count[i].most, count[i].what,
-                                count[i].n);
+            return lw_error_set(e, LW_E_ARG, "a linkage has at most %d %s, this one has %d", count[i].most, count[i].what, count[i].n);
     lw_assembly a = lw_linkage_view(linkage);
     return lw_assembly_check(&a, e);
 }

@@ -37,8 +37,7 @@ lw_status lw_read_version(const lw_json_node *root, lw_error *e)
         return lw_json_fault(root, e, "\"linkwright\": 1 is missing; it says which notation this file follows");
     lw_status s = lw_json_number(&n, &version, e);
     if (s == LW_OK && version != 1)
-        return lw_json_fault(&n, e, "notation %g is not known here, only 1; a newer linkwright may read it",
-                             version);
+        return lw_json_fault(&n, e, "notation %g is not known here, only 1; a newer linkwright may read it", version);
     return s;
 }
 
@@ -137,8 +136,7 @@ static lw_status read_links(const lw_json_node *root, lw_assembly *assembly, lw_
             assembly->ground = i;
             return LW_OK;
         }
-    return s == LW_OK ? lw_json_fault(root, e, "\"ground\" is missing: name the fixed link, or call a link "
-                                      "\"ground\"") : s;
+    return s == LW_OK ? lw_json_fault(root, e, "\"ground\" is missing: name the fixed link, or call a link \"ground\"") : s;
 }
 
 static lw_status read_head(const lw_json_node *root, lw_assembly *assembly, lw_error *e)
@@ -212,8 +210,7 @@ static lw_status read_direction(const lw_json_node *joint, const lw_assembly *as
     if (has_along)
         return read_unit_vector(&along, &j->along, e);
     if (!has_angle)
-        return lw_json_fault(joint, e, "a joint of kind \"%c\" slides: give \"along\": [dx, dy] or \"angle\"",
-                             (char)j->kind);
+        return lw_json_fault(joint, e, "a joint of kind \"%c\" slides: give \"along\": [dx, dy] or \"angle\"", (char)j->kind);
     lw_status s = lw_read_optional(joint, "angle", assembly->units.radian, &turn, &has_angle, e);
     j->along = lw_v2_polar(1, turn);
     return s;
@@ -337,8 +334,7 @@ static lw_status read_tie(const lw_json_node *input, const lw_assembly *assembly
         return lw_json_fault(&n, e, "a ratio of 0 would hold the joint still; weld it, or leave \"ratio\" out");
     for (size_t i = 0; s == LW_OK && i < COUNT(own); i++)
         if (lw_json_member(input, own[i], &n))
-            s = lw_json_fault(&n, e, "\"%s\" is for inputs that move by themselves; this one is tied to the first by "
-                              "its ratio", own[i]);
+            s = lw_json_fault(&n, e, "\"%s\" is for inputs that move by themselves; this one is tied to the first by its ratio", own[i]);
     return s;
 }
 
@@ -481,8 +477,7 @@ lw_status lw_read_result(lw_json *json, int which, lw_json_node place[4], lw_err
                                                 "one linkage and no list of results", which);
     }
     if (at >= (n = lw_json_count(&place[1])))
-        return lw_error_at(e, LW_E_ARG, json->file, 0, 0, "result %zu is wanted, but there %s %zu", at + 1,
-                           n == 1 ? "is" : "are", n);
+        return lw_error_at(e, LW_E_ARG, json->file, 0, 0, "result %zu is wanted, but there %s %zu", at + 1, n == 1 ? "is" : "are", n);
     place[2] = lw_json_element(&place[1], at);
     if (!lw_json_member(&place[2], "linkage", &place[3]))
         return lw_json_fault(&place[2], e, "this result has no linkage");
@@ -490,8 +485,7 @@ lw_status lw_read_result(lw_json *json, int which, lw_json_node place[4], lw_err
 }
 
 /* Read an assembly and, unless linkage is NULL, copy it there. */
-static lw_status read_result(const char *text, size_t size, const char *file, int which, lw_assembly *a, lw_linkage *linkage,
-                             lw_error *e)
+static lw_status read_result(const char *text, size_t size, const char *file, int which, lw_assembly *a, lw_linkage *linkage, lw_error *e)
 {
     lw_json json;
     lw_error fault;
@@ -515,8 +509,7 @@ lw_status lw_assembly_read_result(const char *text, size_t size, const char *fil
     return read_result(text, size, file, which, a, NULL, e);
 }
 
-lw_status lw_linkage_read_result(const char *text, size_t size, const char *file, int which, lw_linkage *linkage,
-                                 lw_error *e)
+lw_status lw_linkage_read_result(const char *text, size_t size, const char *file, int which, lw_linkage *linkage, lw_error *e)
 {
     lw_assembly a;
     *linkage = (lw_linkage){ .units = lw_units_si() };

@@ -185,8 +185,7 @@ static void default_input(lw_points *p)
     }
 }
 
-lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage,
-                       lw_error *e)
+lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage, lw_error *e)
 {
     lw_points *p = lw_points_create();
     entry t = { 0 };

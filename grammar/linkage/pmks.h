@@ -13,8 +13,7 @@
 #include "grammar/linkage/assembly.h"
 
 /* As lw_pyslvs_read.  If no joint is marked as driven, the first one between the ground and a link named "input" is. */
-lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw_units *units,
-                       lw_assembly *linkage, lw_error *e);
+lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage, lw_error *e);
 
 /* As lw_pyslvs_write. */
 char *lw_pmks_write(const lw_assembly *linkage, lw_error *e);

@@ -140,8 +140,7 @@ static lw_status add_point(const lw_points *p, int point, lw_assembly *linkage)
         return LW_OK;
     }
     if (first)
-        add_joint(linkage, q, point, copy++, q->type == LW_POINT_SLIDER ? LW_JOINT_SLIDER : LW_JOINT_SLOT, q->link[0],
-                  q->link[1]);
+        add_joint(linkage, q, point, copy++, q->type == LW_POINT_SLIDER ? LW_JOINT_SLIDER : LW_JOINT_SLOT, q->link[0], q->link[1]);
     int centre = q->type == LW_POINT_PIN ? centre_of(p, q, 0) : 1;
     for (int i = first; i < q->n_link; i++)
         if (i != centre)
@@ -408,8 +407,7 @@ static lw_status points_from(grouping *g, lw_points *p, lw_error *e)
     g->whole = name_links(linkage, p) && prepare(g);
     for (int j = 0; j < linkage->n_joint; j++)
         if (lw_joint_has_ratio(linkage->joint[j].kind))
-            return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a gear, which has no form in this notation",
-                                linkage->joint[j].name);
+            return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a gear, which has no form in this notation", linkage->joint[j].name);
     int own = lw_assembly_free_inputs(linkage);
     if (own < linkage->n_input)
         return lw_error_set(e, LW_E_KIND,

@@ -25,8 +25,7 @@ static lw_status read_pair(reader *r, const lw_cursor *start)
     bool good = lw_cursor_number(&r->c, &a);
     lw_cursor_skip(&r->c, false, 0);
     if (!good || !lw_cursor_number(&r->c, &b))
-        return lw_cursor_fail(start, "\"# input\" is followed by the numbers of two points: at the base, on the "
-                              "driven link");
+        return lw_cursor_fail(start, "\"# input\" is followed by the numbers of two points: at the base, on the driven link");
     struct pair *more = lw_array_grow(r->pair, r->n_pair, &r->most_pairs, sizeof *more);
     if (!more)
         return lw_error_set(start->e, LW_E_MEMORY, "out of memory");
@@ -74,8 +73,7 @@ static lw_status want(reader *r, const char *token, const char *where)
         return s;
     for (const char *t = token; *t; t++) {
         if (lw_cursor_peek(&r->c) != *t)
-            return lw_cursor_fail(&r->c, "'%s' is expected %s, not %s", token, where,
-                                  lw_byte_name(lw_cursor_peek(&r->c), buf));
+            return lw_cursor_fail(&r->c, "'%s' is expected %s, not %s", token, where, lw_byte_name(lw_cursor_peek(&r->c), buf));
         lw_cursor_next(&r->c);
     }
     return LW_OK;
@@ -172,8 +170,7 @@ static lw_status read_list(reader *r, lw_status (*item)(reader *r, lw_point *q),
         if (lw_cursor_peek(&r->c) == ',')
             lw_cursor_next(&r->c);
         else if (lw_cursor_peek(&r->c) != ']')
-            return lw_cursor_fail(&r->c, "',' or ']' is expected behind %s, not %s", what,
-                                  lw_byte_name(lw_cursor_peek(&r->c), buf));
+            return lw_cursor_fail(&r->c, "',' or ']' is expected behind %s, not %s", what, lw_byte_name(lw_cursor_peek(&r->c), buf));
     }
 }
 
@@ -182,8 +179,7 @@ static lw_status read_link(reader *r, lw_point *q)
     char buf[24];
     size_t n = word(r);
     if (n == 0)
-        return lw_cursor_fail(&r->c, "a link's name is expected (letters, digits, _), not %s",
-                              lw_byte_name(lw_cursor_peek(&r->c), buf));
+        return lw_cursor_fail(&r->c, "a link's name is expected (letters, digits, _), not %s", lw_byte_name(lw_cursor_peek(&r->c), buf));
     lw_status s = lw_points_join(r->p, q, &r->c, n);
     lw_cursor_step(&r->c, n);
     return s;
@@ -229,8 +225,7 @@ static lw_status set_inputs(reader *r)
     for (int i = 0; i < r->n_pair; i++) {
         int a = r->pair[i].point[0], b = r->pair[i].point[1];
         if (a >= p->n_point || b >= p->n_point)
-            return lw_cursor_fail(&r->pair[i].at, "there is no point %d; they count from 0 to %d",
-                                  a >= p->n_point ? a : b, p->n_point - 1);
+            return lw_cursor_fail(&r->pair[i].at, "there is no point %d; they count from 0 to %d", a >= p->n_point ? a : b, p->n_point - 1);
         lw_point *base = &p->point[a], *tip = &p->point[b];
         base->driven = true;
         for (int k = 0; k < base->n_link; k++)
@@ -243,8 +238,7 @@ static lw_status set_inputs(reader *r)
     return LW_OK;
 }
 
-lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage,
-                         lw_error *e)
+lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage, lw_error *e)
 {
     char buf[24];
     lw_points *p = lw_points_create();
@@ -260,8 +254,7 @@ lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const 
     if (s == LW_OK)
         s = skip(&r);
     if (s == LW_OK && lw_cursor_peek(&r.c) >= 0)
-        s = lw_cursor_fail(&r.c, "nothing is expected behind the expression, not %s",
-                           lw_byte_name(lw_cursor_peek(&r.c), buf));
+        s = lw_cursor_fail(&r.c, "nothing is expected behind the expression, not %s", lw_byte_name(lw_cursor_peek(&r.c), buf));
     if (s == LW_OK)
         s = set_inputs(&r);
     if (s == LW_OK)

@@ -13,8 +13,7 @@
 /* Lengths are in units->length.  Joints and tracers are named P0, P1, ... after the numbers of the points; several
  * links at one point make several joints, P3, P3_1, ...  LW_E_NOTATION with line and column.
  * Free the linkage by lw_assembly_free. */
-lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const lw_units *units,
-                         lw_assembly *linkage, lw_error *e);
+lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage, lw_error *e);
 
 /* In its units; free with free().  NULL with e filled: LW_E_KIND for gears and welds,
  * LW_E_MEMORY.  The text does not contain ranges of inputs, input values that differ from the posture, and

@@ -67,8 +67,7 @@ static lw_status read_vector(const lw_json_node *n, size_t size, double unit, do
         s = lw_json_number(&part, &out[i], e);
         out[i] *= unit;
         if (s == LW_OK && !(fabs(out[i]) <= LW_COORDINATE_MAX))
-            s = lw_json_fault(&part, e, "this number is too large; at most %g m are allowed",
-                              LW_COORDINATE_MAX);
+            s = lw_json_fault(&part, e, "this number is too large; at most %g m are allowed", LW_COORDINATE_MAX);
     }
     return s;
 }
@@ -100,8 +99,7 @@ lw_status lw_read_direction(const lw_json_node *n, lw_vec3 *out, lw_error *e)
     return s;
 }
 
-lw_status lw_read_optional(const lw_json_node *object, const char *key, double unit, double *out, bool *given,
-                               lw_error *e)
+lw_status lw_read_optional(const lw_json_node *object, const char *key, double unit, double *out, bool *given, lw_error *e)
 {
     lw_json_node n;
     double v;
@@ -126,8 +124,7 @@ static int find(const char *name, const char *const *names, int n)
     return -1;
 }
 
-lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *const *names, int n_name, int *out,
-                         lw_error *e)
+lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *const *names, int n_name, int *out, lw_error *e)
 {
     lw_status s = lw_json_expect(n, LW_JSON_TEXT, e);
     if (s != LW_OK)
@@ -142,8 +139,7 @@ lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *c
     return lw_json_fault(n, e, "there is no %s \"%.40s\"", what, name);
 }
 
-lw_status lw_read_name_of(const lw_json_node *n, const char *what, const char *first, size_t stride, int n_name, int *out,
-                         lw_error *e)
+lw_status lw_read_name_of(const lw_json_node *n, const char *what, const char *first, size_t stride, int n_name, int *out, lw_error *e)
 {
     lw_status s = lw_json_expect(n, LW_JSON_TEXT, e);
     if (s != LW_OK)
@@ -238,8 +234,7 @@ int lw_read_find_or_say(lw_json *json, const char *what, const char *name, const
     return -1;
 }
 
-lw_status lw_read_own_name(const lw_json_node *object, const char *what, size_t index,
-                                char name[LW_NAME_SIZE], lw_error *e)
+lw_status lw_read_own_name(const lw_json_node *object, const char *what, size_t index, char name[LW_NAME_SIZE], lw_error *e)
 {
     lw_json_node n;
     if (lw_json_member(object, "name", &n))

@@ -29,8 +29,7 @@ lw_status lw_read_triple(const lw_json_node *n, double unit, lw_vec3 *out, lw_er
 lw_status lw_read_direction(const lw_json_node *n, lw_vec3 *out, lw_error *e);
 
 /* An optional number, times unit. */
-lw_status lw_read_optional(const lw_json_node *object, const char *key, double unit, double *out, bool *given,
-                           lw_error *e);
+lw_status lw_read_optional(const lw_json_node *object, const char *key, double unit, double *out, bool *given, lw_error *e);
 
 /* An optional number of an object, times `unit`, in least .. most; *out is unchanged if it is left out. */
 typedef struct lw_number_key { const char *key; double unit, least, most, *out; bool *given; } lw_number_key;
@@ -57,11 +56,9 @@ lw_status lw_read_own_name(const lw_json_node *object, const char *what, size_t 
 lw_status lw_read_names_differ(const lw_json_node *root, const char *const *keys, int n_key, lw_error *e);
 
 /* Index of the name that a node contains; an error with a suggestion when the name is unknown. */
-lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *const *names, int n_name,
-                          int *out, lw_error *e);
+lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *const *names, int n_name, int *out, lw_error *e);
 /* The same of an array of names `stride` bytes apart. */
-lw_status lw_read_name_of(const lw_json_node *n, const char *what, const char *first, size_t stride, int n_name, int *out,
-                          lw_error *e);
+lw_status lw_read_name_of(const lw_json_node *n, const char *what, const char *first, size_t stride, int n_name, int *out, lw_error *e);
 lw_status lw_read_link(const lw_json_node *n, const lw_assembly *assembly, int *out, lw_error *e);
 lw_status lw_read_joint(const lw_json_node *n, const lw_assembly *assembly, int *out, lw_error *e);
 

@@ -27,8 +27,7 @@ lw_status lw_json_open(const char *text, size_t size, const char *file, lw_json 
     json_t *root;
     *json = (lw_json){ .text = text, .size = size, .file = file };
     if (is_blank(text + skip, size - skip))
-        return lw_error_at(e, LW_E_NOTATION, file, 1, 1, "nothing is in this file; a JSON object { ... } "
-                           "is expected");
+        return lw_error_at(e, LW_E_NOTATION, file, 1, 1, "nothing is in this file; a JSON object { ... } is expected");
     lw_status s = lw_json_load(text + skip, size - skip, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &root, &error);
     json->root = root;
     if (s == LW_E_MEMORY)
@@ -148,8 +147,7 @@ static size_t inside_text(const char *text, size_t size, size_t quote, size_t at
 
 typedef enum { AT_VALUE, AT_KEY, AT_INSIDE } fault_place;
 
-static lw_status fault(const lw_json_node *n, fault_place place, size_t at, lw_error *e, const char *format,
-                       va_list arg)
+static lw_status fault(const lw_json_node *n, fault_place place, size_t at, lw_error *e, const char *format, va_list arg)
 {
     char where[160] = "", text[640];
     lw_json_path path = { .n = 0 };

@@ -78,8 +78,7 @@ lw_status lw_cursor_fail(const lw_cursor *at, const char *format, ...)
     va_start(list, format);
     vsnprintf(text, sizeof text, format, list);
     va_end(list);
-    return lw_error_at(at->e, LW_E_NOTATION, at->file ? at->file : "", at->line, at->column, "%s",
-                       text);
+    return lw_error_at(at->e, LW_E_NOTATION, at->file ? at->file : "", at->line, at->column, "%s", text);
 }
 
 lw_status lw_text_check(const char *text, size_t size, const char *file, lw_error *e)

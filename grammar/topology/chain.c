@@ -199,8 +199,7 @@ static void name_links(uint32_t links, char *text, size_t size)
     size_t used = 0;
     text[0] = '\0';
     for (; links && used < size; links &= links - 1)
-        used += (size_t)snprintf(text + used, size - used, "%s%d", used ? ", " : "",
-                                 __builtin_ctz(links) + 1);
+        used += (size_t)snprintf(text + used, size - used, "%s%d", used ? ", " : "", __builtin_ctz(links) + 1);
 }
 
 lw_status lw_chain_check(const lw_chain *c, lw_error *e)

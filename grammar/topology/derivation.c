@@ -82,8 +82,7 @@ static lw_status take_ear(reader *r, lw_structure *s, lw_derivation *d)
     if (rule != LW_EAR_LINE && take(r, ','))
         b = take_number(r);
     if (a == 0 || b == 0 || !take(r, ')'))
-        return fault(r, r->at, rule == LW_EAR_LINE ? "rule 4 takes one line, as in 4(2)"
-                                                   : "rules 1 to 3 take two numbers, as in 2(1,3)");
+        return fault(r, r->at, rule == LW_EAR_LINE ? "rule 4 takes one line, as in 4(2)" : "rules 1 to 3 take two numbers, as in 2(1,3)");
     lw_ear ear = { (uint8_t)rule, (uint8_t)(a - 1), (uint8_t)(b - 1) };
     if (d->n_ear == LW_LOOP_MAX - 2 || lw_structure_grow(s, ear, s) != LW_OK)
         return fault(r, start, d->n_ear == LW_LOOP_MAX - 2 ? "there are too many ears"

@@ -12,8 +12,7 @@ size_t lw_edges_print(const lw_mechanism *m, char *buf, size_t size)
 {
     lw_text t = lw_text_start(buf, size);
     for (int j = 0; j < m->n_joint; j++) {
-        lw_text_add(&t, "%s%d-%d", j > 0 ? " " : "", lw_mechanism_printed(m, j, 0) + 1,
-                    lw_mechanism_printed(m, j, 1) + 1);
+        lw_text_add(&t, "%s%d-%d", j > 0 ? " " : "", lw_mechanism_printed(m, j, 0) + 1, lw_mechanism_printed(m, j, 1) + 1);
         if (m->kind[j] != LW_JOINT_REVOLUTE)
             lw_text_add(&t, ":%c", m->kind[j]);
         if (driven(m, j))
@@ -40,8 +39,7 @@ static lw_status read_link(lw_cursor *c, int *link)
     lw_cursor at = *c;
     char name[24];
     if (!lw_cursor_number(c, link))
-        return lw_cursor_fail(&at, "%s where a link number was expected",
-                              lw_byte_name(lw_cursor_peek(c), name));
+        return lw_cursor_fail(&at, "%s where a link number was expected", lw_byte_name(lw_cursor_peek(c), name));
     if (*link < 1 || *link > LW_LINK_MAX)
         return lw_cursor_fail(&at, "links are numbered 1 to %d", LW_LINK_MAX);
     return LW_OK;
@@ -75,8 +73,7 @@ static lw_status read_joint(lw_cursor *c, reading *r)
     char name[24];
     lw_status s = read_link(c, &it.a);
     if (s == LW_OK && lw_cursor_peek(c) != '-')
-        s = lw_cursor_fail(c, "%s where '-' between two links was expected",
-                           lw_byte_name(lw_cursor_peek(c), name));
+        s = lw_cursor_fail(c, "%s where '-' between two links was expected", lw_byte_name(lw_cursor_peek(c), name));
     if (s == LW_OK) {
         lw_cursor_next(c);
         s = read_link(c, &it.b);
@@ -129,8 +126,7 @@ static lw_status assemble(const reading *r, const lw_cursor *start, lw_mechanism
         named |= 1u << (r->item[k].a - 1) | 1u << (r->item[k].b - 1);
     }
     if (named & (named + 1))
-        return lw_cursor_fail(start, "there is a link %d but no link %d", r->highest,
-                              1 + __builtin_ctz(~named));
+        return lw_cursor_fail(start, "there is a link %d but no link %d", r->highest, 1 + __builtin_ctz(~named));
     for (int k = 0; k < r->n_item; k++)
         if (r->item[k].driven)
             inputs |= (uint64_t)1 << lw_mechanism_joint(m, r->item[k].a - 1, r->item[k].b - 1);
@@ -143,8 +139,7 @@ static lw_status assemble(const reading *r, const lw_cursor *start, lw_mechanism
     return LW_OK;
 }
 
-lw_status lw_edges_read(const char *text, size_t size, const char *file, lw_mechanism *m,
-                        lw_error *e)
+lw_status lw_edges_read(const char *text, size_t size, const char *file, lw_mechanism *m, lw_error *e)
 {
     lw_cursor c = lw_cursor_start(text, size, file, e), start = c;
     lw_mechanism out;

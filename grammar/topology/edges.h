@@ -19,8 +19,7 @@ size_t lw_edges_print(const lw_mechanism *m, char *buf, size_t size);
 
 /* Read one line.  LW_E_NOTATION with the column: a link joined to itself, two links joined twice, an
  * unknown joint kind, a link number without joints, more than LW_JOINT_MAX joints. */
-lw_status lw_edges_read(const char *text, size_t size, const char *file, lw_mechanism *m,
-                        lw_error *e);
+lw_status lw_edges_read(const char *text, size_t size, const char *file, lw_mechanism *m, lw_error *e);
 
 /* The graph for Graphviz (`dot`, `neato`); the ground link is a double circle, the output bold.  name
  * follows the word "graph"; it must be an identifier. */

@@ -171,8 +171,7 @@ static lw_status want_byte(lw_cursor *c, char byte, const char *why)
 {
     char name[24];
     if (lw_cursor_peek(c) != byte)
-        return lw_cursor_fail(c, "%s where '%c' %s was expected",
-                              lw_byte_name(lw_cursor_peek(c), name), byte, why);
+        return lw_cursor_fail(c, "%s where '%c' %s was expected", lw_byte_name(lw_cursor_peek(c), name), byte, why);
     lw_cursor_next(c);
     return LW_OK;
 }
@@ -182,11 +181,9 @@ static lw_status want_number(lw_cursor *c, int least, int most, const char *what
     lw_cursor at = *c;
     char name[24];
     if (!lw_cursor_number(c, value))
-        return lw_cursor_fail(&at, "%s where %s was expected", lw_byte_name(lw_cursor_peek(c), name),
-                              what);
+        return lw_cursor_fail(&at, "%s where %s was expected", lw_byte_name(lw_cursor_peek(c), name), what);
     if (*value < least || *value > most)
-        return lw_cursor_fail(&at, "%d is no %s, which is %d to %d here", *value,
-                              strchr(what, ' ') + 1, least, most);
+        return lw_cursor_fail(&at, "%d is no %s, which is %d to %d here", *value, strchr(what, ' ') + 1, least, most);
     return LW_OK;
 }
 
@@ -238,8 +235,7 @@ static lw_status read_line(lw_cursor *c, reading *r)
 static const lw_cursor *place_of(const reading *r, int l)
 {
     for (int k = r->n_read - 1; k > 0; k--)
-        if (r->row[k][0] == r->f->end[l][0] && r->row[k][1] == r->f->end[l][1]
-            && r->row[k][2] == r->f->weight[l])
+        if (r->row[k][0] == r->f->end[l][0] && r->row[k][1] == r->f->end[l][1] && r->row[k][2] == r->f->weight[l])
             return &r->place[k];
     return &r->place[0];
 }

@@ -50,8 +50,7 @@ static int six_bits(lw_cursor *c, int n_left)
         lw_cursor_fail(c, "the graph6 word ends too early: %d more byte%s due for this number of "
                        "links", n_left, n_left == 1 ? " is" : "s are");
     else
-        lw_cursor_fail(c, "%s is no byte of graph6, which uses '?' to '~' only",
-                       lw_byte_name(byte, name));
+        lw_cursor_fail(c, "%s is no byte of graph6, which uses '?' to '~' only", lw_byte_name(byte, name));
     return -1;
 }
 
@@ -69,8 +68,7 @@ static lw_status read_size(lw_cursor *c, int *n)
     if (*n < 1)
         return lw_cursor_fail(&start, "the graph has no vertex; a chain has at least one link");
     if (*n > LW_LINK_MAX)
-        return lw_cursor_fail(&start, "the graph has more than %d vertices, the most links a chain "
-                              "may have", LW_LINK_MAX);
+        return lw_cursor_fail(&start, "the graph has more than %d vertices, the most links a chain may have", LW_LINK_MAX);
     return LW_OK;
 }
 
@@ -149,8 +147,7 @@ lw_status lw_graph6_read(const char *text, size_t size, const char *file, lw_cha
         return s;
     lw_cursor_skip(&at, true, 0);
     if (lw_cursor_peek(&at) >= 0)
-        return lw_cursor_fail(&at, "%s stands after the end of the graph6 word",
-                              lw_byte_name(lw_cursor_peek(&at), name));
+        return lw_cursor_fail(&at, "%s stands after the end of the graph6 word", lw_byte_name(lw_cursor_peek(&at), name));
     *c = out;
     return LW_OK;
 }

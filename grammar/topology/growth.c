@@ -11,8 +11,7 @@ static lw_status plant(lw_mechanism *m, const lw_production *p)
     int n = lw_rule_links(p->rule);
     lw_status s = lw_mechanism_clear(m, n);
     for (int i = 0; i < n && s == LW_OK; i++)
-        s = lw_mechanism_join(m, i, (i + 1) % n,
-                              i < lw_rule_kinds(p->rule) ? p->kind[i] : (char)LW_JOINT_SLOT);
+        s = lw_mechanism_join(m, i, (i + 1) % n, i < lw_rule_kinds(p->rule) ? p->kind[i] : (char)LW_JOINT_SLOT);
     return s;
 }
 
@@ -102,8 +101,7 @@ static bool find_piece(const lw_mechanism *m, const lw_chain *c, uint32_t left, 
     for (uint32_t s = left; s; s &= s - 1) {
         int q = __builtin_ctz(s);
         uint32_t beside = neighbours(c, left, q);
-        if (__builtin_popcount(beside) == 2
-            && (is_rule_3(m, beside, q, p) || is_rule_4(m, c, left, q, p)))
+        if (__builtin_popcount(beside) == 2 && (is_rule_3(m, beside, q, p) || is_rule_4(m, c, left, q, p)))
             return true;
     }
     return false;
@@ -215,15 +213,13 @@ static uint64_t sides_of(const lw_mechanism *m, const lw_growth *g, const lw_sen
     uint64_t set = 0;
     for (int i = s->first[w]; i < s->first[w + 1]; i++) {
         int next = i + 1 < s->first[w + 1] ? i + 1 : s->first[w];
-        set |= (uint64_t)1 << lw_mechanism_joint(m, g->link_of[s->part[i] - 1],
-                                                 g->link_of[s->part[next] - 1]);
+        set |= (uint64_t)1 << lw_mechanism_joint(m, g->link_of[s->part[i] - 1], g->link_of[s->part[next] - 1]);
     }
     return set;
 }
 
 /* Choose for every step the word it works on, so that the words become the regions of the drawing. */
-static lw_status choose_words(const lw_mechanism *m, drawing *d, const piece *back, int n_back,
-                              lw_growth *g, lw_error *e)
+static lw_status choose_words(const lw_mechanism *m, drawing *d, const piece *back, int n_back, lw_growth *g, lw_error *e)
 {
     uint64_t merged[LW_LINK_MAX];
     lw_sentence s;
@@ -239,8 +235,7 @@ static lw_status choose_words(const lw_mechanism *m, drawing *d, const piece *ba
     return status;
 }
 
-lw_status lw_growth_find(const lw_mechanism *m, lw_growth *g, lw_reach *reach, uint32_t *core,
-                         lw_error *e)
+lw_status lw_growth_find(const lw_mechanism *m, lw_growth *g, lw_reach *reach, uint32_t *core, lw_error *e)
 {
     lw_chain c;
     drawing d;
@@ -316,8 +311,7 @@ size_t lw_reach_print(const lw_mechanism *m, lw_reach reach, uint32_t core, char
         lw_text_add(&t, "taking strings away backwards ends at links");
         for (uint32_t s = core; s; s &= s - 1)
             lw_text_add(&t, " %d", __builtin_ctz(s) + 1);
-        lw_text_add(&t, ", which are no seed and have no line of two binary links (rule 4) or of one "
-                    "between r and p (rule 3)");
+        lw_text_add(&t, ", which are no seed and have no line of two binary links (rule 4) or of one between r and p (rule 3)");
         break;
     }
     return t.length;

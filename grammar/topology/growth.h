@@ -33,8 +33,7 @@ typedef enum lw_reach {
 /* Find the derivation.  *reach gets the result; g is filled for LW_REACHED and LW_REACHED_NO_REGIONS.  *core
  * (may be NULL) gets, for LW_NOT_CORE, the links that remain when removal ends, as bits.  LW_E_ARG with the text
  * of lw_chain_check when m is no closed chain that moves. */
-lw_status lw_growth_find(const lw_mechanism *m, lw_growth *g, lw_reach *reach, uint32_t *core,
-                         lw_error *e);
+lw_status lw_growth_find(const lw_mechanism *m, lw_growth *g, lw_reach *reach, uint32_t *core, lw_error *e);
 
 /* The reason as one sentence for the user; links count from 1.  Length as snprintf does. */
 size_t lw_reach_print(const lw_mechanism *m, lw_reach reach, uint32_t core, char *buf, size_t size);

@@ -56,8 +56,7 @@ static lw_status read_kind(lw_cursor *c, int number, char *kind)
 {
     int byte = lw_cursor_peek(c);
     *kind = LW_JOINT_REVOLUTE;
-    if (byte == ' ' || byte == ',' || byte == '\t' || byte == '\n' || byte == '\r' || byte == ';' || byte == '#'
-        || byte < 0)
+    if (byte == ' ' || byte == ',' || byte == '\t' || byte == '\n' || byte == '\r' || byte == ';' || byte == '#' || byte < 0)
         return LW_OK;
     char name[24];
     if (byte > 127 || !lw_joint_freedoms((char)byte))
@@ -70,12 +69,10 @@ static lw_status read_kind(lw_cursor *c, int number, char *kind)
 }
 
 /* A joint number in the upper triangle. */
-static lw_status note_joint(reading *r, const lw_cursor *at, int row, int column, int number,
-                            char kind)
+static lw_status note_joint(reading *r, const lw_cursor *at, int row, int column, int number, char kind)
 {
     if (number > LW_JOINT_MAX)
-        return lw_cursor_fail(at, "joint %d is too many: at most %d joints are handled", number,
-                              LW_JOINT_MAX);
+        return lw_cursor_fail(at, "joint %d is too many: at most %d joints are handled", number, LW_JOINT_MAX);
     if (r->row_of[number])
         return lw_cursor_fail(at, "joint %d is numbered twice: first at line %ld, column %ld",
                               number, r->of[number].line, r->of[number].column);
@@ -95,11 +92,9 @@ static lw_status read_entry(lw_cursor *c, reading *r, int row, int column)
     int number;
     char name[24], kind;
     if (column == LW_LINK_MAX)
-        return lw_cursor_fail(&at, "the row has more than %d entries, the most links a chain may have",
-                              LW_LINK_MAX);
+        return lw_cursor_fail(&at, "the row has more than %d entries, the most links a chain may have", LW_LINK_MAX);
     if (!lw_cursor_number(c, &number))
-        return lw_cursor_fail(&at, "%s where a joint number was expected",
-                              lw_byte_name(lw_cursor_peek(&at), name));
+        return lw_cursor_fail(&at, "%s where a joint number was expected", lw_byte_name(lw_cursor_peek(&at), name));
     lw_status s = read_kind(c, number, &kind);
     if (s != LW_OK)
         return s;
@@ -130,8 +125,7 @@ static lw_status read_row(lw_cursor *c, reading *r, int row, int *n_entry)
         if (byte < 0 || byte == '\n' || byte == '\r' || byte == ';')
             return LW_OK;
         if (row == LW_LINK_MAX)
-            return lw_cursor_fail(c, "row %d is too many: at most %d links are handled", row + 1,
-                                  LW_LINK_MAX);
+            return lw_cursor_fail(c, "row %d is too many: at most %d links are handled", row + 1, LW_LINK_MAX);
         lw_status s = read_entry(c, r, row, *n_entry);
         if (s != LW_OK)
             return s;
@@ -149,16 +143,14 @@ static lw_status read_rows(lw_cursor *c, reading *r)
         if (n_entry > 0 && n_row == 0)
             n_first = n_entry;
         if (n_entry > 0 && n_entry != n_first)
-            return lw_cursor_fail(c, "row %d has %d entries, the first row %d", n_row + 1, n_entry,
-                                  n_first);
+            return lw_cursor_fail(c, "row %d has %d entries, the first row %d", n_row + 1, n_entry, n_first);
         n_row += n_entry > 0;
         lw_cursor_next(c);
     }
     if (n_row == 0)
         return lw_cursor_fail(c, "there is no matrix");
     if (n_row != n_first)
-        return lw_cursor_fail(c, "the matrix has %d rows of %d entries; it must be square", n_row,
-                              n_first);
+        return lw_cursor_fail(c, "the matrix has %d rows of %d entries; it must be square", n_row, n_first);
     r->a->n_link = n_row;
     return LW_OK;
 }

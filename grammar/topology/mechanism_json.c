@@ -16,8 +16,7 @@ size_t lw_mechanism_write(const lw_mechanism *m, char *buf, size_t size)
     if (m->ground != LW_NONE)
         lw_text_add(&t, ", \"ground\": %d", m->ground + 1);
     for (int i = 0; i < m->n_input; i++)
-        lw_text_add(&t, "%s[%d, %d]", i > 0 ? ", " : ", \"inputs\": [", m->link[m->input[i]][0] + 1,
-                    m->link[m->input[i]][1] + 1);
+        lw_text_add(&t, "%s[%d, %d]", i > 0 ? ", " : ", \"inputs\": [", m->link[m->input[i]][0] + 1, m->link[m->input[i]][1] + 1);
     if (m->n_input > 0)
         lw_text_byte(&t, ']');
     if (m->output != LW_NONE)
@@ -27,8 +26,7 @@ size_t lw_mechanism_write(const lw_mechanism *m, char *buf, size_t size)
 }
 
 /* A whole number from least to most. */
-static lw_status read_whole(const lw_json_node *n, int least, int most, const char *what, int *out,
-                            lw_error *e)
+static lw_status read_whole(const lw_json_node *n, int least, int most, const char *what, int *out, lw_error *e)
 {
     double v;
     lw_status s = lw_json_number(n, &v, e);
@@ -66,8 +64,7 @@ static lw_status read_joint(const lw_json_node *n, lw_mechanism *m, lw_error *e)
         lw_json_node letter = lw_json_element(n, 2);
         s = lw_json_name(&letter, kind, sizeof kind, NULL);
         if (s != LW_OK || !lw_joint_freedoms(kind[0]))
-            return lw_json_fault(&letter, e, "a joint is \"r\" (pin), \"t\" (slider), \"p\" (pin in "
-                                 "slot) or \"g\" (gear or cam)");
+            return lw_json_fault(&letter, e, "a joint is \"r\" (pin), \"t\" (slider), \"p\" (pin in slot) or \"g\" (gear or cam)");
     }
     if (s != LW_OK)
         return s;
@@ -119,8 +116,7 @@ static lw_status read_inputs(const lw_json_node *root, lw_mechanism *m, lw_error
     return s;
 }
 
-static lw_status read_choice(const lw_json_node *root, const char *key, int n_link, int *link,
-                             lw_error *e)
+static lw_status read_choice(const lw_json_node *root, const char *key, int n_link, int *link, lw_error *e)
 {
     lw_json_node n;
     if (!lw_json_member(root, key, &n))
@@ -158,8 +154,7 @@ static lw_status read_root(const lw_json_node *root, lw_mechanism *m, lw_error *
     return s == LW_OK ? read_choice(root, "output", n_link, &m->output, e) : s;
 }
 
-lw_status lw_mechanism_read(const char *text, size_t size, const char *file, lw_mechanism *m,
-                            lw_error *e)
+lw_status lw_mechanism_read(const char *text, size_t size, const char *file, lw_mechanism *m, lw_error *e)
 {
     lw_json json;
     lw_mechanism out;

@@ -19,7 +19,6 @@ size_t lw_mechanism_write(const lw_mechanism *m, char *buf, size_t size);
 
 /* LW_E_NOTATION with line and column: an unknown key or joint kind; a link that does not exist, is joined to
  * itself or twice to another link; an input that is no joint of one freedom. */
-lw_status lw_mechanism_read(const char *text, size_t size, const char *file, lw_mechanism *m,
-                            lw_error *e);
+lw_status lw_mechanism_read(const char *text, size_t size, const char *file, lw_mechanism *m, lw_error *e);
 
 #endif

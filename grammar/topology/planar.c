@@ -99,8 +99,7 @@ static void read_rings(graphP g, int n, uint8_t after[LW_LINK_MAX][LW_LINK_MAX])
 }
 
 /* Walk along every side once: from v to w, then to the neighbour of w that follows v. */
-static void trace_regions(int n, const uint32_t *adjacent,
-                          uint8_t after[LW_LINK_MAX][LW_LINK_MAX], lw_regions *r)
+static void trace_regions(int n, const uint32_t *adjacent, uint8_t after[LW_LINK_MAX][LW_LINK_MAX], lw_regions *r)
 {
     uint32_t walked[LW_LINK_MAX] = { 0 };
     int n_side = 0;

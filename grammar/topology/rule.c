@@ -22,8 +22,7 @@ static lw_status check_kinds(const lw_production *p, lw_error *e)
 {
     for (int i = 0; i < lw_rule_kinds(p->rule); i++)
         if (!lw_joint_can_drive(p->kind[i]))
-            return lw_error_set(e, LW_E_ARG, "rule %d makes joints k = r or t, %d of them", p->rule,
-                                lw_rule_kinds(p->rule));
+            return lw_error_set(e, LW_E_ARG, "rule %d makes joints k = r or t, %d of them", p->rule, lw_rule_kinds(p->rule));
     return LW_OK;
 }
 
@@ -67,8 +66,7 @@ static int find_part(const lw_sentence *s, int w, int part)
 static int find_word(const lw_sentence *s, const lw_production *p)
 {
     for (int w = 0; w < s->n_word; w++)
-        if ((p->word == LW_NONE || p->word == w) && find_part(s, w, p->x) != LW_NONE
-            && find_part(s, w, p->y) != LW_NONE)
+        if ((p->word == LW_NONE || p->word == w) && find_part(s, w, p->x) != LW_NONE && find_part(s, w, p->y) != LW_NONE)
             return w;
     return LW_NONE;
 }
@@ -88,8 +86,7 @@ static void add_string(word *w, const lw_production *p, int next)
 
 /* Split word w.  `kept` is the word with the new string in place of the old string X .. Y.  `added` is the old
  * string read back from Y to X, closed by the new one. */
-static void split(const lw_sentence *s, const lw_production *p, int w, int next, word *kept,
-                  word *added)
+static void split(const lw_sentence *s, const lw_production *p, int w, int next, word *kept, word *added)
 {
     int first = s->first[w], n = s->first[w + 1] - first, x = find_part(s, w, p->x) - first, y = x;
     word round = { 0 };
@@ -139,19 +136,16 @@ static lw_status check_place(const lw_sentence *s, const lw_production *p, int *
     if (p->rule != 3 && p->rule != 4)
         return lw_error_set(e, LW_E_ARG, "rule %d grows nothing; rules 3 and 4 do", p->rule);
     if (p->x == p->y)
-        return lw_error_set(e, LW_E_ARG, "part %d would be joined to itself by the new string: X and "
-                            "Y must differ", p->x);
+        return lw_error_set(e, LW_E_ARG, "part %d would be joined to itself by the new string: X and Y must differ", p->x);
     if (highest_part(s) + lw_rule_links(p->rule) > LW_LINK_MAX)
         return lw_error_set(e, LW_E_ARG, "the chain would have more than %d links", LW_LINK_MAX);
     if (s->first[s->n_word] + 2*(LW_LINK_MAX + 3) > LW_ATOM_MAX || s->n_word == LW_WORD_MAX)
         return lw_error_set(e, LW_E_ARG, "the chain would have more than %d joints", LW_JOINT_MAX);
     *w = p->word >= s->n_word ? LW_NONE : find_word(s, p);
     if (*w == LW_NONE && p->word != LW_NONE)
-        return lw_error_set(e, LW_E_ARG, "word %d does not hold both part %d and part %d",
-                            p->word + 1, p->x, p->y);
+        return lw_error_set(e, LW_E_ARG, "word %d does not hold both part %d and part %d", p->word + 1, p->x, p->y);
     if (*w == LW_NONE)
-        return lw_error_set(e, LW_E_ARG, "no word holds both part %d and part %d: they do not lie at "
-                            "one region", p->x, p->y);
+        return lw_error_set(e, LW_E_ARG, "no word holds both part %d and part %d: they do not lie at one region", p->x, p->y);
     return check_kinds(p, e);
 }
 

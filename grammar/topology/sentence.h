@@ -51,7 +51,6 @@ size_t lw_sentence_print(const lw_sentence *s, char *buf, size_t size);
  * with line and column: an unclosed word, an unknown joint letter, a part joined to itself, a joint
  * of two kinds, a joint that is not a side of two words, parts not numbered 1..P, words that depend on
  * each other. */
-lw_status lw_sentence_read(const char *text, size_t size, const char *file, lw_sentence *s,
-                           lw_error *e);
+lw_status lw_sentence_read(const char *text, size_t size, const char *file, lw_sentence *s, lw_error *e);
 
 #endif

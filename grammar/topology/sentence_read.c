@@ -39,8 +39,7 @@ static lw_status fault(const check *c, int word, int atom, const char *format, .
     vsnprintf(text, sizeof text, format, list);
     va_end(list);
     if (c->where)
-        return lw_cursor_fail(atom == LW_NONE ? &c->where->word[word] : &c->where->part[atom], "%s",
-                              text);
+        return lw_cursor_fail(atom == LW_NONE ? &c->where->word[word] : &c->where->part[atom], "%s", text);
     return lw_error_set(c->e, LW_E_NOTATION, "word %d: %s", word + 1, text);
 }
 
@@ -97,14 +96,12 @@ static lw_status collect(check *c)
             if (c->atom[i][k]) {
                 int atom = c->atom[i][k] - 1;
                 if (lw_mechanism_join(&c->m, i, k, c->s->joint[atom]) != LW_OK)
-                    return fault(c, word_of(c->s, atom), atom, "this joint is one too many: at most "
-                                 "%d joints are handled", LW_JOINT_MAX);
+                    return fault(c, word_of(c->s, atom), atom, "this joint is one too many: at most %d joints are handled", LW_JOINT_MAX);
             }
     lw_mechanism_chain(&c->m, &chain);
     for (int i = 0; i < c->highest; i++)
         if (lw_chain_degree(&chain, i) == 0)
-            return fault(c, 0, LW_NONE, "there is a part %d but no part %d: parts are numbered "
-                         "1 to P without a gap", c->highest, i + 1);
+            return fault(c, 0, LW_NONE, "there is a part %d but no part %d: parts are numbered 1 to P without a gap", c->highest, i + 1);
     if (!lw_chain_is_connected(&chain))
         return fault(c, 0, LW_NONE, "the words speak of parts that nothing connects");
     return LW_OK;
@@ -182,8 +179,7 @@ static lw_status check_basis(const check *c)
         int i = c->s->first[w];
         if (c->s->first[w + 1] - i == 2) {
             if (c->sides[link_at(c, i)][link_at(c, i + 1)] != 2)
-                return fault(c, w, i, "a word of two parts is a bridge joint, which stands in no "
-                             "other word");
+                return fault(c, w, i, "a word of two parts is a bridge joint, which stands in no other word");
             continue;
         }
         lw_status s = circuit_edges(c, w, &edges);
@@ -193,13 +189,11 @@ static lw_status check_basis(const check *c)
             return fault(c, w, LW_NONE, "this circuit follows from those before it");
     }
     if (n_row != loops)
-        return fault(c, 0, LW_NONE, "the chain has %d independent circuits, the sentence %d", loops,
-                     n_row);
+        return fault(c, 0, LW_NONE, "the chain has %d independent circuits, the sentence %d", loops, n_row);
     return LW_OK;
 }
 
-static lw_status check_sentence(const lw_sentence *s, const places *where, lw_mechanism *m,
-                                lw_error *e)
+static lw_status check_sentence(const lw_sentence *s, const places *where, lw_mechanism *m, lw_error *e)
 {
     check *c = calloc(1, sizeof *c);
     if (!c)
@@ -229,17 +223,14 @@ static lw_status read_atoms(lw_cursor *c, lw_sentence *s, int at, const lw_curso
     if (lw_cursor_peek(c) < 0 || lw_cursor_peek(c) == '(')
         return lw_cursor_fail(word, "this word is not closed: a ')' is missing");
     if (at == LW_ATOM_MAX)
-        return lw_cursor_fail(c, "the sentence is too long: at most %d parts in all words",
-                              LW_ATOM_MAX);
+        return lw_cursor_fail(c, "the sentence is too long: at most %d parts in all words", LW_ATOM_MAX);
     if (!lw_cursor_number(c, &part))
-        return lw_cursor_fail(c, "%s where a part number was expected",
-                              lw_byte_name(lw_cursor_peek(c), name));
+        return lw_cursor_fail(c, "%s where a part number was expected", lw_byte_name(lw_cursor_peek(c), name));
     s->part[at] = (uint8_t)(part > LW_LINK_MAX ? 0 : part);
     lw_cursor_skip(c, true, ';');
     int byte = lw_cursor_peek(c);
     if (byte == ')')
-        return lw_cursor_fail(c, "a joint letter is missing between part %d and the first part of "
-                              "the word", part);
+        return lw_cursor_fail(c, "a joint letter is missing between part %d and the first part of the word", part);
     if (byte < 0 || byte == '(')
         return lw_cursor_fail(word, "this word is not closed: a ')' is missing");
     if (byte > 127 || !lw_joint_freedoms((char)byte))
@@ -278,8 +269,7 @@ static lw_status read_opening(lw_cursor *c, lw_sentence *s)
     char name[24];
     lw_cursor_skip(c, true, ';');
     if (lw_cursor_peek(c) != '(')
-        return lw_cursor_fail(c, "a sentence begins with '(', not %s",
-                              lw_byte_name(lw_cursor_peek(c), name));
+        return lw_cursor_fail(c, "a sentence begins with '(', not %s", lw_byte_name(lw_cursor_peek(c), name));
     lw_cursor_next(c);
     lw_cursor_skip(c, true, ';');
     if (lw_cursor_begins(c, "basis")) {
@@ -305,8 +295,7 @@ static lw_status read_tokens(lw_cursor *c, lw_sentence *s, places *where)
         if (byte < 0)
             return lw_cursor_fail(&open, "this sentence is not closed: a ')' is missing");
         if (byte != '(')
-            return lw_cursor_fail(c, "%s where a word, which begins with '(', was expected",
-                                  lw_byte_name(byte, name));
+            return lw_cursor_fail(c, "%s where a word, which begins with '(', was expected", lw_byte_name(byte, name));
         status = read_word(c, s, where);
     }
     lw_cursor_next(c);
@@ -314,13 +303,11 @@ static lw_status read_tokens(lw_cursor *c, lw_sentence *s, places *where)
         return lw_cursor_fail(&open, "the sentence has no word");
     lw_cursor_skip(c, true, ';');
     if (lw_cursor_peek(c) >= 0)
-        return lw_cursor_fail(c, "%s stands after the end of the sentence",
-                              lw_byte_name(lw_cursor_peek(c), name));
+        return lw_cursor_fail(c, "%s stands after the end of the sentence", lw_byte_name(lw_cursor_peek(c), name));
     return LW_OK;
 }
 
-lw_status lw_sentence_read(const char *text, size_t size, const char *file, lw_sentence *s,
-                           lw_error *e)
+lw_status lw_sentence_read(const char *text, size_t size, const char *file, lw_sentence *s, lw_error *e)
 {
     lw_cursor c = lw_cursor_start(text, size, file, e);
     lw_sentence *out = calloc(1, sizeof *out);
