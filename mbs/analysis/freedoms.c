@@ -89,8 +89,7 @@ static void mark(lw_dynamics *d, const double *q, lw_rng *rng, bool still, bool 
 }
 
 /* Displace the posture start and close it again; the best motion found is in f and its posture in best. */
-static void find_motion(lw_dynamics *d, const double *start, double tolerance, lw_rng *rng, double *q, double *best,
-                        lw_freedoms *f)
+static void find_motion(lw_dynamics *d, const double *start, double tolerance, lw_rng *rng, double *q, double *best, lw_freedoms *f)
 {
     double least = fmax(tolerance, 1e-12);
     for (int trial = 0; trial < 8; trial++) {

@@ -35,8 +35,7 @@ void lw_batch_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void 
     lw_kernels_of(plan)->jacobians(plan, in, 1, &which, work, out);
 }
 
-void lw_batch_jacobians(const lw_plan *plan, const lw_lanes *in, int n, const int *which, void *work,
-                        const lw_jacobian *out)
+void lw_batch_jacobians(const lw_plan *plan, const lw_lanes *in, int n, const int *which, void *work, const lw_jacobian *out)
 {
     lw_kernels_of(plan)->jacobians(plan, in, n, which, work, out);
 }

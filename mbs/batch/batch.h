@@ -61,12 +61,10 @@ typedef struct lw_jacobian {
     size_t  ld;
     double *jm, *tm;
 } lw_jacobian;
-void lw_batch_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void *work,
-                       const lw_jacobian *out);
+void lw_batch_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void *work, const lw_jacobian *out);
 
 /* The same for n outputs at once: which[i] goes to out[i].  Higher groups are followed once for all of them. */
-void lw_batch_jacobians(const lw_plan *plan, const lw_lanes *in, int n, const int *which, void *work,
-                        const lw_jacobian *out);
+void lw_batch_jacobians(const lw_plan *plan, const lw_lanes *in, int n, const int *which, void *work, const lw_jacobian *out);
 
 /* Return f = sum over lanes of w |P - T|^2 (w NULL: 1) and its gradient by every dimension, in one pass, for one set of
  * dimensions.  *margin is the least margin; it may be NULL.  The fits use the Jacobian instead.  The benchmark

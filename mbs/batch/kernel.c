@@ -174,8 +174,7 @@ static void few_points(run *k, const lw_lanes *in, int which, const rows *out, i
 }
 
 /* Compute whole groups in blocks.  The remaining lanes are computed as one more group, which overlaps the last one. */
-static void points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_postures,
-                   const rows *out, int frame)
+static void points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_postures, const rows *out, int frame)
 {
     run k = start(plan, in->n, work);
     k.group_postures = group_postures;
@@ -362,8 +361,7 @@ static void places(const lw_plan *plan, const lw_lanes *in, int n, const int *wh
     }
 }
 
-static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_postures,
-                      const lw_jacobian *out)
+static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_postures, const lw_jacobian *out)
 {
     run k = start(plan, in->n, work);
     k.group_postures = group_postures;
@@ -383,8 +381,7 @@ static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *
 
 typedef struct chunk_jacobian { const lw_plan *plan; int n; const int *which; const lw_jacobian *out; } chunk_jacobian;
 
-static void jacobian_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work,
-                              const double *group_postures)
+static void jacobian_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_postures)
 {
     const chunk_jacobian *q = caller;
     for (int i = 0; i < q->n; i++) {
@@ -393,8 +390,7 @@ static void jacobian_of_chunk(void *caller, const lw_lanes *part, size_t first, 
     }
 }
 
-static void kernel_jacobians(const lw_plan *plan, const lw_lanes *in, int n, const int *which, void *work,
-                             const lw_jacobian *out)
+static void kernel_jacobians(const lw_plan *plan, const lw_lanes *in, int n, const int *which, void *work, const lw_jacobian *out)
 {
     bool only_places = n > 1 && !plan->n_higher && in->n >= LW_GROUP;
     for (int i = 0; i < n; i++)

@@ -278,8 +278,7 @@ LW_INLINE void bend(const eight *w, const drift *by, const pack *r, pack *z)
 }
 
 /* to = |B| z and the part of the input: |J^-1 (J' - J)| r without the term r t^2/2. */
-LW_INLINE void bent(const int n, const eight *w, const pack *b, const pack *push, const drift *by, const pack *r,
-                    const pack *z, pack *to)
+LW_INLINE void bent(const int n, const eight *w, const pack *b, const pack *push, const drift *by, const pack *r, const pack *z, pack *to)
 {
     for (int i = 0; i < n; i++) {
         to[i] = b[i*n]*z[0];
@@ -358,8 +357,7 @@ LW_INLINE void pushes_of(const int n, const eight *w, pack *push)
 LW_BY_SIZE(pushes, (const eight *w, pack *push), w, push)
 
 /* Test whether all Jacobians in the box, or in a wider one, are regular: *need <= 1. */
-LW_INLINE void regular_of(const int n, const eight *w, const pack *b, const pack *push, const drift *by,
-                          const pack *box, pack *need)
+LW_INLINE void regular_of(const int n, const eight *w, const pack *b, const pack *push, const drift *by, const pack *box, pack *need)
 {
     pack r[LW_UNKNOWN_MAX], z[LW_UNKNOWN_MAX], s[LW_UNKNOWN_MAX];
     for (int i = 0; i < n; i++)

@@ -21,8 +21,7 @@ static double unit_of(const follower *f)
 }
 
 /* Start at the seed in mode[].  f->lost: there is no posture near it.  work: lw_continuation_size doubles. */
-static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim, const double *mode, bool fine,
-                             double *work)
+static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim, const double *mode, bool fine, double *work)
 {
     double input = mode[plan->n_mode - 1];
     f->plan = plan;
@@ -272,8 +271,7 @@ static void put_block(const follower *f, const chunk *q, const between *b, size_
 }
 
 /* Interpolate lanes i .. end-1 of the path between nearby nodes. */
-static void put_between(const follower *f, const chunk *q, const input_path *path, const node *near, int n, size_t i,
-                        size_t end)
+static void put_between(const follower *f, const chunk *q, const input_path *path, const node *near, int n, size_t i, size_t end)
 {
     pack t = { 0 }, row[LW_GROUP_ROW_MAX + 1];
     between b = { near, n, { 0 } };
@@ -395,8 +393,7 @@ static void follow_lane(follower *f, const lw_plan *plan, const lw_lanes *in, si
 }
 
 /* Find the postures of the groups in all lanes of a chunk; repeat the last lane to a full group. */
-static void group_postures_of_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, bool more, double *work,
-                                    chunk *q)
+static void group_postures_of_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, bool more, double *work, chunk *q)
 {
     q->n = in->n;
     if (in->dim_stride || in->mode_stride)

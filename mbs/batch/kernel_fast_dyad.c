@@ -259,9 +259,7 @@ LW_INLINE void fast_sum(const run *k, const number_rows *r, size_t n, const targ
             lw_vec2 q = lw_v2_turn(lw_v2_add(z.a, z.arm), lw_v2(g.ct, g.st));
             double ex = q.x + g.x0 - tx[i + j], ey = q.y + g.y0 - ty[i + j];
             double hx = weighted ? w[i + j]*ex : ex, hy = weighted ? w[i + j]*ey : ey;
-            bars o = fast_back(ci, si, &g, &z, fast_inverse(&z), by_d2, lw_v2(g.ct*hx + g.st*hy, g.ct*hy - g.st*hx),
-                                0,
-                                pin, dyad);
+            bars o = fast_back(ci, si, &g, &z, fast_inverse(&z), by_d2, lw_v2(g.ct*hx + g.st*hy, g.ct*hy - g.st*hx), 0, pin, dyad);
             add_bars(&a, &o, j, pin, dyad);
             a.x0[j] += hx;
             a.y0[j] += hy;

@@ -215,8 +215,7 @@ void lw_higher_backward(const run *k, const lw_step *s, size_t n);
 
 /* For plans with higher groups: follow the groups over the lanes of `in`, chunk by chunk, and call `work_on` for each
  * chunk with its lanes, the number of its first lane, scratch, and its groups' postures.  kernel_continuation.c */
-typedef void lw_chunk_work(void *caller, const lw_lanes *part, size_t first, void *work,
-                           const double *group_postures);
+typedef void lw_chunk_work(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_postures);
 extern const size_t lw_follow_size;
 void lw_in_chunks(const lw_plan *plan, const lw_lanes *in, void *work, lw_chunk_work *work_on, void *caller);
 void lw_kernel_group_posture(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,

@@ -95,8 +95,7 @@ LW_INLINE bool forward_lanes(const run *k, const lw_step *s, size_t n, const lw_
 }
 
 /* Try first the cheaper loop for circles that all meet.  Both loops give the same bits in lanes whose circles meet. */
-LW_INLINE void forward_rrr(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs,
-                           const int keep)
+LW_INLINE void forward_rrr(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs, const int keep)
 {
     if (!forward_lanes(k, s, n, LW_STEP_RRR, per_lane, outputs, keep, 1))
         forward_lanes(k, s, n, LW_STEP_RRR, per_lane, outputs, keep, 0);

@@ -58,8 +58,7 @@ static inline void *lw_scratch_align(void *p)
 }
 
 /* Find the posture of the higher groups at one input.  LW_E_MEMORY: there is no scratch.  posture.c */
-lw_status lw_group_posture_find(const lw_plan *plan, const double *dim, const double *mode, double input,
-                                lw_group_posture *group_posture);
+lw_status lw_group_posture_find(const lw_plan *plan, const double *dim, const double *mode, double input, lw_group_posture *group_posture);
 
 /* The tables this processor can run, best first; NULL past the last. */
 const lw_kernels *lw_kernels_supported(int rank);

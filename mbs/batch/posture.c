@@ -61,8 +61,7 @@ static void take_group_posture(const lw_higher *g, const lw_group_posture *group
         reg[g->disp_reg[d]] = lw_v2(*row++, 0);
 }
 
-lw_status lw_group_posture_find(const lw_plan *plan, const double *dim, const double *mode, double input,
-                                lw_group_posture *group_posture)
+lw_status lw_group_posture_find(const lw_plan *plan, const double *dim, const double *mode, double input, lw_group_posture *group_posture)
 {
     void *work = malloc(lw_group_posture_size(plan));
     if (!work)
@@ -88,8 +87,7 @@ static double registers(const lw_plan *plan, const double *dim, const double *mo
     return margin;
 }
 
-lw_status lw_posture_registers(const lw_plan *plan, const double *dim, const double *mode, double input,
-                               lw_vec2 reg[LW_REG_MAX])
+lw_status lw_posture_registers(const lw_plan *plan, const double *dim, const double *mode, double input, lw_vec2 reg[LW_REG_MAX])
 {
     lw_group_posture group_posture;
     lw_status s = plan->n_higher ? lw_group_posture_find(plan, dim, mode, input, &group_posture) : LW_OK;
@@ -286,8 +284,7 @@ static bool all_finite(const lw_jet2 *reg, int n)
     return true;
 }
 
-lw_status lw_posture_solve(const lw_plan *plan, const double *dim, const double *mode, double input, int order,
-                           lw_posture *posture)
+lw_status lw_posture_solve(const lw_plan *plan, const double *dim, const double *mode, double input, int order, lw_posture *posture)
 {
     lw_vec2 flat[LW_REG_MAX];
     lw_jet2 reg[LW_REG_MAX];

@@ -17,13 +17,11 @@ typedef struct lw_posture {
  * positions are then those of the nearest posture and the derivatives are 0.  At a dead point (margin 0) derivatives do
  * not exist and are set to 0.  LW_E_MEMORY: only for plans with higher groups, which take 1 MB for the time of the
  * call. */
-lw_status lw_posture_solve(const lw_plan *plan, const double *dim, const double *mode, double input,
-                           int order, lw_posture *posture);
+lw_status lw_posture_solve(const lw_plan *plan, const double *dim, const double *mode, double input, int order, lw_posture *posture);
 
 /* Compute every register of the plan at this input, in the ground frame.  reg: (plan->n_reg).  LW_OPEN, LW_E_MEMORY:
  * as lw_posture_solve. */
-lw_status lw_posture_registers(const lw_plan *plan, const double *dim, const double *mode, double input,
-                               lw_vec2 reg[LW_REG_MAX]);
+lw_status lw_posture_registers(const lw_plan *plan, const double *dim, const double *mode, double input, lw_vec2 reg[LW_REG_MAX]);
 
 /* The inverse of lw_plan_read: move `linkage`, of the topology of the plan, into the posture at `input` with these
  * dimensions.  The plan must have all_joints.  LW_OPEN when the linkage cannot close there; it is then unchanged.

@@ -71,7 +71,6 @@ typedef struct lw_clearance_result {
 
 /* LW_OK; LW_STOPPED (max_step, until, stop); the status of the sink; LW_E_NUMERIC, LW_OPEN: e says where the run
  * broke off, and r holds the results till then. */
-lw_status lw_clearance_run(const lw_clearance_scene *scene, const lw_clearance_options *o, lw_clearance_result *r,
-                           lw_error *e);
+lw_status lw_clearance_run(const lw_clearance_scene *scene, const lw_clearance_options *o, lw_clearance_result *r, lw_error *e);
 
 #endif

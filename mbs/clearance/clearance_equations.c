@@ -512,8 +512,7 @@ lw_status lw_clearance_accelerate(lw_clearance_work *w, double t, const double *
     return s == LW_OK && w->c->n_friction > 0 ? add_friction(w, t, du, ddu) : s;
 }
 
-lw_status lw_clearance_respond(lw_clearance_work *w, double t, const double *u, const double *du, const double *g,
-                               double *out)
+lw_status lw_clearance_respond(lw_clearance_work *w, double t, const double *u, const double *du, const double *g, double *out)
 {
     double b[ROW_MAX] = { 0.0 };
     size_t bytes = sizeof(double)*(size_t)w->n_u;

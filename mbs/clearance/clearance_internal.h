@@ -96,8 +96,7 @@ int lw_clearance_count_rows(const lw_clearance_scene *c, const lw_row_choice *ch
 lw_status lw_clearance_accelerate(lw_clearance_work *w, double t, const double *u, const double *du, double *ddu);
 
 /* Change of the accelerations by a generalised force g (n_u), or of velocities by an impulse, on w->rows; out (n_u). */
-lw_status lw_clearance_respond(lw_clearance_work *w, double t, const double *u, const double *du, const double *g,
-                               double *out);
+lw_status lw_clearance_respond(lw_clearance_work *w, double t, const double *u, const double *du, const double *g, double *out);
 
 /* out (n_u) += row (of the bodies' system) times B. */
 void lw_clearance_through_tree(const lw_clearance_work *w, const double *row, double *out);
@@ -132,7 +131,6 @@ lw_status lw_clearance_begin(lw_clearance_work *w, double *u, double *du, lw_err
 
 /* Reaction on the pin of journal i without clearance, and its rate along the motion, at (t, y).  All journals are
  * held. */
-lw_status lw_clearance_reaction_rate(lw_clearance_work *w, double t, const double *y, int i, lw_vec2 *f,
-                                     lw_vec2 *rate);
+lw_status lw_clearance_reaction_rate(lw_clearance_work *w, double t, const double *y, int i, lw_vec2 *f, lw_vec2 *rate);
 
 #endif

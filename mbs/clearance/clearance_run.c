@@ -515,13 +515,11 @@ static lw_status run(lw_clearance_work *w, double *memory, lw_error *e)
     return s;
 }
 
-lw_status lw_clearance_run(const lw_clearance_scene *scene, const lw_clearance_options *o, lw_clearance_result *r,
-                           lw_error *e)
+lw_status lw_clearance_run(const lw_clearance_scene *scene, const lw_clearance_options *o, lw_clearance_result *r, lw_error *e)
 {
     lw_clearance_work w;
     if (!(o->time > 0.0) || !(o->settle >= 0.0) || !(o->tolerance > 0.0))
-        return lw_error_set(e, LW_E_ARG, "a run with clearance needs a time and a tolerance above 0, and a time "
-                            "to settle of 0 or more");
+        return lw_error_set(e, LW_E_ARG, "a run with clearance needs a time and a tolerance above 0, and a time to settle of 0 or more");
     if (lw_clearance_work_make(scene, o, &w) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
     size_t n = 2*(size_t)w.n_u;

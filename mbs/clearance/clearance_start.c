@@ -19,8 +19,7 @@ static lw_row_choice closed(const lw_clearance_scene *c, bool all_inputs)
     return choice;
 }
 
-lw_status lw_clearance_reaction_rate(lw_clearance_work *w, double t, const double *y, int i, lw_vec2 *f,
-                                     lw_vec2 *rate)
+lw_status lw_clearance_reaction_rate(lw_clearance_work *w, double t, const double *y, int i, lw_vec2 *f, lw_vec2 *rate)
 {
     int n = w->n_u;
     double du0[LW_SYSTEM_Q_MAX], a[LW_SYSTEM_Q_MAX], u[LW_SYSTEM_Q_MAX], du[LW_SYSTEM_Q_MAX], fast = 1/w->o.time;

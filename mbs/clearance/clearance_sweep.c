@@ -157,8 +157,7 @@ static int by_speed(const void *a, const void *b)
     return (u > v) - (u < v);
 }
 
-static void find_limit(const lw_sweep *c, int law, int joint, lw_sweep_row **sorted,
-                       lw_sweep_limit *l)
+static void find_limit(const lw_sweep *c, int law, int joint, lw_sweep_row **sorted, lw_sweep_limit *l)
 {
     int n = 0;
     for (int i = law*c->o.n_speed; i < (law + 1)*c->o.n_speed; i++)

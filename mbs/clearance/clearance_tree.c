@@ -95,8 +95,7 @@ static inline void add_to(lw_vec2 *b, int k, lw_vec2 v)
         b[k] = lw_v2_add(b[k], v);
 }
 
-static void place_free(const lw_tree_joint *b, const double *u, const double *du, int body, lw_vec2 *col,
-                       lw_tree_state *s)
+static void place_free(const lw_tree_joint *b, const double *u, const double *du, int body, lw_vec2 *col, lw_tree_state *s)
 {
     int k = b->coordinate;
     s->at[body + 1] = lw_v2(u[k], u[k + 1]);
@@ -216,8 +215,7 @@ lw_vec2 lw_tree_velocity(const lw_tree *t, const lw_tree_state *s, int body, lw_
     return v;
 }
 
-void lw_tree_push(const lw_tree *t, const lw_tree_state *s, int body, lw_vec2 r, lw_vec2 f, double torque,
-                  double *force)
+void lw_tree_push(const lw_tree *t, const lw_tree_state *s, int body, lw_vec2 r, lw_vec2 f, double torque, double *force)
 {
     if (body < 0)
         return;

@@ -58,7 +58,6 @@ void lw_tree_accelerations(const lw_tree *t, const lw_tree_state *s, const doubl
 /* A point fixed to a body (-1: ground), r its turned arm: its velocity; adds the generalised force (n_u) of a force
  * f on it. */
 lw_vec2 lw_tree_velocity(const lw_tree *t, const lw_tree_state *s, int body, lw_vec2 r, const double *du);
-void    lw_tree_push(const lw_tree *t, const lw_tree_state *s, int body, lw_vec2 r, lw_vec2 f, double torque,
-                     double *force);
+void    lw_tree_push(const lw_tree *t, const lw_tree_state *s, int body, lw_vec2 r, lw_vec2 f, double torque, double *force);
 
 #endif

@@ -118,8 +118,7 @@ static void watch_tracers(const search *f, watch *w)
     const lw_system *s = f->s;
     for (int i = 0; i < s->n_tracer; i++)
         for (int c = 0; c < w->n; c++) {
-            lw_vec2 v = velocity(s, s->tracer_body[i], s->tracer_arm[i], f->best.q,
-                                 f->best.motion + c*f->n_q);
+            lw_vec2 v = velocity(s, s->tracer_body[i], s->tracer_arm[i], f->best.q, f->best.motion + c*f->n_q);
             watch_value(w, c, w->n_row + 2*i, v.x);
             watch_value(w, c, w->n_row + 2*i + 1, v.y);
         }

@@ -60,8 +60,7 @@ typedef struct lw_mobility {
 lw_mobility_options lw_mobility_options_default(void);     /* 1e-12, seed 1 */
 
 /* LW_E_ARG: tolerance out of range; LW_E_MEMORY; fails as lw_system_make. */
-lw_status lw_mobility_find(const lw_linkage *linkage, const lw_mobility_options *o, lw_mobility *m,
-                           lw_error *e);
+lw_status lw_mobility_find(const lw_linkage *linkage, const lw_mobility_options *o, lw_mobility *m, lw_error *e);
 
 /* Weld joints (returned in *joints as bits) until no freedom is idle, such as a roller that spins.  Inputs and tracers
  * move as before.  An idle freedom that no single pin or slider can remove stays.  Fails as lw_mobility_find. */

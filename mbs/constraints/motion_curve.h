@@ -52,8 +52,7 @@ typedef struct lw_motion_curve lw_motion_curve;
  *
  * LW_E_ARG: the inputs at rest do not leave exactly one degree of freedom, by count; LW_E_NUMERIC: the linkage cannot
  * move, or more than two branches meet in the posture. */
-lw_status lw_motion_curve_create(const lw_system *s, const double *q, const lw_motion_curve_options *o,
-                                 lw_motion_curve **out, lw_error *e);
+lw_status lw_motion_curve_create(const lw_system *s, const double *q, const lw_motion_curve_options *o, lw_motion_curve **out, lw_error *e);
 void      lw_motion_curve_free(lw_motion_curve *b);
 
 lw_motion_curve_end lw_motion_curve_ended(const lw_motion_curve *b);

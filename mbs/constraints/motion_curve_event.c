@@ -24,8 +24,7 @@ static double rate_on(lw_motion_curve *b, const lw_motion_curve_segment *s, int 
     return count[1];
 }
 
-static lw_status add_event(lw_motion_curve *b, lw_motion_curve_event_kind kind, int joint,
-                           const lw_motion_curve_segment *s, double h)
+static lw_status add_event(lw_motion_curve *b, lw_motion_curve_event_kind kind, int joint, const lw_motion_curve_segment *s, double h)
 {
     if (b->n_event % 32 == 0) {
         lw_motion_curve_event *grown = realloc(b->event, (size_t)(b->n_event + 32)*sizeof *grown);
@@ -41,8 +40,7 @@ static lw_status add_event(lw_motion_curve *b, lw_motion_curve_event_kind kind, 
 }
 
 /* The root of the rate between h0 and h1, where the rates r0 and r1 have different signs. */
-static double root(lw_motion_curve *b, const lw_motion_curve_segment *s, int joint, double h0, double r0, double h1,
-                   double r1)
+static double root(lw_motion_curve *b, const lw_motion_curve_segment *s, int joint, double h0, double r0, double h1, double r1)
 {
     int kept = -1;
     for (int i = 0; i < 80 && h1 - h0 > 1e-15*s->length; i++) {

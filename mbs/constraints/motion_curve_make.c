@@ -75,8 +75,7 @@ static lw_status place_start(lw_motion_curve *b, const double *q)
     return LW_OK;
 }
 
-lw_status lw_motion_curve_create(const lw_system *s, const double *q, const lw_motion_curve_options *o,
-                                 lw_motion_curve **out, lw_error *e)
+lw_status lw_motion_curve_create(const lw_system *s, const double *q, const lw_motion_curve_options *o, lw_motion_curve **out, lw_error *e)
 {
     *out = NULL;
     lw_status status = check(s, o, e);

@@ -57,8 +57,7 @@ static void posture_beside(lw_motion_curve *b, double arc, double away, const do
 }
 
 /* The curve through posture q near the branch point at `arc`, as a series in the distance along its direction. */
-static void series_beside(lw_motion_curve *b, double arc, const double *q, const double *direction, int order,
-                          double *out)
+static void series_beside(lw_motion_curve *b, double arc, const double *q, const double *direction, int order, double *out)
 {
     double x[TERMS], *f = b->beside, *df = f + TERMS*b->n, one[LW_MOTION_CURVE_ORDER + 1];
     int n = 0;
@@ -104,8 +103,7 @@ static void invert(int order, const double *u, const double *w, double power[][L
 
 /* The curve and its free input are series in a distance; inverting the second and substituting it into the first
  * gives the motion. */
-static bool motion_beside(lw_motion_curve *b, double arc, const double *direction, int order, const double *w,
-                          double *q)
+static bool motion_beside(lw_motion_curve *b, double arc, const double *direction, int order, const double *w, double *q)
 {
     double *curve = b->beside + 2*TERMS*b->n, u[LW_MOTION_CURVE_ORDER + 1];
     double power[LW_MOTION_CURVE_ORDER + 1][LW_MOTION_CURVE_ORDER + 1] = { { 0 } };

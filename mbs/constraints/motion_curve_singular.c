@@ -14,8 +14,7 @@ static const double least_rank = 1e-8;     /* pivot that counts as lost rank, at
 static const double least_bend = 1e-6;     /* psi F'' below this: branches touch, or more than two meet        */
 
 /* psi F''[v, v]/2 at q */
-static double bent(const lw_motion_curve *b, const double *q, const double *v, const double *psi, double *series,
-                   double *phi)
+static double bent(const lw_motion_curve *b, const double *q, const double *v, const double *psi, double *series, double *phi)
 {
     double sum = 0.0, count[3];
     int n = b->n, rows = b->s->n_row;

@@ -180,8 +180,7 @@ static lw_status leap(lw_motion_curve *b, int first_segment, int way, int here, 
         lw_continuation_sum(&b->f, LW_MOTION_CURVE_ORDER, b->series, h, p);
         memcpy(q, p, (size_t)b->n*sizeof *q);
         b->f.distance = h;
-        if (!lw_continuation_correct(&b->f, q) || !(lw_continuation_factor(&b->f, q) > 1e-12) ||
-            !lw_continuation_tangent(&b->f))
+        if (!lw_continuation_correct(&b->f, q) || !(lw_continuation_factor(&b->f, q) > 1e-12) || !lw_continuation_tangent(&b->f))
             continue;
         double gap = lw_continuation_distance(&b->f, p, q), turn = lw_dot(b->n, b->f.tangent, b->f.row);
         if (!(gap*lw_continuation_bound(&b->f, q) < 0.01) || !(turn > 0.5))

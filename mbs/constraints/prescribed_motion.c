@@ -681,8 +681,7 @@ static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error
     d->t = d->asked = first;
     hold(d, first);
     if (!(lw_continuation_factor(&d->f, d->q) > 1e-12))
-        return lw_error_set(e, LW_E_NUMERIC, "the posture is a dead point of the inputs; draw the linkage in another "
-                            "posture");
+        return lw_error_set(e, LW_E_NUMERIC, "the posture is a dead point of the inputs; draw the linkage in another posture");
     tell(d, first, d->q);
     lw_status s = lw_prescribed_motion_to(d, last);
     if (s != LW_OK)

@@ -162,16 +162,13 @@ lw_status lw_system_make(const lw_linkage *linkage, const lw_vec2 *reference, do
     return status == LW_OK ? lw_system_assemble(&a, reference, unit, s, e) : status;
 }
 
-lw_status lw_system_assemble(const lw_assembly *assembly, const lw_vec2 *reference, double unit, lw_system *s,
-                             lw_error *e)
+lw_status lw_system_assemble(const lw_assembly *assembly, const lw_vec2 *reference, double unit, lw_system *s, lw_error *e)
 {
     memset(s, 0, sizeof *s);
     lw_status status = lw_assembly_check(assembly, e);
     if (status != LW_OK)
         return status;
-    if (reserve(s, (size_t)assembly->n_link, (size_t)assembly->n_joint, (size_t)assembly->n_input,
-                (size_t)assembly->n_tracer)
-        != LW_OK)
+    if (reserve(s, (size_t)assembly->n_link, (size_t)assembly->n_joint, (size_t)assembly->n_input, (size_t)assembly->n_tracer) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (unit > 0.0)
         s->unit = unit;

@@ -65,13 +65,11 @@ typedef struct lw_system {
  * of the posture (largest distance of a joint from the middle of the joints; if all joints are at one point, the
  * distance of a tracer, or 1 m), with the origin in that middle; otherwise the origin is (0, 0).  LW_E_KIND: a gear
  * without carrier (lw_linkage_gear).  Fails as lw_linkage_check.  s needs lw_system_free, after a failure too. */
-lw_status lw_system_make(const lw_linkage *linkage, const lw_vec2 *reference, double unit, lw_system *s,
-                         lw_error *e);
+lw_status lw_system_make(const lw_linkage *linkage, const lw_vec2 *reference, double unit, lw_system *s, lw_error *e);
 void      lw_system_free(lw_system *s);
 
 /* The same of an assembly.  Code that holds arrays of LW_SYSTEM_Q_MAX numbers takes systems of linkages only. */
-lw_status lw_system_assemble(const lw_assembly *assembly, const lw_vec2 *reference, double unit, lw_system *s,
-                             lw_error *e);
+lw_status lw_system_assemble(const lw_assembly *assembly, const lw_vec2 *reference, double unit, lw_system *s, lw_error *e);
 
 /* The same equations with other inputs: `inputs` (n), indices of those of `from`, and all that are tied.  *s needs
  * lw_system_free. */
@@ -110,8 +108,7 @@ static inline double lw_system_joint_unit(const lw_system *s, int joint)
 /* Position [m] of a point fixed to a body (-1: ground; arm: in its frame, scaled), and its series (coefficient k is the
  * derivative divided by k!). */
 lw_vec2 lw_system_point(const lw_system *s, int body, lw_vec2 arm, const double *q);
-void    lw_system_point_series(const lw_system *s, int body, lw_vec2 arm, int order, const double *q,
-                               lw_vec2 *out);
+void    lw_system_point_series(const lw_system *s, int body, lw_vec2 arm, int order, const double *q, lw_vec2 *out);
 
 /* The arm on a body of a point `at` [m] of the posture. */
 lw_vec2 lw_system_arm(const lw_system *s, int body, lw_vec2 at);

@@ -11,8 +11,7 @@ void lw_system_place(const lw_system *s, const double *q, lw_body_frame *f);
 
 /* Add the derivative of row r by coordinate i to jac[r*row_step + i*column_step].  Only entries that are not 0 for
  * every q are touched, so zero jac first.  jac and phi may be NULL. */
-void lw_system_fill(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, long row_step,
-                    long column_step);
+void lw_system_fill(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, long row_step, long column_step);
 
 /* The same in blocks: the derivatives of row r by the three coordinates of body[r][k] at jac[r*LW_SYSTEM_ROW_SIZE + 3*k];
  * body (n_row) is that of lw_system_row_bodies. */

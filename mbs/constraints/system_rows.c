@@ -62,8 +62,7 @@ static inline contact touch(const lw_system_joint *j, const lw_body_frame *f)
 }
 
 /* Add factor times the derivatives of v . d; dv: derivative of v by the rotation of link 0. */
-static inline void add_projection(const lw_system_joint *j, const contact *c, lw_vec2 v, lw_vec2 dv, double factor,
-                                  target t)
+static inline void add_projection(const lw_system_joint *j, const contact *c, lw_vec2 v, lw_vec2 dv, double factor, target t)
 {
     lw_vec2 w = lw_v2_scale(v, factor);
     add(t, j->body[1], w.x, w.y, lw_v2_cross(c->r[1], w));
@@ -140,8 +139,7 @@ static inline target row_target(double *jac, int r, long row_step, long column_s
     return (target){ jac ? jac + r*row_step : NULL, column_step, body ? body[r] : NULL };
 }
 
-static void fill(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, long row_step, long column_step,
-                 lw_row_bodies *body)
+static void fill(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, long row_step, long column_step, lw_row_bodies *body)
 {
     static const lw_vec2 none = { 0.0, 0.0 }, ex = { 1.0, 0.0 }, ey = { 0.0, 1.0 };
     for (int k = 0; k < s->n_joint; k++) {
@@ -185,8 +183,7 @@ static void fill(const lw_system *s, const lw_body_frame *f, double *phi, double
     }
 }
 
-void lw_system_fill(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, long row_step,
-                    long column_step)
+void lw_system_fill(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, long row_step, long column_step)
 {
     fill(s, f, phi, jac, row_step, column_step, NULL);
 }

@@ -129,8 +129,7 @@ static double voltage_of(const lw_motor_part *m, size_t n, double step, const do
         for (int i = 0; i < 2 && jumps; i++)
             most = fmax(most, fabs(r*torque[k + i] + m->torque_constant*speed[k + i]));
         if (!jumps)
-            most = fmax(most, fabs(r*(torque[k] + torque[k + 1])/2 + m->torque_constant*(speed[k] + speed[k + 1])/2
-                                   + l*change));
+            most = fmax(most, fabs(r*(torque[k] + torque[k + 1])/2 + m->torque_constant*(speed[k] + speed[k + 1])/2 + l*change));
     }
     return most;
 }

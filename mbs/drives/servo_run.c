@@ -394,8 +394,7 @@ lw_status lw_servo_run(const lw_servo *s, const lw_servo_options *o, lw_servo_ca
     if (status == LW_STOPPED)
         return lw_error_set(e, status, "stopped at t = %.9g s", w.last_t);
     if (status != LW_OK)
-        return lw_error_set(e, LW_E_NUMERIC, "at t = %.9g s the axis moves beyond all numbers, or faster than steps can follow",
-                            w.last_t);
+        return lw_error_set(e, LW_E_NUMERIC, "at t = %.9g s the axis moves beyond all numbers, or faster than steps can follow", w.last_t);
     r->error_end = row_at(&a, r->to, y).error;
     r->settled = w.inside;
     r->current_rms = sqrt(y[LW_SERVO_SQUARE]/r->to);

@@ -80,8 +80,7 @@ typedef struct lw_equations {
     /* Generalised forces (n_v) and the power of those without potential (unless NULL); their derivatives by q and v, to a
      * sink; all entries that these can have. */
     void   (*forces)(void *context, double t, const double *q, const double *v, double *force, double *power);
-    void   (*derivatives)(void *context, double t, const double *q, const double *v, double *force,
-                          const lw_force_sink *sink);
+    void   (*derivatives)(void *context, double t, const double *q, const double *v, double *force, const lw_force_sink *sink);
     void   (*pattern)(void *context, const lw_force_sink *sink);
     /* Until the next call derivatives are taken with the tensions in elements that a small displacement `by` (n_v) from q changes linearly; by NULL:
      * with those at hand.  Newton's method needs it where elements resist stretch far more than bending.  NULL: there are no elements. */

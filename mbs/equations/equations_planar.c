@@ -178,8 +178,7 @@ static void forces(void *context, double t, const double *q, const double *v, do
     lw_forces_apply(((const lw_planar *)context)->f, t, q, v, force, NULL, NULL, power);
 }
 
-static void derivatives(void *context, double t, const double *q, const double *v, double *force,
-                        const lw_force_sink *sink)
+static void derivatives(void *context, double t, const double *q, const double *v, double *force, const lw_force_sink *sink)
 {
     lw_forces_derivatives(((const lw_planar *)context)->f, t, q, v, force, sink);
 }

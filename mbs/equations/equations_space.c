@@ -310,8 +310,7 @@ static void forces(void *context, double t, const double *q, const double *v, do
     lw_space_forces_apply(&c->f, t, c->frame, v, force, power, NULL);
 }
 
-static void derivatives(void *context, double t, const double *q, const double *v, double *force,
-                        const lw_force_sink *sink)
+static void derivatives(void *context, double t, const double *q, const double *v, double *force, const lw_force_sink *sink)
 {
     const lw_spatial_scene *c = context;
     lw_space_place(&c->s, q, c->frame);

@@ -277,8 +277,7 @@ static void measure_of(const lw_forces *f, int variable, const lw_measure *own, 
         break;
     }
     default:
-        lw_measure_point(s, s->tracer_body[i], s->tracer_arm[i],
-                         what == LW_QUANTITY_Y || what == LW_QUANTITY_VY, q, v, second, m);
+        lw_measure_point(s, s->tracer_body[i], s->tracer_arm[i], what == LW_QUANTITY_Y || what == LW_QUANTITY_VY, q, v, second, m);
     }
 }
 
@@ -447,8 +446,7 @@ static void apply_motors(const lw_forces *f, const double *q, const double *v, s
 
 /* Add component c (0, 1: of the force; 2: the torque) of an applied force.  Q = value sense, and sense turns with
  * the link. */
-static void apply_component(const lw_forces *f, int i, int c, const lw_expression *x, double t, const double *q,
-                            const double *v, sum *to)
+static void apply_component(const lw_forces *f, int i, int c, const lw_expression *x, double t, const double *q, const double *v, sum *to)
 {
     const lw_force *p = &f->model->force[i];
     int body = f->system->body[p->link], turn = 3*body + 2;
@@ -606,8 +604,7 @@ static void apply_all(const lw_forces *f, double t, const double *q, const doubl
     }
 }
 
-void lw_forces_apply(const lw_forces *f, double t, const double *q, const double *v, double *force, double *dq,
-                     double *dv, double *power)
+void lw_forces_apply(const lw_forces *f, double t, const double *q, const double *v, double *force, double *dq, double *dv, double *power)
 {
     int n = f->system->n_q;
     sum to = { .n = n, .force = force, .dq = dq, .dv = dv, .second = dq != NULL };
@@ -625,8 +622,7 @@ void lw_forces_apply(const lw_forces *f, double t, const double *q, const double
         *power = to.power;
 }
 
-void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const double *v, double *force,
-                           const lw_force_sink *sink)
+void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const double *v, double *force, const lw_force_sink *sink)
 {
     sum to = { .n = f->system->n_q, .force = force, .sink = sink, .second = true };
     apply_all(f, t, q, v, &to);
@@ -712,8 +708,7 @@ static void bodies_of(const lw_forces *f, int variable, int body[2])
 }
 
 /* An expression that acts on two bodies (-1: none), or (state >= 0) is the rate of a state. */
-static void add_expression(const lw_forces *f, const int acts_on[2], int state, const lw_expression *x,
-                           const lw_force_sink *sink)
+static void add_expression(const lw_forces *f, const int acts_on[2], int state, const lw_expression *x, const lw_force_sink *sink)
 {
     const int *which;
     int n = x ? lw_expression_variables(x, &which) : 0, n_q = f->system->n_q, row[6], rows = 0;
@@ -897,8 +892,7 @@ void lw_measure_length(const lw_system *s, const int body[2], const lw_vec2 arm[
     finish(m, s->unit, v);
 }
 
-void lw_measure_point(const lw_system *s, int body, lw_vec2 arm, int axis, const double *q, const double *v,
-                      bool second, lw_measure *m)
+void lw_measure_point(const lw_system *s, int body, lw_vec2 arm, int axis, const double *q, const double *v, bool second, lw_measure *m)
 {
     begin(m, body, -1, second);
     if (axis == 2) {

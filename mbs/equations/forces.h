@@ -45,19 +45,16 @@ typedef struct lw_forces {
 lw_status lw_forces_system(const lw_model *m, bool any_size, lw_system *s, lw_error *e);
 
 /* caller: forces of the caller's own; NULL or apply NULL: none.  f needs lw_forces_free. */
-lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force *caller, lw_forces *f,
-                         lw_error *e);
+lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force *caller, lw_forces *f, lw_error *e);
 void      lw_forces_free(lw_forces *f);
 
 /* Generalised forces (n_q) of all loads but friction [J].  dq, dv (n_q x n_q, entry [i*n_q + j] is dforce_i/dq_j)
  * may be NULL.  *power: power of the forces without potential (dampers, motors, applied forces, laws, the caller's)
  * [W]; may be NULL. */
-void lw_forces_apply(const lw_forces *f, double t, const double *q, const double *v, double *force, double *dq,
-                     double *dv, double *power);
+void lw_forces_apply(const lw_forces *f, double t, const double *q, const double *v, double *force, double *dq, double *dv, double *power);
 
 /* The same for large models. */
-void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const double *v, double *force,
-                           const lw_force_sink *sink);
+void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const double *v, double *force, const lw_force_sink *sink);
 
 /* Are the derivatives of the caller's forces complete?  In large models only those of the force on a link by its own motion are known. */
 bool lw_forces_caller_exact(const lw_forces *f);
@@ -110,7 +107,6 @@ void lw_measure_joint(const lw_system *s, int joint, const double *q, const doub
 void lw_measure_length(const lw_system *s, const int body[2], const lw_vec2 arm[2], const double *q,
                        const double *v, bool second, lw_measure *m);
 /* axis 0: x, 1: y of a point; 2: the turn of its body. */
-void lw_measure_point(const lw_system *s, int body, lw_vec2 arm, int axis, const double *q, const double *v,
-                      bool second, lw_measure *m);
+void lw_measure_point(const lw_system *s, int body, lw_vec2 arm, int axis, const double *q, const double *v, bool second, lw_measure *m);
 
 #endif

@@ -23,8 +23,7 @@ double lw_friction_push(const lw_friction_joint *f, double rate)
     return -f->coefficient*f->lever_arm*(f->held ? f->part : tanh(f->lever_arm*rate/f->speed));
 }
 
-double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v, double size,
-                         double *force)
+double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v, double size, double *force)
 {
     lw_measure m;
     lw_measure_joint(s, f->joint, q, v, false, &m);

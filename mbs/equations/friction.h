@@ -29,8 +29,7 @@ lw_friction_joint lw_friction_joint_of(const lw_model *m, int j);
 double lw_friction_push(const lw_friction_joint *f, double rate);
 
 /* Adds the generalised force of the friction for a reaction of `size` [N] to force (n_q); returns its power [W]. */
-double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v, double size,
-                         double *force);
+double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v, double size, double *force);
 
 /* Reaction of a joint [N] in the multipliers of its rows: both rows of a pin, the row across the line of a slide. */
 lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multiplier);

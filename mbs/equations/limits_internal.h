@@ -8,8 +8,7 @@
 
 /* LW_STOPPED, with a text, when *stop is not 0 (stop may be NULL) or, where look_at_clock is true, when lw_clock_wall
  * has passed `until` (0: no limit). */
-static inline lw_status lw_limits_check(const volatile sig_atomic_t *stop, double until, bool look_at_clock, double t,
-                                        lw_error *e)
+static inline lw_status lw_limits_check(const volatile sig_atomic_t *stop, double until, bool look_at_clock, double t, lw_error *e)
 {
     if (stop && *stop)
         return lw_error_set(e, LW_STOPPED, "stopped at t = %.9g s", t);

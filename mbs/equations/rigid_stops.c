@@ -30,8 +30,7 @@ double lw_rigid_stop_gap(const lw_system *s, const lw_rigid_stop *stop, const do
     return stop->sign*(value - stop->limit);
 }
 
-lw_gap lw_rigid_stop_motion(const lw_system *s, const lw_rigid_stop *stop, const double *q, const double *v,
-                            const double *a, double *row)
+lw_gap lw_rigid_stop_motion(const lw_system *s, const lw_rigid_stop *stop, const double *q, const double *v, const double *a, double *row)
 {
     double series[3*LW_SYSTEM_Q_MAX], out[3];
     int n = s->n_q;
@@ -118,8 +117,7 @@ static lw_status strike_all(const lw_stops *s, double t, double *y, bool *any, l
         lw_status st = s->motion(s->context, i, t, y, g, &gap);
         if (st == LW_OK && fabs(gap.value) > passed) {
             if (s->passed_is_error)
-                return lw_error_set(e, LW_E_ARG, "the stop of joint \"%s\" is passed at t = %.9g s",
-                                    s->name(s->context, i), t);
+                return lw_error_set(e, LW_E_ARG, "the stop of joint \"%s\" is passed at t = %.9g s", s->name(s->context, i), t);
             continue;
         }
         if (st == LW_OK && touches(s, i, y, &gap)) {

@@ -35,8 +35,7 @@ int lw_rigid_stops_find(const lw_model *m, const lw_system *s, lw_rigid_stop *st
 double lw_rigid_stop_gap(const lw_system *s, const lw_rigid_stop *stop, const double *q, double *row);
 
 /* Gap, rate and acceleration at coordinates q, velocities v, accelerations a of the bodies; gradient in row (n_q). */
-lw_gap lw_rigid_stop_motion(const lw_system *s, const lw_rigid_stop *stop, const double *q, const double *v,
-                            const double *a, double *row);
+lw_gap lw_rigid_stop_motion(const lw_system *s, const lw_rigid_stop *stop, const double *q, const double *v, const double *a, double *row);
 
 /* The equations that stops act in.  State y: coordinates, then n velocities. */
 typedef struct lw_stops {

@@ -459,8 +459,7 @@ static double row_rate(const lw_touch *t, const double *row, const double *v)
 
 /* Slip at the point c = p0 - radius n of body 0, with n turning at the rate w: its row, value and bias.  The tangent is
  * the normal turned clockwise; its rate is w n. */
-static void fill_slip(const lw_touch *t, const lw_body_frame *f, const double *v, const point *k, double w,
-                      lw_touch_motion *m)
+static void fill_slip(const lw_touch *t, const lw_body_frame *f, const double *v, const point *k, double w, lw_touch_motion *m)
 {
     lw_vec2 n = m->normal, tangent = lw_v2(n.y, -n.x);
     m->at = lw_v2_sub(k[0].p, lw_v2_scale(n, t->radius[0]));
@@ -598,8 +597,7 @@ static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, 
             + t->radius[0]*(f[t->body[0] + 1].turn - f[t->body[1] + 1].turn);
 }
 
-void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame *frames, const double *v,
-                 lw_touch_motion *out)
+void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame *frames, const double *v, lw_touch_motion *out)
 {
     if (p->kind == LW_TOUCH_STOP) {
         int body[LW_ROW_BLOCKS];

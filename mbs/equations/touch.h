@@ -74,8 +74,7 @@ lw_status lw_touch_make(const lw_model *m, const lw_system *s, lw_touch_list *li
 void      lw_touch_free(lw_touch_list *list);
 
 /* eq is placed at the coordinates, frames are those of its bodies; v NULL: at rest. */
-void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame *frames, const double *v,
-                 lw_touch_motion *out);
+void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame *frames, const double *v, lw_touch_motion *out);
 
 /* The gap of lw_touch_at alone. */
 double lw_touch_gap(const lw_touch *p, const lw_equations *eq, const lw_body_frame *frames);

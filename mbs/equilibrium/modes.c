@@ -155,8 +155,7 @@ static lw_status find_basis(const lw_vibration *v, basis *b, double *memory)
     double most = lw_greatest(n*n, v->damping), a = most > 0.0 ? DAMPING_WEIGHT*(stiff > 0.0 ? stiff : 1.0)/most : 0.0;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
-            sum[i*n + j] = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i]
-                                + a*(v->damping[i*n + j] + v->damping[j*n + i]));
+            sum[i*n + j] = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i] + a*(v->damping[i*n + j] + v->damping[j*n + i]));
     memcpy(mass, v->mass, sizeof *mass*square);
     lw_status s = lw_eigen_symmetric(n, sum, mass, w, b->x);
     if (s != LW_OK)
@@ -311,8 +310,7 @@ lw_status lw_modes_solve(lw_vibration *v, lw_modes *out, lw_error *e)
     lw_status s = out->conservative ? conservative(v, memory, out) : damped(v, memory, out);
     free(memory);
     if (s == LW_E_NUMERIC)
-        return lw_error_set(e, LW_E_ARG, "some motion has no mass, so it has no frequency: give link \"%s\" mass and "
-                            "inertia", lightest(v));
+        return lw_error_set(e, LW_E_ARG, "some motion has no mass, so it has no frequency: give link \"%s\" mass and inertia", lightest(v));
     if (s == LW_E_ARG)
         return lw_error_set(e, LW_E_NUMERIC, "a force or mass has no finite derivative in this posture, so small "
                             "vibrations about it are not defined; start from another posture");
@@ -347,8 +345,7 @@ lw_status lw_modes_move_input(const lw_forces *f, double t, int input, double va
     return status == LW_OK ? LW_OK : lw_error_set(e, LW_OPEN, "the linkage does not reach the input %.9g", value);
 }
 
-lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t, double *q, lw_modes *modes,
-                        lw_error *e)
+lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t, double *q, lw_modes *modes, lw_error *e)
 {
     lw_vibration v;
     lw_rest r;

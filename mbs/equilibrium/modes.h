@@ -48,8 +48,7 @@ typedef struct lw_modes_options {
  * Modes about q (n_q), which is put on the constraints and, with o->rest, moved to equilibrium.  Loads are those at
  * time t.  LW_NOTHING: no freedom is left.  LW_E_ARG: a motion has no mass (the link is named).  LW_OPEN: no posture
  * on the constraints is near q.  LW_E_NUMERIC: no equilibrium was found. */
-lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t, double *q, lw_modes *modes,
-                        lw_error *e);
+lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t, double *q, lw_modes *modes, lw_error *e);
 
 /* The same for models of any size, with elastic links: the `wanted` slowest modes, at most LW_SYSTEM_Q_MAX/2 - 2.  Inputs with a
  * motion are held where d holds them; o->hold_inputs is not looked at. */

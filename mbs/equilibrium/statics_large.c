@@ -347,8 +347,7 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
                                               "it away, or an elastic link buckles");
 }
 
-lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wanted, double t, double *q, lw_modes *modes,
-                              lw_error *e)
+lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wanted, double t, double *q, lw_modes *modes, lw_error *e)
 {
     lw_rest rest = { 0 };
     lw_status s = o->rest ? lw_statics_rest_large(d, t, q, &rest, e) : LW_OK;

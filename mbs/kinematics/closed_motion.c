@@ -47,8 +47,7 @@ static void set_walk(walk *w, const lw_plan *plan, const double *dim, void *batc
 /* ---- margins ------------------------------------------------------------------------------------- */
 
 /* Margins of n <= BLOCK postures; stride: as dim_stride of mbs/batch/batch.h. */
-static void lane_margins(const walk *w, const double *dim, size_t stride, const double *mode, size_t n,
-                         const double *input, double *margin)
+static void lane_margins(const walk *w, const double *dim, size_t stride, const double *mode, size_t n, const double *input, double *margin)
 {
     double c[BLOCK], s[BLOCK], x[BLOCK], y[BLOCK], m[BLOCK];
     for (size_t i = 0; i < n; i++) {
@@ -253,8 +252,7 @@ static void add_leg(const walk *w, double *mode, double end, int which, lw_close
     mode[leg->dyad] *= lw_step_has_modes(w->step[which]) ? -1 : 0;
 }
 
-lw_status lw_closed_motion_find(const lw_plan *plan, const double *dim, const double *mode, double input, void *batch,
-                                lw_closed_motion *c)
+lw_status lw_closed_motion_find(const lw_plan *plan, const double *dim, const double *mode, double input, void *batch, lw_closed_motion *c)
 {
     walk w;
     bracket below;

@@ -21,8 +21,7 @@ static lw_vec2 divide(lw_vec2 a, lw_vec2 b)
 
 /* Write the nine numbers of a four-bar: its four lengths times |factor|, with the ground from `origin` along `frame`
  * and the tracer at `ratio` times the coupler. */
-static void build(double g, double a, double b, double h, lw_vec2 factor, lw_vec2 ratio,
-                  lw_vec2 origin, lw_vec2 frame, double out[9])
+static void build(double g, double a, double b, double h, lw_vec2 factor, lw_vec2 ratio, lw_vec2 origin, lw_vec2 frame, double out[9])
 {
     double size = lw_v2_norm(factor);
     lw_vec2 tracer = lw_v2_scale(ratio, size*b);
@@ -39,15 +38,13 @@ static lw_status close_loop(const double r[4], double mode, double angle, lw_vec
     if (!(d <= r[2] + r[3] && d >= fabs(r[2] - r[3]) && d > 0.0))
         return LW_OPEN;
     /* half-angle formula for the angle at A between the diagonal and the coupler */
-    double t = 2.0*atan2(sqrt(fmax(0.0, (r[3] - d + r[2])*(r[3] + d - r[2]))),
-                         sqrt(fmax(0.0, (d + r[2] - r[3])*(d + r[2] + r[3]))));
+    double t = 2.0*atan2(sqrt(fmax(0.0, (r[3] - d + r[2])*(r[3] + d - r[2]))), sqrt(fmax(0.0, (d + r[2] - r[3])*(d + r[2] + r[3]))));
     *coupler = lw_v2_turn(lw_v2_scale(line, 1.0/d), lw_v2_polar(1.0, mode < 0.0 ? -t : t));
     *b = lw_v2_add(a, lw_v2_scale(*coupler, r[2]));
     return LW_OK;
 }
 
-lw_status lw_fourbar_cognate_posture(const double in[9], double mode, double angle,
-                                     double out_angle[2], double out_mode[2])
+lw_status lw_fourbar_cognate_posture(const double in[9], double mode, double angle, double out_angle[2], double out_mode[2])
 {
     lw_fourbar_class c;
     lw_status status = lw_fourbar_classify(in, LW_FOURBAR_TOLERANCE, &c, NULL);
@@ -84,10 +81,8 @@ lw_status lw_fourbar_cognates(const double in[9], double mode, double out[2][9],
     const double nearest = 1e-12;
     bool at_a = lw_v2_norm(c) < nearest, at_b = lw_v2_norm(rest) < nearest;
     if (!at_b)
-        build(in[0], in[1], in[3], in[2], rest, lw_v2_scale(divide(c, rest), -1.0), c0,
-              lw_v2_turn(rest, frame), out[0]);
+        build(in[0], in[1], in[3], in[2], rest, lw_v2_scale(divide(c, rest), -1.0), c0, lw_v2_turn(rest, frame), out[0]);
     if (!at_a)
-        build(in[0], in[2], in[1], in[3], c, divide(lw_v2(1.0, 0.0), c), a0, lw_v2_turn(c, frame),
-              out[1]);
+        build(in[0], in[2], in[1], in[3], c, divide(lw_v2(1.0, 0.0), c), a0, lw_v2_turn(c, frame), out[1]);
     return at_a || at_b ? LW_E_NUMERIC : LW_OK;
 }

@@ -30,8 +30,7 @@ static sums make_sums(const double r[4], double tolerance)
     sums s;
     s.all = lw_sum4(r[G], r[A], r[B], r[H]);
     for (int i = 0; i < 4; i++)
-        s.less[i] = lw_sum4(i == G ? -r[G] : r[G], i == A ? -r[A] : r[A],
-                         i == B ? -r[B] : r[B], i == H ? -r[H] : r[H]);
+        s.less[i] = lw_sum4(i == G ? -r[G] : r[G], i == A ? -r[A] : r[A], i == B ? -r[B] : r[B], i == H ? -r[H] : r[H]);
     s.pair[G] = s.all;
     for (int i = 1; i < 4; i++)
         s.pair[i] = lw_sum4(r[G], i == A ? r[A] : -r[A], i == B ? r[B] : -r[B], i == H ? r[H] : -r[H]);
@@ -190,8 +189,7 @@ static lw_status check_lengths(const double r[4], const int order[4], lw_error *
     static const char *const link[4] = { "frame", "input", "coupler", "output" };
     for (int i = 0; i < 4; i++)
         if (!(r[i] > 0.0 && isfinite(r[i])))
-            return lw_error_set(e, LW_E_ARG, "the length of the %s is %g; it must be positive and finite",
-                                link[i], r[i]);
+            return lw_error_set(e, LW_E_ARG, "the length of the %s is %g; it must be positive and finite", link[i], r[i]);
     int longest = order[3];
     double others = lw_sum4(r[order[0]], r[order[1]], r[order[2]], 0.0);
     double excess = lw_sum4(r[longest], -r[order[0]], -r[order[1]], -r[order[2]]);
@@ -210,8 +208,7 @@ lw_status lw_fourbar_classify(const double r[4], double tolerance, lw_fourbar_cl
 {
     memset(c, 0, sizeof *c);
     if (!(tolerance >= 0.0 && tolerance < 0.1))
-        return lw_error_set(e, LW_E_ARG, "the tolerance is %g; it must be at least 0 and less than 0.1",
-                            tolerance);
+        return lw_error_set(e, LW_E_ARG, "the tolerance is %g; it must be at least 0 and less than 0.1", tolerance);
     int order[4], shift;
     sort_links(r, order);
     lw_status status = check_lengths(r, order, e);

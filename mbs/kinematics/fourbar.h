@@ -31,7 +31,6 @@ lw_status lw_fourbar_cognates(const double in[9], double mode, double out[2][9],
 
 /* The input angle from the frame [rad], in (-pi, pi], and the mode of both cognates when the input of `in` is at
  * `angle`. LW_OPEN when `in` cannot close there; LW_E_ARG as above. */
-lw_status lw_fourbar_cognate_posture(const double in[9], double mode, double angle,
-                                     double out_angle[2], double out_mode[2]);
+lw_status lw_fourbar_cognate_posture(const double in[9], double mode, double angle, double out_angle[2], double out_mode[2]);
 
 #endif

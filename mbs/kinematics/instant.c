@@ -14,8 +14,7 @@ static bool state_of(const lw_linkage *k, const lw_posture *posture, int link, s
         return true;
     for (int i = 0; i < k->n_joint && !at; i++) {
         const lw_joint *j = &k->joint[i];
-        if ((lw_joint_turns(j->kind) && (j->link[0] == link || j->link[1] == link))
-            || (lw_joint_has_slot(j->kind) && j->link[1] == link))
+        if ((lw_joint_turns(j->kind) && (j->link[0] == link || j->link[1] == link)) || (lw_joint_has_slot(j->kind) && j->link[1] == link))
             at = posture->joint[i];
     }
     for (int i = 0; i < k->n_tracer && !at; i++)

@@ -8,8 +8,7 @@
 
 /* The motion of `link` seen from `base`, in a posture with derivatives of order 2.  LW_E_ARG: no such links, or the
  * same one twice; LW_E_KIND: a link has neither a pin nor a tracer, so that the posture has no point of it. */
-lw_status lw_instant_motion_of(const lw_linkage *k, const lw_posture *posture, int link, int base,
-                               lw_instant_motion *out);
+lw_status lw_instant_motion_of(const lw_linkage *k, const lw_posture *posture, int link, int base, lw_instant_motion *out);
 
 /* The motion against the ground of a link with the point p[0], velocity p[1] and acceleration p[2], turned by angle[0 .. 2]
  * (derivatives by any parameter). */

@@ -187,8 +187,7 @@ static bool share_limit(const walk *w, int p, int q, int dyad)
 {
     const lw_motion_piece *a = &w->piece[p], *b = &w->piece[q];
     for (int e = 0; e < 2; e++)
-        if (!a->turns && !b->turns && a->end[e].dyad == dyad && b->end[e].dyad == dyad &&
-            same_input(w, a->end[e].at, b->end[e].at))
+        if (!a->turns && !b->turns && a->end[e].dyad == dyad && b->end[e].dyad == dyad && same_input(w, a->end[e].at, b->end[e].at))
             return true;
     return false;
 }
@@ -198,8 +197,7 @@ static bool share_touch(const walk *w, int p, int q, int dyad)
     const lw_motion_piece *a = &w->piece[p], *b = &w->piece[q];
     for (int i = 0; i < a->n_touch; i++)
         for (int j = 0; j < b->n_touch; j++)
-            if (a->touch[i].dyad == dyad && b->touch[j].dyad == dyad &&
-                same_input(w, a->touch[i].at, b->touch[j].at))
+            if (a->touch[i].dyad == dyad && b->touch[j].dyad == dyad && same_input(w, a->touch[i].at, b->touch[j].at))
                 return true;
     return false;
 }

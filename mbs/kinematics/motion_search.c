@@ -46,8 +46,7 @@ static double angle_at(const track *k, double s)
 }
 
 /* The s in [lo, hi] of the least sign*of, by golden sections; *f is the value there. */
-static double extreme(const track *k, double (*of)(const track *, double), double sign, double lo,
-                      double hi, double *f)
+static double extreme(const track *k, double (*of)(const track *, double), double sign, double lo, double hi, double *f)
 {
     const double golden = 0.6180339887498949;
     double a = hi - golden*(hi - lo), b = lo + golden*(hi - lo);
@@ -174,8 +173,7 @@ static void snap(double at, double range[2])
         range[1] = LW_PI;
 }
 
-void lw_piece_transmission(const lw_plan *plan, const double *dim, int dyad, const lw_step *step,
-                           const lw_motion_piece *p, double range[2])
+void lw_piece_transmission(const lw_plan *plan, const double *dim, int dyad, const lw_step *step, const lw_motion_piece *p, double range[2])
 {
     track k = { plan, dim, step, p };
     double a[N_SAMPLE + 1], h = 1.0/N_SAMPLE, f;

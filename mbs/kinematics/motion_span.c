@@ -211,8 +211,7 @@ static lw_motion_span span_of_slides(const scene *c)
     const lw_step *s = c->step;
     moves m1 = c->reg_moves[s->in[1]], m2 = c->reg_moves[s->in[3]];
     lw_vec2 w1 = c->reg[s->in[1]], w2 = c->reg[s->in[3]];
-    if (s->kind == LW_STEP_PPR || (m1 == m2 && m1 != OTHER) ||
-        (c->plan->input_is_slider && both(m1, m2) != OTHER))
+    if (s->kind == LW_STEP_PPR || (m1 == m2 && m1 != OTHER) || (c->plan->input_is_slider && both(m1, m2) != OTHER))
         return constant(fabs(lw_v2_cross(w1, w2)) > 1e-15);
     if (both(m1, m2) == OTHER)
         return (lw_motion_span){ .kind = LW_SPAN_UNKNOWN };

@@ -92,8 +92,7 @@ static double size_of(const lw_linkage *linkage)
 static int pin_on(const lw_linkage *linkage, int link)
 {
     for (int j = 0; j < linkage->n_joint; j++)
-        if (lw_joint_turns(linkage->joint[j].kind)
-            && (linkage->joint[j].link[0] == link || linkage->joint[j].link[1] == link))
+        if (lw_joint_turns(linkage->joint[j].kind) && (linkage->joint[j].link[0] == link || linkage->joint[j].link[1] == link))
             return j;
     return -1;
 }

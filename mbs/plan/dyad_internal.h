@@ -202,8 +202,7 @@ LW_INLINE double lw_prp_margin(const lw_prp *z) { return z->inv != 0 ? z->sine*z
 
 /* sine dt1 = (dq1 - dq2).n2 + t1 cos dw1 - t2 dw2,  n2 = i w2.  Returns the adjoint of q2; that of
  * q1 is the adjoint of c minus it. */
-LW_INLINE lw_vec2 lw_prp_back(lw_vec2 w1, lw_vec2 w2, double t1, double t2, double inv, lw_vec2 bar,
-                              double *w1_bar, double *w2_bar)
+LW_INLINE lw_vec2 lw_prp_back(lw_vec2 w1, lw_vec2 w2, double t1, double t2, double inv, lw_vec2 bar, double *w1_bar, double *w2_bar)
 {
     double k = lw_v2_dot(bar, w1)*inv;
     *w1_bar += t1*(lw_v2_dot(bar, lw_v2_perp(w1)) + k*lw_v2_dot(w1, w2));

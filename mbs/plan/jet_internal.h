@@ -85,8 +85,7 @@ static inline lw_jet lw_jet2_dot(lw_jet2 a, lw_jet2 b)
 }
 static inline lw_jet2 lw_jet2_turn(lw_jet2 a, lw_jet2 u)
 {
-    return lw_jet2_of(lw_jet_sub(lw_jet_mul(a.x, u.x), lw_jet_mul(a.y, u.y)),
-                      lw_jet_add(lw_jet_mul(a.x, u.y), lw_jet_mul(a.y, u.x)));
+    return lw_jet2_of(lw_jet_sub(lw_jet_mul(a.x, u.x), lw_jet_mul(a.y, u.y)), lw_jet_add(lw_jet_mul(a.x, u.y), lw_jet_mul(a.y, u.x)));
 }
 static inline lw_jet2 lw_jet2_point(lw_jet2 o, lw_jet2 d, double x, double y)
 {

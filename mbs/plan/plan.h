@@ -316,14 +316,12 @@ lw_status lw_plan_make(const lw_linkage *linkage, lw_plan_options options, lw_pl
 
 /* Read dimensions, modes and input value [rad] or [m] off the posture of `linkage` (the linkage the plan was made
  * from, or another of the same topology).  LW_E_ARG when the posture contradicts itself. */
-lw_status lw_plan_read(const lw_plan *plan, const lw_linkage *linkage, double *dim, double *mode,
-                       double *input, lw_error *e);
+lw_status lw_plan_read(const lw_plan *plan, const lw_linkage *linkage, double *dim, double *mode, double *input, lw_error *e);
 
 /* How dimensions and input change when the place of pin `joint` on one of its two links moves and all links keep their
  * posture: by[0] per metre along x of the plane, by[1] along y (n_dim); input[2] as the plan counts it.  This is what play
  * between the two does.  All 0 when the output does not depend on the pin.  LW_E_ARG as lw_plan_read. */
-lw_status lw_plan_read_play(const lw_plan *plan, const lw_linkage *linkage, int joint, double *const by[2], double input[2],
-                            lw_error *e);
+lw_status lw_plan_read_play(const lw_plan *plan, const lw_linkage *linkage, int joint, double *const by[2], double input[2], lw_error *e);
 
 /* The unit of length for displacements in a seed: the mean absolute value of the lengths and coordinates [m]. */
 double lw_plan_size(const lw_plan *plan, const double *dim);

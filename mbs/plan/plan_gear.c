@@ -69,8 +69,7 @@ lw_status lw_plan_start_gears(lw_topology *t, lw_error *e)
 static int centre_pin(const lw_topology *t, int wheel, int carrier)
 {
     for (int j = 0; j < t->k->n_joint; j++)
-        if (lw_joint_turns(t->k->joint[j].kind) && t->pin[j] == j && t->on_pin[j] >> wheel & 1
-            && t->on_pin[j] >> carrier & 1)
+        if (lw_joint_turns(t->k->joint[j].kind) && t->pin[j] == j && t->on_pin[j] >> wheel & 1 && t->on_pin[j] >> carrier & 1)
             return j;
     return -1;
 }

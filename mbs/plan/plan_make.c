@@ -71,8 +71,7 @@ static bool dyad_kind(const lw_topology *t, lw_plan_group *g)
     static const lw_step_kind kind[8] = {                /* a bit is set for a pin: outer, inner, outer */
         LW_STEP_POINT, LW_STEP_PPR, LW_STEP_PRP, LW_STEP_RRP, LW_STEP_PPR, LW_STEP_RPR, LW_STEP_RRP, LW_STEP_RRR
     };
-    g->kind = kind[4*lw_plan_is_pin(t, g->joint[0]) + 2*lw_plan_is_pin(t, g->joint[1])
-                   + lw_plan_is_pin(t, g->joint[2])];
+    g->kind = kind[4*lw_plan_is_pin(t, g->joint[0]) + 2*lw_plan_is_pin(t, g->joint[1]) + lw_plan_is_pin(t, g->joint[2])];
     return g->kind != LW_STEP_POINT;
 }
 
@@ -188,8 +187,7 @@ static lw_status left_over(const lw_topology *t, lw_error *e)
         return lw_error_set(e, LW_E_KIND, "the input joint \"%s\" does not touch the ground link \"%s\"; closed-form "
                             "plans start from a driven link at the ground", j->name, t->k->link_name[t->k->ground]);
     lw_plan_list_unknown(t, list, sizeof list);
-    return lw_error_set(e, LW_E_KIND, "not a chain of dyads (pairs of links joined to what is known already): %s left "
-                        "over", list);
+    return lw_error_set(e, LW_E_KIND, "not a chain of dyads (pairs of links joined to what is known already): %s left over", list);
 }
 
 /* Take gears and dyads as long as there are any, then the smallest higher group, and so on. */
@@ -292,8 +290,7 @@ static lw_status make(lw_topology *t, const lw_linkage *linkage, lw_plan_options
     join_pins(t);
     if (higher && mobility(t) != 1)                 /* without higher groups the message about dyads is clearer */
         return no_freedom(t, e);
-    if ((s = lw_plan_start_gears(t, e)) != LW_OK || (s = find_groups(t, higher, e)) != LW_OK
-        || (s = lw_plan_check_gears(t, e)) != LW_OK)
+    if ((s = lw_plan_start_gears(t, e)) != LW_OK || (s = find_groups(t, higher, e)) != LW_OK || (s = lw_plan_check_gears(t, e)) != LW_OK)
         return s;
     if (mobility(t) != 1)
         return no_freedom(t, e);
@@ -312,8 +309,7 @@ lw_status lw_plan_make(const lw_linkage *linkage, lw_plan_options options, lw_pl
     if (s != LW_OK)
         return s;
     if (linkage->n_tracer < 32 && options.tracers >> linkage->n_tracer)
-        return lw_error_set(e, LW_E_ARG, "a tracer is wanted that the linkage does not have (it has %d)",
-                            linkage->n_tracer);
+        return lw_error_set(e, LW_E_ARG, "a tracer is wanted that the linkage does not have (it has %d)", linkage->n_tracer);
     if (!options.tracers && !options.all_joints)
         return lw_error_set(e, LW_E_ARG, "nothing is wanted of the plan");
     s = check_joints(linkage, options.kind, e);

@@ -39,8 +39,7 @@ static lw_vec2 frame_origin(const lw_plan *p, const lw_linkage *linkage, int lin
         return linkage->joint[r->origin].at;
     lw_vec2 q = line_point(p, linkage, r->meet[0], link, f), w = lw_plan_slide_direction(p, linkage, r->meet[0]);
     if (r->meet[1] >= 0)
-        return meeting_point(q, w, line_point(p, linkage, r->meet[1], link, f),
-                             lw_plan_slide_direction(p, linkage, r->meet[1]));
+        return meeting_point(q, w, line_point(p, linkage, r->meet[1], link, f), lw_plan_slide_direction(p, linkage, r->meet[1]));
     if (r->meet[0] != p->input_joint)
         return q;
     return link == linkage->ground ? lw_v2_sub(q, lw_v2_scale(w, linkage->input[0].value))
@@ -219,8 +218,7 @@ double lw_plan_size(const lw_plan *p, const double *dim)
 }
 
 /* Write the posture of the higher groups into mode[] as their seeds. */
-static void read_seeds(const lw_plan *p, const lw_linkage *linkage, const lw_frames *f, const double *dim, double input,
-                       double *mode)
+static void read_seeds(const lw_plan *p, const lw_linkage *linkage, const lw_frames *f, const double *dim, double input, double *mode)
 {
     double size = lw_plan_size(p, dim);
     for (int i = 0; i < p->n_higher; i++) {
@@ -237,8 +235,7 @@ static void read_seeds(const lw_plan *p, const lw_linkage *linkage, const lw_fra
         mode[p->n_mode - 1] = input;
 }
 
-static lw_status read_wide(const lw_plan *p, const lw_linkage *linkage, double *dim, double *mode, double *input,
-                           lw_error *e)
+static lw_status read_wide(const lw_plan *p, const lw_linkage *linkage, double *dim, double *mode, double *input, lw_error *e)
 {
     lw_frames f;
     lw_status s = lw_plan_frames(p, linkage, &f, e);
@@ -260,8 +257,7 @@ static lw_status read_wide(const lw_plan *p, const lw_linkage *linkage, double *
     return LW_OK;
 }
 
-lw_status lw_plan_read(const lw_plan *p, const lw_linkage *linkage, double *dim, double *mode, double *input,
-                       lw_error *e)
+lw_status lw_plan_read(const lw_plan *p, const lw_linkage *linkage, double *dim, double *mode, double *input, lw_error *e)
 {
     lw_linkage wide;
     lw_status s = lw_plan_expand(linkage, &wide, NULL, e);
@@ -317,8 +313,7 @@ static lw_status read_moved(const lw_plan *plan, const lw_linkage *linkage, int 
     return s;
 }
 
-lw_status lw_plan_read_play(const lw_plan *p, const lw_linkage *linkage, int joint, double *const by[2], double input[2],
-                            lw_error *e)
+lw_status lw_plan_read_play(const lw_plan *p, const lw_linkage *linkage, int joint, double *const by[2], double input[2], lw_error *e)
 {
     lw_linkage wide;
     double up[LW_DIM_MAX], down[LW_DIM_MAX], in[2];

@@ -357,8 +357,7 @@ static void number_angles(lw_plan *p)
         if (p->dim[d].kind != LW_DIM_ANGLE)
             continue;
         for (int i = 0; i < p->n_step; i++)
-            if ((p->step[i].kind == LW_STEP_LINE && p->step[i].dim[1] == d)
-                || (p->step[i].kind == LW_STEP_GEAR && p->step[i].dim[0] == d))
+            if ((p->step[i].kind == LW_STEP_LINE && p->step[i].dim[1] == d) || (p->step[i].kind == LW_STEP_GEAR && p->step[i].dim[0] == d))
                 p->step[i].dim[2] = p->n_angle;
         for (int g = 0; g < p->n_higher; g++)
             lw_build_higher_angle(&p->higher[g], d, p->n_angle);

@@ -65,8 +65,7 @@ static lw_status check_distinct(const lw_target *t, lw_task task, lw_error *e)
             double d = hypot(t->x[i] - t->x[k], t->y[i] - t->y[k]);
             double turn = lw_task_has_angle(task) ? fabs(remainder(t->theta[i] - t->theta[k], 2*LW_PI)) : 0;
             if (d <= SAME*t->size && turn < SAME)
-                return lw_error_set(e, LW_E_ARG, "stations %zu and %zu are the same; leave one of them out", k + 1,
-                                    i + 1);
+                return lw_error_set(e, LW_E_ARG, "stations %zu and %zu are the same; leave one of them out", k + 1, i + 1);
         }
     return LW_OK;
 }
@@ -272,8 +271,7 @@ static lw_status run_motion(exact_run *x, lw_ranking *r, lw_exact *out, lw_error
     if (rows.n == 0)
         return lw_error_set(e, LW_E_NUMERIC, "the poses say nothing: all are the same");
     lw_status st = draw_rounds(x, r, &drawn, e);
-    snprintf(out->choice, sizeof out->choice, "free: %s; %ld draws within %g sizes of the target", free_of[rows.n + 1],
-             drawn, REACH);
+    snprintf(out->choice, sizeof out->choice, "free: %s; %ld draws within %g sizes of the target", free_of[rows.n + 1], drawn, REACH);
     out->fit.starts = drawn;
     return st;
 }

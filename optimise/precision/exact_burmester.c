@@ -392,8 +392,7 @@ static bool other_pin(const lw_guide_rows *r, double w, lw_vec2 a, bool moving, 
     return fabs(det) > 1e-9;
 }
 
-static int draw_given_pin(const lw_guide_rows *r, const double *u, lw_vec2 a, lw_vec2 near, bool slides,
-                          lw_guide *out)
+static int draw_given_pin(const lw_guide_rows *r, const double *u, lw_vec2 a, lw_vec2 near, bool slides, lw_guide *out)
 {
     /* the fixed pin is given; with slides a quarter of the guides have it, or the moving pin, at infinity */
     bool moving = slides && u[4] < 0.125, far = slides && u[4] < 0.25;

@@ -59,8 +59,7 @@ static lw_status three(const double *angle, const double *theta, lw_function_bar
         k[j] = cos(angle[j] - theta[j]);
     }
     if (!(lw_qr_factor(3, 3, a, d) > 1e-13))
-        return lw_error_set(e, LW_E_NUMERIC, "the three pairs do not fix a four-bar: cos(angle) and cos(theta) lie on "
-                            "a line");
+        return lw_error_set(e, LW_E_NUMERIC, "the three pairs do not fix a four-bar: cos(angle) and cos(theta) lie on a line");
     lw_qr_solve(3, 3, a, d, k);
     double r2 = 1/k[0], r4 = 1/k[1], square = 1 + r2*r2 + r4*r4 - 2*r2*r4*k[2];
     lw_function_bar bar = {
@@ -72,8 +71,7 @@ static lw_status three(const double *angle, const double *theta, lw_function_bar
 }
 
 /* Four pairs: the offset of the input is free and the output's is 0, or vice versa. */
-static void four(const lw_guide_rows *poses, bool input_free, const double *angle, const double *theta,
-                 lw_function_bar *out, int *n)
+static void four(const lw_guide_rows *poses, bool input_free, const double *angle, const double *theta, lw_function_bar *out, int *n)
 {
     lw_guide_rows r = *poses;
     lw_guide guide[4];

@@ -357,8 +357,7 @@ static void offer_triple(const nine *s, lw_ranking *r, const lw_cx *v)
     for (int side = 0; side < 2; side++) {
         lw_vec2 c = divide(x, lw_v2_sub(x, y));
         link_angles(s, x, a, coupler, link);
-        offer(s, r, lw_v2_sub(a, x), a, lw_v2_add(a, lw_v2_turn(c, lw_v2_sub(y, a))),
-              lw_v2_add(a, lw_v2_turn(c, lw_v2_sub(b, a))), link);
+        offer(s, r, lw_v2_sub(a, x), a, lw_v2_add(a, lw_v2_turn(c, lw_v2_sub(y, a))), lw_v2_add(a, lw_v2_turn(c, lw_v2_sub(b, a))), link);
         lw_vec2 swap = x;
         x = y;
         y = swap;

@@ -498,8 +498,7 @@ static bool complete(lw_ranking *r, const kind *w, int link, double angle, entry
     lw_posture posture;
     if (!judge(r, w, now))
         return false;
-    if (lw_task_has_angle(r->o->spec.task)
-        && lw_posture_solve(&w->plan, now->c.dim, mode, r->input[0], 0, &posture) == LW_OK)
+    if (lw_task_has_angle(r->o->spec.task) && lw_posture_solve(&w->plan, now->c.dim, mode, r->input[0], 0, &posture) == LW_OK)
         now->c.tool0 = remainder(angle - posture.angle[link][0], 2*LW_PI);
     return own_arrays(r, now) && reaches(r, w, now);
 }

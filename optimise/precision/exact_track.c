@@ -249,8 +249,7 @@ static bool settle(const lw_nine *to, lw_cx *v)
 }
 
 /* Extrapolate by h the cubic through two points with their tangents (Hermite). */
-static void predict(const lw_cx *v0, const lw_cx *d0, const lw_cx *v1, const lw_cx *d1, double before, double h,
-                    lw_cx *v)
+static void predict(const lw_cx *v0, const lw_cx *d0, const lw_cx *v1, const lw_cx *d1, double before, double h, lw_cx *v)
 {
     if (before <= 0) {
         for (int i = 0; i < 8; i++)

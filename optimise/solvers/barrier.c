@@ -92,8 +92,7 @@ double lw_barrier_stage_value(lw_barrier_stage *s, const double *x, double *grad
     if (lw_record_must_stop(s->record))
         return s->wall;
     double f = barrier(s->record, s->k, s->edge, x, grad);
-    s->inside = isfinite(f) && (s->k > 0.0 ? least_condition(s->record, x) >= s->edge
-                                           : s->record->fn->m == 0 || f == s->record->f);
+    s->inside = isfinite(f) && (s->k > 0.0 ? least_condition(s->record, x) >= s->edge : s->record->fn->m == 0 || f == s->record->f);
     s->lowest = fmin(s->lowest, f);
     if (s->inside && f < s->best) {
         s->best = f;

@@ -448,8 +448,7 @@ static double improve(const lw_problem *p, const lw_lm_options *o, double *x, bo
     return r.f;
 }
 
-double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs,
-                     void *work, long *evals, lw_stop *stop)
+double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs, void *work, long *evals, lw_stop *stop)
 {
     return improve(p, o, x, keep_inputs, false, work, evals, stop);
 }
@@ -509,8 +508,7 @@ bool lw_lm_scatter(const lw_problem *p, double rise, double reach, const double 
     return lw_lm_feasible(p, x, work);
 }
 
-double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x, void *work,
-                         long *evals, lw_stop *stop)
+double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x, void *work, long *evals, lw_stop *stop)
 {
     double f = 0;
     if (!lw_problem_is_nonlinear(p) || !lw_problem_admissible(p, x, MEET, work)) {
@@ -533,8 +531,7 @@ static void pass_on(void *context, long evals, double f)
         r->o->improved(r->o->context, evals, lw_clock_wall() - r->start, f);
 }
 
-lw_status lw_lm_run(const lw_solver *self, const lw_problem *p, const lw_solver_options *o, double *x,
-                    lw_solver_result *r)
+lw_status lw_lm_run(const lw_solver *self, const lw_problem *p, const lw_solver_options *o, double *x, lw_solver_result *r)
 {
     (void)self;
     report told = { o, lw_clock_wall() };

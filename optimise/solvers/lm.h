@@ -27,15 +27,13 @@ lw_lm_options lw_lm_options_default(void);
 /* Improve x (n_var) in place; x must meet bounds and linear conditions (see lw_lm_feasible). keep_inputs: the inputs of
  * free stations in work are a good start for x; otherwise they are assigned anew. Returns f; INFINITY, x unchanged, if
  * the linkage cannot close at x. */
-double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs,
-                     void *work, long *evals, lw_stop *stop);
+double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs, void *work, long *evals, lw_stop *stop);
 
 /* The same with conditions on the motion (transmission angle, acceleration, closure, zones, sides of links). From a
  * point that violates them lw_lm_improve comes first; if its result violates them too, or the first point does not,
  * steps keep them to first order, and a step counts by f plus weight times the greatest violation (sequential
  * quadratic programming with the Gauss-Newton matrix; Han 1977). INFINITY: the last point violates them. */
-double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x, void *work,
-                         long *evals, lw_stop *stop);
+double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x, void *work, long *evals, lw_stop *stop);
 
 /* Move x to the nearest point that meets bounds and linear conditions; distances are relative to the size of each
  * variable. work: as for lw_lm_improve, of which the state of the stations stays. False: the conditions contradict each
@@ -49,7 +47,6 @@ bool lw_lm_feasible(const lw_problem *p, double *x, void *work);
 bool lw_lm_scatter(const lw_problem *p, double rise, double reach, const double *normal, double *x, void *work);
 
 /* Run the row `lm` of the solver table. */
-lw_status lw_lm_run(const lw_solver *self, const lw_problem *p, const lw_solver_options *o, double *x,
-                    lw_solver_result *r);
+lw_status lw_lm_run(const lw_solver *self, const lw_problem *p, const lw_solver_options *o, double *x, lw_solver_result *r);
 
 #endif

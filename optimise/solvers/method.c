@@ -58,8 +58,7 @@ static lw_status outcome(lw_stop why)
     return why == LW_STOP_EVALS || why == LW_STOP_TIME || why == LW_STOP_USER ? LW_STOPPED : LW_OK;
 }
 
-lw_status lw_method_run(const lw_solver *m, const lw_function *fn, const lw_solver_options *o,
-                        double *x, lw_solver_result *result)
+lw_status lw_method_run(const lw_solver *m, const lw_function *fn, const lw_solver_options *o, double *x, lw_solver_result *result)
 {
     lw_record r;
     double y[LW_VAR_MAX];
@@ -132,8 +131,7 @@ static void search_box(const lw_problem *p, const double *x, double *lo, double 
     }
 }
 
-lw_status lw_method_solve(const lw_solver *m, const lw_problem *p, const lw_solver_options *o, double *x,
-                          lw_solver_result *result)
+lw_status lw_method_solve(const lw_solver *m, const lw_problem *p, const lw_solver_options *o, double *x, lw_solver_result *result)
 {
     double lo[LW_VAR_MAX], hi[LW_VAR_MAX];
     size_t size = (lw_problem_work_size(p) + 63)/64*64;

@@ -6,12 +6,10 @@
 #include "optimise/solvers/barrier.h"
 
 /* The whole run: start, stages, final repair, result. Returns as lw_solver.run does. */
-lw_status lw_method_run(const lw_solver *m, const lw_function *fn, const lw_solver_options *o,
-                        double *x, lw_solver_result *result);
+lw_status lw_method_run(const lw_solver *m, const lw_function *fn, const lw_solver_options *o, double *x, lw_solver_result *result);
 
 /* lw_solver.run of a row with a method; allocates the scratch. */
-lw_status lw_method_solve(const lw_solver *m, const lw_problem *p, const lw_solver_options *o, double *x,
-                          lw_solver_result *result);
+lw_status lw_method_solve(const lw_solver *m, const lw_problem *p, const lw_solver_options *o, double *x, lw_solver_result *result);
 
 lw_minimise lw_gsl_lm, lw_gradient, lw_gradient_fixed;
 lw_minimise lw_nlopt_slsqp, lw_nlopt_mma, lw_nlopt_ccsaq, lw_nlopt_lbfgs, lw_nlopt_tnewton,

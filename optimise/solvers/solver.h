@@ -54,8 +54,7 @@ typedef struct lw_solver {
     bool        takes_gradient;
     /* Improve x (n_var) in place. LW_OK; LW_STOPPED: by evaluations, time or user; LW_NOTHING: no feasible point was
      * seen. LW_NOTHING and errors (< 0) leave x unchanged. Thread-safe. */
-    lw_status (*run)(const struct lw_solver *self, const lw_problem *p, const lw_solver_options *o, double *x,
-                     lw_solver_result *r);
+    lw_status (*run)(const struct lw_solver *self, const lw_problem *p, const lw_solver_options *o, double *x, lw_solver_result *r);
     lw_minimise *minimise;       /* the method, if run is lw_method_solve; else NULL              */
 } lw_solver;
 

@@ -170,8 +170,7 @@ lw_stop lw_gsl_lm(lw_barrier_stage *stage, const double *start)
     a.lambda = calloc(a.n_condition + fn->n_residual*(fn->n + 1), sizeof *a.lambda);
     lw_gsl_begin();
     gsl_multifit_nlinear_parameters how = gsl_multifit_nlinear_default_parameters();
-    gsl_multifit_nlinear_workspace *w = gsl_multifit_nlinear_alloc(
-        gsl_multifit_nlinear_trust, &how, a.n_residual + a.n_condition, a.n);
+    gsl_multifit_nlinear_workspace *w = gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &how, a.n_residual + a.n_condition, a.n);
     lw_stop why = LW_STOP_FAILED;
     if (a.lambda && w) {
         a.res = a.lambda + a.n_condition;

@@ -120,8 +120,7 @@ static nlopt_result set_up(nlopt_opt opt, steps kind, bool takes_constraints, ca
     return ok;
 }
 
-static lw_stop minimise(nlopt_algorithm algorithm, steps kind, bool takes_constraints,
-                        lw_barrier_stage *stage, const double *start)
+static lw_stop minimise(nlopt_algorithm algorithm, steps kind, bool takes_constraints, lw_barrier_stage *stage, const double *start)
 {
     lw_record *r = stage->record;
     unsigned n = (unsigned)r->fn->n;
