@@ -38,8 +38,7 @@ static inline void prune_forms(chain_list *list)
     list->n = n;
 }
 
-static inline void distribute(chain_list *list, const lw_structure *s, bool baranov, uint8_t *weight, int line,
-                              int left)
+static inline void distribute(chain_list *list, const lw_structure *s, bool baranov, uint8_t *weight, int line, int left)
 {
     lw_chain c;
     if (line + 1 < s->n_line) {

@@ -6,8 +6,7 @@
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 
-typedef lw_status points_read(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *k,
-                              lw_error *e);
+typedef lw_status points_read(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *k, lw_error *e);
 
 /* What was read fits a linkage. */
 static inline lw_status read_small(points_read *read, const char *text, const lw_units *units, lw_linkage *k, lw_error *e)

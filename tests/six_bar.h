@@ -18,10 +18,8 @@ static inline lw_linkage six_bar(void)
         "{\"name\":\"A\",\"links\":[\"ground\",\"crank\"],\"at\":[0,0]},"
         "{\"name\":\"B\",\"links\":[\"crank\",\"coupler\"],\"at\":[0.5,0.8]},"
         "{\"name\":\"C\",\"links\":[\"coupler\",\"rocker\"],\"at\":[2.6,2.1]},"
-        "{\"name\":\"D\",\"links\":[\"ground\",\"rocker\"],\"at\":[3,0]},"
-        "{\"name\":\"E\",\"links\":[\"coupler\",\"arm\"],\"at\":[1.1,2.4]},"
-        "{\"name\":\"F\",\"links\":[\"arm\",\"stay\"],\"at\":[-0.4,5.2]},"
-        "{\"name\":\"G\",\"links\":[\"ground\",\"stay\"],\"at\":[-3,2.5]}],"
+        "{\"name\":\"D\",\"links\":[\"ground\",\"rocker\"],\"at\":[3,0]},{\"name\":\"E\",\"links\":[\"coupler\",\"arm\"],\"at\":[1.1,2.4]},"
+        "{\"name\":\"F\",\"links\":[\"arm\",\"stay\"],\"at\":[-0.4,5.2]},{\"name\":\"G\",\"links\":[\"ground\",\"stay\"],\"at\":[-3,2.5]}],"
         "\"input\":{\"joint\":\"A\"},\"tracers\":[{\"name\":\"P\",\"link\":\"arm\",\"at\":[0.2,2.9]}]}";
     lw_linkage k;
     lw_error e = { .text = "" };

@@ -29,8 +29,7 @@ static bool is_structure(const lw_structure *s)
     if (s->n_circle < 2 || s->n_circle > LW_CIRCLE_MAX || s->n_line > LW_LINE_MAX)
         return false;
     for (int k = 0; k < s->n_line; k++) {
-        if (s->end[k][0] >= s->end[k][1] || s->end[k][1] >= s->n_circle
-            || (k > 0 && memcmp(s->end[k - 1], s->end[k], 2) > 0))
+        if (s->end[k][0] >= s->end[k][1] || s->end[k][1] >= s->n_circle || (k > 0 && memcmp(s->end[k - 1], s->end[k], 2) > 0))
             return false;
         degree[s->end[k][0]]++;
         degree[s->end[k][1]]++;

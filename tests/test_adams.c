@@ -118,8 +118,7 @@ static void move_alike(const lw_linkage *a, const lw_linkage *b)
         CHECK_INT(lw_newton_move(s[0], a->input[0].value + way, NULL), LW_OK);
         CHECK_INT(lw_newton_move(s[1], b->input[0].value + way, NULL), LW_OK);
         for (int t = 0; t < a->n_tracer; t++)
-            CHECK_NEAR(lw_v2_norm(lw_v2_sub(lw_newton_tracer(s[0], t), lw_newton_tracer(s[1], t))), 0,
-                       1e-9*lw_export_size(LW_VIEW(a)), 0);
+            CHECK_NEAR(lw_v2_norm(lw_v2_sub(lw_newton_tracer(s[0], t), lw_newton_tracer(s[1], t))), 0, 1e-9*lw_export_size(LW_VIEW(a)), 0);
     }
     lw_newton_free(s[0]);
     lw_newton_free(s[1]);

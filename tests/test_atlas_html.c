@@ -169,8 +169,7 @@ static void check_page(const char *file)
 
 /* ---- tests -------------------------------------------------------------------------------------- */
 
-static lw_status write_atlas(const char *dir, const lw_atlas_html_options *o, size_t *n_page, size_t *n_byte,
-                             lw_error *e)
+static lw_status write_atlas(const char *dir, const lw_atlas_html_options *o, size_t *n_page, size_t *n_byte, lw_error *e)
 {
     lw_store *s = open_store(false);
     lw_status st = lw_atlas_html_write(s, dir, o, n_page, n_byte, e);
@@ -285,8 +284,7 @@ TEST(large_families)
         if (i < 3)
             CHECK((strstr(text, "' 'self'\">") != NULL) == (i < 2));
         else
-            CHECK(strstr(text, i < 4 ? "atlasBlocks.take(\"6-1-0\",2,[\n" : "atlasBlocks.take(\"6-1-m0\",2,[\n")
-                  && !strchr(text, '<'));
+            CHECK(strstr(text, i < 4 ? "atlasBlocks.take(\"6-1-0\",2,[\n" : "atlasBlocks.take(\"6-1-m0\",2,[\n") && !strchr(text, '<'));
         free(text);
     }
 }

@@ -6,8 +6,7 @@
 
 static const char planet_text[] =
     "{\"linkwright\":1,\"name\":\"planet\",\"links\":[\"ground\",\"carrier\",\"planet\",\"arm\",\"pinion\",\"rack\"],\"joints\":["
-    "{\"name\":\"O\",\"links\":[\"ground\",\"carrier\"],\"at\":[0,0]},"
-    "{\"name\":\"Q\",\"links\":[\"carrier\",\"planet\"],\"at\":[2,0]},"
+    "{\"name\":\"O\",\"links\":[\"ground\",\"carrier\"],\"at\":[0,0]},{\"name\":\"Q\",\"links\":[\"carrier\",\"planet\"],\"at\":[2,0]},"
     "{\"name\":\"R\",\"kind\":\"g\",\"links\":[\"ground\",\"planet\"],\"at\":[3.2,0],\"ratio\":2.6666666666666665},"
     "{\"name\":\"W\",\"kind\":\"f\",\"links\":[\"planet\",\"arm\"],\"at\":[2.6,0.4]},"
     "{\"name\":\"U\",\"links\":[\"ground\",\"pinion\"],\"at\":[-4.5,0]},"
@@ -58,8 +57,7 @@ static void check_mesh(const lw_scene *s, int joint)
         double sum = w[1].gap ? way[0] + way[1] : way[0] - way[1];   /* internal: both turn the same way */
         CHECK_NEAR(sum - round(sum), 0, 1e-6, 0);
     }
-    CHECK_NEAR(lw_v2_norm(lw_v2_sub(contact, lw_v2_add(w[1].centre, lw_v2_scale(w[1].along, w[1].radius)))), 0,
-               1e-9*w[0].pitch, 1e-9);
+    CHECK_NEAR(lw_v2_norm(lw_v2_sub(contact, lw_v2_add(w[1].centre, lw_v2_scale(w[1].along, w[1].radius)))), 0, 1e-9*w[0].pitch, 1e-9);
 }
 
 TEST(teeth_mesh)

@@ -130,8 +130,7 @@ TEST(rebound_of_damped_laws)
         OWN(lw_spatial) m = { 0 };
         double e = i < 2 ? 0.9 : 0.5, g = 9.81, v = sqrt(2*g*1e-3), D = i%2 ? 0.75*(1 - e*e)/v : 1.5*(1 - e)/v, back = v;
         double t = v/g + rebound(2, g, 1e9, D, &back) + back/g;
-        snprintf(text, sizeof text, "'model': '%s', 'gap': 0.001, 'stiffness': 1e9, 'exponent': 1.5, 'restitution': %g",
-                 law[i%2], e);
+        snprintf(text, sizeof text, "'model': '%s', 'gap': 0.001, 'stiffness': 1e9, 'exponent': 1.5, 'restitution': %g", law[i%2], e);
         read_ball(text, "", &m);
         m.gravity = lw_v3(0.6*g, 0, -0.8*g);
         run(&m, LW_FORMULATION_AUTO, t, 1, 1e-12, false);
@@ -168,8 +167,7 @@ TEST(a_ball_comes_to_rest)
         char text[160];
         OWN(lw_spatial) m = { 0 };
         double K = pow(10, 5 + stiff), c = sqrt(2*2*K);
-        snprintf(text, sizeof text, "'model': 'impact', 'gap': 1e-4, 'stiffness': %g, 'damping': %.17g, 'depth': 1e-6",
-                 K, c);
+        snprintf(text, sizeof text, "'model': 'impact', 'gap': 1e-4, 'stiffness': %g, 'damping': %.17g, 'depth': 1e-6", K, c);
         read_ball(text, "", &m);
         m.gravity = lw_v3(0, 6, -8);
         run(&m, LW_FORMULATION_AUTO, 0.5, 2, 1e-10, false);

@@ -131,8 +131,7 @@ static void push_bodies(scene *s, const double *q, const double *v, double *forc
         arm[end] = lw_v2_scale(lw_v2_turn(y->joint[s->pin].arm[end], lw_v2_polar(1, place[2])), unit);
         at[end] = lw_v2_add(lw_v2_scale(lw_v2(place[0], place[1]), unit), arm[end]);
         spin[end] = speed[2];
-        rate[end] = lw_v2_add(lw_v2_scale(lw_v2(speed[0], speed[1]), unit), lw_v2_scale(lw_v2_perp(arm[end]),
-                spin[end]));
+        rate[end] = lw_v2_add(lw_v2_scale(lw_v2(speed[0], speed[1]), unit), lw_v2_scale(lw_v2_perp(arm[end]), spin[end]));
     }
     lw_vec2 d = lw_v2_sub(at[1], at[0]), n = lw_v2_scale(d, 1/lw_v2_norm(d)), along = lw_v2_perp(n);
     lw_vec2 dv = lw_v2_sub(rate[1], rate[0]);

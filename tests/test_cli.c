@@ -154,8 +154,7 @@ TEST(output_is_whole_or_absent)
     expect("$P classify 5 2 4 4 -o $D/none/x.txt", 3, NULL, "no such file or folder");
     expect("$P classify 5 2 4 4 -o $D", 3, NULL, "folder");
     expect("echo old > $D/x.txt; $P classify 5 2 4 100 -o $D/x.txt --force; cat $D/x.txt", 0, "old", NULL);
-    expect("$P classify 5 2 4 4 -o $D/x.txt --force && cat $D/x.txt && ls -A $D | grep -v std", 0,
-           "crank-rocker", NULL);
+    expect("$P classify 5 2 4 4 -o $D/x.txt --force && cat $D/x.txt && ls -A $D | grep -v std", 0, "crank-rocker", NULL);
     expect("ls -A $D | grep tmp", 1, NULL, NULL);
 }
 
@@ -167,8 +166,7 @@ TEST(readme_shows_what_is_printed)
     int commands = 0;
     for (char *line; (line = strsep(&rest, "\n"));) {
         if (strncmp(line, "    $ linkwright ", 17) == 0) {
-            ran r = run_with("mkdir -p $D/bin && ln -sf $(realpath $P) $D/bin/linkwright && "
-                             "PATH=$D/bin:$PATH && %s", line + 6);
+            ran r = run_with("mkdir -p $D/bin && ln -sf $(realpath $P) $D/bin/linkwright && PATH=$D/bin:$PATH && %s", line + 6);
             CHECK_INT(r.code, 0);
             free(printed);
             printed = r.out;

@@ -38,37 +38,32 @@ TEST(six_links)
     expect("$P catalogue nearest $D/s.db examples/letter-s.csv --json --results 3 > $D/six.json && "
            "$P draw $D/six.json --result 3 -o $D/six.svg && $P catalogue add $D/s.db $D/six.json && "
            "$P catalogue query $D/s.db links=6 --list linkages -f csv | wc -l", 0, "4\n", "3 added");
-    expect("$P fit examples/letter-s.csv --start-from $D/six.json --links 6 --budget 2000 --rounds 1 --timing none", 0, NULL,
-           NULL);
+    expect("$P fit examples/letter-s.csv --start-from $D/six.json --links 6 --budget 2000 --rounds 1 --timing none", 0, NULL, NULL);
     expect("$P catalogue curves $D/s.db --links 7 --samples 10", 2, NULL, "four, six or eight links");
     expect("$P catalogue curves $D/s.db --links 6 --type all --samples 10", 2, NULL, "--type is for four links");
 }
 
 TEST(add)
 {
-    expect("$P catalogue add $D/l.db examples/jansen.json && $P catalogue add $D/l.db examples/slider-crank.json", 0,
-           "", "1 added");
+    expect("$P catalogue add $D/l.db examples/jansen.json && $P catalogue add $D/l.db examples/slider-crank.json", 0, "", "1 added");
     expect("$P catalogue add $D/l.db examples/jansen.json", 0, "", "1 linkages read, 0 added");
     expect("$P fit examples/ellipse.csv --rounds 1 --starts 32 --budget 1000 --quiet --results 2 --json > $D/fit.json; "
            "cat $D/fit.json $D/near.json | $P catalogue add $D/l.db -", 0, "", " 7 added");
     expect("$P catalogue add $D/l.db $D/fit.json", 0, "", "2 linkages read, 0 added");
     expect("echo '{\"a\": 1}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL,
-           "bad.json:1: this is neither "
-           "a linkage");
+           "bad.json:1: this is neither a linkage");
     expect("printf '\\n\\n{\"results\": [}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL,
            "bad.json:3:");
     expect("printf '\\n{\"results\": [{\"linkage\": {\"joints\": 5}}]}' > $D/bad.json; $P catalogue add $D/l.db "
            "$D/bad.json", 3, NULL, "bad.json:2: ");
     expect("$P catalogue check $D/l.db", 0, NULL, "whole");
-    expect_row("$P catalogue query $D/l.db 'name~Jansen' --columns links,dof,kinds,closed", "links|dof|kinds|closed",
-               "8|1|rrrrrrrrrr|1");
+    expect_row("$P catalogue query $D/l.db 'name~Jansen' --columns links,dof,kinds,closed", "links|dof|kinds|closed", "8|1|rrrrrrrrrr|1");
 }
 
 TEST(query)
 {
     expect("$P catalogue build $D/q.db --links 8 && $P catalogue query $D/q.db 'symmetry=12'", 0, "Gr`KAC", NULL);
-    expect("$P catalogue query $D/q.db 'links=8' --format csv --columns links,assortment | tail -1", 0, "8,4 4\r\n",
-           NULL);
+    expect("$P catalogue query $D/q.db 'links=8' --format csv --columns links,assortment | tail -1", 0, "8,4 4\r\n", NULL);
     expect("$P catalogue query $D/q.db 'links=8 and assortment=\"4 4\"' --json | wc -l", 0, "9\n", NULL);
     expect("$P catalogue query $D/q.db 'highest=3' --list mechanisms --sort modes --results 1", 0, "III3:", NULL);
     expect("$P catalogue query $D/q.db --list structures --format csv | wc -l", 0, "5\n", NULL);
@@ -95,8 +90,7 @@ TEST(query)
 /* The class of a mechanism of more than four links is that of its driven four-bar. */
 TEST(a_class_of_six_links)
 {
-    expect("$P catalogue add $D/six.db tests/data/linkages/six-link-results.json && "
-           "$P catalogue add $D/six.db examples/hoeken.json; "
+    expect("$P catalogue add $D/six.db tests/data/linkages/six-link-results.json && $P catalogue add $D/six.db examples/hoeken.json; "
            "$P catalogue query $D/six.db 'links=6 and sliders>=1 and class=GCRR and error<0.01' -f csv "
            "--columns links,dof,sliders,class,error,error_max,name", 0,
            "\n6,1,1,GCRR,0.005,0.00125,crank-rocker that drives a slider\r\n", NULL);
@@ -108,8 +102,7 @@ TEST(a_class_of_six_links)
 
 TEST(export)
 {
-    expect("$P catalogue export $D/q.db | sort > $D/a; $P chains --links 8 | sort | cmp - $D/a && echo same", 0,
-           "same\n", NULL);
+    expect("$P catalogue export $D/q.db | sort > $D/a; $P chains --links 8 | sort | cmp - $D/a && echo same", 0, "same\n", NULL);
     expect("$P catalogue export $D/q.db --list mechanisms | sort > $D/a; $P mechanisms --links 8 --input ground | sort "
            "| cmp - $D/a && echo same", 0, "same\n", NULL);
     expect("$P catalogue export $D/q.db --format lem", 2, NULL, "none of table|json|csv|graph6");

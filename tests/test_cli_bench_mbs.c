@@ -31,8 +31,7 @@ static double error_of(const row *r, int n, const char *problem, const char *sol
 TEST(rows)
 {
     static row r[200];
-    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none --cases pendulum --time 0.001 -o $D/out", 0,
-           "| reduced | 1e-10 |", "");
+    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none --cases pendulum --time 0.001 -o $D/out", 0, "| reduced | 1e-10 |", "");
     int n = read_rows(r, 200);
     CHECK_INT(n, 10 + 10 + 10 + 9 + 9);
     CHECK(error_of(r, n, "pendulum", "quadrature", 1e-11) < 1e-12);
@@ -51,9 +50,7 @@ TEST(rows)
 TEST(squeezer)
 {
     static row r[200];
-    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none "
-           "--cases andrews --tolerance-range 1e-11:1e-10 --time 0.001 -q "
-           "-o $D/out", 0,
+    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none --cases andrews --tolerance-range 1e-11:1e-10 --time 0.001 -q -o $D/out", 0,
            "| andrews | ggl |", "");
     int n = read_rows(r, 200);
     CHECK_INT(n, 10);
@@ -68,9 +65,7 @@ TEST(squeezer)
 TEST(branch)
 {
     static row r[200];
-    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none "
-           "--cases two-four-bars --tolerance-range 1e-10:1e-8 --time 0.001 -q "
-           "-o $D/out", 0,
+    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none --cases two-four-bars --tolerance-range 1e-10:1e-8 --time 0.001 -q -o $D/out", 0,
            "| two-four-bars | reduced |", "");
     int n = read_rows(r, 200);
     CHECK(error_of(r, n, "two-four-bars", "reduced", 1e-10) < 1e-6);
@@ -79,8 +74,7 @@ TEST(branch)
 
 TEST(clearance)
 {
-    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none "
-           "--cases clearance-250 --tolerance-range 1e-9:1e-9 --time 0.001 -q", 0,
+    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none --cases clearance-250 --tolerance-range 1e-9:1e-9 --time 0.001 -q", 0,
            "| clearance-250 | impact K=1e+08 | 1e-09 |", "");
 }
 
@@ -118,8 +112,7 @@ TEST(told_and_measured)
 /* A program that fails has a row with the reason, and the rows of the others are not affected. */
 TEST(bad_peers)
 {
-    static const char nonsense[] = "| pendulum | p | - | - | - | - | - | - | 0 | 0 | what it says is no row of "
-                                   "numbers |";
+    static const char nonsense[] = "| pendulum | p | - | - | - | - | - | - | 0 | 0 | what it says is no row of numbers |";
     expect(PEER("talks", "echo hello"), 0, nonsense, "");
     expect(PEER("fails", "exit 7"), 0, "| ended with code 7 |", "");
     expect(PEER("dies", "kill -9 \\$\\$"), 0, "| ended by signal 9 |", "");
@@ -128,8 +121,7 @@ TEST(bad_peers)
     expect(PEER("naught", "echo run 1 1 1 1 1 it; yes nan | head -400"), 0, nonsense, "");
     expect(PEER("short", "echo run 1 1 1 1 1 it; echo 1 2 3"), 0, "| pendulum | reduced | 1e-04 |", "");
     expect("$P bench mbs --peers $D/nowhere", 3, NULL, "nowhere: no such folder");
-    expect("mkdir -p $D/empty && touch $D/empty/readme && $P bench mbs --peers $D/empty", 3, NULL,
-           "no program in this folder");
+    expect("mkdir -p $D/empty && touch $D/empty/readme && $P bench mbs --peers $D/empty", 3, NULL, "no program in this folder");
 }
 
 /* A program that does not end in time keeps the rows it has given, and the programs and problems after it have theirs. */

@@ -16,8 +16,7 @@ TEST(table)
     ran r = run("$P clearance " MODEL " --speeds 92,94 --model impact,mlsd");
     CHECK_INT(r.code, 0);
     CHECK_INT(lines_with(r.out, "\nB,"), 4);
-    CHECK(has_row(r.out, "joint|model|stiffness|damping|speed|contact|first_loss|losses|apart",
-                  "B|impact|1e8|3000|92|kept||0|0"));
+    CHECK(has_row(r.out, "joint|model|stiffness|damping|speed|contact|first_loss|losses|apart", "B|impact|1e8|3000|92|kept||0|0"));
     CHECK(has_row(r.out, "joint|model|speed|contact", "B|impact|94|lost"));
     CHECK_HAS(r.out, ",94,lost,0.6");                        /* [s] */
     CHECK(has_row(r.out, "joint|model|stiffness|damping|speed|contact", "B|mlsd|1e8|3000|92|kept"));
@@ -54,18 +53,15 @@ TEST(limits)
 
 TEST(pictures)
 {
-    ran r = run("$P clearance " MODEL " --speeds 94 --to 0.2 --settle 0.1 --every 0.001 --path $D/path.svg "
-                "--force-plot $D/f.pdf "
+    ran r = run("$P clearance " MODEL " --speeds 94 --to 0.2 --settle 0.1 --every 0.001 --path $D/path.svg --force-plot $D/f.pdf "
                 "--history $D/h.csv && $P clearance " MODEL " --speeds 90,98 --stiffness 1e6,1e8 --plot $D/map.svg && "
-                "grep -c 'class=\"series' $D/path.svg && head -c 4 $D/f.pdf && wc -l < $D/h.csv && grep -c "
-                "'class=\"marker' $D/map.svg");
+                "grep -c 'class=\"series' $D/path.svg && head -c 4 $D/f.pdf && wc -l < $D/h.csv && grep -c 'class=\"marker' $D/map.svg");
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.out, "%PDF");
     CHECK_HAS(r.out, "204\n");                               /* two comments, heading, 201 rows */
     ran_free(&r);
     /* at a regular speed the points of all turns differ by a pixel or two, at an irregular one they scatter */
-    r = run("$P clearance " MODEL " --speeds 90,120 --to 6 --settle 4 --passes $D/p.svg > $D/x && "
-            "grep 'class=\"marker' $D/p.svg | "
+    r = run("$P clearance " MODEL " --speeds 90,120 --to 6 --settle 4 --passes $D/p.svg > $D/x && grep 'class=\"marker' $D/p.svg | "
             "sed 's/.*cx=\"//; s/\" cy=\"/ /; s/\".*//' | awk '{if(!($1 in least) || $2<least[$1]) least[$1]=$2; "
             "if(!($1 in most) || $2>most[$1]) most[$1]=$2} END{for(x in least) print "
             "(most[x]-least[x] < 3 ? \"still\" : \"wild\")}' | sort");

@@ -4,10 +4,8 @@
 TEST(examples_there_and_back)
 {
     expect("for e in chebyshev inverted-slider-crank jansen scott-russell trammel; do for t in pyslvs pmks; do"
-           " f=examples/$e.json; $P convert $f --format $t > $D/a || exit 1;"
-           " $P convert $D/a -o $D/b.json || exit 1;"
-           " $P convert $D/b.json --format $t > $D/c || exit 1;"
-           " cmp $D/a $D/c || exit 1;"
+           " f=examples/$e.json; $P convert $f --format $t > $D/a || exit 1; $P convert $D/a -o $D/b.json || exit 1;"
+           " $P convert $D/b.json --format $t > $D/c || exit 1; cmp $D/a $D/c || exit 1;"
            " $P trace $D/b.json -m file -n 7 > $D/2 || exit 1; done; done", 0, NULL, NULL);
 }
 
@@ -33,8 +31,7 @@ TEST(units)
 
 TEST(an_input_is_chosen)
 {
-    expect("echo 'M[J[R, P[0, 0], L[ground, a]], J[R, P[0, 1], L[a, b]], J[P, A[0], P[1, 0], L[ground, b]]]' > $D/i",
-           0, NULL, NULL);
+    expect("echo 'M[J[R, P[0, 0], L[ground, a]], J[R, P[0, 1], L[a, b]], J[P, A[0], P[1, 0], L[ground, b]]]' > $D/i", 0, NULL, NULL);
     expect("$P convert $D/i", 0, NULL, NULL);
     expect("$P convert $D/i --format pmks --input-joint P2", 0, "ground,b,P,1,0,0,ffft", NULL);
     expect("$P convert $D/i --format pyslvs --input-joint P0", 0, "# input 0 1", NULL);
@@ -73,8 +70,7 @@ TEST(refusals)
 TEST(files_for_other_programs)
 {
     expect("$P convert examples/hoeken.json -o $D/h.xml && cat $D/h.xml", 0, "<mujoco model=", NULL);
-    expect("$P convert examples/slider-crank.json -o $D/s.adm && $P convert $D/s.adm --format adams | diff - $D/s.adm", 0,
-           NULL, NULL);
+    expect("$P convert examples/slider-crank.json -o $D/s.adm && $P convert $D/s.adm --format adams | diff - $D/s.adm", 0, NULL, NULL);
     expect("$P convert $D/s.adm | $P trace - -n 3", 0, NULL, NULL);
     expect("$P convert examples/hoeken.json --format acf", 0, "SIMULATE/KINEMATICS", NULL);
     expect("$P convert examples/klann.json -o $D/k.dxf && cat $D/k.dxf", 0, "_CRANK\n", NULL);
@@ -105,8 +101,7 @@ TEST(every_kind_in_every_format)
         expect_with(0, "end", i ? "there are no layers" : "joint \"G\" is a gear", "for t in %s; do $P convert examples/%s.json --format $t -o $D/no.$t; "
                     "test $? = %d -a ! -e $D/no.$t || echo $t; done; echo end", cannot[i][1], cannot[i][0], i ? 1 : 3);
     }
-    expect("for t in pyslvs pmks; do $P convert examples/tied-five-bar.json --format $t; done", 3, "",
-           "joint \"B\" is tied to the first");
+    expect("for t in pyslvs pmks; do $P convert examples/tied-five-bar.json --format $t; done", 3, "", "joint \"B\" is tied to the first");
     expect("for m in examples/hoeken examples/slider-crank examples/inverted-slider-crank examples/trammel "
            "examples/klann examples/jansen tests/data/linkages/triad-eight-bar tests/data/linkages/scotch-yoke "
            "examples/five-bar; do for t in json pyslvs pmks adams acf mjcf dxf scad slvs svg poses motiongen; do "

@@ -16,8 +16,7 @@ TEST(pictures)
     for (size_t i = 0; i < sizeof kind/sizeof *kind; i++) {
         expect_with(0, kind[i].head, NULL, "$P draw examples/hoeken.json -n 4 --size 200x150 -o $D/x.%s && head -c 8 $D/x.%s",
                     kind[i].name, kind[i].name);
-        expect_with(0, NULL, NULL, "$P draw examples/hoeken.json -n 4 --size 200x150 -f %s | cmp - $D/x.%s",
-                    kind[i].name, kind[i].name);
+        expect_with(0, NULL, NULL, "$P draw examples/hoeken.json -n 4 --size 200x150 -f %s | cmp - $D/x.%s", kind[i].name, kind[i].name);
     }
     expect("$P draw examples/hoeken.json -t examples/ellipse.csv", 0, "</svg>", NULL);
     expect("for f in examples/*.json; do $P draw $f -o $D/x.svg || exit 1; done", 0, NULL, NULL);

@@ -4,8 +4,7 @@
 TEST(pages)
 {
     expect("$P chains --links 8 | $P draw --format g6 | grep -c 'class=\"joint\"'", 0, "160", NULL);
-    expect("$P chains --links 8 > $D/c.g6 && $P draw $D/c.g6 > $D/a.svg && $P draw < $D/c.g6 | cmp - $D/a.svg", 0,
-           NULL, NULL);
+    expect("$P chains --links 8 > $D/c.g6 && $P draw $D/c.g6 > $D/a.svg && $P draw < $D/c.g6 | cmp - $D/a.svg", 0, NULL, NULL);
     expect("$P draw $D/c.g6 --grid 4x2 -o $D/s.svg && ls $D", 0, "s-001.svg\ns-002.svg\nstd", NULL);
     expect("$P draw $D/c.g6 --each -o $D/e.png && ls $D/e-0*.png | wc -l", 0, "16", NULL);
     expect("$P draw $D/c.g6 --grid 4x2 -o $D/s.pdf && grep -ac '/Count 2' $D/s.pdf", 0, "1", NULL);
@@ -15,8 +14,7 @@ TEST(pages)
     expect("cat examples/hoeken.json | $P draw | cmp - $D/h.svg && $P draw - < examples/hoeken.json | cmp - $D/h.svg", 0, "", NULL);
     expect("(printf '\\357\\273\\277' && cat examples/hoeken.json) > $D/mark.json && $P draw - < $D/mark.json | cmp - $D/h.svg", 0, "", NULL);
     expect("$P draw $D/mark.json | cmp - $D/h.svg", 0, "", NULL);
-    expect("$P mechanisms --links 4 --input ground | $P draw --numbers --grid 1x1 --caption joints | grep '@1'", 0, "@1",
-           NULL);
+    expect("$P mechanisms --links 4 --input ground | $P draw --numbers --grid 1x1 --caption joints | grep '@1'", 0, "@1", NULL);
     expect("$P mechanisms --links 4 --joints r,t > $D/m.jsonl && $P draw $D/m.jsonl | grep -c '\"slider\"' > $D/n && "
            "test $(grep -o '\"t\"' $D/m.jsonl | wc -l) = $(cat $D/n)", 0, NULL, NULL);
     expect("$P draw $D/c.g6 --caption graph6 | grep -c '<text'", 0, "16", NULL);

@@ -41,12 +41,10 @@ TEST(loop)
 {
     static const char axis[] =
         "'{\"linkwright\": 1, \"servo\": {\"motor\": {\"torque_constant\": 1, \"inertia\": 0.001, \"resistance\": 1}, "
-        "\"control\": {\"position\": {\"gain\": 20%s}, \"speed\": {\"proportional\": %s}}, "
-        "\"motion\": {\"expression\": \"%s\"}}}'";
+        "\"control\": {\"position\": {\"gain\": 20%s}, \"speed\": {\"proportional\": %s}}, \"motion\": {\"expression\": \"%s\"}}}'";
     char text[800];
     snprintf(text, sizeof text, axis, "", "100", "0.5*t");
-    ran r = run_with("echo %s > $D/axis.json; $P drive simulate $D/axis.json --to 3 --json --matrices $D/m.json; "
-                     "cat $D/m.json", text);
+    ran r = run_with("echo %s > $D/axis.json; $P drive simulate $D/axis.json --to 3 --json --matrices $D/m.json; cat $D/m.json", text);
     CHECK_INT(r.code, 0);
     CHECK_NEAR(figure(r.out, "\"error_end\":"), 0.5/20, 1e-9, 0);
     CHECK_NEAR(figure(r.out, "\"poles\": [\n    ["), -50 + sqrt(2500 - 2000), 1e-7, 0);

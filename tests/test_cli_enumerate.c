@@ -42,8 +42,7 @@ TEST(chain_counts)
     expect("$P chains --links 10 --count", 0, "230\n", NULL);
     expect("$P chains --links 9 --dof 2 --count --fractionated", 0,
            "35 not fractionated\n5 fractionated, 0 of them with a bridge joint\n40 in all\n", NULL);
-    expect("$P chains --links 8 --dof 3 --count --fractionated", 0, "2 fractionated, 1 of them with a bridge joint",
-           NULL);
+    expect("$P chains --links 8 --dof 3 --count --fractionated", 0, "2 fractionated, 1 of them with a bridge joint", NULL);
     expect_row("$P chains --links 10 --count --by assortment", "P2|P3|P4|P5|chains|ground links", "5|4|1|0|95|868");
     expect("$P chains --links 12 --count --planar", 0, "5918\n", NULL);
     expect("$P chains --links 12 --count --non-planar", 0, "938\n", NULL);
@@ -67,8 +66,7 @@ TEST(chain_lists)
     expect("$P chains --links 4 --format dot", 0, "graph topology", NULL);
     expect("$P chains --links 4 --format graphml", 0, "<graphml", NULL);
     expect("$P chains --links 8 --non-planar", 1, NULL, NULL);
-    expect("$P chains --links 12 --jobs 1 > $D/one; $P chains --links 12 --jobs 3 | cmp - $D/one && echo same", 0,
-           "same\n", NULL);
+    expect("$P chains --links 12 --jobs 1 > $D/one; $P chains --links 12 --jobs 3 | cmp - $D/one && echo same", 0, "same\n", NULL);
     expect("for r in 1 2 3; do $P chains --links 10 --part $r/3; done | sort > $D/parts; "
            "$P chains --links 10 | sort | cmp - $D/parts && echo same", 0, "same\n", NULL);
 }
@@ -96,8 +94,7 @@ TEST(resume_after_a_kill)
            "/killed\n", NULL);
     expect("$P chains --links 12 -o $D/other && $P chains --links 12 --planar -o $D/other --resume", 3, NULL,
            "other:6856:1: another chain comes here");
-    expect("head -n 5918 $D/other > $D/planar && $P chains --links 12 --planar -o $D/planar --resume", 3, NULL,
-           ":5918:1:");
+    expect("head -n 5918 $D/other > $D/planar && $P chains --links 12 --planar -o $D/planar --resume", 3, NULL, ":5918:1:");
     expect("$P chains --links 10 -o $D/all --resume", 3, NULL, "all:318162:1:");
     expect("wc -l < $D/all", 0, "318162\n", NULL);
     expect("rm $D/*.partial; $P chains --links 6 -o $D/plain && rm $D/plain && ls $D/*.partial 2>&-", 2, "", NULL);
@@ -115,13 +112,11 @@ TEST(kept_counts)
            0, "19819281\n", "each of the 5 parts once, with all 17133 structures");
     expect("for r in 1 2; do $P chains --links 16 --count --keep $D/k$r --structures $D/7.bin --part $r/2 --quiet; "
            "done | awk '{n += $1} END {print n}'", 0, "19819281\n", NULL);
-    expect("cat $D/k1 $D/k2 > $D/both; $P chains --links 16 --count --by assortment --keep $D/both | cmp - $D/once", 0,
-           "", "complete");
+    expect("cat $D/k1 $D/k2 > $D/both; $P chains --links 16 --count --by assortment --keep $D/both | cmp - $D/once", 0, "", "complete");
     expect("LW_CLOCK_STEP=0.01 $C chains --links 16 --count --keep $D/late --structures $D/7.bin --time 0.01", 5, "0\n",
            "holds 0 of 5 parts");
     expect("cat $D/k1 >> $D/both; $P chains --links 16 --count --keep $D/both", 3, NULL, "a second time");
-    expect("sed -i 's/chains 4/chains 5/' $D/k2; $P chains --links 16 --count --keep $D/k2", 3, NULL,
-           ": this part is damaged");
+    expect("sed -i 's/chains 4/chains 5/' $D/k2; $P chains --links 16 --count --keep $D/k2", 3, NULL, ": this part is damaged");
     expect("$P chains --links 14 --count --keep $D/k", 3, NULL, "16 links");
     expect("awk '{print $1, $2, $3, $4, $5, $6, $7, $8}' $D/once > $D/a; G='chains --links 16 --count --filter generating --by "
            "assortment'; $P $G --keep $D/g --structures $D/7.bin | awk '{print $1, $2, $3, $4, $5, $6, $7, $8}' | cmp - $D/a && "

@@ -17,15 +17,12 @@ TEST(expansions)
 TEST(hand_written)
 {
     expect("$P family expand tests/data/family/two-cylinders.json --view kinematic -o $D/made.json", 0, NULL, NULL);
-    expect("for f in $D/made.json tests/data/family/hand.json; do $P trace $f --time-range 0:1:0.01 -q | grep -v '^#' "
-           "> "
+    expect("for f in $D/made.json tests/data/family/hand.json; do $P trace $f --time-range 0:1:0.01 -q | grep -v '^#' > "
            "$D/$(basename $f).csv; done; wc -l < $D/made.json.csv && cmp $D/made.json.csv $D/hand.json.csv", 0, "10",
                NULL);
     /* the rigid view of an elastic master: all columns of simulate */
-    expect("$P family expand examples/families/boom.json -o $D/boom.json && for f in $D/boom.json "
-           "tests/data/family/boom-rigid.json; do $P "
-           "simulate $f --to 2 -n 50 -q | grep -v '^#' > $D/$(basename $f).csv; done; wc -l < $D/boom.json.csv && cmp "
-           "$D/boom.json.csv "
+    expect("$P family expand examples/families/boom.json -o $D/boom.json && for f in $D/boom.json tests/data/family/boom-rigid.json; do $P "
+           "simulate $f --to 2 -n 50 -q | grep -v '^#' > $D/$(basename $f).csv; done; wc -l < $D/boom.json.csv && cmp $D/boom.json.csv "
            "$D/boom-rigid.json.csv", 0, "52", NULL);
 }
 
@@ -190,15 +187,12 @@ TEST(tables_and_checks)
     expect("$P family table " LOADER " --json", 0, "\"unit\": \"kg/m^3\"", NULL);
     expect("for f in delta gantry boom; do $P family check examples/families/$f.json || exit 9; done", 0,
            "15 models, 0 failed\n3 configurations in 5 views: 15 models, 0 failed\n3 configurations", NULL);
-    expect("$P family expand examples/families/boom.json --view elastic -o $D/e.json && $P simulate $D/e.json "
-           "--analysis linear --hold -q "
+    expect("$P family expand examples/families/boom.json --view elastic -o $D/e.json && $P simulate $D/e.json --analysis linear --hold -q "
            /* 4.04 Hz with a rigid cylinder, by an independent beam model */
            "| grep -c '^1,0,1,4.0'", 0, "1", NULL);
-    expect("$P family expand examples/families/gantry.json -o $D/g.json && $P drive load $D/g.json --to 1.2", 0,
-           "96.7136", NULL);
+    expect("$P family expand examples/families/gantry.json -o $D/g.json && $P drive load $D/g.json --to 1.2", 0, "96.7136", NULL);
     expect("$P family check " LOADER, 0, "3 configurations in 5 views: 15 models, 0 failed", NULL);
-    expect("$P family check " LOADER " --set 'drop=2.2,pin_height=2'", 1,
-           "the bucket stays above the ground (2.2 m against 2 m)", NULL);
+    expect("$P family check " LOADER " --set 'drop=2.2,pin_height=2'", 1, "the bucket stays above the ground (2.2 m against 2 m)", NULL);
     expect("$P family check " LOADER " --set 'drop=2.2,pin_height=2'", 1, "15 models, 3 failed", NULL);
 }
 
@@ -212,8 +206,7 @@ TEST(sweeps)
     for (char *line = strchr(r.out, '\n'); line && line[1]; line = strchr(line + 1, '\n'))
         peak = fmax(peak, fabs(strtod(line + 1, NULL)));
     ran_free(&r);
-    r = run("$P family sweep " LOADER " --vary reach=2:3:3 --to 2 --measure 'peak(lift.drive),hypot(reach, drop) as "
-                                      "cm'");
+    r = run("$P family sweep " LOADER " --vary reach=2:3:3 --to 2 --measure 'peak(lift.drive),hypot(reach, drop) as cm'");
     CHECK_INT(r.code, 0);
     CHECK(peak > 1e4);
     CHECK_NEAR(second(r.out, "\n3,", 2), peak, 1e-9*peak, 0);
@@ -224,10 +217,8 @@ TEST(sweeps)
     CHECK_INT(r.code, 0);
     CHECK_NEAR(second(r.out, "\nreach,", 4), 1, 1e-4, 0);                     /* l^2 = reach^2 + drop^2, here both 2 */
     CHECK_NEAR(second(r.out, "\nsteel,", 4), 1, 1e-4, 0);
-    expect("$P family sweep " LOADER " --vary reach,drop --samples 20 --measure boom_mass -j 1 -o $D/1.csv && $P "
-                                     "family sweep " LOADER
-           " --vary reach,drop --samples 20 --measure boom_mass -j 3 -o $D/3.csv && grep -v '^#' $D/1.csv > $D/a && "
-           "grep -v '^#' "
+    expect("$P family sweep " LOADER " --vary reach,drop --samples 20 --measure boom_mass -j 1 -o $D/1.csv && $P family sweep " LOADER
+           " --vary reach,drop --samples 20 --measure boom_mass -j 3 -o $D/3.csv && grep -v '^#' $D/1.csv > $D/a && grep -v '^#' "
            "$D/3.csv | cmp - $D/a && wc -l < $D/a", 0, "21", NULL);
     expect("$P family sweep " LOADER " --vary drop=1:2:3 --measure boom_mass", 0, "2,,checks[0].require", NULL);
     expect("$P family sweep " LOADER " --vary reach=2:3:5 --to 2 --normalised -p $D/s.svg -o $D/s.csv && grep -c "
@@ -245,14 +236,12 @@ TEST(optima)
     CHECK_NEAR(reach ? strtod(reach + 6, NULL) : NAN, 2.5, 2e-4, 0);
     CHECK_NEAR(drop ? strtod(drop + 5, NULL) : NAN, 0.9, 2e-4, 0);
     ran_free(&r);
-    r = run("$P family optimise " LOADER " --vary reach=1.2:4 --maximise boom_mass --require 'reach<=3,boom_length as "
-                                         "cm <= 300' --json");
+    r = run("$P family optimise " LOADER " --vary reach=1.2:4 --maximise boom_mass --require 'reach<=3,boom_length as cm <= 300' --json");
     CHECK_INT(r.code, 0);
     const char *value = strstr(r.out, "\"value\":");
     CHECK_NEAR(value ? strtod(value + 8, NULL) : NAN, sqrt(9 - 1.44), 1e-6, 0);
     ran_free(&r);
-    expect("$P family optimise " LOADER " --vary reach --minimise boom_mass --require 'reach>=9'", 1, NULL,
-           "no variant");
+    expect("$P family optimise " LOADER " --vary reach --minimise boom_mass --require 'reach>=9'", 1, NULL, "no variant");
 }
 
 TEST(wrong_use)
@@ -270,8 +259,7 @@ TEST(wrong_use)
     expect("$P family expand " LOADER " --set reech=3", 2, NULL, "did you mean \"reach\"");
     expect("$P family expand " LOADER " --set 'reach=3 kg'", 3, NULL, "its unit is [m]");
     expect("$P family expand " LOADER " --set reach=9", 3, NULL, "outside its range 1.2 to 4 m");
-    expect("$P family expand " LOADER " --set drop=2", 3, NULL, LOADER
-           ":86:17: checks[0].require: this check does not hold");
+    expect("$P family expand " LOADER " --set drop=2", 3, NULL, LOADER ":86:17: checks[0].require: this check does not hold");
     expect("$P family expand examples/loader.json", 3, NULL, "not a master file");
     expect("$P family expend " LOADER, 2, NULL, "did you mean 'expand'");
 }

@@ -42,8 +42,7 @@ static const char *const rows[] = {
     "$C draw --grid 2x1 -f svg -o $D/o < $D/watt.g6",
     "$C clearance examples/clearance-four-bar.json --speeds 80 --to 0.02 --settle 0.01",
     "rm -f $D/a.db; $C catalogue build $D/a.db --links 6 -q -j 1 && $P catalogue export $D/a.db",
-    ("rm -f $D/a.db; $C catalogue curves $D/a.db --links 4 --samples 40 -q -j 1 && "
-     "$P catalogue nearest $D/a.db examples/ellipse.csv"),
+    ("rm -f $D/a.db; $C catalogue curves $D/a.db --links 4 --samples 40 -q -j 1 && $P catalogue nearest $D/a.db examples/ellipse.csv"),
     "$C catalogue query $D/six.db 'links=6'",
     "$C catalogue query $D/six.db 'links=6' -f csv -o $D/o",
     "$C catalogue query $D/six.db 'SELECT count(*) FROM chain' --sql",

@@ -185,8 +185,7 @@ TEST(a_timing_tells_the_inputs_apart)
  * that of two inputs, one with that of all three (Burnside: (12 + 3 2 + 2 0)/6). */
 TEST(three_freedoms_too)
 {
-    json_auto_t *root = json_of("$P fit $D/m1.csv --unlimited --dof 3 --input-ratios -1,2 --starts 32 --rounds 1 --budget 1000 --json "
-                           "-q");
+    json_auto_t *root = json_of("$P fit $D/m1.csv --unlimited --dof 3 --input-ratios -1,2 --starts 32 --rounds 1 --budget 1000 --json -q");
     const json_t *six = at(root, "topologies", 0), *eight = at(root, "topologies", 1);
     CHECK_INT(integer(six, "chains"), 1);                                  /* a ring: two pins at the ground  */
     CHECK_INT(integer(six, "with_inputs_at_ground"), 0);

@@ -20,17 +20,14 @@ TEST(every_mechanism_runs)
         static const char *const keys[] = { "title", "use", "year", "source" };
         for (int k = 0; k < 4; k++)
             CHECK(json_string_length(json_object_get(row, keys[k])) > 2);
-        ran r = run_with("$P gallery %s -o $D/m.json --force && $P trace $D/m.json -n 24 --quiet -o "
-                         "$D/m.csv --force "
+        ran r = run_with("$P gallery %s -o $D/m.json --force && $P trace $D/m.json -n 24 --quiet -o $D/m.csv --force "
                          "&& $P draw $D/m.json -o $D/m.svg --force && $P convert $D/m.json -o $D/again.json --force", name);
         CHECK_INT(r.code, 0);
         if (r.code)
             fprintf(stderr, "%s: %s\n", name, r.err);
         ran_free(&r);
         expect_with(0, "1", NULL, "grep -c '\"name\": \"%s\"' $D/m.json", title);
-        expect("test $(wc -l < $D/m.csv) -gt 10 && grep -q '</svg>' $D/m.svg && test $(wc -c < $D/m.svg) -lt 100000",
-               0, NULL,
-               NULL);
+        expect("test $(wc -l < $D/m.csv) -gt 10 && grep -q '</svg>' $D/m.svg && test $(wc -c < $D/m.svg) -lt 100000", 0, NULL, NULL);
     }
     json_decref(all);
 }
@@ -40,8 +37,7 @@ TEST(exact_lines_are_exact)
 {
     static const char *const exact[] = { "peaucellier", "scott-russell" };
     for (int i = 0; i < 2; i++) {
-        ran r = run_with("$P gallery %s | $P trace - -n 60 --quiet | grep '^1,' | cut -d, -f4",
-                         exact[i]);
+        ran r = run_with("$P gallery %s | $P trace - -n 60 --quiet | grep '^1,' | cut -d, -f4", exact[i]);
         int n = 0;
         double first = strtod(r.out, NULL);
         for (char *p = r.out, *end; strtod(p, &end), end != p; p = end, n++)

@@ -4,16 +4,12 @@
 
 /* A double pendulum of two rods of 0.4 m, drawn hanging and drawn to the side */
 static const char models[] =
-    "printf '%s' '{\"linkwright\": 1, \"units\": {\"length\": \"mm\"}, \"gravity\": [0, -9.81], "
-    "\"links\": [\"ground\", "
+    "printf '%s' '{\"linkwright\": 1, \"units\": {\"length\": \"mm\"}, \"gravity\": [0, -9.81], \"links\": [\"ground\", "
     "{\"name\": \"a\", \"mass\": 3, \"centre\": [0, -400]}, {\"name\": \"b\", \"mass\": 3, \"centre\": [0, -800]}], "
     "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": \"B\", "
-    "\"links\": [\"a\", \"b\"], \"at\": [0, -400]}], \"input\": {\"joint\": \"A\"}, "
-    "\"tracers\": [{\"name\": \"P\", \"link\": \"b\", "
-    "\"at\": [0, -800]}]}' > $D/hang.json; "
-    "sed 's/\\[0, -400\\]/[400, 0]/g; s/\\[0, -800\\]/[600, 300]/g' $D/hang.json > $D/side.json; "
-    "sed 's/\"mass\": 3/\"mass\": 0/g' $D/hang.json > $D/light.json; "
-    "sed 's/\"input\".*\"A\"}, //' $D/hang.json > $D/free.json; ";
+    "\"links\": [\"a\", \"b\"], \"at\": [0, -400]}], \"input\": {\"joint\": \"A\"}, \"tracers\": [{\"name\": \"P\", \"link\": \"b\", "
+    "\"at\": [0, -800]}]}' > $D/hang.json; sed 's/\\[0, -400\\]/[400, 0]/g; s/\\[0, -800\\]/[600, 300]/g' $D/hang.json > $D/side.json; "
+    "sed 's/\"mass\": 3/\"mass\": 0/g' $D/hang.json > $D/light.json; sed 's/\"input\".*\"A\"}, //' $D/hang.json > $D/free.json; ";
 
 static double field(const char *row, int n)
 {

@@ -50,8 +50,7 @@ static bool same_value(const option *a, const option *b)
     size_t n = strlen(a->value), m = strlen(b->value);
     bool choices = strchr(a->value, '|') && strchr(b->value, '|'), folder = strcmp(a->name, "output") == 0;
     bool list = (n < m && strcmp(b->value + n, ",...") == 0) || (m < n && strcmp(a->value + m, ",...") == 0);
-    return strcmp(a->value, b->value) == 0 || choices || folder || (list && strncmp(a->value, b->value,
-                                                                                    n < m ? n : m) == 0);
+    return strcmp(a->value, b->value) == 0 || choices || folder || (list && strncmp(a->value, b->value, n < m ? n : m) == 0);
 }
 
 static void told(const option *a, const option *b, const char *why)
@@ -70,8 +69,7 @@ TEST(names_and_letters)
             if (a->letter[0] && strcmp(a->letter, b->letter) == 0 && !same_name)
                 told(a, b, "one letter, two names"), n_bad++;
             /* -f of convert named the format that is read; it is left out there so that nothing changes silently */
-            if (same_name && strcmp(a->letter, b->letter) != 0 && strcmp(a->command, "convert") != 0
-                && strcmp(b->command, "convert") != 0)
+            if (same_name && strcmp(a->letter, b->letter) != 0 && strcmp(a->command, "convert") != 0 && strcmp(b->command, "convert") != 0)
                 told(a, b, "one name, two letters"), n_bad++;
             if (same_name && !same_value(a, b))
                 told(a, b, "one name, two kinds of value"), n_bad++;
@@ -121,8 +119,7 @@ TEST(actions)
     expect("$P help grammar derive", 0, "--sentence", "");
     expect("$P grammar explain --format lam", 2, "", "--format is no option of 'grammar explain' but of 'grammar parse', "
            "'grammar print', 'grammar derive'");
-    expect("$P family sweep examples/families/loader.json --vary reach=2:3:3 --minimise boom_mass", 2, "",
-           "but of 'family optimise'");
+    expect("$P family sweep examples/families/loader.json --vary reach=2:3:3 --minimise boom_mass", 2, "", "but of 'family optimise'");
     expect("$P help bench mbs", 0, "--tolerance-range", "");
     expect("$P help catalogue bild", 2, "", "did you mean 'build'?");
     expect("$P grammar", 2, "", "a word is missing");

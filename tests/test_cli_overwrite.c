@@ -72,8 +72,7 @@ TEST(kinds_of_data)
 TEST(two_outputs)
 {
     expect("$P simulate examples/pendulum.json --to 0.1 -o $D/a.csv --plot $D/sub/../a.csv", 2, "", "one file");
-    expect("$P simulate examples/pendulum.json --to 0.1 -o $D/a.csv --plot $D/none/a.svg", 3, "",
-           "no such file or folder");
+    expect("$P simulate examples/pendulum.json --to 0.1 -o $D/a.csv --plot $D/none/a.svg", 3, "", "no such file or folder");
     expect("test -e $D/a.csv", 1, "", "");
 }
 
@@ -81,14 +80,11 @@ TEST(two_outputs)
 TEST(folders)
 {
     expect(PREPARE "$P fit target.csv --links 8 --budget 1e12 --save .", 2, "", "./target.svg exists");
-    expect(PREPARE "mkdir other; cp target.csv other; $P fit target.csv other/target.csv --budget 1e12 --links 8 "
-           "--save two",
+    expect(PREPARE "mkdir other; cp target.csv other; $P fit target.csv other/target.csv --budget 1e12 --links 8 --save two",
            2, "", "under one name");
     expect(PREPARE "$P fit target.csv --links 8 --budget 1e12 --save mine.txt/sub", 3, "", "cannot be made");
-    expect(PREPARE "$P fit target.csv --links 8 --budget 1e12 --save two -o two/target-2.json", 2, "",
-           "two/target-2.json");
-    expect(PREPARE "$P fit target.csv --rounds 1 --starts 20 -q --save new/folder > table; ls new/folder", 0,
-           "target-1.json", NULL);
+    expect(PREPARE "$P fit target.csv --links 8 --budget 1e12 --save two -o two/target-2.json", 2, "", "two/target-2.json");
+    expect(PREPARE "$P fit target.csv --rounds 1 --starts 20 -q --save new/folder > table; ls new/folder", 0, "target-1.json", NULL);
     expect("LW_CLOCK_STEP=1 $C fit $D/target.csv --time 0.001 -q --save $D/none/folder; test $? = 5 || exit 1; ls -d $D/none", 2, "", NULL);
     expect("echo mine > $D/curves.csv; $P bench fit --seeds 1 -o $D", 2, "", "curves.csv");
     expect("$P catalogue build $D/a.db --links 4 -q; echo mine > $D/index.html; $P catalogue html $D/a.db -o $D", 2, "",

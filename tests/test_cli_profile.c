@@ -15,8 +15,7 @@ static double number(const char *command, const char *key)
 TEST(known_motions)
 {
     CHECK_NEAR(number("$P profile 1" LIMITS "--speed-limit 3", "duration"), 0.533333333333, 1e-12, 0);
-    CHECK_NEAR(number("$P profile 1" LIMITS "--speed-limit 3 --from-state 1,0 --to-state 0.5,0", "duration"), 0.45625,
-               1e-12, 0);
+    CHECK_NEAR(number("$P profile 1" LIMITS "--speed-limit 3 --from-state 1,0 --to-state 0.5,0", "duration"), 0.45625, 1e-12, 0);
     CHECK_NEAR(number("$P profile -1" LIMITS "--speed-limit -3:1", "duration"), 0.533333333333, 1e-12, 0);
     CHECK_NEAR(number("$P profile 1" LIMITS "--speed-limit 3 --swing 5", "swing"), 0.0446890, 5e-5,
                0);    /* 44.689 mm */
@@ -117,11 +116,9 @@ TEST(cycles)
 
 TEST(wrong_use)
 {
-    expect("$P profile 1" LIMITS "--speed-limit 3 --duration 0.3", 1, NULL,
-           "next duration that is possible is 0.533333333 s");
+    expect("$P profile 1" LIMITS "--speed-limit 3 --duration 0.3", 1, NULL, "next duration that is possible is 0.533333333 s");
     expect("$P profile 1 --speed-limit 3", 2, NULL, "neither acceleration nor jerk is limited");
-    expect("$P profile 1" LIMITS "--to-state 4,0 --speed-limit 3", 2, NULL,
-           "the last speed 4 is outside its limits -3 to 3");
+    expect("$P profile 1" LIMITS "--to-state 4,0 --speed-limit 3", 2, NULL, "the last speed 4 is outside its limits -3 to 3");
     expect("$P profile 1 --law cycloids --duration 1", 2, NULL, "did you mean cycloid");
     expect("$P profile 1 --law havsin --jerk-limit 5 --duration 1", 2, NULL, "no limit of jerk can be kept");
     expect("$P profile 1 --law cycloid --acceleration-limit 1 --duration 1", 1, NULL, "needs at least 2.50662827 s");

@@ -744,8 +744,7 @@ static void prepare(void)
            "printf 'x,y\\n0,0\\n30,11\\n61,14\\n90,9\\n120,-6\\n' > $D/five.csv && mkdir $D/problems && yes '40 10 35 30' | head -n 1000000 > $D/lengths && "
            "cp examples/ellipse.csv $D/problems", "");
     /* nine points of a coupler curve: the search for all linkages through them takes minutes */
-    demand("printf 'x,y\\n0.25,0\\n0.52,0.1\\n0.8,0.7\\n1.2,1\\n1.2,1.3\\n1.1,1.48\\n0.7,1.4\\n0.2,1\\n0.02,0.4\\n' > $D/nine.csv",
-           "");
+    demand("printf 'x,y\\n0.25,0\\n0.52,0.1\\n0.8,0.7\\n1.2,1\\n1.2,1.3\\n1.1,1.48\\n0.7,1.4\\n0.2,1\\n0.02,0.4\\n' > $D/nine.csv", "");
     /* an eight-bar with a higher group */
     demand("cp tests/data/linkages/triad-eight-bar.json $D/group.json", "");
     /* a pile of 300 boxes, chains of 4000 links in the plane and of 1000 bodies in space, a row of 299 parallelograms in space, as drawn and flat, many linkages, tables of many motors and gears */

@@ -50,8 +50,7 @@ static const char *const rows[] = {
     "$C simulate examples/pendulum.json --analysis linear",
     "$C clearance examples/clearance-four-bar.json --speeds 80 --to 0.05 --settle 0.01",
     "$C mobility examples/jansen.json",
-    ("rm -f $D/c.db; $C catalogue curves $D/c.db --links 4 --samples 100 -q && "
-     "$C catalogue nearest $D/c.db examples/ellipse.csv"),
+    ("rm -f $D/c.db; $C catalogue curves $D/c.db --links 4 --samples 100 -q && $C catalogue nearest $D/c.db examples/ellipse.csv"),
     "$C draw examples/chebyshev.json -f svg",
     "$C convert examples/chebyshev.json --format pyslvs",
     "$C classify 40 10 35 30",

@@ -47,8 +47,7 @@ TEST(more_links_are_never_worse)
     const json_t *stages = json_object_get(root, "by_links");
     CHECK_INT(json_array_size(stages), 2);
     for (size_t i = 1; i < json_array_size(stages); i++)
-        CHECK(real(json_array_get(stages, i), "objective")
-              <= real(json_array_get(stages, i - 1), "objective")*(1 + 1e-9) + 1e-26);
+        CHECK(real(json_array_get(stages, i), "objective") <= real(json_array_get(stages, i - 1), "objective")*(1 + 1e-9) + 1e-26);
 }
 
 /* A linkage with a higher Assur group gives the same sum of squares again only up to rounding; its refinement must
@@ -92,8 +91,7 @@ TEST(only_the_topologies_asked_for)
 
 TEST(a_resumed_fit_is_not_worse)
 {
-    json_t *first = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt --crank-only --budget 2000 --rounds 1 -o "
-                            "$D/r.json -q; "
+    json_t *first = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt --crank-only --budget 2000 --rounds 1 -o $D/r.json -q; "
                             "cat $D/r.json");
     json_t *then = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt --crank-only --budget 3000 --seed 9 --start-from "
                            "$D/r.json --json");
@@ -110,8 +108,7 @@ TEST(a_resumed_fit_is_not_worse)
 
 TEST(error_against_links)
 {
-    expect("mkdir -p $D/p; cp $D/t.csv $D/p/; $P bench fit --links 6 --budget 3000 --problems $D/p -o $D/b", 0,
-           "|  6 |", NULL);
+    expect("mkdir -p $D/p; cp $D/t.csv $D/p/; $P bench fit --links 6 --budget 3000 --problems $D/p -o $D/b", 0, "|  6 |", NULL);
     expect("head -2 $D/b/links.csv; ls $D/b", 0, "problem,links,evaluations,seconds,objective", NULL);
     expect("$P bench fit --links 7", 2, NULL, "even numbers from 4 to 10");
 }
@@ -279,8 +276,7 @@ TEST(slots_are_fitted_and_traced)
 {
     json_auto_t *root = json_of("$P fit $D/t.csv --unlimited --links 5 --joints r,p --crank-only --starts 32 "
                            "--rounds 1 --budget 1000 --json");
-    json_auto_t *plain = json_of("$P fit $D/t.csv --unlimited --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 "
-                            "--json");
+    json_auto_t *plain = json_of("$P fit $D/t.csv --unlimited --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 --json");
     CHECK(trace_results(root, 'p') > 0);
     CHECK(real(json_array_get(json_object_get(root, "results"), 0), "objective")
           <= real(json_array_get(json_object_get(plain, "results"), 0), "objective"));
@@ -349,8 +345,7 @@ TEST(gears_are_fitted_and_traced)
 {
     json_auto_t *root = json_of("$P fit $D/t.csv --unlimited --links 5 --joints r,g --crank-only --starts 32 "
                            "--rounds 1 --budget 1000 --json");
-    json_auto_t *plain = json_of("$P fit $D/t.csv --unlimited --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 "
-                            "--json");
+    json_auto_t *plain = json_of("$P fit $D/t.csv --unlimited --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 --json");
     CHECK(trace_results(root, 'g') > 0);
     CHECK(real(json_array_get(json_object_get(root, "results"), 0), "objective")
           <= real(json_array_get(json_object_get(plain, "results"), 0), "objective"));

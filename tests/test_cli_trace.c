@@ -190,8 +190,7 @@ TEST(several_tracers_and_all_examples)
     expect("$P trace examples/slider-crank.json -n 2", 0, ",middle,", NULL);
     expect("$P trace examples/hoeken.json -n 2", 0, "arc,mode,input,x,y,vx", NULL);
     expect("for f in $(grep -l tracers $(grep -l '\"input' examples/*.json)); do "
-           "$P trace $f -n 5 > $D/t.csv || exit 1; grep -qi nan "
-           "$D/t.csv && exit 1; done; true",
+           "$P trace $f -n 5 > $D/t.csv || exit 1; grep -qi nan $D/t.csv && exit 1; done; true",
            0, NULL, NULL);
     expect("$P trace - < examples/hoeken.json -n 2", 0, "arc,mode,input,x,y,vx", NULL);
 }
@@ -228,26 +227,22 @@ TEST(bad_models)
     expect("$P trace examples/hoeken.json --steps 0", 2, NULL, "out of range");
     expect("sed 's/\"tracers\"/\"x-tracers\"/' examples/hoeken.json > $D/m.json; $P trace $D/m.json", 0, NULL,
            "its moving pins are traced");
-    expect("sed 's/\\[40, 50\\]/[40, 5O]/' examples/hoeken.json > $D/m.json; $P trace $D/m.json", 3, NULL,
-           "m.json:9:");
+    expect("sed 's/\\[40, 50\\]/[40, 5O]/' examples/hoeken.json > $D/m.json; $P trace $D/m.json", 3, NULL, "m.json:9:");
     expect("$P trace examples/hoeken.json > /dev/full", 3, NULL, "no space left");
 }
 
 TEST(time_is_a_limit)
 {
     expect("LW_CLOCK_STEP=0.01 $C trace examples/jansen.json -n 1000 --time 8 -o $D/cut.csv", 5, "", NULL);
-    expect("tail -c 1 $D/cut.csv.partial | od -c; test $(wc -l < $D/cut.csv.partial) -gt 400 -a ! -e $D/cut.csv", 0,
-           "\\n", NULL);
+    expect("tail -c 1 $D/cut.csv.partial | od -c; test $(wc -l < $D/cut.csv.partial) -gt 400 -a ! -e $D/cut.csv", 0, "\\n", NULL);
     expect("LW_CLOCK_STEP=0.01 $C trace examples/jansen.json -n 1000 --time 8 --json -o $D/cut.json; c=$?; "
            "tail -n 1 $D/cut.json.partial; exit $c", 5, "}", NULL);
 }
 
 TEST(ctrl_c_keeps_what_is_there)
 {
-    expect("LW_SIGNAL=2 LW_SIGNAL_AT=800 $C trace examples/jansen.json -n 1000 --time 1e9 -o $D/cut.csv", 130, "",
-           NULL);
-    expect("tail -c 1 $D/cut.csv.partial | od -c; test $(wc -l < $D/cut.csv.partial) -gt 400 -a ! -e $D/cut.csv", 0,
-           "\\n", NULL);
+    expect("LW_SIGNAL=2 LW_SIGNAL_AT=800 $C trace examples/jansen.json -n 1000 --time 1e9 -o $D/cut.csv", 130, "", NULL);
+    expect("tail -c 1 $D/cut.csv.partial | od -c; test $(wc -l < $D/cut.csv.partial) -gt 400 -a ! -e $D/cut.csv", 0, "\\n", NULL);
 }
 
 /* Speeds have units; a plot has a panel for each unit and nothing of it on standard output. */
@@ -256,16 +251,14 @@ TEST(speeds_and_plots)
     const char *const same[] = { "6.283185307179586", "60rpm", "'60 rpm'", "1Hz", "'360 deg/s'", "1turn/s" };
     OWN(ran) first = { 0 };
     for (int i = 0; i < 6; i++) {
-        ran r = run_with("$P trace examples/jansen.json -n 8 --speed %s --quiet | grep -v '^#'",
-                         same[i]);
+        ran r = run_with("$P trace examples/jansen.json -n 8 --speed %s --quiet | grep -v '^#'", same[i]);
         CHECK_INT(r.code, 0);
         if (i == 0)
             first = r;
         else {
             double a[4], b[4];
             for (int k = 0; k < 4; k++) {                  /* fields of the first row with rates */
-                const char *p = strchr(strchr(first.out, '\n') + 1, '\n') + 1, *q = strchr(strchr(r.out, '\n') + 1,
-                        '\n') + 1;
+                const char *p = strchr(strchr(first.out, '\n') + 1, '\n') + 1, *q = strchr(strchr(r.out, '\n') + 1, '\n') + 1;
                 for (int f = 0; f < 5 + k; f++)
                     p += strcspn(p, ",") + 1, q += strcspn(q, ",") + 1;
                 a[k] = strtod(p, NULL), b[k] = strtod(q, NULL);

@@ -45,8 +45,7 @@ TEST(a_cycle_over_both_limits)
     CHECK_NEAR(v[X], 0, 1e-10, 0);
     CHECK_NEAR(v[Y], 40, 1e-10, 0);
     CHECK_NEAR(v[ANGLE], 360, 1e-9, 0);
-    expect("$P trace examples/chebyshev.json --cycle -n 4", 0,
-           "limit of the input: pin O turns back, at input 101.5369590328", NULL);
+    expect("$P trace examples/chebyshev.json --cycle -n 4", 0, "limit of the input: pin O turns back, at input 101.5369590328", NULL);
     expect("$P trace examples/chebyshev.json --cycle -n 4", 0, "circuit 1: closes, the input swings", NULL);
 }
 
@@ -225,8 +224,7 @@ TEST(faults_are_reported)
     /* the motion reaches the limit of the rocker: the rows before it are kept */
     expect(MODEL(FOUR_BAR, MOTION("pi/2 - t")) "--time-range 0:3:0.1", 5, "1,.,0.1,", "beyond a limit of the linkage");
     expect(MODEL(FOUR_BAR, MOTION("pi/2 + 0*sqrt(1 - t)")) "--time-range 0:3:0.5", 4, NULL, "no number there");
-    expect(MODEL(FOUR_BAR, MOTION("pi/2 + 0.1*sign(t - 1)")) "--time-range 0:3:0.3", 3, "",
-           "jumps by 0.2 at t = 1 s");
+    expect(MODEL(FOUR_BAR, MOTION("pi/2 + 0.1*sign(t - 1)")) "--time-range 0:3:0.3", 3, "", "jumps by 0.2 at t = 1 s");
     expect(MODEL(FOUR_BAR, MOTION("stepp(t, 0, 0, 1, 1)")) "--time-range 0:3:0.3", 3, "", "did you mean step?");
     expect(MODEL(FOUR_BAR, MOTION("3 + t")) "--time-range 0:3:0.1", 4, "", "cannot get to where the motions begin");
 }
@@ -310,8 +308,7 @@ TEST(the_way_is_told)
     expect("echo " TRIAD " | $P trace - --explain", 0, "class III", NULL);
     expect("echo " BOOM " | $P trace - --explain", 0, "inside a group", NULL);
     expect("$P trace examples/jansen.json --explain", 0, "traced in closed form over all arcs", NULL);
-    expect("$P trace examples/geared-five-bar.json --explain", 0, "all links at once: joint \"G\" is of kind 'g'",
-           NULL);
+    expect("$P trace examples/geared-five-bar.json --explain", 0, "all links at once: joint \"G\" is of kind 'g'", NULL);
 }
 
 /* Two parallelograms are dyads, but an assembly mode of a dyad changes direction at a change point; the circuit of

@@ -80,8 +80,7 @@ TEST(cognates_meet_in_every_posture)
                     /* near a dead point of the cognate the angle carries half the digits */
                     double d = hypot(out[j][0] - out[j][1]*cos(angle[j]), out[j][1]*sin(angle[j]));
                     double dead = fmin(out[j][2] + out[j][3] - d, d - fabs(out[j][2] - out[j][3]))/size;
-                    CHECK_NEAR(hypot(got.x - want.x, got.y - want.y), 0.0,
-                               fmax(size, 1.0)*2e-14/sqrt(fmax(dead, 1e-16)), 0);
+                    CHECK_NEAR(hypot(got.x - want.x, got.y - want.y), 0.0, fmax(size, 1.0)*2e-14/sqrt(fmax(dead, 1e-16)), 0);
                 }
             }
         }
@@ -119,8 +118,7 @@ TEST(cognates_of_cognates)
         CHECK_INT(lw_fourbar_cognates(k, 1.0, out, m), LW_OK);
         CHECK_INT(lw_fourbar_cognates(out[1], m[1], back, n), LW_OK);
         for (int i = 0; i < 9; i++)          /* out[1] shares A0 with the given one: back[1] is it */
-            CHECK_NEAR(i == 8 ? remainder(back[1][i] - k[i], 2.0*LW_PI) : back[1][i],
-                       i == 8 ? 0.0 : k[i], 1e-13, 0);
+            CHECK_NEAR(i == 8 ? remainder(back[1][i] - k[i], 2.0*LW_PI) : back[1][i], i == 8 ? 0.0 : k[i], 1e-13, 0);
         CHECK_INT(lw_fourbar_cognates(out[0], m[0], back, n), LW_OK);
         for (int i = 0; i < 4; i++)
             CHECK_NEAR(back[0][i], k[i], 1e-13, 0);

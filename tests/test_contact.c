@@ -24,8 +24,7 @@ TEST(values)
     CHECK_NEAR(lw_contact_force(&c, LW_CONTACT_FULL, 4e-6, 0.05, 0.1), k*1.15, 0, 1e-13);
     c = law(LW_CLEARANCE_LANKARANI);
     CHECK_NEAR(lw_contact_force(&c, LW_CONTACT_FULL, 4e-6, 0.05, 0.1), k*1.135, 0, 1e-13);
-    CHECK_NEAR(lw_contact_force(&c, LW_CONTACT_FULL, 4e-6, 0.05, 0.0),
-               k*(1.0 + 0.75*0.36*0.05/LW_CONTACT_SLOWEST), 0, 1e-13);
+    CHECK_NEAR(lw_contact_force(&c, LW_CONTACT_FULL, 4e-6, 0.05, 0.0), k*(1.0 + 0.75*0.36*0.05/LW_CONTACT_SLOWEST), 0, 1e-13);
     CHECK_NEAR(lw_contact_friction(&c, -50.0, 1.0), 10.0, 1e-12, 0);
     CHECK_NEAR(lw_contact_friction(&c, 50.0, -0.5e-3), -10.0*tanh(0.5), 1e-12, 0);
 }
@@ -44,9 +43,7 @@ TEST(pieces_meet)
         }
         CHECK_INT(lw_contact_phase_at(&c, 1e-9), first);
         CHECK_INT(lw_contact_phase_at(&c, 2e-6), LW_CONTACT_FULL);
-        CHECK_NEAR(lw_contact_force(&c, first, c.depth, 0.1, 0.3),
-                   lw_contact_force(&c, LW_CONTACT_FULL, c.depth, 0.1, 0.3),
-                   0, 1e-14);
+        CHECK_NEAR(lw_contact_force(&c, first, c.depth, 0.1, 0.3), lw_contact_force(&c, LW_CONTACT_FULL, c.depth, 0.1, 0.3), 0, 1e-14);
         CHECK(isfinite(lw_contact_force(&c, LW_CONTACT_FULL, -1e-7, 0.1, 0.3)));
     }
     lw_clearance c = law(LW_CLEARANCE_IMPACT);

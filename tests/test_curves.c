@@ -204,8 +204,7 @@ TEST(laid_elsewhere)
         lw_linkage_lay(&laid, mirrored, turn, size, shift);
         CHECK_OK(lw_linkage_check(&laid, &check_error));
         if (laid.joint[laid.input[0].joint].kind == LW_JOINT_REVOLUTE)
-            CHECK_NEAR(remainder(laid.input[0].value - lw_linkage_posture_input(&laid, laid.input[0].joint), 2*LW_PI),
-                       0, 1e-12, 0);
+            CHECK_NEAR(remainder(laid.input[0].value - lw_linkage_posture_input(&laid, laid.input[0].joint), 2*LW_PI), 0, 1e-12, 0);
         CHECK_OK(lw_scene_make(&k, NULL, NULL, &a, &check_error));
         CHECK_OK(lw_scene_make(&laid, NULL, NULL, &b, &check_error));
         CHECK(a.n_curve > 0 && b.n_curve > 0);

@@ -18,8 +18,7 @@ static void draw(lw_rng *rng, bool closed, lw_vec2 p[N])
         double t = closed ? 2*LW_PI*i/N : 2.5*i/(N - 1);
         p[i] = lw_v2(0, 0);
         for (int k = 0; k < 5; k++)
-            p[i] = lw_v2_add(p[i], lw_v2_add(lw_v2_turn(c[k], lw_v2_polar(1, (k + 1)*t)),
-                                             lw_v2_turn(d[k], lw_v2_polar(1, -(k + 1)*t))));
+            p[i] = lw_v2_add(p[i], lw_v2_add(lw_v2_turn(c[k], lw_v2_polar(1, (k + 1)*t)), lw_v2_turn(d[k], lw_v2_polar(1, -(k + 1)*t))));
     }
 }
 
@@ -105,8 +104,7 @@ static void normalise(const lw_vec2 *p, const lw_descriptor *d, bool closed, lw_
         double piece = lw_v2_norm(lw_v2_sub(p[(i + 1)%N], p[i]));
         for (; k < n && (k + 0.5)*length/n <= before + piece; k++) {
             double t = ((k + 0.5)*length/n - before)/piece;
-            out[k] = lw_v2_scale(lw_v2_sub(lw_v2_add(p[i], lw_v2_scale(lw_v2_sub(p[(i + 1)%N], p[i]), t)), d->centre),
-                                 1/d->size);
+            out[k] = lw_v2_scale(lw_v2_sub(lw_v2_add(p[i], lw_v2_scale(lw_v2_sub(p[(i + 1)%N], p[i]), t)), d->centre), 1/d->size);
         }
         before += piece;
     }

@@ -8,8 +8,7 @@
 
 /* A rod that slides through a swinging block, on a crank; %s: joint S a slider, or a pin of the block in a slot. */
 static const char swinging_block[] =
-    "{\"linkwright\": 1, \"links\": [\"ground\","
-    " {\"name\": \"crank\", \"mass\": 2, \"inertia\": 0.3, \"centre\": [0.2, 0.1]},"
+    "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"crank\", \"mass\": 2, \"inertia\": 0.3, \"centre\": [0.2, 0.1]},"
     " {\"name\": \"rod\", \"mass\": 1, \"inertia\": 0.5, \"centre\": [1.1, 0.3]}%s], \"joints\": ["
     "{\"name\": \"O\", \"kind\": \"r\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0]},"
     "{\"name\": \"A\", \"kind\": \"r\", \"links\": [\"crank\", \"rod\"], \"at\": [0.3, 0.4]},%s],"

@@ -31,8 +31,7 @@ static lw_status keep(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-static lw_status run_by(lw_formulation f, const lw_model *m, double to, double tolerance, kept *k, lw_dynamics_report *r,
-                        lw_error *e)
+static lw_status run_by(lw_formulation f, const lw_model *m, double to, double tolerance, kept *k, lw_dynamics_report *r, lw_error *e)
 {
     lw_dynamics_options o = lw_dynamics_options_default();
     o.formulation = f;

@@ -126,8 +126,7 @@ TEST(driven)
         if (k%2)
             put("%.17g + %.17g*t'}}", value, 2*LW_PI*f);
         else
-            put("%.17g + %.17g*sin(%.17g*t)'}}", value, k%4 == 2 ? (slider ? 0.5 : 1)*LW_PI - z.start + 0.005
-                : between(1, 9), 2*LW_PI*f);
+            put("%.17g + %.17g*sin(%.17g*t)'}}", value, k%4 == 2 ? (slider ? 0.5 : 1)*LW_PI - z.start + 0.005 : between(1, 9), 2*LW_PI*f);
         drun_read_text(&d, text);
         for (int g = 0; g < 5; g++)
             for (int slow = 0; slow < (g == 1 ? 2 : 1); slow++) {

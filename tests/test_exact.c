@@ -60,8 +60,7 @@ static double nearest(const lw_guide *g, int n, lw_vec2 centre, lw_vec2 point)
 {
     double least = INFINITY;
     for (int i = 0; i < n; i++)
-        least = fmin(least, hypot(lw_v2_norm(lw_v2_sub(g[i].centre, centre)),
-                                  lw_v2_norm(lw_v2_sub(g[i].point, point))));
+        least = fmin(least, hypot(lw_v2_norm(lw_v2_sub(g[i].centre, centre)), lw_v2_norm(lw_v2_sub(g[i].point, point))));
     return least;
 }
 

@@ -84,8 +84,7 @@ static lw_status keep(void *context, const lw_moment *moment)
         ours.control[ours.n][i] = o.input[i];
     for (int i = 0; i < m->n_drive && i < 8; i++) {
         double rate;
-        lw_space_measured(ours.s, o.frame, m->drive[i], ours.n ? ours.control[ours.n - 1][i] : 0, o.v,
-                          &ours.control[ours.n][i], &rate);
+        lw_space_measured(ours.s, o.frame, m->drive[i], ours.n ? ours.control[ours.n - 1][i] : 0, o.v, &ours.control[ours.n][i], &rate);
     }
     for (int t = 0; t < m->n_tracer && t < 8; t++)
         ours.tracer[ours.n][t] = lw_space_point_at(o.frame, ours.s->tracer[t]);

@@ -124,8 +124,7 @@ TEST(motion_generators)
         CHECK_NEAR(at("step(t, 1, 5, 3, -2)", t, 0), step, inside ? 2e-15 : 0, 0);
         CHECK_NEAR(at("havsin(t, 1, 5, 3, -2)", t, 0), half, inside ? 2e-15 : 0, 0);
         double d = t - 0.5;
-        CHECK_NEAR(at("poly(t, 0.5, 1, -2, 0, 4, 0.25)", t, 0), 1 - 2*d + 4*pow(d, 3) + 0.25*pow(d, 4),
-                   1e-14, 1e-15);
+        CHECK_NEAR(at("poly(t, 0.5, 1, -2, 0, 4, 0.25)", t, 0), 1 - 2*d + 4*pow(d, 3) + 0.25*pow(d, 4), 1e-14, 1e-15);
     }
     CHECK_NEAR(at("step(t, u, t, u + 2, 2*t)", 3, 2), 4.5, 1e-15, 0);   /* ends may change */
     CHECK(isnan(at("step(t, u, 0, t, 1)", 1, 1)));

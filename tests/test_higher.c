@@ -56,8 +56,7 @@ static int by_brute_force(int n_link, int dof, int n2)
             for (int b = 0; b < a; b++, left /= 3)
                 if (left % 3)
                     lw_chain_join(&c, a, b, left % 3);
-        if (lw_chain_mobility(&c) != dof || lw_chain_count(&c, 2) != n2 || !lw_chain_is_connected(&c)
-            || lw_chain_cut_links(&c))
+        if (lw_chain_mobility(&c) != dof || lw_chain_count(&c, 2) != n2 || !lw_chain_is_connected(&c) || lw_chain_cut_links(&c))
             continue;
         for (uint32_t s = 1; s < 1u << n_link; s++)
             rigid |= (s & (s - 1)) && lw_chain_mobility_of(&c, s) <= 0;

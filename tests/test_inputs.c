@@ -96,8 +96,7 @@ TEST(steps_against_all_at_once)
         for (int only_ground = 0; only_ground < 2; only_ground++) {
             chain_list all = all_chains(known[i].n_link, known[i].dof);
             for (int k = 0; k < all.n; k++)
-                CHECK_INT(by_steps(&all.chain[k], known[i].dof, only_ground).n_output,
-                          at_once(&all.chain[k], known[i].dof, only_ground));
+                CHECK_INT(by_steps(&all.chain[k], known[i].dof, only_ground).n_output, at_once(&all.chain[k], known[i].dof, only_ground));
             free(all.chain);
         }
 }

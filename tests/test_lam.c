@@ -66,8 +66,7 @@ TEST(plain_matrices)
         for (int i = 0; i < m.n_link; i++)
             for (int k = 0; k < m.n_link; k++) {
                 int one = lw_chain_freedom(&c, i, k) > 0 && (k > i || trial & 1);
-                n += (size_t)snprintf(text + n, sizeof text - n, "%d%s", one,
-                                      k + 1 < m.n_link ? cut[trial % 3] : "\n");
+                n += (size_t)snprintf(text + n, sizeof text - n, "%d%s", one, k + 1 < m.n_link ? cut[trial % 3] : "\n");
             }
         CHECK_INT(lw_lam_read(text, n, NULL, &a, &e), LW_OK);
         lw_lam_mechanism(&a, &back, NULL);

@@ -536,8 +536,7 @@ TEST(each_allocation_fails)
         CHECK_INT(out[0].status, LW_OK);
         for (long n = 1; n <= out[0].n_call && OWN_MALLOC; n = next_allocation(i, n, out[0].n_call)) {
             int state = run_child((int)i, n, &out[1]);
-            bool good = state == 0 && (out[1].status < 0 || (out[1].status == LW_OK
-                                                             && out[1].s.hash == out[0].s.hash));
+            bool good = state == 0 && (out[1].status < 0 || (out[1].status == LW_OK && out[1].s.hash == out[0].s.hash));
             if (!good)
                 fprintf(stderr, "%s: allocation %ld of %ld fails: state %x, status %d\n", calls[i].name, n, out[0].n_call,
                         (unsigned)state, out[1].status);

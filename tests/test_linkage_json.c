@@ -90,8 +90,7 @@ TEST(what_may_be_left_out)
 TEST(links_without_a_list_follow_the_joints)
 {
     lw_linkage k;
-    CHECK_OK(read("{\"linkwright\":1,\"ground\":\"frame\",\"joints\":["
-                  "{\"name\":\"A\",\"links\":[\"a\",\"b\"],\"at\":[1,2]},"
+    CHECK_OK(read("{\"linkwright\":1,\"ground\":\"frame\",\"joints\":[{\"name\":\"A\",\"links\":[\"a\",\"b\"],\"at\":[1,2]},"
                   "{\"name\":\"B\",\"links\":[\"frame\",\"a\"],\"at\":[1,2]}]}", &k, &check_error));
     CHECK_TEXT(k.link_name[0], "frame");
     CHECK_TEXT(k.link_name[1], "a");
@@ -138,8 +137,7 @@ TEST(gears_and_welds_find_their_place)
                       "{\"name\":\"G\",\"kind\":\"g\",\"links\":[\"a\",\"b\"],\"ratio\":-0.5},"
                       "{\"name\":\"C\",\"kind\":\"t\",\"links\":[\"ground\",\"rack\"],\"at\":[0,0],\"angle\":0},"
                       "{\"name\":\"H\",\"kind\":\"g\",\"links\":[\"b\",\"rack\"],\"ratio\":20},"
-                      "{\"name\":\"W\",\"kind\":\"f\",\"links\":[\"rack\",\"tool\"]}],"
-                      "\"input\":{\"joint\":\"A\"}}", &k, &check_error));
+                      "{\"name\":\"W\",\"kind\":\"f\",\"links\":[\"rack\",\"tool\"]}],\"input\":{\"joint\":\"A\"}}", &k, &check_error));
     CHECK_NEAR(k.joint[2].at.x, 0.02, 0, 1e-15);             /* w_b = -w_a/2: radii 10 and 20 */
     CHECK_NEAR(k.joint[2].at.y, 0, 1e-18, 0);
     CHECK_NEAR(k.joint[4].ratio, 0.02, 0, 1e-15);

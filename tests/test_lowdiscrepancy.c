@@ -29,8 +29,7 @@ TEST(repeat_by_seed_only)
     lw_rng_seed(&one, 5, 1);
     lw_rng_seed(&same, 5, 1);
     lw_rng_seed(&other, 5, 2);
-    CHECK(lw_low_discrepancy(&one, 10, 3, a) && lw_low_discrepancy(&same, 10, 3, b)
-          && lw_low_discrepancy(&other, 10, 3, c));
+    CHECK(lw_low_discrepancy(&one, 10, 3, a) && lw_low_discrepancy(&same, 10, 3, b) && lw_low_discrepancy(&other, 10, 3, c));
     CHECK(memcmp(a, b, sizeof a) == 0);
     CHECK(memcmp(a, c, sizeof a) != 0);
 }

@@ -297,8 +297,7 @@ static lw_status keep_holes(void *context, const lw_spatial_sample *s)
         holes.length = 0;
     }
     lw_vec3 u = turned(boom->turn, along), y = turned(roller->turn, lw_v3(0, -1, 0));
-    lw_vec3 eye_first = lw_v3_add(lw_v3(0.3, 0, 0.8), lw_v3_add(lw_v3_scale(along, 1.1),
-                                                                lw_v3_scale(lw_v3(-along.z, 0, along.x), -0.12)));
+    lw_vec3 eye_first = lw_v3_add(lw_v3(0.3, 0, 0.8), lw_v3_add(lw_v3_scale(along, 1.1), lw_v3_scale(lw_v3(-along.z, 0, along.x), -0.12)));
     lw_vec3 eye = lw_v3_add(boom->place, turned(boom->turn, lw_v3_sub(eye_first, holes.first[0].place)));
     lw_vec3 base = turned(post->turn, foot), rod = lw_v3_sub(eye, base), out = lw_v3_sub(inner->place, boom->place);
     double length = lw_v3_norm(rod), swing = 2*atan2(post->turn.z, post->turn.w)*180/LW_PI;
@@ -316,8 +315,7 @@ static lw_status keep_holes(void *context, const lw_spatial_sample *s)
     CHECK_NEAR(bit->y - tail->y, 0, 1e-9, 0);
     CHECK_NEAR(bit->z - tail->z, 0, 1e-9, 0);
     CHECK_NEAR(bit->x - tail->x, 4, 1e-9, 0);
-    CHECK(fabs(swing) < 20 && reach > -1e-9 && reach < 1.5 && length - holes.length > -0.25
-          && length - holes.length < 0.45);
+    CHECK(fabs(swing) < 20 && reach > -1e-9 && reach < 1.5 && length - holes.length > -0.25 && length - holes.length < 0.45);
     return LW_OK;
 }
 

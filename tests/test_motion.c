@@ -336,8 +336,7 @@ TEST(six_bars_by_newton)
         static lw_motion m;
         blank_linkage(&k, 6);
         for (int j = 0; j < 7; j++)
-            add_pin(&k, kind[trial % 3][j][0], kind[trial % 3][j][1],
-                    lw_v2(lw_rng_range(&rng, -1, 1), lw_rng_range(&rng, -1, 1)));
+            add_pin(&k, kind[trial % 3][j][0], kind[trial % 3][j][1], lw_v2(lw_rng_range(&rng, -1, 1), lw_rng_range(&rng, -1, 1)));
         add_input(&k, 0, lw_linkage_posture_input(&k, 0));
         add_tracer(&k, 5, lw_v2(0.5, 0.5));
         lw_plan plan = plan_of(&k);

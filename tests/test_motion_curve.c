@@ -42,8 +42,7 @@ TEST(four_bars_of_all_classes)
         CHECK_INT(count(v, LW_EVENT_LIMIT), c.crank ? 0 : 2);
         for (int i = 0; i < n; i++)
             if (e[i].kind == LW_EVENT_LIMIT) {
-                double off = fmin(fabs(remainder(e[i].input - first, 2*LW_PI)),
-                                  fabs(remainder(e[i].input - last, 2*LW_PI)));
+                double off = fmin(fabs(remainder(e[i].input - first, 2*LW_PI)), fabs(remainder(e[i].input - last, 2*LW_PI)));
                 CHECK_NEAR(off, 0, 1e-10, 0);
             } else if (c.n_dead) {                          /* the output turns back: crank and coupler in line */
                 double off = 9;
@@ -292,8 +291,7 @@ TEST(six_bars_agree_with_newton)
         int n;
         blank_linkage(&l, 6);
         for (int j = 0; j < 7; j++)
-            add_pin(&l, pair[trial%4][j][0], pair[trial%4][j][1],
-                    lw_v2(lw_rng_range(&r, -1, 1), lw_rng_range(&r, -1, 1)));
+            add_pin(&l, pair[trial%4][j][0], pair[trial%4][j][1], lw_v2(lw_rng_range(&r, -1, 1), lw_rng_range(&r, -1, 1)));
         add_input(&l, 0, 0);
         add_tracer(&l, 4, lw_v2(lw_rng_range(&r, -1, 1), lw_rng_range(&r, -1, 1)));
         OWNED(curve) *v = follow(&l, 0);

@@ -16,8 +16,7 @@ static lw_fourbar_class draw_fourbar(lw_rng *rng, bool crank, double margin, dou
     do {
         for (int i = 0; i < 4; i++)
             k[i] = lw_rng_range(rng, 0.2, 1.0);
-    } while (lw_fourbar_classify(k, LW_FOURBAR_TOLERANCE, &c, NULL) != LW_OK || c.crank != crank ||
-             c.margin < margin);
+    } while (lw_fourbar_classify(k, LW_FOURBAR_TOLERANCE, &c, NULL) != LW_OK || c.crank != crank || c.margin < margin);
     for (int i = 4; i < 8; i++)
         k[i] = lw_rng_range(rng, -1.0, 1.0);
     k[8] = lw_rng_range(rng, -LW_PI, LW_PI);

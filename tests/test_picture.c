@@ -245,8 +245,7 @@ TEST(png_shows_it)
     for (size_t i = 1; i < 9; i++)
         CHECK_INT(pixel_at(p, lw_view_pixel(&d.view[0], s.station[i])), lw_ink_light(LW_INK_RED));
     for (int i = 0; i < 4; i++)                                          /* pins are open circles */
-        CHECK_INT(pixel_at(p, lw_view_pixel(&d.view[0], s.linkage.joint[i].at)),
-                  lw_ink_light(LW_INK_PAPER));
+        CHECK_INT(pixel_at(p, lw_view_pixel(&d.view[0], s.linkage.joint[i].at)), lw_ink_light(LW_INK_PAPER));
     lw_vec2 crank = lw_v2_scale(lw_v2_add(s.linkage.joint[0].at, s.linkage.joint[1].at), 0.5);
     CHECK_INT(pixel_at(p, lw_view_pixel(&d.view[0], crank)), lw_ink_light(LW_INK_PURPLE));
     cairo_surface_destroy(p);

@@ -19,8 +19,7 @@ static void draw(lw_rng *r, const lw_chain *c, int ground, int input, int slider
             if (c->one[i] >> j & 1) {
                 bool slide = sliders > 0 && lw_rng_uniform(r) < 0.2;
                 sliders -= slide;
-                add_joint(k, slide ? LW_JOINT_SLIDER : LW_JOINT_REVOLUTE, i, j, random_place(r),
-                          lw_rng_range(r, -LW_PI, LW_PI));
+                add_joint(k, slide ? LW_JOINT_SLIDER : LW_JOINT_REVOLUTE, i, j, random_place(r), lw_rng_range(r, -LW_PI, LW_PI));
             }
     k->ground = ground;
     add_input(k, input, lw_linkage_posture_input(k, input));
@@ -100,8 +99,7 @@ static void check_motion(subject *q, double step)
         return;
     rounding_of(q, &posture, rounding);
     for (int o = 0; o < q->p.n_output; o++)
-        CHECK_NEAR(lw_v2_norm(lw_v2_sub(posture.tracer[o][0], q->k.tracer[q->p.output_tracer[o]].at)), 0,
-                   1e-13*far + 4*rounding[o], 0);
+        CHECK_NEAR(lw_v2_norm(lw_v2_sub(posture.tracer[o][0], q->k.tracer[q->p.output_tracer[o]].at)), 0, 1e-13*far + 4*rounding[o], 0);
     if (sliders_of(&q->k) > 0) {
         if (lw_plan_write(&q->p, q->dim, q->mode, q->input + step, &moved) == LW_OK) {
             CHECK_NEAR(strain(&q->k, &moved), 0, 1e-12*far, 0);
@@ -219,8 +217,7 @@ static double allowed(double m, double g) { return 1e-8/(m*m) + 1e-7*fabs(g); }
 
 /* The same by steps shorter and shorter, until a step four times as long says the same: a limit of some group, of which
  * the output need not depend, may be nearer than a step.  false: rounding hides them. */
-static bool settled_differences(const subject *q, const double *t, int which, int d, const double *m, double *gx,
-                                double *gy)
+static bool settled_differences(const subject *q, const double *t, int which, int d, const double *m, double *gx, double *gy)
 {
     double longer[2][LANES] = { { 0 } };
     bool before = false;
@@ -296,8 +293,7 @@ static void check_bits(subject *q, const lw_lanes *in, int which, const double *
         q->p.kernels = lw_kernels_supported(isa);
         f[isa > 0] = lw_batch_sum(&q->p, in, which, work, y, x, NULL, grad[isa > 0], &least[isa > 0]);
         if (isa > 0)
-            CHECK(f[0] == f[1] && least[0] == least[1] && memcmp(grad[0], grad[1],
-                                                                 (size_t)q->p.n_dim*sizeof(double)) == 0);
+            CHECK(f[0] == f[1] && least[0] == least[1] && memcmp(grad[0], grad[1], (size_t)q->p.n_dim*sizeof(double)) == 0);
     }
     q->p.kernels = own;
 }

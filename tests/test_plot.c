@@ -64,8 +64,7 @@ TEST(points_lie_where_their_numbers_say)
 static bool has_text(const lw_drawing *d, lw_role role, const char *text)
 {
     for (size_t i = 0; i < d->n_shape; i++)
-        if (d->shape[i].role == role && d->shape[i].kind == LW_SHAPE_TEXT
-            && strcmp(d->text + d->shape[i].first, text) == 0)
+        if (d->shape[i].role == role && d->shape[i].kind == LW_SHAPE_TEXT && strcmp(d->text + d->shape[i].first, text) == 0)
             return true;
     return false;
 }

@@ -43,10 +43,8 @@ TEST(questions)
             "k.links = ?1 AND k.sliders >= ?2 AND k.class = ?3 AND k.error < ?4");
     becomes("links = 8..10 and not planar", LW_LIST_CHAINS, "c.links BETWEEN ?1 AND ?2 AND NOT c.planar");
     becomes("links=8..10 or symmetry>1", LW_LIST_CHAINS, "c.links BETWEEN ?1 AND ?2 OR c.symmetry > ?3");
-    becomes("(links==6 or links <> 8) and inputs='1-2'", LW_LIST_MECHANISMS, "(c.links = ?1 OR c.links != ?2) AND "
-            "m.inputs = ?3");
-    becomes("class in (GCRR, \"GCCC\") AND name != none", LW_LIST_LINKAGES, "k.class IN (?1, ?2) AND k.name IS NOT "
-            "NULL");
+    becomes("(links==6 or links <> 8) and inputs='1-2'", LW_LIST_MECHANISMS, "(c.links = ?1 OR c.links != ?2) AND m.inputs = ?3");
+    becomes("class in (GCRR, \"GCCC\") AND name != none", LW_LIST_LINKAGES, "k.class IN (?1, ?2) AND k.name IS NOT NULL");
     becomes("name~Jan or name~\"J*n\"", LW_LIST_LINKAGES, "k.name GLOB ?1 OR k.name GLOB ?2");
     becomes("planar = yes and planar=0", LW_LIST_CHAINS, "c.planar = ?1 AND c.planar = ?2");
     becomes("not not (planar)", LW_LIST_CHAINS, "NOT NOT (c.planar)");
@@ -57,8 +55,7 @@ TEST(questions)
 TEST(values)
 {
     OWN(lw_query) q = { 0 };
-    CHECK_OK(lw_query_compile("error_max<2mm and transmission_min>=30deg and error < 1e-3 and objective>-2.5", &any,
-                              &q, &check_error));
+    CHECK_OK(lw_query_compile("error_max<2mm and transmission_min>=30deg and error < 1e-3 and objective>-2.5", &any, &q, &check_error));
     CHECK_INT(q.n_value, 4);
     CHECK_NEAR(q.value[0].real, 0.002, 1e-18, 0);
     CHECK_NEAR(q.value[1].real, 0.523598775598298873, 1e-15, 0);

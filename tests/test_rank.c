@@ -35,8 +35,7 @@ static void apply(int m, int n, const double *a, int transposed, const double *x
 
 /* x is the least-squares solution of least norm: the residual is normal to the columns, and x has no part
  * that A does not see, that is, x = A^T w for some w (the null part of x is 0). */
-static void check_solution(int m, int n, const double *a, int transposed, const double *x, const double *b,
-                           const lw_rank *r)
+static void check_solution(int m, int n, const double *a, int transposed, const double *x, const double *b, const lw_rank *r)
 {
     double y[MOST], back[MOST], null[MOST];
     int rows = transposed ? n : m, columns = transposed ? m : n;

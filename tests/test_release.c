@@ -67,8 +67,7 @@ TEST(same_bytes)
         CHECK((access(at("three", "SHA256SUMS"), F_OK) == 0) == last);
     }
     CHECK(shell("cd %s && cd .. && diff -r one two && diff -r one three", "one"));
-    CHECK(shell("cd %s && sha256sum -c --quiet SHA256SUMS && test $(find . -type f | wc -l) = $(($(wc -l < SHA256SUMS) + 1))",
-                "one"));
+    CHECK(shell("cd %s && sha256sum -c --quiet SHA256SUMS && test $(find . -type f | wc -l) = $(($(wc -l < SHA256SUMS) + 1))", "one"));
 }
 
 /* The sums of the lists are those kept in the tree, which were written once and must never change. */

@@ -23,8 +23,7 @@ TEST(watt_as_printed)
     CHECK_INT(lw_sentence_from_mechanism(&m, &s), LW_OK);
     lw_sentence_print(&s, text, sizeof text);
     CHECK_TEXT(text, WATT);
-    CHECK_INT(read_text("; Watt II\n((1 r 2 r 3 r\n  4 r 5 r 6 r)\n (1 r 2 r 3 r 4 r)\n (1 r 4 r 5 r 6 r))\n",
-                        &s, NULL), LW_OK);
+    CHECK_INT(read_text("; Watt II\n((1 r 2 r 3 r\n  4 r 5 r 6 r)\n (1 r 2 r 3 r 4 r)\n (1 r 4 r 5 r 6 r))\n", &s, NULL), LW_OK);
     CHECK_INT(lw_sentence_mechanism(&s, &from_text, NULL), LW_OK);
     CHECK(lw_mechanism_same(&m, &from_text));
     lw_mechanism_chain(&from_text, &back);

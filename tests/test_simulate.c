@@ -82,8 +82,7 @@ TEST(through_flat_postures)
            "off < 1e-8, [r[\"t\"] for r in rows if r[\"B.fx\"] is None])'; done", 0,
            "37 True 2 True True [0.25, 0.75]\n98 True 0 True True []\n101 True 2 True True [0.25, 0.75]\n"
            "401 True 2 True True [0.25, 0.75]\n", "without a limit");
-    expect("$P simulate $D/flat.json --speed 6.283185307179586 -n 4 | tail -1", 0,
-           "# singular posture in 2 rows, first at t = 0.25", NULL);
+    expect("$P simulate $D/flat.json --speed 6.283185307179586 -n 4 | tail -1", 0, "# singular posture in 2 rows, first at t = 0.25", NULL);
 }
 
 /* Times whose digits or whose phase are used up are refused; what is assumed is printed; 10 km are travelled at 100 m/s. */

@@ -143,10 +143,8 @@ static void independent_reader(void)
         }
         snprintf(path, sizeof path, "%s/x.step", temporary_folder());
         CHECK_INT(lw_file_write(path, b.data, b.size, &e), LW_OK);
-        snprintf(line, sizeof line, "cd %s && printf '%%s\\n' 'SetFactory(\"OpenCASCADE\");' 'v() = "
-                 "ShapeFromFile(\"x.step\");' "
-                 "'For i In {0:#v()-1}' 'm = Mass Volume{v(i)}; Printf(\"volume %%.12g\", m);' 'EndFor' > x.geo && "
-                     "gmsh x.geo -0 -o "
+        snprintf(line, sizeof line, "cd %s && printf '%%s\\n' 'SetFactory(\"OpenCASCADE\");' 'v() = ShapeFromFile(\"x.step\");' "
+                 "'For i In {0:#v()-1}' 'm = Mass Volume{v(i)}; Printf(\"volume %%.12g\", m);' 'EndFor' > x.geo && gmsh x.geo -0 -o "
                  "x.msh 2>&1", temporary_folder());
         FILE *f = popen(line, "r");
         int solid = 0;

@@ -64,8 +64,7 @@ static void *new_work(const lw_problem *p)
 }
 
 /* The result is what it says, and feasible. */
-static void check_result(const lw_problem *p, const lw_solver *s, const double *x,
-                         const lw_solver_result *r, long max_evals)
+static void check_result(const lw_problem *p, const lw_solver *s, const double *x, const lw_solver_result *r, long max_evals)
 {
     FREED void *work = new_work(p);
     size_t m = lw_problem_constraint_count(p);

@@ -190,8 +190,7 @@ TEST(tensors_turn_with_their_frame)
         lw_mat3 r, axes;
         for (int i = 0; i < 3; i++)
             value[i] = 1 + lw_rng_uniform(&rng);
-        r = lw_quaternion_matrix(lw_quaternion_of_vector(lw_v3(lw_rng_normal(&rng), lw_rng_normal(&rng),
-                                                               lw_rng_normal(&rng))));
+        r = lw_quaternion_matrix(lw_quaternion_of_vector(lw_v3(lw_rng_normal(&rng), lw_rng_normal(&rng), lw_rng_normal(&rng))));
         for (int i = 0; i < 6; i++) {
             static const int row[] = { 0, 1, 2, 0, 0, 1 }, column[] = { 0, 1, 2, 1, 2, 2 };
             lw_vec3 a = r.row[row[i]], b = r.row[column[i]];

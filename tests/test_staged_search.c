@@ -396,8 +396,7 @@ TEST(threads_do_not_change_the_answer)
     CHECK_INT(s[0].fit.n, s[1].fit.n);
     CHECK_INT(s[0].fit.evals, s[1].fit.evals);
     for (int i = 0; i < s[0].fit.n && i < s[1].fit.n; i++)
-        CHECK(memcmp(s[0].fit.candidate[i].dim, s[1].fit.candidate[i].dim,
-                     sizeof(double)*(size_t)s[0].fit.candidate[i].n_dim) == 0);
+        CHECK(memcmp(s[0].fit.candidate[i].dim, s[1].fit.candidate[i].dim, sizeof(double)*(size_t)s[0].fit.candidate[i].n_dim) == 0);
     lw_staged_search_free(&s[0]);
     lw_staged_search_free(&s[1]);
 }

@@ -52,8 +52,7 @@ TEST(saddles)
     for (int i = 0; i < 4; i++) {
         CHECK_INT(rest_of(pendulum, start[i][0], start[i][1], &unique), LW_OK);
         CHECK(found.stable && unique);
-        CHECK_NEAR(cos(q[2])*start[i][1] + sin(q[2])*start[i][0], -hypot(start[i][0],
-                   start[i][1]), 1e-12, 0);
+        CHECK_NEAR(cos(q[2])*start[i][1] + sin(q[2])*start[i][0], -hypot(start[i][0], start[i][1]), 1e-12, 0);
         CHECK_NEAR(reaction[0].force.y, 9.81, 1e-12, 0);
         drop();
     }

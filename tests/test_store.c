@@ -105,8 +105,7 @@ TEST(knows_whose_file_it_is)
     open_store("none.db", true, LW_E_NOTATION, &e);
     /* says it is ours, but its tables are not: told when they are used */
     char sql[100];
-    snprintf(sql, sizeof sql, "PRAGMA application_id=0x6C776361; PRAGMA user_version=%d; CREATE TABLE t(a)",
-             lw_store_step_count);
+    snprintf(sql, sizeof sql, "PRAGMA application_id=0x6C776361; PRAGMA user_version=%d; CREATE TABLE t(a)", lw_store_step_count);
     execute("hollow.db", sql);
     lw_store *s = open_store("hollow.db", true, LW_OK, &e);
     CHECK_INT(lw_store_begin(s, &e), LW_OK);

@@ -531,10 +531,8 @@ TEST(runs_tell_their_error)
 
 TEST(spatial_models)
 {
-    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"arm\", \"mass\": 2, "
-                               "\"centre\": [0.5, 0, 0], "
-        "\"inertia\": [0.1, 0.1, 0.1]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"arm\"], \"at\": "
-        "[0, 0, 0], "
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"arm\", \"mass\": 2, \"centre\": [0.5, 0, 0], "
+        "\"inertia\": [0.1, 0.1, 0.1]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"arm\"], \"at\": [0, 0, 0], "
         "\"axis\": [0, 0, 1]}], \"input\": {\"joint\": \"A\", \"motion\": \"t^2\"}, \"gravity\": [0, 0, -10], "
         "\"tracers\": [{\"name\": \"P\", \"link\": \"arm\", \"at\": [1, 0, 0]}]}";
     lw_spatial *m;

@@ -232,8 +232,7 @@ TEST(rack_and_pinion)
         lw_system_posture(&s, q);
         double turn = 0.7;
         lw_vec2 rel = lw_v2_sub(lw_v2(q[0], q[1]), lw_v2_scale(lw_v2_sub(lw_v2(3, 4), s.origin), 1/s.unit));
-        lw_vec2 moved = lw_v2_add(lw_v2_scale(lw_v2_sub(lw_v2(3, 4), s.origin), 1/s.unit),
-                                  lw_v2_turn(rel, lw_v2_polar(1, turn)));
+        lw_vec2 moved = lw_v2_add(lw_v2_scale(lw_v2_sub(lw_v2(3, 4), s.origin), 1/s.unit), lw_v2_turn(rel, lw_v2_polar(1, turn)));
         q[0] = moved.x, q[1] = moved.y, q[2] = turn;
         q[3] += 0.5*turn/s.unit*cos(slope);
         q[4] += 0.5*turn/s.unit*sin(slope);

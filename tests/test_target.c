@@ -421,10 +421,8 @@ TEST(tables_of_programs)
         ROW("# units: mm\n12,5\t-3\n7\t4,25\n0\t1\n"),
         ROW("# units: mm\n12,5 -3\n7 4,25\n0 1\n"),
         ROW("x [millimetre],y\n12.5,-3\n7,4.25\n0,1\n"),
-        ROW("\xff\xfex\0_\0m\0m\0\t\0y\0\n\0" "1\0" "2\0,\0" "5\0\t\0-\0" "3\0\n\0" "7\0\t\0" "4\0,\0" "2\0" "5\0\n\0"
-            "0\0\t\0" "1\0\n\0"),
-        ROW("\xfe\xff\0x\0_\0m\0m\0,\0y\0\n\0" "1\0" "2\0.\0" "5\0,\0-\0" "3\0\n\0" "7\0,\0" "4\0.\0" "2\0" "5\0\n\0"
-            "0\0,\0" "1\0\n")
+        ROW("\xff\xfex\0_\0m\0m\0\t\0y\0\n\0" "1\0" "2\0,\0" "5\0\t\0-\0" "3\0\n\0" "7\0\t\0" "4\0,\0" "2\0" "5\0\n\0" "0\0\t\0" "1\0\n\0"),
+        ROW("\xfe\xff\0x\0_\0m\0m\0,\0y\0\n\0" "1\0" "2\0.\0" "5\0,\0-\0" "3\0\n\0" "7\0,\0" "4\0.\0" "2\0" "5\0\n\0" "0\0,\0" "1\0\n")
 #undef ROW
     };
     static const double want[][2] = { { 12.5, -3 }, { 7, 4.25 }, { 0, 1 } };
@@ -566,8 +564,7 @@ TEST(every_fault_has_its_place)
         { "x,y,angle_deg\n0,0,1e-12\n1,0,7\n2,0,359.999999999\n", 4, 5, "stands in line 2 already" },
         { "angle,theta\n1,1\n1,2\n", 3, 1, "stands in line 2 already" },
         { "x,y,theta,angle_deg\n0,0,0,5\n0,0,1,5\n", 3, 7, "stands in line 2 already" },
-        { "x,y,angle_deg\n0,0,0\n1,0,20\n2,0,10\n3,0,30\n", 4, 5, "rise up to line 3 and turn back here, from 20 to "
-          "10" },
+        { "x,y,angle_deg\n0,0,0\n1,0,20\n2,0,10\n3,0,30\n", 4, 5, "rise up to line 3 and turn back here, from 20 to 10" },
         { "x,y,angle_deg\n0,0,30\n1,0,20\n2,0,25\n3,0,10\n", 4, 5, "fall up to line 3" },
         { "x,y,angle_deg\n0,0,200\n1,0,350\n2,0,10\n3,0,30\n4,0,20\n", 6, 5, "rise up to line 5" },
         { "x,y,angle_deg\n0,0,0\n1,0,200\n2,0,9000\n", 4, 5, "run over 25 turns" },

@@ -5,8 +5,7 @@
 #include "optimise/task/read_file.h"
 #include "tests/check.h"
 
-typedef lw_status reader(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
-                         lw_error *e);
+typedef lw_status reader(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t, lw_error *e);
 
 static lw_target read_with(reader *read, const char *text, const lw_target_options *o)
 {
@@ -50,8 +49,7 @@ TEST(corners_are_stations)
         "<svg><path d='m0 0l10 0 0 5-10 0z'/></svg>",
         "<svg><path d='M0 0L10 0 10 5L0 5 0 0'/></svg>",
         ("<?xml version='1.0'?><!-- <path d='M 9 9'/> --><svg><defs><path d='M 8 8 L 9 9'/></defs>"
-         "<g transform='translate(5)'><g transform='translate(-5,0)'><path d='M.0.0L1e1,0 10.,5e0 0 5Z'/></g></g>"
-         "</svg>"),
+         "<g transform='translate(5)'><g transform='translate(-5,0)'><path d='M.0.0L1e1,0 10.,5e0 0 5Z'/></g></g></svg>"),
         "<svg><g transform='rotate(90)'><path d='M0 0V-10H5V0Z'/></g></svg>",
         "<svg><path transform='matrix(2 0 0 .5 -2 -1)' d='M1 2 6 2 6 12 1 12Z'/></svg>",
         "<svg><path transform='scale(2) translate(1 1) rotate(180 2 2)' d='M5 5H0V2.5H5Z'/></svg>"
@@ -65,8 +63,7 @@ TEST(corners_are_stations)
 
 TEST(units_of_drawings)
 {
-    lw_target t = read_drawn(lw_target_read_svg,
-                            "<svg width='12cm' viewBox='0 0 240 10'><path d='M0 0L2 0 2 4'/></svg>");
+    lw_target t = read_drawn(lw_target_read_svg, "<svg width='12cm' viewBox='0 0 240 10'><path d='M0 0L2 0 2 4'/></svg>");
     CHECK_NEAR(t.x[1], 1e-3, 1e-17, 0);
     CHECK_INT(t.closed, 0);
     lw_target_free(&t);
@@ -263,8 +260,7 @@ TEST(round_shapes)
           0, 0 },
         { "<svg><svg x='5' y='1' width='20' height='20' viewBox='-1 -1 2 2'><circle r='1'/></svg></svg>", 10, 10, 0,
           15, -11 },
-        { "<svg xmlns:xlink='x'><defs><circle id='c' r='3'/></defs><use xlink:href='#c' x='5' "
-          "transform='scale(2)'/></svg>",
+        { "<svg xmlns:xlink='x'><defs><circle id='c' r='3'/></defs><use xlink:href='#c' x='5' transform='scale(2)'/></svg>",
           6, 6, 0, 10, 0 },
         { "<svg><symbol id='s'><circle r='3'/></symbol><use href='#s' x='5' y='5'/></svg>", 3, 3, 0, 5, -5 },
         { "<svg:svg><svg:path d='M3&#10;0A3 3 0 1 1-3,0&#xA;A3 3 0 1 1 3 0z'/></svg:svg>", 3, 3, 0, 0, 0 },
@@ -395,8 +391,7 @@ TEST(straight_shapes)
 {
     static const double rect[][2] = { { 1, -2 }, { 11, -2 }, { 11, -7 }, { 1, -7 } }, line[][2] = { { 1, -2 }, { 4,
         -6 } };
-    lw_target t = read_drawn(lw_target_read_svg, "<svg><rect width='100%' height='100%'/><rect x='1' y='2' width='10' "
-                             "height='5'/></svg>");
+    lw_target t = read_drawn(lw_target_read_svg, "<svg><rect width='100%' height='100%'/><rect x='1' y='2' width='10' height='5'/></svg>");
     stations(&t, 1, rect, 4, 1e-3);
     lw_target_free(&t);
     t = read_drawn(lw_target_read_svg, "<svg><line x1='1' y1='2' x2='4' y2='6'/></svg>");
@@ -417,14 +412,11 @@ TEST(hidden_shapes)
     static const char *const svg[] = {
         "<svg><g style='display:none'><circle r='1'/></g><circle r='5'/></svg>",
         "<svg><g style='fill:none; display : none'><circle r='1'/></g><circle r='5'/></svg>",
-        "<svg><style>.a{fill:red}.st1,.st0{display:none;}</style><g class='x st0'><circle r='1'/></g><circle "
-            "class='a' r='5'/></svg>",
-        "<svg><style><![CDATA[ .st10 { display:none } ]]></style><circle class='st1' r='5'/><circle class='st10' "
-            "r='1'/></svg>",
+        "<svg><style>.a{fill:red}.st1,.st0{display:none;}</style><g class='x st0'><circle r='1'/></g><circle class='a' r='5'/></svg>",
+        "<svg><style><![CDATA[ .st10 { display:none } ]]></style><circle class='st1' r='5'/><circle class='st10' r='1'/></svg>",
         "<svg><defs><circle r='1'/></defs><clipPath><rect width='3' height='3'/></clipPath><circle r='5'/></svg>",
         "<svg><circle r='1' display='none'/><circle r='5'/><circle r='2' visibility='hidden'/></svg>",
-        "<svg><metadata><a><b>M 0 "
-            "0</b></a></metadata><sodipodi:namedview><inkscape:grid/></sodipodi:namedview><circle r='5'/></svg>"
+        "<svg><metadata><a><b>M 0 0</b></a></metadata><sodipodi:namedview><inkscape:grid/></sodipodi:namedview><circle r='5'/></svg>"
     };
     static const char *const dxf[] = {
         HEAD "0\nCIRCLE\n8\nDefpoints\n40\n1\n0\nCIRCLE\n40\n5\n0\nCIRCLE\n67\n1\n40\n2\n0\nCIRCLE\n60\n1\n40\n3\n"

@@ -418,8 +418,7 @@ TEST(shown_and_exported)
 static struct { lw_rng rng; int chains, mechanisms, planned, higher, postures, derivatives; } sum;
 
 /* Coordinates of a posture in the system of the posture it came from. */
-static void coordinates(const lw_system *s, const lw_linkage *k, const lw_posture *here, const lw_posture *there,
-                        double *q)
+static void coordinates(const lw_system *s, const lw_linkage *k, const lw_posture *here, const lw_posture *there, double *q)
 {
     for (int b = 0; b < s->n_body; b++) {
         int link = s->link[b], j = 0;

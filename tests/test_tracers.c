@@ -34,8 +34,7 @@ static void draw_machine(lw_rng *rng, machine *m)
     do
         for (int i = 0; i < 3; i++)
             size[i] = lw_rng_range(rng, 1.5, 4)*r2;
-    while (size[0] > size[1] + size[2] - 1.2*r2 || size[1] > size[0] + size[2] - 1.2*r2
-           || size[2] > size[0] + size[1] - 1.2*r2);
+    while (size[0] > size[1] + size[2] - 1.2*r2 || size[1] > size[0] + size[2] - 1.2*r2 || size[2] > size[0] + size[1] - 1.2*r2);
     const double value[N_NAME] = { size[0], r2, size[1], size[2], lw_rng_range(rng, 0.2, 2),
                                    lw_rng_range(rng, 0.5, 1.5), lw_rng_range(rng, -1.5, 0.5),
                                    lw_rng_range(rng, -2, -0.5), lw_rng_range(rng, -2, 2), lw_rng_range(rng, -2, 2),

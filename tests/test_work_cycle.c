@@ -59,8 +59,7 @@ TEST(smooth)
     CHECK(speed > 2);
     const lw_cycle_move *m = &c.move[4];                      /* straight: y and z in one proportion */
     for (int i = 1; i < 20; i++) {
-        double t = m->start + m->duration*i/20, y = lw_work_cycle_at(&c, 0, t, NULL).x, z = lw_work_cycle_at(&c, 1, t,
-            NULL).x;
+        double t = m->start + m->duration*i/20, y = lw_work_cycle_at(&c, 0, t, NULL).x, z = lw_work_cycle_at(&c, 1, t, NULL).x;
         CHECK_NEAR((y - 1.2)/(0.4 - 1.2), (z + 0.6)/0.7, 1e-9, 0);
     }
     CHECK_NEAR(c.move[5].duration, 1.5, 1e-9, 0);

@@ -64,8 +64,7 @@ static inline lw_mechanism random_topology(lw_rng *rng, int n, int extra, const 
     for (int i = 1; i < n; i++)
         lw_mechanism_join(&m, i, (int)lw_rng_range(rng, 0, i), kinds[(int)lw_rng_range(rng, 0, n_kind)]);
     for (; extra > 0 && n > 1; extra--)
-        lw_mechanism_join(&m, (int)lw_rng_range(rng, 0, n), (int)lw_rng_range(rng, 0, n),
-                          kinds[(int)lw_rng_range(rng, 0, n_kind)]);
+        lw_mechanism_join(&m, (int)lw_rng_range(rng, 0, n), (int)lw_rng_range(rng, 0, n), kinds[(int)lw_rng_range(rng, 0, n_kind)]);
     return m;
 }
 

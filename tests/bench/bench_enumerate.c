@@ -202,8 +202,7 @@ int main(int argc, char **argv)
     report(GROUND, 12, 1, 1);
     if (lw_core_count() > 1) {
         result two = report(COUNT, 16, 1, 2);
-        printf("# two threads: %.2f times as fast as one, with %.2f times the processor time\n", one.wall/two.wall,
-               two.cpu/one.cpu);
+        printf("# two threads: %.2f times as fast as one, with %.2f times the processor time\n", one.wall/two.wall, two.cpu/one.cpu);
     }
     if (argc > 1 && strcmp(argv[1], "full") == 0)
         report(COUNT, 18, 1, 0);

@@ -49,8 +49,7 @@ static void make_problems(bench *b)
     spec.crank_only = spec.exclude_drag_link = true;
     spec.length_hi = spec.position_hi = 50;
     spec.position_lo = -50;
-    if (lw_file_read(TARGET, &text, &size, &e) != LW_OK
-        || lw_target_read(text, size, TARGET, NULL, &t, &e) != LW_OK)
+    if (lw_file_read(TARGET, &text, &size, &e) != LW_OK || lw_target_read(text, size, TARGET, NULL, &t, &e) != LW_OK)
         leave(e.text);
     for (int i = 0; i < ARMS; i++)                          /* the first family is the crank-rocker */
         if (lw_problem_make(&t, &spec, lw_family_table, i ? -1 : 1, 1, &b->problem[i], &e) != LW_OK)

@@ -82,8 +82,7 @@ TARGET static void HAND(inverted_angles)(size_t n, const double *restrict c, con
 }
 
 /* Where two circles meet, on the left (mode 1) or right of the line from a to b. */
-TARGET static inline void HAND(circles)(double ax, double ay, double bx, double by, double r1, double r2, double mode,
-                                        double *x, double *y)
+TARGET static inline void HAND(circles)(double ax, double ay, double bx, double by, double r1, double r2, double mode, double *x, double *y)
 {
     double dx = bx - ax, dy = by - ay, d2 = dx*dx + dy*dy, sum = r1 + r2, dif = r1 - r2;
     double h = (sum*sum - d2)*(d2 - dif*dif), t = 0.5/d2, p = (d2 + sum*dif)*t, q = mode*sqrt(h > 0 ? h : 0)*t;

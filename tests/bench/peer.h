@@ -95,8 +95,7 @@ static inline bool peer_line3(peer_scene *s, const char *line)
         return ++s->n_at3 > 0;
     if (sscanf(line, "drive3 %d %d %d", &s->drive3[0], &s->drive3[1], &s->drive3[2]) == 3)
         return true;
-    if (sscanf(line, "point %d %lf %lf %lf %127[^\n]", &s->point_body, &s->point[0], &s->point[1], &s->point[2],
-               s->point_name) == 5)
+    if (sscanf(line, "point %d %lf %lf %lf %127[^\n]", &s->point_body, &s->point[0], &s->point[1], &s->point[2], s->point_name) == 5)
         return true;
     bool begins = sscanf(line, "gravity3 %lf %lf %lf", &s->gravity[0], &s->gravity[1], &s->gravity[2]) == 3;
     s->space = s->space || begins;
@@ -115,13 +114,11 @@ static inline bool peer_line(peer_scene *s, const char *line)
         return false;
     if (peer_line3(s, line))
         return true;
-    if (sscanf(line, "body %lf %lf %lf %lf %lf %127[^\n]", &b->mass, &b->inertia, &b->x, &b->y, &b->omega,
-               b->name) == 6)
+    if (sscanf(line, "body %lf %lf %lf %lf %lf %127[^\n]", &b->mass, &b->inertia, &b->x, &b->y, &b->omega, b->name) == 6)
         return ++s->n_body > 0;
     if (sscanf(line, "pin %d %d %lf %lf", &p->a, &p->b, &p->x, &p->y) == 4)
         return ++s->n_pin > 0;
-    if (sscanf(line, "spring %d %d %lf %lf %lf %lf %lf %lf", &k->a, &k->b, &k->ax, &k->ay, &k->bx, &k->by,
-               &k->stiffness, &k->free) == 8)
+    if (sscanf(line, "spring %d %d %lf %lf %lf %lf %lf %lf", &k->a, &k->b, &k->ax, &k->ay, &k->bx, &k->by, &k->stiffness, &k->free) == 8)
         return ++s->n_spring > 0;
     if (sscanf(line, "torque %d %lf", &t->body, &t->value) == 2)
         return ++s->n_torque > 0;
@@ -164,8 +161,7 @@ static inline double peer_clock(void)
 /* Run one row in a process of its own, so that a row that never ends, or crashes, loses itself only: it may take 20 times
  * scene->longest, 1 s at least.  row returns the seconds of its best run.  Returns true where that is longer than
  * scene->longest, or the row is lost; a lost row prints "fail". */
-static inline bool peer_apart(const peer_scene *scene, double (*row)(void *), void *context, double tolerance,
-                              const char *solver)
+static inline bool peer_apart(const peer_scene *scene, double (*row)(void *), void *context, double tolerance, const char *solver)
 {
     enum { QUICK, SLOW };
     int status = 0;

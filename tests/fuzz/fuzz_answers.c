@@ -19,11 +19,9 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t most, unsigned
         int head = 0;
         char line[96], check[20];
         snprintf(line, sizeof line, "%.*s", (int)(size - i < 90 ? size - i : 90), (const char *)data + i);
-        if (sscanf(line, "task %zu bytes %zu check %*16[0-9a-f]%n", &task, &n, &head) != 2 || head < 16
-            || n >= size - i - (size_t)head)
+        if (sscanf(line, "task %zu bytes %zu check %*16[0-9a-f]%n", &task, &n, &head) != 2 || head < 16 || n >= size - i - (size_t)head)
             continue;
-        snprintf(check, sizeof check, "%016llx",
-                 (unsigned long long)cli_kept_check(task, (const char *)data + i + head + 1, n));
+        snprintf(check, sizeof check, "%016llx", (unsigned long long)cli_kept_check(task, (const char *)data + i + head + 1, n));
         memcpy(data + i + head - 16, check, 16);
         i += (size_t)head;
     }

@@ -9,5 +9,4 @@ static bool replays(const lw_derivation *d)
     return lw_derivation_replay(d, &s) == LW_OK && is_structure(&s);
 }
 
-FUZZ_READS_BACK(lw_derivation, lw_derivation_read, lw_derivation_print, LW_DERIVATION_SIZE,
-                memcmp(&a, &b, sizeof a) == 0 && replays(&a))
+FUZZ_READS_BACK(lw_derivation, lw_derivation_read, lw_derivation_print, LW_DERIVATION_SIZE, memcmp(&a, &b, sizeof a) == 0 && replays(&a))

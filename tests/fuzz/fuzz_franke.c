@@ -8,5 +8,4 @@ static bool is_chain(const lw_franke *f)
     return lw_franke_chain(f, &c) == LW_OK;
 }
 
-FUZZ_READS_BACK(lw_franke, lw_franke_read, lw_franke_print, LW_FRANKE_SIZE,
-                memcmp(&a, &b, sizeof a) == 0 && is_chain(&a))
+FUZZ_READS_BACK(lw_franke, lw_franke_read, lw_franke_print, LW_FRANKE_SIZE, memcmp(&a, &b, sizeof a) == 0 && is_chain(&a))

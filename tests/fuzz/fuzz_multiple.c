@@ -9,5 +9,4 @@ static bool has_axes(const lw_multiple *m)
     return lw_multiple_mechanism(m, &all, &axes) != LW_OK || all.n_link == m->n_link + __builtin_popcount(axes);
 }
 
-FUZZ_READS_BACK(lw_multiple, lw_multiple_read, lw_multiple_print, LW_MULTIPLE_SIZE,
-                memcmp(&a, &b, sizeof a) == 0 && has_axes(&a))
+FUZZ_READS_BACK(lw_multiple, lw_multiple_read, lw_multiple_print, LW_MULTIPLE_SIZE, memcmp(&a, &b, sizeof a) == 0 && has_axes(&a))

@@ -35,8 +35,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             continue;
         }
         check_stations(&t, option[i].stations);
-        demand(lw_target_make_all(t.n, t.x, t.y, t.theta, t.angle, t.weight, t.also, t.n_also, t.closed, &again,
-                                  &e) == LW_OK);
+        demand(lw_target_make_all(t.n, t.x, t.y, t.theta, t.angle, t.weight, t.also, t.n_also, t.closed, &again, &e) == LW_OK);
         demand(again.closed == t.closed && again.length == t.length && again.size == t.size);
         demand(again.n_also == t.n_also && again.extent == t.extent && t.extent >= t.size);
         for (int k = 0; k < t.n_also; k++)

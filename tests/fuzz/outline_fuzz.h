@@ -6,8 +6,7 @@
 #include "optimise/task/target_outline.h"
 #include "tests/fuzz/fuzz.h"
 
-typedef lw_status read_outline(const char *text, size_t size, const char *file, const lw_target_options *o,
-                               lw_target *t, lw_error *e);
+typedef lw_status read_outline(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t, lw_error *e);
 
 static inline int fuzz_outline(read_outline *read, const uint8_t *data, size_t size)
 {

@@ -9,8 +9,7 @@
 static void corpus_path(char *path, size_t size)
 {
     extern char *program_invocation_short_name;
-    snprintf(path, size, "tests/fuzz/corpus/%s",
-             program_invocation_short_name + strcspn(program_invocation_short_name, "_") + 1);
+    snprintf(path, size, "tests/fuzz/corpus/%s", program_invocation_short_name + strcspn(program_invocation_short_name, "_") + 1);
 }
 
 static int replay(const char *path)
