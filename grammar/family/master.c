@@ -7,7 +7,6 @@
 #include "base/bytes.h"
 #include "base/growable_array.h"
 #include "base/number.h"
-#include "base/real.h"
 #include "base/suggest.h"
 #include "base/units.h"
 
@@ -68,7 +67,7 @@ static lw_status fill_tree(lw_master *m, lw_template *t, lw_json_node json, lw_e
     return s;
 }
 
-static const char *text_of(const lw_template *t) { return t ? lw_json_text(&t->json) : NULL; }
+const char *lw_template_text(const lw_template *t) { return t ? lw_json_text(&t->json) : NULL; }
 
 static lw_status expect(const lw_template *t, lw_json_kind kind, lw_error *e) { return lw_json_expect(&t->json, kind,
     e); }
@@ -236,7 +235,7 @@ static void quote(lw_bytes *b, const char *text)
 
 static lw_status compile_scalar(const place *p, lw_template *t, lw_error *e)
 {
-    const char *text = text_of(t);
+    const char *text = lw_template_text(t);
     lw_bytes b = { 0 };
     char digits[LW_NUMBER_SIZE];
     t->kind = LW_TEMPLATE_VERBATIM;
@@ -302,7 +301,7 @@ static void leave_repeat(const place *p, const lw_template *object)
 
 static lw_status compile_condition(const place *p, lw_template *t, lw_error *e)
 {
-    const char *text = text_of(t);
+    const char *text = lw_template_text(t);
     lw_status s = LW_OK;
     if (text && text[0] != '=') {
         t->kind = LW_TEMPLATE_FORMULA;
@@ -364,7 +363,7 @@ static lw_status compile(const place *p, lw_template *t, const lw_key *key, cons
 static lw_status read_unit(const lw_template *t, lw_amount *unit, lw_error *e)
 {
     lw_error inner = { 0 };
-    const char *text = text_of(t);
+    const char *text = lw_template_text(t);
     if (!text)
         return lw_json_fault(&t->json, e, "a unit is expected here, such as \"mm\"");
     lw_status s = lw_unit_parse(text, strlen(text), unit, &inner);
@@ -400,13 +399,13 @@ static lw_status read_parameter(lw_symbol *s, lw_template *t, lw_error *e)
     if (st == LW_OK && (unit = lw_template_member(t, "unit"))) {
         st = read_unit(unit, &s->unit, e);
         s->has_unit = st == LW_OK;
-        s->info.unit = st == LW_OK ? text_of(unit) : "";
+        s->info.unit = st == LW_OK ? lw_template_text(unit) : "";
     }
     if (st == LW_OK && (range = lw_template_member(t, "range")))
         st = read_range(s, range, e);
     if (st == LW_OK && (doc = lw_template_member(t, "doc"))) {
         st = expect(doc, LW_JSON_TEXT, e);
-        s->info.doc = st == LW_OK ? text_of(doc) : "";
+        s->info.doc = st == LW_OK ? lw_template_text(doc) : "";
     }
     if (st == LW_OK && (whole = lw_template_member(t, "whole"))) {
         s->info.whole = lw_json_truth(&whole->json) == 1;
@@ -425,7 +424,7 @@ static lw_status read_parameter(lw_symbol *s, lw_template *t, lw_error *e)
 /* A number in the unit of the symbol, a truth, a text; "=..." with units. */
 static lw_status constant_of(const lw_template *t, const lw_symbol *s, lw_amount *out, lw_error *e)
 {
-    const char *text = text_of(t);
+    const char *text = lw_template_text(t);
     if (t->type == LW_JSON_NUMBER) {
         *out = s->has_unit ? s->unit : lw_amount_plain(0);
         return lw_json_number(&t->json, &out->number, e);
@@ -450,7 +449,7 @@ static lw_status constant_of(const lw_template *t, const lw_symbol *s, lw_amount
 static lw_status read_value(const place *p, lw_symbol *s, lw_error *e)
 {
     lw_template *t = s->node, *value = t->type == LW_JSON_OBJECT && !s->let ? lw_template_member(t, "value") : t;
-    const char *text = text_of(value);
+    const char *text = lw_template_text(value);
     size_t skip = text && text[0] == '=';
     s->node = value;
     if (text && (skip || s->let)) {
@@ -543,7 +542,7 @@ static lw_status read_scope(const place *p, const lw_template *of, int *n_parame
 static lw_status find_part(const lw_master *m, const lw_template *t, int *out, lw_error *e)
 {
     lw_status s = expect(t, LW_JSON_TEXT, e);
-    const char *name = text_of(t);
+    const char *name = lw_template_text(t);
     for (*out = 0; s == LW_OK && *out < m->n_part; ++*out)
         if (strcmp(m->part[*out].name, name) == 0)
             return LW_OK;
@@ -742,7 +741,7 @@ static const struct { const char *name, *omit[20]; } own_views[] = {
 static bool omitted_by(const lw_setting *view, const char *key)
 {
     for (int i = 0; view->omit && i < view->omit->n; i++)
-        if (strcmp(text_of(&view->omit->child[i]), key) == 0)
+        if (strcmp(lw_template_text(&view->omit->child[i]), key) == 0)
             return true;
     for (int i = 0; !view->omit && i < COUNT(own_views); i++)
         for (int k = 0; strcmp(own_views[i].name, view->name) == 0 && k < 20 && own_views[i].omit[k]; k++)
@@ -800,19 +799,14 @@ static lw_status read_settings(const lw_master *m, const lw_template *list, lw_s
     return s;
 }
 
-static int find_setting(const lw_setting *list, int n, const char *name)
+int lw_setting_find(const char *what, const lw_setting *list, int n, const char *name, lw_error *e)
 {
     for (int i = 0; i < n; i++)
         if (strcmp(list[i].name, name) == 0)
             return i;
-    return -1;
-}
-
-static lw_status no_setting(const char *what, const lw_setting *list, int n, const char *name, char *text, size_t size)
-{
     const char *near = LW_SUGGEST(name, list, n, name);
-    snprintf(text, size, "there is no %s \"%.60s\"%s%s%s", what, name, LW_DID_YOU_MEAN(near));
-    return LW_E_ARG;
+    lw_error_set(e, LW_E_ARG, "there is no %s \"%.60s\"%s%s%s", what, name, LW_DID_YOU_MEAN(near));
+    return -1;
 }
 
 static lw_status read_views(lw_master *m, lw_error *e)
@@ -827,12 +821,9 @@ static lw_status read_views(lw_master *m, lw_error *e)
     lw_status s = read_settings(m, list, m->view, &m->n_view, true, e);
     if (s != LW_OK || !choice || (s = expect(choice, LW_JSON_TEXT, e)) != LW_OK)
         return s;
-    char text[200];
-    m->default_view = find_setting(m->view, m->n_view, text_of(choice));
-    if (m->default_view >= 0)
-        return LW_OK;
-    no_setting("view", m->view, m->n_view, text_of(choice), text, sizeof text);
-    return lw_json_fault(&choice->json, e, "%s", text);
+    lw_error why = { 0 };
+    m->default_view = lw_setting_find("view", m->view, m->n_view, lw_template_text(choice), &why);
+    return m->default_view >= 0 ? LW_OK : lw_json_fault(&choice->json, e, "%s", why.text);
 }
 
 static lw_status read_checks(lw_master *m, const lw_template *list, lw_error *e)
@@ -851,16 +842,16 @@ static lw_status read_checks(lw_master *m, const lw_template *list, lw_error *e)
         s = expect(t, LW_JSON_OBJECT, e);
         if (s == LW_OK)
             s = lw_json_known_keys(&t->json, known, COUNT(known), e);
-        if (s == LW_OK && !text_of(require))
+        if (s == LW_OK && !lw_template_text(require))
             s = lw_json_fault(&t->json, e, "a check needs \"require\", a condition such as \"a + b < c\"");
         if (s == LW_OK && text)
             s = expect(text, LW_JSON_TEXT, e);
         if (s != LW_OK)
             break;
-        size_t skip = text_of(require)[0] == '=';
+        size_t skip = lw_template_text(require)[0] == '=';
         c->node = require;
-        c->text = text ? text_of(text) : "";
-        s = parse(&p, require, text_of(require), skip, strlen(text_of(require) + skip), &c->formula, e);
+        c->text = text ? lw_template_text(text) : "";
+        s = parse(&p, require, lw_template_text(require), skip, strlen(lw_template_text(require) + skip), &c->formula, e);
     }
     return s;
 }
@@ -883,7 +874,7 @@ static lw_status read_units(lw_master *m, lw_error *e)
         lw_template *t = lw_template_member(units, known[i]);
         if (!t)
             continue;
-        const char *name = text_of(t);
+        const char *name = lw_template_text(t);
         if (!name || !(i ? lw_units_set_angle(&check, name) : lw_units_set_length(&check, name)))
             return lw_json_fault(&t->json, e, "a unit of %s is expected here: %s", known[i],
                                  i ? "rad, deg or turn" : "m, mm, cm, km, um, in or ft");
@@ -1042,11 +1033,17 @@ void lw_master_free(lw_master *m)
     free(m);
 }
 
+lw_status lw_master_formula(const lw_master *m, const char *text, lw_formula **f, lw_error *e)
+{
+    place p = { m, (lw_scope *)&m->scope, false };
+    return lw_formula_parse(text, strlen(text), look_up, &p, f, e);
+}
+
 /* ---- what is in it ----------------------------------------------------------------------------------- */
 
 const char *lw_master_title(const lw_master *m)
 {
-    const char *text = text_of(lw_template_member(m->root, "family"));
+    const char *text = lw_template_text(lw_template_member(m->root, "family"));
     return text ? text : "";
 }
 
@@ -1069,7 +1066,7 @@ const char *lw_master_view(const lw_master *m, int i) { return i >= 0 && i < m->
 
 const char *lw_master_check_text(const lw_master *m, int i)
 {
-    return i < 0 || i >= m->n_check ? NULL : m->check[i].text[0] ? m->check[i].text : text_of(m->check[i].node);
+    return i < 0 || i >= m->n_check ? NULL : m->check[i].text[0] ? m->check[i].text : lw_template_text(m->check[i].node);
 }
 
 int lw_master_find_parameter(const lw_master *m, const char *name)
@@ -1078,289 +1075,4 @@ int lw_master_find_parameter(const lw_master *m, const char *name)
         if (strcmp(m->scope.symbol[1 + i].name, name) == 0)
             return i;
     return -1;
-}
-
-/* ---- variants ------------------------------------------------------------------------------------------ */
-
-lw_status lw_variant_create(const lw_master *m, lw_variant **out)
-{
-    lw_variant *v = *out = calloc(1, sizeof *v);
-    if (!v)
-        return LW_E_MEMORY;
-    size_t n = (size_t)m->scope.n;
-    *v = (lw_variant){ .m = m, .view = m->default_view, .configuration = -1, .given = calloc(n, sizeof *v->given),
-                       .own = calloc(n, sizeof *v->own), .value = calloc(n, sizeof *v->value),
-                       .text = calloc(n, sizeof *v->text) };
-    if (v->given && v->own && v->value && v->text)
-        return LW_OK;
-    lw_variant_free(v);
-    *out = NULL;
-    return LW_E_MEMORY;
-}
-
-void lw_variant_free(lw_variant *v)
-{
-    if (!v)
-        return;
-    for (int i = 0; v->text && i < v->m->scope.n; i++)
-        free(v->text[i]);
-    free(v->given);
-    free(v->own);
-    free(v->value);
-    free(v->text);
-    free(v);
-}
-
-lw_status lw_variant_configure(lw_variant *v, const char *name, lw_error *e)
-{
-    char text[200];
-    int at = name ? find_setting(v->m->configuration, v->m->n_configuration, name) : -1;
-    if (name && at < 0) {
-        no_setting("configuration", v->m->configuration, v->m->n_configuration, name, text, sizeof text);
-        return lw_error_at(e, LW_E_ARG, v->m->file, 0, 0, "%s", text);
-    }
-    v->configuration = at;
-    v->fresh = false;
-    return LW_OK;
-}
-
-lw_status lw_variant_look(lw_variant *v, const char *name, lw_error *e)
-{
-    char text[200];
-    int at = name ? find_setting(v->m->view, v->m->n_view, name) : v->m->default_view;
-    if (name && at < 0) {
-        no_setting("view", v->m->view, v->m->n_view, name, text, sizeof text);
-        return lw_error_at(e, LW_E_ARG, v->m->file, 0, 0, "%s", text);
-    }
-    v->view = at;
-    v->fresh = false;
-    return LW_OK;
-}
-
-lw_status lw_variant_set_number(lw_variant *v, int parameter, double value)
-{
-    if (parameter < 0 || parameter >= v->m->n_parameter || !isfinite(value))
-        return LW_E_ARG;
-    const lw_symbol *s = &v->m->scope.symbol[1 + parameter];
-    if (s->info.kind != LW_AMOUNT_NUMBER)
-        return LW_E_ARG;
-    v->own[1 + parameter] = s->has_unit ? s->unit : lw_amount_plain(0);
-    v->own[1 + parameter].number = value;
-    v->given[1 + parameter] = true;
-    v->fresh = false;
-    return LW_OK;
-}
-
-lw_status lw_variant_set(lw_variant *v, const char *name, const char *value, lw_error *e)
-{
-    int at = lw_master_find_parameter(v->m, name);
-    if (at < 0) {
-        const char *near = LW_SUGGEST(name, v->m->scope.symbol + 1, v->m->n_parameter, name);
-        return lw_error_at(e, LW_E_ARG, v->m->file, 0, 0, "there is no parameter \"%.60s\"%s%s%s", name, LW_DID_YOU_MEAN(near));
-    }
-    const lw_symbol *s = &v->m->scope.symbol[1 + at];
-    char *copy = strdup(value);
-    lw_formula *f = NULL;
-    lw_amount a = lw_amount_of_text(copy);
-    lw_error inner = { 0 };
-    if (!copy)
-        return no_memory(e);
-    lw_status st = LW_OK;
-    if (s->info.kind != LW_AMOUNT_TEXT) {
-        st = lw_formula_parse(value, strlen(value), NULL, NULL, &f, &inner);
-        if (st == LW_OK)
-            st = lw_formula_value(f, (const lw_amount *const[2]){ NULL, NULL }, &a, &inner);
-        lw_formula_free(f);
-        if (st == LW_OK && a.kind == LW_AMOUNT_NUMBER && s->has_unit
-            && lw_dimension_fits(a.dimension, lw_amount_plain(0).dimension)) {
-            double number = lw_amount_si(&a);
-            a = s->unit;                                 /* a plain number is in the unit of the parameter */
-            a.number = number;
-        }
-        if (st == LW_OK && a.kind != s->info.kind)
-            st = lw_error_set(&inner, LW_E_NOTATION, "%s is expected", s->info.kind == LW_AMOUNT_TRUTH ? "true or false" : "a number");
-    }
-    if (st != LW_OK) {
-        free(copy);
-        return lw_error_at(e, st == LW_E_NOTATION ? LW_E_ARG : st, v->m->file, 0, 0, "%s = %.60s: %s", name, value, inner.text);
-    }
-    free(v->text[1 + at]);
-    v->text[1 + at] = copy;
-    v->own[1 + at] = a;
-    v->given[1 + at] = true;
-    v->fresh = false;
-    return LW_OK;
-}
-
-/* Does a value suit its parameter: unit, range, choices? */
-static lw_status suits(const lw_variant *v, const lw_symbol *s, const lw_amount *a, lw_error *e)
-{
-    const lw_parameter *p = &s->info;
-    double x = a->number;
-    char text[96];
-    lw_amount plain = lw_amount_plain(1);
-    const lw_json_node *at = &s->node->json;
-    if (s->let)
-        return LW_OK;
-    if (a->kind == LW_AMOUNT_NUMBER && !lw_amount_in(a, s->has_unit ? &s->unit : &plain, &x)) {
-        lw_dimension_print(a->dimension, text, sizeof text);
-        return lw_json_fault(at, e, "the value of %s is in [%s], its unit is [%s]", s->name, text, s->has_unit ? p->unit : "1");
-    }
-    lw_variant_print(v, (int)(s - v->m->scope.symbol) - 1, a, text, sizeof text);
-    if (p->has_range && a->kind == LW_AMOUNT_NUMBER && !(x >= p->least && x <= p->most))
-        return lw_json_fault(at, e, "%s = %s is outside its range %g to %g %s", s->name, text, p->least, p->most, p->unit);
-    if (p->whole && a->kind == LW_AMOUNT_NUMBER && x != round(x))
-        return lw_json_fault(at, e, "%s = %s is no whole number", s->name, text);
-    bool found = !s->choices;
-    for (int i = 0; s->choices && i < s->choices->n; i++) {
-        const lw_template *c = &s->choices->child[i];
-        double number = 0;
-        found = found || (a->kind == LW_AMOUNT_TEXT && text_of(c) && strcmp(text_of(c), a->text) == 0)
-             || (a->kind == LW_AMOUNT_NUMBER && c->type == LW_JSON_NUMBER && lw_json_number(&c->json, &number,
-                 NULL) == LW_OK
-                 && number == x);
-    }
-    return found ? LW_OK : lw_json_fault(at, e, "%s = %s is none of its choices", s->name, text);
-}
-
-static void apply_setting(lw_variant *v, const lw_setting *s, bool *done)
-{
-    for (int i = 0; i < s->n; i++) {
-        v->value[s->set[i].symbol] = s->set[i].value;
-        done[s->set[i].symbol] = true;
-    }
-}
-
-lw_status lw_variant_update(lw_variant *v, lw_error *e)
-{
-    const lw_master *m = v->m;
-    const lw_scope *scope = &m->scope;
-    if (v->fresh)
-        return LW_OK;
-    bool *done = calloc((size_t)scope->n, sizeof *done);
-    if (!done)
-        return no_memory(e);
-    for (int i = 0; i < scope->n; i++)
-        v->value[i] = scope->symbol[i].value;
-    v->value[LW_SYMBOL_VIEW] = lw_amount_of_text(v->view >= 0 ? m->view[v->view].name : "");
-    if (v->view >= 0)
-        apply_setting(v, &m->view[v->view], done);
-    if (v->configuration >= 0)
-        apply_setting(v, &m->configuration[v->configuration], done);
-    for (int i = 0; i < scope->n; i++)
-        if (v->given[i]) {
-            v->value[i] = v->own[i];
-            done[i] = true;
-        }
-    lw_status s = LW_OK;
-    for (int i = 1; s == LW_OK && i <= m->n_parameter; i++)       /* values given before formulas over them */
-        if (done[i] || !scope->symbol[i].formula)
-            s = suits(v, &scope->symbol[i], &v->value[i], e);
-    for (int k = 0; s == LW_OK && k < scope->n_order; k++) {
-        int i = scope->order[k];
-        const lw_symbol *y = &scope->symbol[i];
-        const char *text = text_of(y->node);
-        lw_error inner = { 0 };
-        if (done[i])
-            continue;
-        s = lw_formula_value(y->formula, (const lw_amount *const[2]){ v->value, NULL }, &v->value[i], &inner);
-        if (s != LW_OK)
-            s = lw_template_fault(y->node, text && text[0] == '=', &inner, e);
-    }
-    for (int i = 1; s == LW_OK && i <= m->n_parameter; i++)
-        if (!done[i] && scope->symbol[i].formula)
-            s = suits(v, &scope->symbol[i], &v->value[i], e);
-    free(done);
-    v->fresh = s == LW_OK;
-    return s;
-}
-
-lw_status lw_variant_value(lw_variant *v, int parameter, lw_amount *out, lw_error *e)
-{
-    lw_status s = parameter >= 0 && parameter < v->m->n_parameter + v->m->n_let ? lw_variant_update(v, e)
-                : lw_error_set(e, LW_E_ARG, "there is no such parameter");
-    if (s == LW_OK)
-        *out = v->value[1 + parameter];
-    return s;
-}
-
-lw_status lw_variant_quantity(lw_variant *v, const char *text, double *out, char *unit, lw_error *e)
-{
-    place p = { v->m, (lw_scope *)&v->m->scope, false };
-    lw_formula *f = NULL;
-    lw_amount a;
-    lw_status s = lw_variant_update(v, e);
-    if (s == LW_OK)
-        s = lw_formula_parse(text, strlen(text), look_up, &p, &f, e);
-    if (s == LW_OK)
-        s = lw_formula_value(f, (const lw_amount *const[2]){ v->value, NULL }, &a, e);
-    if (s == LW_OK && a.kind != LW_AMOUNT_NUMBER)
-        s = lw_error_set(e, LW_E_KIND, "this is a %s, no number", a.kind == LW_AMOUNT_TEXT ? "text" : "condition");
-    if (s == LW_OK) {
-        const lw_amount *as = lw_formula_unit(f);
-        const char *name = as ? strstr(text, " as ") : NULL;
-        *out = lw_amount_si(&a);
-        if (as)
-            lw_amount_in(&a, as, out);
-        if (unit && name)
-            snprintf(unit, 64, "%s", name + 4);
-        else if (unit) {
-            lw_dimension_print(a.dimension, unit, 64);
-            if (strcmp(unit, "plain number") == 0)
-                strcpy(unit, "1");
-        }
-    }
-    lw_formula_free(f);
-    return s;
-}
-
-void lw_variant_print(const lw_variant *v, int parameter, const lw_amount *a, char *text, size_t size)
-{
-    char digits[LW_NUMBER_SIZE], unit[64];
-    const lw_symbol *s = parameter >= 0 && parameter < v->m->n_parameter ? &v->m->scope.symbol[1 + parameter] : NULL;
-    double x = lw_amount_si(a);
-    if (a->kind != LW_AMOUNT_NUMBER) {
-        snprintf(text, size, "%s", a->kind == LW_AMOUNT_TEXT ? a->text : a->number != 0 ? "true" : "false");
-        return;
-    }
-    lw_dimension_print(a->dimension, unit, sizeof unit);
-    bool own = s && s->has_unit && lw_amount_in(a, &s->unit, &x);
-    lw_number_text(digits, x, 10);
-    snprintf(text, size, "%s%s%s", digits, own || strcmp(unit, "plain number") != 0 ? " " : "",
-             own ? s->info.unit : strcmp(unit, "plain number") != 0 ? unit : "");
-}
-
-lw_status lw_variant_check(lw_variant *v, int i, bool *holds, lw_amount *left, lw_amount *right, lw_error *e)
-{
-    if (i < 0 || i >= v->m->n_check)
-        return lw_error_set(e, LW_E_ARG, "there is no such check");
-    const lw_check *c = &v->m->check[i];
-    lw_error inner = { 0 };
-    lw_amount truth;
-    lw_status s = lw_variant_update(v, e);
-    if (s != LW_OK)
-        return s;
-    s = lw_formula_compare(c->formula, (const lw_amount *const[2]){ v->value, NULL }, &truth, left, right, &inner);
-    if (s == LW_OK && truth.kind != LW_AMOUNT_TRUTH)
-        return lw_json_fault(&c->node->json, e, "this is no condition; write a comparison, such as a + b < c");
-    *holds = s == LW_OK && truth.number != 0;
-    return s == LW_OK ? s : lw_template_fault(c->node, text_of(c->node)[0] == '=', &inner, e);
-}
-
-lw_status lw_variant_hold_checks(lw_variant *v, lw_error *e)
-{
-    bool holds = true;
-    lw_amount left, right;
-    char a[96], b[96];
-    for (int i = 0; i < v->m->n_check; i++) {
-        lw_status s = lw_variant_check(v, i, &holds, &left, &right, e);
-        if (s != LW_OK)
-            return s;
-        lw_variant_print(v, -1, &left, a, sizeof a);
-        lw_variant_print(v, -1, &right, b, sizeof b);
-        if (!holds)
-            return lw_json_fault(&v->m->check[i].node->json, e, "this check does not hold: %s (%s against %s)",
-                                 lw_master_check_text(v->m, i), a, b);
-    }
-    return LW_OK;
 }

@@ -117,6 +117,9 @@ enum { LW_SYMBOL_VIEW = 0, LW_SYMBOL_SELF = 0 };        /* in the scope of the r
 /* The member of an object; NULL: none. */
 lw_template *lw_template_member(const lw_template *object, const char *key);
 
+/* The text of a template; NULL: it is NULL, or no text. */
+const char *lw_template_text(const lw_template *t);
+
 /* Error at a template; `inner` (of a formula or text inside it) may be NULL, else its column and text are used. */
 lw_status lw_template_fault(const lw_template *t, size_t at, const lw_error *inner, lw_error *e);
 
@@ -128,6 +131,12 @@ struct lw_variant {
     char      **text;                  /* of the values set one by one, owned */
     bool        fresh;                 /* value[] belongs to the settings */
 };
+
+/* Index of a configuration or a view (`what`) of this name; -1: there is none, e is filled. */
+int lw_setting_find(const char *what, const lw_setting *list, int n, const char *name, lw_error *e);
+
+/* A formula over the names of the root. */
+lw_status lw_master_formula(const lw_master *m, const char *text, lw_formula **f, lw_error *e);
 
 /* Does the view leave out members with this key? */
 bool lw_master_omits(const lw_master *m, int view, const char *key);
