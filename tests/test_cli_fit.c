@@ -31,8 +31,7 @@ TEST(inputs_of_sliders_have_the_unit_of_the_target)
 
 TEST(four_bars_near_a_change_point_are_marked)
 {
-    json_t *root = json_of("$P fit examples/film-advance.csv --unlimited --rounds 1 -o $D/marked.json > $D/table; "
-                           "cat $D/marked.json"), *r;
+    json_t *root = json_of("$P fit examples/film-advance.csv --unlimited --rounds 1 -o $D/marked.json > $D/table; cat $D/marked.json"), *r;
     size_t i;
     int n = 0;
     json_array_foreach(json_object_get(root, "results"), i, r) {
@@ -73,8 +72,7 @@ TEST(first_answers_keep_the_default_limits)
     for (size_t k = 0; k < sizeof target/sizeof *target; k++) {
         double objective[2];
         for (int unlimited = 0; unlimited < 2; unlimited++) {
-            snprintf(line, sizeof line, "$P fit examples/%s.csv --rounds 1 --json -q%s", target[k],
-                     unlimited ? " --unlimited" : "");
+            snprintf(line, sizeof line, "$P fit examples/%s.csv --rounds 1 --json -q%s", target[k], unlimited ? " --unlimited" : "");
             json_t *root = k == 0 && !unlimited ? walking_foot() : json_of(line), *r = json_array_get(json_object_get(root, "results"), 0);
             json_t *dim = json_object_get(r, "dimensions");
             double length[4] = { member(dim, "r1"), member(dim, "r2"), member(dim, "r3"), member(dim, "r4") };
@@ -474,8 +472,7 @@ TEST(tolerances_of_lengths_choose_a_robust_linkage)
 /* Types whose input cannot turn answer a closed target all the same, and the answer says what it does. */
 TEST(limits_that_nothing_keeps_give_way)
 {
-    expect("$P fit examples/ellipse.csv --type trammel --rounds 1", 0, "beyond the limits: the input passes a limit",
-           NULL);
+    expect("$P fit examples/ellipse.csv --type trammel --rounds 1", 0, "beyond the limits: the input passes a limit", NULL);
 }
 
 /* Without timing half of the objective is the distance of the curve from the target: the second simulation computes
@@ -532,8 +529,7 @@ TEST(files_of_another_kind_are_named)
     expect("$P simulate examples/ellipse.csv", 3, "", "this is a target, not a linkage");
     expect("$P draw examples/ellipse.csv -o $D/x.svg", 3, "", "this is a target, not a linkage");
     expect("$P trace examples/tasks/dwell.json", 3, "", "this is a task, not a linkage");
-    expect("$P fit examples/hoeken.json", 3, "", "this is a linkage, not a target, a drawing or a task: did you mean "
-           "'linkwright trace");
+    expect("$P fit examples/hoeken.json", 3, "", "this is a linkage, not a target, a drawing or a task: did you mean 'linkwright trace");
     expect("$P fit $D/marked.json", 3, "", "this is a list of results, not a target");
     expect("$P fit examples/cycles/gantry.json", 3, "", "this is a work cycle, not a target, a drawing or a task: did you mean 'linkwright profile examples/cycles/gantry.json'?\n");
     expect("$P trace examples/drives/servo-axis.json", 3, "", "this is a servo axis, not a linkage: did you mean 'linkwright drive simulate");
@@ -547,8 +543,7 @@ TEST(an_odd_number_of_links_with_pins_is_told)
 
 TEST(pins_are_traced_without_tracers)
 {
-    expect("sed 's/\"tracers\"/\"x-tracers\"/' examples/hoeken.json > $D/pins.json; "
-           "$P trace $D/pins.json -n 3", 0, ",0,B,30,",
+    expect("sed 's/\"tracers\"/\"x-tracers\"/' examples/hoeken.json > $D/pins.json; $P trace $D/pins.json -n 3", 0, ",0,B,30,",
            "its moving pins are traced");
     expect("$P trace $D/pins.json -n 3 --tracer B | grep -c ,A,", 1, "0", NULL);
     expect("$P trace examples/hoeken.json -n 3 2>&1 | grep pins", 1, "", NULL);

@@ -178,8 +178,7 @@ static void same_fit(const lw_fit *a, const lw_fit *b, size_t n)
     CHECK(a->evals == b->evals && a->rounds == b->rounds && a->stop == b->stop);
     for (int i = 0; i < a->n && i < b->n; i++) {
         const lw_candidate *p = &a->candidate[i], *q = &b->candidate[i];
-        CHECK(p->family == q->family && p->intended.mode[0] == q->intended.mode[0]
-              && p->intended.sense == q->intended.sense);
+        CHECK(p->family == q->family && p->intended.mode[0] == q->intended.mode[0] && p->intended.sense == q->intended.sense);
         CHECK(memcmp(p->dim, q->dim, sizeof *p->dim*(size_t)p->n_dim) == 0);
         CHECK(memcmp(p->input, q->input, sizeof *p->input*n) == 0);
         CHECK(p->objective == q->objective && p->evals == q->evals);

@@ -55,8 +55,7 @@ static void dense_weights(double x, double *w)
     double z = 1.0 - x;
     for (int j = 0; j < 16; j++) {
         double rise = j < 12 ? rk_matrix[12][j] : 0.0, bend = (j == 0) - rise, c3 = rise - (j == 12) - bend;
-        w[j] = x*(rise + z*(bend + x*(c3 + z*(rk_dense[0][j] + x*(rk_dense[1][j] + z*(rk_dense[2][j]
-             + x*rk_dense[3][j]))))));
+        w[j] = x*(rise + z*(bend + x*(c3 + z*(rk_dense[0][j] + x*(rk_dense[1][j] + z*(rk_dense[2][j] + x*rk_dense[3][j]))))));
     }
 }
 

@@ -41,8 +41,7 @@ static bool possible(const char *family, setting s)
 }
 
 /* A problem whose target a member traces but for `shake`, and the member's variables. */
-static bool make_case(const char *family, setting s, double shake, lw_rng *rng, lw_problem *p,
-                      lw_target *t, double *x)
+static bool make_case(const char *family, setting s, double shake, lw_rng *rng, lw_problem *p, lw_target *t, double *x)
 {
     member m;
     stations st;
@@ -67,8 +66,7 @@ static bool make_case(const char *family, setting s, double shake, lw_rng *rng, 
 
 /* Where two steps of the difference agree the point counts as smooth: a station may change its place
  * on the curve, a sample its segment.  Returns 1 for such a variable. */
-static int check_derivative(const lw_problem *p, const double *x, const double *grad, int i, double f,
-                            void *work)
+static int check_derivative(const lw_problem *p, const double *x, const double *grad, int i, double f, void *work)
 {
     double d1 = central_difference(p, x, i, 1e-5, work), d2 = central_difference(p, x, i, 4e-6, work);
     double scale = 1 + f + fabs(grad[i]);

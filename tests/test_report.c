@@ -914,8 +914,7 @@ static lw_linkage triad_linkage(double crank)
         "\"joints\":[{\"name\":\"A\",\"links\":[\"ground\",\"bar\"],\"at\":[0,0]},"
         "{\"name\":\"B\",\"links\":[\"bar\",\"coupler\"],\"at\":[0.5,0.8]},"
         "{\"name\":\"C\",\"links\":[\"coupler\",\"rocker\"],\"at\":[2.6,2.1]},"
-        "{\"name\":\"D\",\"links\":[\"ground\",\"rocker\"],\"at\":[3,0]},"
-        "{\"name\":\"E\",\"links\":[\"coupler\",\"arm\"],\"at\":[1.1,2.4]},"
+        "{\"name\":\"D\",\"links\":[\"ground\",\"rocker\"],\"at\":[3,0]},{\"name\":\"E\",\"links\":[\"coupler\",\"arm\"],\"at\":[1.1,2.4]},"
         "{\"name\":\"F\",\"links\":[\"arm\",\"crank\"],\"at\":[%.17g,3]},"
         "{\"name\":\"G\",\"links\":[\"ground\",\"crank\"],\"at\":[-1.5,3]}],"
         "\"input\":{\"joint\":\"G\"},\"tracers\":[{\"name\":\"P\",\"link\":\"arm\",\"at\":[0.2,2.9]}]}";

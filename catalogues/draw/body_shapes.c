@@ -243,8 +243,7 @@ int lw_body_shapes_nodes(const lw_scene *s, int link, lw_vec2 *node, int room)
     int n_pin = n;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *line = &k->joint[j];
-        if (!lw_joint_slides(line->kind)
-            || (line->link[0] != link && line->link[1] != link))
+        if (!lw_joint_slides(line->kind) || (line->link[0] != link && line->link[1] != link))
             continue;
         lw_slide w = lw_body_shapes_slide(s, j);
         if (w.block == link)

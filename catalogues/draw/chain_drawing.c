@@ -217,8 +217,7 @@ static void draw_slider(sketch *k, int joint)
     lw_vec2 reach = lw_v2_scale(along, 36*k->u), down = lw_v2(0, 10*k->u);
     lw_bearer b = { joint, -1, -1 };
     if (rail == k->m->ground) {
-        lw_symbol_hatched_line(k->d, b, lw_v2_add(lw_v2_sub(at, reach), down), lw_v2_add(lw_v2_add(at, reach), down),
-                               k->u);
+        lw_symbol_hatched_line(k->d, b, lw_v2_add(lw_v2_sub(at, reach), down), lw_v2_add(lw_v2_add(at, reach), down), k->u);
     } else {
         lw_shape *s = lw_drawing_line(k->d, LW_ROLE_GUIDE, lw_v2_sub(at, reach), lw_v2_add(at, reach));
         s->item = joint;
@@ -236,8 +235,7 @@ static void draw_slot(sketch *k, int joint)
     lw_vec2 reach = lw_v2_scale(direction_of(k, link, joint), 15*k->u);
     lw_bearer b = { joint, -1, -1 };
     if (link == k->m->ground)
-        lw_symbol_hatched_line(k->d, b, lw_v2(at.x - 25*k->u, at.y + 8*k->u), lw_v2(at.x + 25*k->u, at.y + 8*k->u),
-                               k->u);
+        lw_symbol_hatched_line(k->d, b, lw_v2(at.x - 25*k->u, at.y + 8*k->u), lw_v2(at.x + 25*k->u, at.y + 8*k->u), k->u);
     lw_symbol_slot(k->d, b, lw_v2_sub(at, reach), lw_v2_add(at, reach), ink_of(k->m, link), k->u);
     lw_symbol_pin(k->d, b, at, k->u);
 }
@@ -306,8 +304,7 @@ static void draw_input(sketch *k, int input)
     }
     along = direction_of(k, k->m->link[joint][rail_side(k, joint)], joint);
     lw_vec2 from = lw_v2_add(at, lw_v2_scale(lw_v2_perp(along), (along.x < 0 ? 1 : -1)*20*k->u));
-    lw_symbol_arrow(k->d, b, lw_v2_sub(from, lw_v2_scale(along, 20*k->u)),
-                    lw_v2_add(from, lw_v2_scale(along, 24*k->u)), k->u);
+    lw_symbol_arrow(k->d, b, lw_v2_sub(from, lw_v2_scale(along, 20*k->u)), lw_v2_add(from, lw_v2_scale(along, 24*k->u)), k->u);
 }
 
 /* ---- numbers ------------------------------------------------------------------------------------ */
@@ -393,8 +390,7 @@ void lw_chain_draw_into(const lw_mechanism *m, const lw_chain_layout *l, lw_box 
             draw_number(&k, i);
 }
 
-lw_status lw_chain_draw(const lw_mechanism *m, const lw_chain_layout *l, const lw_chain_style *s, lw_drawing *d,
-                        lw_error *e)
+lw_status lw_chain_draw(const lw_mechanism *m, const lw_chain_layout *l, const lw_chain_style *s, lw_drawing *d, lw_error *e)
 {
     int n_axis = __builtin_popcount(l->axes);
     *d = (lw_drawing){ .width = s->width, .height = s->height };

@@ -23,7 +23,6 @@ typedef struct lw_chain_style {
 void lw_chain_draw_into(const lw_mechanism *m, const lw_chain_layout *l, lw_box box, bool numbers, lw_drawing *d);
 
 /* A drawing of its own.  LW_E_ARG for sizes outside 32 .. 8192 px. */
-lw_status lw_chain_draw(const lw_mechanism *m, const lw_chain_layout *l, const lw_chain_style *s, lw_drawing *d,
-                        lw_error *e);
+lw_status lw_chain_draw(const lw_mechanism *m, const lw_chain_layout *l, const lw_chain_style *s, lw_drawing *d, lw_error *e);
 
 #endif

@@ -36,8 +36,7 @@ static void invert(const lw_rings *r, uint8_t *before)
 
 /* Describe the map as seen from dart `start`, turning by `next` around every link. Equal descriptions from two starts
  * mean a symmetry. seen: the darts in the order met. */
-static int describe(const lw_mechanism *m, const lw_rings *r, const uint8_t *next, int start, uint8_t *code,
-                    uint8_t *seen)
+static int describe(const lw_mechanism *m, const lw_rings *r, const uint8_t *next, int start, uint8_t *code, uint8_t *seen)
 {
     uint8_t number[LW_LINK_MAX], entry[LW_LINK_MAX];
     uint32_t met = 1u << r->link[start];

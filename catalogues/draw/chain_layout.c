@@ -43,8 +43,7 @@ static bool inside(const lw_vec2 *p, int n, lw_vec2 q)
 {
     bool in = false;
     for (int i = 0, k = n - 1; n > 2 && i < n; k = i++)
-        if ((p[i].y > q.y) != (p[k].y > q.y)
-            && q.x < p[i].x + (q.y - p[i].y)*(p[k].x - p[i].x)/(p[k].y - p[i].y))
+        if ((p[i].y > q.y) != (p[k].y > q.y) && q.x < p[i].x + (q.y - p[i].y)*(p[k].x - p[i].x)/(p[k].y - p[i].y))
             in = !in;
     return in;
 }

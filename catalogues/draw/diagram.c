@@ -98,8 +98,7 @@ static void draw_guide(sketch *k, int joint)
         down = lw_v2_scale(lw_v2_perp(down), 10*u/length);             /* under the block's edge */
         lw_symbol_hatched_line(k->d, carrier, lw_v2_add(a, down), lw_v2_add(b, down), u);
         for (double depth = 1; depth < 1.8; depth += 0.35)                          /* hatching */
-            lw_label_map_line(&k->map, lw_v2_add(a, lw_v2_scale(down, depth)),
-                              lw_v2_add(b, lw_v2_scale(down, depth)), 1);
+            lw_label_map_line(&k->map, lw_v2_add(a, lw_v2_scale(down, depth)), lw_v2_add(b, lw_v2_scale(down, depth)), 1);
     } else {
         lw_shape *s = lw_drawing_line(k->d, LW_ROLE_GUIDE, a, b);
         s->item = joint;
@@ -118,8 +117,7 @@ static void draw_block(sketch *k, int joint)
         return;
     lw_slide w = lw_body_shapes_slide(k->s, joint);
     lw_vec2 at = pixel_of(k, 0, w.at);
-    lw_symbol_block(k->d, bearer(linkage(k), joint, w.block), at, lw_v2(w.along.x, -w.along.y),
-                    link_ink(linkage(k), w.block), k->u);
+    lw_symbol_block(k->d, bearer(linkage(k), joint, w.block), at, lw_v2(w.along.x, -w.along.y), link_ink(linkage(k), w.block), k->u);
     lw_label_map_disc(&k->map, at, 15*k->u, 2);
 }
 
@@ -163,8 +161,7 @@ static void draw_wheel(sketch *k, int joint, const lw_wheel *w, lw_vec2 away)
         double body = 14*u, end = 1.5*w->pitch;
         if (lw_v2_dot(lw_v2_perp(along), lw_v2(away.x, -away.y)) > 0)
             body = -body;
-        lw_symbol_rack(k->d, carrier, at, along, scale*(w->lo - end), scale*(w->hi + end), scale*w->pitch, w->gap,
-                       body, ink, u);
+        lw_symbol_rack(k->d, carrier, at, along, scale*(w->lo - end), scale*(w->hi + end), scale*w->pitch, w->gap, body, ink, u);
         return;
     }
     double size = 4*hypot(k->d->width, k->d->height);
@@ -356,8 +353,7 @@ static void draw_input(sketch *k, int input)
         double from = driven_direction(k, driven, j->at) + 0.4;
         lw_symbol_turning(k->d, carrier, at, from, back, k->u);
         for (int i = 0; i < 12; i++)
-            lw_label_map_disc(&k->map, lw_v2_add(at, lw_v2_polar(27*k->u, -(from + 0.16*i))),
-                              4*k->u, 2);
+            lw_label_map_disc(&k->map, lw_v2_add(at, lw_v2_polar(27*k->u, -(from + 0.16*i))), 4*k->u, 2);
         return;
     }
     lw_slide w = lw_body_shapes_slide(k->s, joint);
@@ -464,8 +460,7 @@ static void sketch_linkage(sketch *k)
 }
 
 /* Add a label that moves with a link: beside the line a b, or beside the point a if a = b. */
-static void label(sketch *k, lw_role role, int item, int link, const char *text, double size,
-                  lw_vec2 a, lw_vec2 b, double gap, lw_ink ink)
+static void label(sketch *k, lw_role role, int item, int link, const char *text, double size, lw_vec2 a, lw_vec2 b, double gap, lw_ink ink)
 {
     lw_vec2 at;
     if (!lw_label_map_place(&k->map, text, size, a, b, gap, view_box(&k->d->view[0]), &at))
@@ -486,8 +481,7 @@ static void label_points(sketch *k)
     double u = k->u;
     for (int i = 0; i < l->n_tracer; i++) {
         lw_vec2 at = pixel_of(k, 0, l->tracer[i].at);
-        label(k, LW_ROLE_JOINT_LABEL, l->n_joint + i, l->tracer[i].link, l->tracer[i].name,
-              LABEL_SIZE*u, at, at, 9*u, LW_INK_BLUE);
+        label(k, LW_ROLE_JOINT_LABEL, l->n_joint + i, l->tracer[i].link, l->tracer[i].name, LABEL_SIZE*u, at, at, 9*u, LW_INK_BLUE);
     }
     for (int i = 0; i < l->n_joint; i++) {
         const lw_joint *j = &l->joint[i];
@@ -502,8 +496,7 @@ static void label_points(sketch *k)
         }
         lw_vec2 at = pixel_of(k, 0, w.at);
         int link = slides ? w.block : on_ground(l, j) ? l->ground : j->link[1];
-        label(k, LW_ROLE_JOINT_LABEL, i, link, j->name, LABEL_SIZE*u, at, at, (slides ? 17 : 10)*u,
-              LW_INK_TEXT);
+        label(k, LW_ROLE_JOINT_LABEL, i, link, j->name, LABEL_SIZE*u, at, at, (slides ? 17 : 10)*u, LW_INK_TEXT);
     }
 }
 
@@ -537,8 +530,7 @@ static void label_lengths(sketch *k)
     const lw_scene *s = k->s;
     lw_vec2 a, b;
     for (int i = 0; i < s->n_dim; i++)
-        if (s->dim_kind[i] == LW_DIM_LENGTH
-            && find_length(k, s->dim_link[i], s->dim[i], &a, &b))
+        if (s->dim_kind[i] == LW_DIM_LENGTH && find_length(k, s->dim_link[i], s->dim[i], &a, &b))
             label_length(k, s->dim_link[i], s->dim_name[i], s->dim[i], a, b);
     for (int link = 0; s->n_dim == 0 && link < s->linkage.n_link; link++) {
         const lw_vec2 *node = k->node;
@@ -657,8 +649,7 @@ static bool is_shown(const lw_scene *s, lw_sample sample)
     if (sample == TARGET)
         return s->n_station > 0;
     for (int i = 0; i < s->n_curve; i++)
-        if (s->curve[i].compared ? sample == COMPARED
-                                 : sample != COMPARED && s->curve[i].shown_branch == (sample == TRACED))
+        if (s->curve[i].compared ? sample == COMPARED : sample != COMPARED && s->curve[i].shown_branch == (sample == TRACED))
             return true;
     return false;
 }
@@ -687,8 +678,7 @@ static double entry(sketch *k, double x, double y, lw_sample sample)
         lw_symbol_station(k->d, LW_ROLE_LEGEND, (lw_bearer){ -1, -1, -1 },
                           lw_v2(left - 14*u, y - 4*u), u);
     else {
-        lw_shape *s = lw_drawing_line(k->d, LW_ROLE_LEGEND, lw_v2(left - 34*u, y - 4*u),
-                                      lw_v2(left - 8*u, y - 4*u));
+        lw_shape *s = lw_drawing_line(k->d, LW_ROLE_LEGEND, lw_v2(left - 34*u, y - 4*u), lw_v2(left - 8*u, y - 4*u));
         s->stroke = sample == COMPARED ? LW_INK_RED : LW_INK_BLUE;
         s->width = (sample == TRACED ? 2.6 : 1.6)*u;
         s->dashed = sample == OTHER;
@@ -934,8 +924,7 @@ static lw_status make_views(sketch *k, double top, lw_box *path, lw_error *e)
     if (two) {
         double x = tall ? 8*k->u : w0, y = tall ? top + h0 : top;
         double w1 = w - x - 8*k->u, h1 = d->height - y - 8*k->u;
-        d->view[1] = lw_view_fit(*path, x, y + 18*k->u, w1, h1 - foot_height(k, w1) - 18*k->u,
-                                 margin*0.8);
+        d->view[1] = lw_view_fit(*path, x, y + 18*k->u, w1, h1 - foot_height(k, w1) - 18*k->u, margin*0.8);
         d->view[1].y = y;
         d->view[1].h = h1;
     }
@@ -990,14 +979,12 @@ static double crowded(const lw_scene *s, double width, double u)
     return n && size > 0 ? fmin(1, fmax(0.15, sum/n/size*0.5*width/(40*u))) : 1;
 }
 
-lw_status lw_diagram_draw(const lw_scene *s, const lw_diagram_options *o, lw_drawing *d,
-                          lw_error *e)
+lw_status lw_diagram_draw(const lw_scene *s, const lw_diagram_options *o, lw_drawing *d, lw_error *e)
 {
     lw_diagram_options standard = lw_diagram_options_default();
     o = o ? o : &standard;
     *d = (lw_drawing){ .width = o->width, .height = o->height };
-    if (!(o->width >= 64 && o->width <= 8192 && o->height >= 64 && o->height <= 8192)
-        || !(o->zoom >= 0.1 && o->zoom <= 10))
+    if (!(o->width >= 64 && o->width <= 8192 && o->height >= 64 && o->height <= 8192) || !(o->zoom >= 0.1 && o->zoom <= 10))
         return lw_error_set(e, LW_E_ARG, "a picture of %g by %g px, signs %g times as large: sizes "
                             "are 64 to 8192, zoom 0.1 to 10", o->width, o->height, o->zoom);
     sketch k = { .s = s, .o = o, .d = d };

@@ -25,8 +25,7 @@ typedef struct lw_diagram_options {
 lw_diagram_options lw_diagram_options_default(void);
 
 /* LW_E_ARG: a size outside 64 .. 8192 px or a zoom outside 0.1 .. 10; LW_E_NUMERIC: nothing in the scene is finite. */
-lw_status lw_diagram_draw(const lw_scene *s, const lw_diagram_options *o, lw_drawing *d,
-                          lw_error *e);
+lw_status lw_diagram_draw(const lw_scene *s, const lw_diagram_options *o, lw_drawing *d, lw_error *e);
 
 /* How link `link` moves on the page from the posture shown to `frame`, in view v:
  *     q -> to + turn * (q - from)   [px], turn a unit vector of the page (y down). */

@@ -48,8 +48,7 @@ const char *lw_role_name(lw_role r)
 
 lw_vec2 lw_view_pixel(const lw_view *v, lw_vec2 p)
 {
-    return lw_v2(v->centre.x + v->scale*(p.x - v->middle.x),
-                 v->centre.y - v->scale*(p.y - v->middle.y));
+    return lw_v2(v->centre.x + v->scale*(p.x - v->middle.x), v->centre.y - v->scale*(p.y - v->middle.y));
 }
 
 void lw_drawing_free(lw_drawing *d)
@@ -116,8 +115,7 @@ lw_shape *lw_drawing_circle(lw_drawing *d, lw_role role, lw_vec2 at, double radi
     return s;
 }
 
-lw_shape *lw_drawing_text(lw_drawing *d, lw_role role, const char *text, lw_vec2 at, double size,
-                          double align)
+lw_shape *lw_drawing_text(lw_drawing *d, lw_role role, const char *text, lw_vec2 at, double size, double align)
 {
     size_t capacity = 3*strlen(text) + 1;                  /* each byte may become a replacement character */
     bool ok = reserve(d, (void **)&d->text, d->n_text, &d->text_room, capacity, 1);

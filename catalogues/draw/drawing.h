@@ -112,8 +112,7 @@ void lw_drawing_free(lw_drawing *d);
 lw_shape *lw_drawing_path(lw_drawing *d, lw_role role, const lw_vec2 *p, size_t n, bool closed);
 lw_shape *lw_drawing_line(lw_drawing *d, lw_role role, lw_vec2 a, lw_vec2 b);
 lw_shape *lw_drawing_circle(lw_drawing *d, lw_role role, lw_vec2 at, double radius);
-lw_shape *lw_drawing_text(lw_drawing *d, lw_role role, const char *text, lw_vec2 at, double size,
-                          double align);
+lw_shape *lw_drawing_text(lw_drawing *d, lw_role role, const char *text, lw_vec2 at, double size, double align);
 
 lw_status lw_drawing_end(lw_drawing *d, lw_error *e);   /* LW_E_MEMORY, d freed, after a failure    */
 

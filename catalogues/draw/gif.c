@@ -203,8 +203,7 @@ lw_status lw_gif_encode(const lw_gif_motion *motion, const lw_gif_options *o, lw
 {
     *out = (lw_bytes){ 0 };
     if (o->width < 64 || o->width > 2048 || o->height < 64 || o->height > 2048)
-        return lw_error_set(e, LW_E_ARG, "an animation of %d by %d px: sizes are 64 to 2048",
-                            o->width, o->height);
+        return lw_error_set(e, LW_E_ARG, "an animation of %d by %d px: sizes are 64 to 2048", o->width, o->height);
     lw_film *m = calloc(1, sizeof *m);
     if (!m)
         return lw_error_set(e, LW_E_MEMORY, "not enough memory for an animation");

@@ -100,8 +100,7 @@ static lw_box beside(lw_vec2 from, lw_vec2 u, double gap, double w, double h)
     return (lw_box){ c.x - w, c.y - h, c.x + w, c.y + h };
 }
 
-bool lw_label_map_place(lw_label_map *m, const char *text, double size, lw_vec2 a, lw_vec2 b,
-                        double gap, lw_box within, lw_vec2 *at)
+bool lw_label_map_place(lw_label_map *m, const char *text, double size, lw_vec2 a, lw_vec2 b, double gap, lw_box within, lw_vec2 *at)
 {
     if (m->n_taken == LW_LABEL_MAX)                      /* others would not know of it */
         return false;

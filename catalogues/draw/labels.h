@@ -35,7 +35,6 @@ void lw_label_map_take(lw_label_map *m, lw_box box);
 
 /* Find a place for a text of this size near the line from a to b (a point: a = b), at least `gap` away from it and
  * inside `within`, and mark its box as taken. False: there is none, or LW_LABEL_MAX boxes are taken. at: left end of the base line. */
-bool lw_label_map_place(lw_label_map *m, const char *text, double size, lw_vec2 a, lw_vec2 b,
-                        double gap, lw_box within, lw_vec2 *at);
+bool lw_label_map_place(lw_label_map *m, const char *text, double size, lw_vec2 a, lw_vec2 b, double gap, lw_box within, lw_vec2 *at);
 
 #endif

@@ -66,8 +66,7 @@ static lw_status need_cairo(lw_error *e)
 static void set_ink(cairo_t *c, lw_ink ink, double alpha)
 {
     unsigned rgb = lw_ink_light(ink);
-    cairo.set_source_rgba(c, (rgb >> 16 & 255)/255.0, (rgb >> 8 & 255)/255.0, (rgb & 255)/255.0,
-                          alpha);
+    cairo.set_source_rgba(c, (rgb >> 16 & 255)/255.0, (rgb >> 8 & 255)/255.0, (rgb & 255)/255.0, alpha);
 }
 
 static void paint_outline(cairo_t *c, const lw_shape *s)
@@ -119,8 +118,7 @@ static void paint_text(cairo_t *c, const lw_drawing *d, const lw_shape *s)
 }
 
 /* Write the path of a shape, moved with its link to the given frame. */
-static void follow_link(cairo_t *c, const lw_drawing *d, const lw_shape *s, const lw_scene *scene,
-                        size_t frame)
+static void follow_link(cairo_t *c, const lw_drawing *d, const lw_shape *s, const lw_scene *scene, size_t frame)
 {
     if (!scene || s->link < 0 || s->panel < 0 || s->panel >= d->n_view)
         return;
@@ -245,8 +243,7 @@ static lw_status outcome(cairo_status_t s, lw_bytes *out, lw_error *e)
 }
 
 /* Paint on a surface and destroy it. Returns the first failure. */
-static cairo_status_t paint_on(cairo_surface_t *surface, const lw_drawing *d, const lw_scene *scene,
-                               size_t frame)
+static cairo_status_t paint_on(cairo_surface_t *surface, const lw_drawing *d, const lw_scene *scene, size_t frame)
 {
     cairo_t *c = cairo.create(surface);
     paint(c, d, scene, frame);
@@ -262,8 +259,7 @@ lw_status lw_picture_png(const lw_drawing *d, lw_bytes *out, lw_error *e)
     lw_status loaded = need_cairo(e);
     if (loaded != LW_OK)
         return loaded;
-    cairo_surface_t *surface = cairo.image_surface_create(CAIRO_FORMAT_RGB24, (int)ceil(d->width),
-                                                          (int)ceil(d->height));
+    cairo_surface_t *surface = cairo.image_surface_create(CAIRO_FORMAT_RGB24, (int)ceil(d->width), (int)ceil(d->height));
     cairo_status_t s = paint_on(surface, d, NULL, 0);
     if (!s)
         s = cairo.surface_write_to_png_stream(surface, append, out);
@@ -283,8 +279,7 @@ lw_status lw_picture_pdf_pages(const lw_drawing *d, size_t n, lw_bytes *out, lw_
     if (loaded != LW_OK)
         return loaded;
     const double point = 0.75;                                   /* points of the page per CSS pixel */
-    cairo_surface_t *surface = cairo.pdf_surface_create_for_stream(append, out, point*d->width,
-                                                                   point*d->height);
+    cairo_surface_t *surface = cairo.pdf_surface_create_for_stream(append, out, point*d->width, point*d->height);
     cairo.pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_TITLE, d->title);
     cairo.pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, NULL);
     cairo_t *c = cairo.create(surface);
@@ -308,8 +303,7 @@ lw_status lw_picture_pdf_pages(const lw_drawing *d, size_t n, lw_bytes *out, lw_
     return outcome(s, out, e);
 }
 
-lw_status lw_picture_pixels(const lw_drawing *d, const lw_scene *scene, size_t frame,
-                            uint32_t *pixel, lw_error *e)
+lw_status lw_picture_pixels(const lw_drawing *d, const lw_scene *scene, size_t frame, uint32_t *pixel, lw_error *e)
 {
     int w = (int)ceil(d->width), h = (int)ceil(d->height);
     lw_status loaded = need_cairo(e);

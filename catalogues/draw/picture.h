@@ -17,7 +17,6 @@ lw_status lw_picture_pdf_pages(const lw_drawing *d, size_t n, lw_bytes *out, lw_
 
 /* Pixels 0x00RRGGBB, row by row, of the drawing with every link where it is in `frame` of the scene;
  * s NULL: as drawn.  pixel: (width * height), the sizes of d rounded up. */
-lw_status lw_picture_pixels(const lw_drawing *d, const lw_scene *s, size_t frame, uint32_t *pixel,
-                            lw_error *e);
+lw_status lw_picture_pixels(const lw_drawing *d, const lw_scene *s, size_t frame, uint32_t *pixel, lw_error *e);
 
 #endif

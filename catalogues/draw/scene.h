@@ -90,8 +90,7 @@ lw_scene_options lw_scene_options_default(void);
  * input, cannot move or does not close still gives a scene, with one frame and a note. Motions in time that end at a
  * dead point give the frames up to there and a note. LW_E_ARG as lw_linkage_check; LW_E_MEMORY. Free with
  * lw_scene_free, also after a failure. */
-lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_scene_options *o,
-                        lw_scene *s, lw_error *e);
+lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_scene_options *o, lw_scene *s, lw_error *e);
 /* The same of any number of parts; m (may be NULL) is their model.  Where a linkage cannot hold them (mbs/dynamics/follow.h):
  * through a whole turn of the first input or between its limits, or in time by the motions of all inputs. */
 lw_status lw_scene_make_any(const lw_assembly *parts, const struct lw_model *m, const lw_target *t, const lw_scene_options *o,

@@ -48,13 +48,11 @@ static lw_status put_item(const lw_sheet_item *item, lw_box cell, bool numbers, 
     lw_box box = { cell.x0 + gap, cell.y0 + gap, cell.x1 - gap, cell.y1 - gap - below };
     lw_chain_draw_into(item->m, &l, box, numbers, d);
     if (item->caption)
-        put_text(d, LW_ROLE_NOTE, item->caption, LETTER, cell.x1 - cell.x0 - 6,
-                 lw_v2((cell.x0 + cell.x1)/2, cell.y1 - 0.6*LETTER));
+        put_text(d, LW_ROLE_NOTE, item->caption, LETTER, cell.x1 - cell.x0 - 6, lw_v2((cell.x0 + cell.x1)/2, cell.y1 - 0.6*LETTER));
     return LW_OK;
 }
 
-lw_status lw_sheet_draw(const lw_sheet_item *item, int n, const lw_sheet_style *s, int page, lw_drawing *d,
-                        lw_error *e)
+lw_status lw_sheet_draw(const lw_sheet_item *item, int n, const lw_sheet_style *s, int page, lw_drawing *d, lw_error *e)
 {
     *d = (lw_drawing){ .width = s->width, .height = s->height };
     if (!(s->width >= 64 && s->width <= 8192 && s->height >= 64 && s->height <= 8192))
@@ -64,8 +62,7 @@ lw_status lw_sheet_draw(const lw_sheet_item *item, int n, const lw_sheet_style *
     double head = s->title ? HEAD : 0, foot = page ? HEAD : 0;
     double w = (s->width - 2*EDGE)/s->columns, h = (s->height - 2*EDGE - head - foot)/s->rows;
     if (!(w >= 32 && h >= 32))
-        return lw_error_set(e, LW_E_ARG, "pictures of %.0f by %.0f px are too small: fewer columns and rows, or a "
-                            "larger page", w, h);
+        return lw_error_set(e, LW_E_ARG, "pictures of %.0f by %.0f px are too small: fewer columns and rows, or a larger page", w, h);
     int columns = s->shrink && n < s->columns ? n : s->columns;
     int rows = s->shrink ? (n + columns - 1)/columns : s->rows;
     d->width = 2*EDGE + columns*w;

@@ -24,7 +24,6 @@ typedef struct lw_sheet_item {
 /* Draw a page with items 0 .. n-1, at most columns*rows, and compute their layouts. page: number at the foot of the
  * page, 0: none. LW_E_ARG: sizes outside 64 .. 8192 px, cells under 32 px, no items or too many, an item without
  * picture. */
-lw_status lw_sheet_draw(const lw_sheet_item *item, int n, const lw_sheet_style *s, int page, lw_drawing *d,
-                        lw_error *e);
+lw_status lw_sheet_draw(const lw_sheet_item *item, int n, const lw_sheet_style *s, int page, lw_drawing *d, lw_error *e);
 
 #endif

@@ -80,7 +80,6 @@ lw_space_view lw_space_view_default(void);           /* 35 degrees, 25 degrees *
 void lw_space_view_axes(const lw_space_scene *s, lw_space_view view, lw_vec3 axis[3]);
 
 /* A parallel projection of a frame [px] with a scale bar; what is nearer covers what is farther.  The scale is the same for all frames. */
-lw_status lw_space_draw(const lw_space_scene *s, size_t frame, lw_space_view view, int width, int height,
-                        lw_drawing *d, lw_error *e);
+lw_status lw_space_draw(const lw_space_scene *s, size_t frame, lw_space_view view, int width, int height, lw_drawing *d, lw_error *e);
 
 #endif

@@ -167,8 +167,7 @@ static void element(lw_bytes *b, const lw_drawing *d, const char *prefix, bool b
         number(b, " width=\"", d->width, "\"");
         number(b, " height=\"", d->height, "\"");
     }
-    lw_bytes_text(b, " role=\"img\" font-family=\"" FONT "\" stroke-linecap=\"round\""
-                     " stroke-linejoin=\"round\">\n<title>");
+    lw_bytes_text(b, " role=\"img\" font-family=\"" FONT "\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n<title>");
     lw_bytes_xml(b, d->title);
     lw_bytes_text(b, "</title>\n<desc>");
     lw_bytes_xml(b, d->about);

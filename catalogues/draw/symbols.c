@@ -41,8 +41,7 @@ static void hatch(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 p, double u)
     lw_vec2 down = lw_v2_add(lw_v2_scale(right, 7*u), lw_v2_scale(along, -6*u));
     for (int i = 0; i < n; i++) {
         lw_vec2 from = lw_v2_add(a, lw_v2_scale(line, (i + 0.75)/n));
-        stroke(lw_drawing_line(d, LW_ROLE_HATCH, from, lw_v2_add(from, down)), b, LW_INK_GROUND,
-               1.2*u);
+        stroke(lw_drawing_line(d, LW_ROLE_HATCH, from, lw_v2_add(from, down)), b, LW_INK_GROUND, 1.2*u);
     }
 }
 
@@ -114,8 +113,7 @@ void lw_symbol_arrow(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 p, double u)
 {
     lw_vec2 along = lw_v2_sub(p, a);
     along = lw_v2_scale(along, 1/fmax(lw_v2_norm(along), 1e-9));
-    stroke(lw_drawing_line(d, LW_ROLE_INPUT, a, lw_v2_sub(p, lw_v2_scale(along, 8*u))), b,
-           LW_INK_PURPLE, 2.2*u);
+    stroke(lw_drawing_line(d, LW_ROLE_INPUT, a, lw_v2_sub(p, lw_v2_scale(along, 8*u))), b, LW_INK_PURPLE, 2.2*u);
     b.item = -1;
     head(d, b, p, along, u);
 }
@@ -228,8 +226,7 @@ static int hull(lw_vec2 *p, int n, lw_vec2 *out)
     for (int pass = 0, start = 0; pass < 2; pass++, start = m) {
         for (int i = 0; i < n; i++) {
             lw_vec2 q = p[pass ? n - 1 - i : i];
-            while (m >= start + 2
-                   && lw_v2_cross(lw_v2_sub(out[m-1], out[m-2]), lw_v2_sub(q, out[m-2])) <= 0)
+            while (m >= start + 2 && lw_v2_cross(lw_v2_sub(out[m-1], out[m-2]), lw_v2_sub(q, out[m-2])) <= 0)
                 m--;
             out[m++] = q;
         }

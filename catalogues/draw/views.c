@@ -80,8 +80,7 @@ static void add_gear(lw_box *b, const lw_scene *s, size_t frame, int joint)
         box_add(b, lw_v2_add(c, lw_v2(r, r)));
         for (int end = 0; end < 2 && w[side].rack; end++) {
             double t = end ? w[side].hi + 1.5*w[side].pitch : w[side].lo - 1.5*w[side].pitch;
-            box_add(b, lw_scene_at(s, frame, w[side].link,
-                                      lw_v2_add(w[side].centre, lw_v2_scale(w[side].along, t))));
+            box_add(b, lw_scene_at(s, frame, w[side].link, lw_v2_add(w[side].centre, lw_v2_scale(w[side].along, t))));
         }
     }
 }

@@ -69,8 +69,7 @@ static void add_stage(lw_walk *w, const lw_motion *m, int arc, int begin)
     memcpy(s->mode, a->mode, sizeof s->mode);
 }
 
-void lw_walk_make(const lw_plan *plan, const double *dim, const lw_motion *m, int arc, double input,
-                  lw_walk *w)
+void lw_walk_make(const lw_plan *plan, const double *dim, const lw_motion *m, int arc, double input, lw_walk *w)
 {
     const lw_arc *a = &m->arc[arc];
     *w = (lw_walk){ .plan = plan, .dim = dim, .loops = a->turns, .turns = a->turns };

@@ -27,8 +27,7 @@ typedef struct lw_walk {
 /* Make the walk through the circuit of arc `arc` of m, which lw_motion_find gave for this plan and these dimensions.
  * An arc of a full turn begins at `input`; other arcs begin at an end that is not a limit, if there is one. plan and
  * dim must outlive the walk. */
-void lw_walk_make(const lw_plan *plan, const double *dim, const lw_motion *m, int arc, double input,
-                  lw_walk *w);
+void lw_walk_make(const lw_plan *plan, const double *dim, const lw_motion *m, int arc, double input, lw_walk *w);
 
 /* Keep only first <= input <= last of the first stage, from first to last: there and back. */
 void lw_walk_restrict(lw_walk *w, double first, double last);

@@ -192,8 +192,7 @@ static void overview(lw_bytes *b, const atlas *a)
     }
     lw_bytes_text(b, "</tbody></table></div>\n");
     if (a->n_other > 0) {
-        snprintf(text, sizeof text, a->n_other == 1 ? "%lld linkage of another chain" : "%lld linkages of other chains",
-                 a->n_other);
+        snprintf(text, sizeof text, a->n_other == 1 ? "%lld linkage of another chain" : "%lld linkages of other chains", a->n_other);
         lw_page_text(b, "<p class=\"linkages\"><a href=\"linkages-other.html\">", text, "</a></p>\n");
     }
 }
@@ -213,8 +212,7 @@ static void controls(lw_bytes *b)
         "<option value=\"0\">not planar</option></select></label>\n"
         "<label>Joints <select id=\"joints\"><option value=\"\">all</option><option value=\"simple\">simple</option>"
         "<option value=\"multiple\">multiple</option></select></label>\n"
-        "<label>Order <select id=\"order\"><option value=\"\">by number</option>"
-        "<option value=\"symmetry\">most symmetric first</option>"
+        "<label>Order <select id=\"order\"><option value=\"\">by number</option><option value=\"symmetry\">most symmetric first</option>"
         "<option value=\"grounds\">fewest ground links first</option></select></label>\n"
         "<label class=\"check\"><input type=\"checkbox\" id=\"linkages\"> with linkages</label>\n"
         "<button type=\"button\" id=\"clear\">Clear</button>\n</div>\n"
@@ -242,8 +240,7 @@ static void plain_list(lw_bytes *b, const atlas *a)
         lw_page_text(b, "<li><a href=\"", file, "\">");
         lw_page_text(b, "", name, "</a></li>\n");
     }
-    lw_bytes_text(b, a->has_blocks ? "</ul>\n<p>Families of many chains need scripts.</p>\n</noscript>\n"
-                                   : "</ul>\n</noscript>\n");
+    lw_bytes_text(b, a->has_blocks ? "</ul>\n<p>Families of many chains need scripts.</p>\n</noscript>\n" : "</ul>\n</noscript>\n");
 }
 
 /* ---- data --------------------------------------------------------------------------------------- */
@@ -387,8 +384,7 @@ static void head(lw_bytes *b, const atlas *a, size_t i)
     family_name(l, name, sizeof name);
     snprintf(title, sizeof title, "Chain %d of %d: %s", l->number, l->of, name);
     lw_page_head(b, title, &a->style, &a->chain_script, false);
-    lw_page_text(b, "<header>\n<nav aria-label=\"Atlas\"><ul>\n<li><a rel=\"up\" href=\"index.html\">",
-                 a->options->title, "</a></li>\n");
+    lw_page_text(b, "<header>\n<nav aria-label=\"Atlas\"><ul>\n<li><a rel=\"up\" href=\"index.html\">", a->options->title, "</a></li>\n");
     snprintf(link, sizeof link, "<li><a href=\"index.html#links=%d&amp;dof=%d%s\">", l->links, l->dof, joints_filter(a, l));
     lw_page_text(b, link, name, "</a></li>\n");
     lw_page_text(b, "<li><a href=\"index.html#assortment=", l->text[LEAF_ASSORTMENT], "\">");
@@ -425,8 +421,7 @@ static void properties(const leaf *l, pairs *p)
             for (int axis = l->links; axis < LW_LINK_MAX && l->axes >> axis & 1; axis++)
                 n += (size_t)snprintf(p->axes + n, sizeof p->axes - n, "%s%d", n ? ", " : "",
                                       l->layout.first[axis + 1] - l->layout.first[axis]);
-            pair_text(p, l->multiple ? "Links of 2, 3, \xe2\x80\xa6 pins" : "Links of 2, 3, \xe2\x80\xa6 joints",
-                      l->text[LEAF_ASSORTMENT]);
+            pair_text(p, l->multiple ? "Links of 2, 3, \xe2\x80\xa6 pins" : "Links of 2, 3, \xe2\x80\xa6 joints", l->text[LEAF_ASSORTMENT]);
             pair_text(p, "Links on each multiple joint", l->multiple ? p->axes : "");
             pair_text(p, "Structure", l->text[LEAF_FORM]);
             pair_text(p, "Derivation", l->text[LEAF_DERIVATION]);
@@ -538,8 +533,7 @@ static lw_status inversions(atlas *a, const leaf *l, lw_bytes *b, lw_error *e)
     lw_status s = LW_OK;
     lw_bytes_text(b, "<h2 id=\"inversions\">Ground links</h2>\n<div class=\"inversions\">\n");
     for (int i = 0; s == LW_OK && i < l->n_ground; i++) {
-        snprintf(text, sizeof text, l->alike[i] > 1 ? "Ground link %d, one of %d alike" : "Ground link %d",
-                 l->ground[i], l->alike[i]);
+        snprintf(text, sizeof text, l->alike[i] > 1 ? "Ground link %d, one of %d alike" : "Ground link %d", l->ground[i], l->alike[i]);
         lw_page_text(b, "<article>\n<h3>", text, "</h3>\n<figure>");
         s = picture(l, i, (lw_chain_style){ .width = 240, .height = 180 }, text, b, e);
         lw_bytes_text(b, "</figure>\n");
@@ -596,8 +590,7 @@ static lw_status add_slider_row(void *context, int n, const char *const *name, c
     (void)n, (void)name;
     slider_rows *r = context;
     const char *kinds = text_of_value(&v[1]);
-    if (strlen(kinds) != (size_t)r->n_joint || strspn(kinds, "rt") != strlen(kinds) || v[0].integer < 1
-        || v[0].integer > LW_LINK_MAX)
+    if (strlen(kinds) != (size_t)r->n_joint || strspn(kinds, "rt") != strlen(kinds) || v[0].integer < 1 || v[0].integer > LW_LINK_MAX)
         return LW_OK;                             /* not of this program */
     if (r->n++ < SLIDERS_MAX) {
         r->row[r->n - 1].ground = (int)v[0].integer;
@@ -840,8 +833,7 @@ lw_atlas_html_options lw_atlas_html_options_default(void)
 static const char chain_sql[] =
     "SELECT c.id, c.links, c.dof, c.joints, c.loops, c.symmetry, c.grounds, c.planar, c.label, c.graph6,"
     " c.assortment, c.franke, c.sentence, c.matrix, s.form, s.derivation"
-    " FROM chain c LEFT JOIN structure s ON s.id = c.structure WHERE ?1 = 0 OR c.links = ?1"
-    " ORDER BY c.dof, c.links, c.id LIMIT ?2";
+    " FROM chain c LEFT JOIN structure s ON s.id = c.structure WHERE ?1 = 0 OR c.links = ?1 ORDER BY c.dof, c.links, c.id LIMIT ?2";
 /* The ground links stand where chains have their graph6. */
 static const char multiple_sql[] =
     "SELECT id, links, dof, joints, loops, symmetry, grounds, planar, pins, ground_links, assortment, '', '', '', '', ''"
@@ -886,8 +878,7 @@ static lw_status take_size(void *context, int n, const char *const *name, const 
     return LW_OK;
 }
 
-lw_status lw_atlas_html_expect(lw_store *store, const lw_atlas_html_options *o, size_t *n_chain, double *n_byte,
-                               lw_error *e)
+lw_status lw_atlas_html_expect(lw_store *store, const lw_atlas_html_options *o, size_t *n_chain, double *n_byte, lw_error *e)
 {
     struct expected x = { .single_pages = o->single_pages };
     lw_status s = ask_chains(store, o, size_sql, multiple_size_sql, take_size, &x, &x.n_chain, e);
@@ -943,8 +934,7 @@ static lw_status read_chain(leaf *l, lw_error *e)
     int used = 0;
     if (!l->multiple)
         return lw_notation_find("graph6")->read(text, strlen(text), "graph6 of a chain", &l->chain, e);
-    for (; l->n_ground < LW_LINK_MAX
-         && sscanf(text, "%d:%d%n", &l->ground[l->n_ground], &l->alike[l->n_ground], &used) == 2; text += used)
+    for (; l->n_ground < LW_LINK_MAX && sscanf(text, "%d:%d%n", &l->ground[l->n_ground], &l->alike[l->n_ground], &used) == 2; text += used)
         if (l->ground[l->n_ground] >= 1 && l->ground[l->n_ground] <= l->links)
             l->n_ground++;
     lw_status s = lw_multiple_read(pins, strlen(pins), "pins of a chain", &m, e);
@@ -963,8 +953,7 @@ static lw_status read_leaves(atlas *a, lw_error *e)
     for (size_t i = 0; s == LW_OK && i < a->n; i++)
         s = read_chain(&a->leaf[i], e);
     if (s == LW_OK && a->n == 0)
-        s = lw_error_set(e, LW_NOTHING, "there is no chain in the catalogue to show: 'linkwright catalogue build' "
-                         "makes them");
+        s = lw_error_set(e, LW_NOTHING, "there is no chain in the catalogue to show: 'linkwright catalogue build' makes them");
     return s;
 }
 
@@ -1134,8 +1123,7 @@ static lw_status write_all(atlas *a, lw_error *e)
     return write_page(a, "index.html", &b, e);
 }
 
-lw_status lw_atlas_html_write(lw_store *store, const char *dir, const lw_atlas_html_options *o, size_t *n_page,
-                              size_t *n_byte, lw_error *e)
+lw_status lw_atlas_html_write(lw_store *store, const char *dir, const lw_atlas_html_options *o, size_t *n_page, size_t *n_byte, lw_error *e)
 {
     atlas a = { .store = store, .dir = dir, .options = o };
     lw_page_style(&a.style, lw_page_css, lw_atlas_html_css);

@@ -29,13 +29,11 @@ typedef struct lw_atlas_html_options {
 lw_atlas_html_options lw_atlas_html_options_default(void);
 
 /* Number of chains, and the expected bytes of their pages (to about a quarter, without moving linkages). */
-lw_status lw_atlas_html_expect(lw_store *s, const lw_atlas_html_options *o, size_t *n_chain, double *n_byte,
-                               lw_error *e);
+lw_status lw_atlas_html_expect(lw_store *s, const lw_atlas_html_options *o, size_t *n_chain, double *n_byte, lw_error *e);
 
 /* Write the pages into folder `dir`, which is made if needed; the overview comes last. *n_page: number of pages
  * written; *n_byte: their size. LW_NOTHING: there is no chain; LW_STOPPED: goes_on returned false; LW_E_IO;
  * LW_E_MEMORY. */
-lw_status lw_atlas_html_write(lw_store *s, const char *dir, const lw_atlas_html_options *o, size_t *n_page,
-                              size_t *n_byte, lw_error *e);
+lw_status lw_atlas_html_write(lw_store *s, const char *dir, const lw_atlas_html_options *o, size_t *n_page, size_t *n_byte, lw_error *e);
 
 #endif

@@ -38,8 +38,7 @@ lw_status lw_draw_still(const lw_drawing *d, lw_draw_kind kind, lw_bytes *out, l
     }
 }
 
-static lw_status still(const lw_scene *s, lw_draw_kind kind, int width, int height, lw_bytes *out,
-                       lw_error *e)
+static lw_status still(const lw_scene *s, lw_draw_kind kind, int width, int height, lw_bytes *out, lw_error *e)
 {
     lw_diagram_options o = lw_diagram_options_default();
     o.width = width > 0 ? width : o.width;
@@ -62,8 +61,7 @@ static lw_status page(const lw_scene *s, lw_bytes *out, lw_error *e)
     return lw_page_write(&p, out, e);
 }
 
-lw_status lw_draw_bytes(const lw_scene *s, lw_draw_kind kind, int width, int height, lw_bytes *out,
-                        lw_error *e)
+lw_status lw_draw_bytes(const lw_scene *s, lw_draw_kind kind, int width, int height, lw_bytes *out, lw_error *e)
 {
     *out = (lw_bytes){ 0 };
     if (kind == LW_DRAW_HTML)
@@ -89,8 +87,7 @@ static lw_status render_space(void *context, size_t frame, uint32_t *pixel, lw_e
     return st;
 }
 
-lw_status lw_draw_space(const lw_space_scene *s, lw_space_view view, lw_draw_kind kind, int width, int height,
-                        lw_bytes *out, lw_error *e)
+lw_status lw_draw_space(const lw_space_scene *s, lw_space_view view, lw_draw_kind kind, int width, int height, lw_bytes *out, lw_error *e)
 {
     lw_gif_options o = lw_gif_options_default();
     lw_diagram_options page = lw_diagram_options_default();
@@ -110,8 +107,7 @@ lw_status lw_draw_space(const lw_space_scene *s, lw_space_view view, lw_draw_kin
         lw_gif_motion motion = { .n_frame = s->n_frame, .loops = forward, .stop = s->stop, .render = render_space, .context = &f };
         return lw_gif_encode(&motion, &o, out, e);
     }
-    lw_status st = lw_space_draw(s, 0, view, width > 0 ? width : (int)page.width, height > 0 ? height : (int)page.height,
-                                 &d, e);
+    lw_status st = lw_space_draw(s, 0, view, width > 0 ? width : (int)page.width, height > 0 ? height : (int)page.height, &d, e);
     if (st != LW_OK)
         return st;
     st = lw_draw_still(&d, kind, out, e);
@@ -119,8 +115,7 @@ lw_status lw_draw_space(const lw_space_scene *s, lw_space_view view, lw_draw_kin
     return st;
 }
 
-lw_status lw_draw_save(const lw_scene *s, lw_draw_kind kind, const char *path, int width, int height,
-                       lw_error *e)
+lw_status lw_draw_save(const lw_scene *s, lw_draw_kind kind, const char *path, int width, int height, lw_error *e)
 {
     lw_bytes b;
     lw_status st = lw_draw_bytes(s, kind, width, height, &b, e);

@@ -14,16 +14,13 @@ typedef enum lw_draw_kind { LW_DRAW_SVG, LW_DRAW_PDF, LW_DRAW_PNG, LW_DRAW_GIF, 
 lw_status lw_draw_kind_of(const char *path, lw_draw_kind *kind, lw_error *e);
 
 /* The scene as bytes of a file.  width, height [px]; 0: the default of the kind. */
-lw_status lw_draw_bytes(const lw_scene *s, lw_draw_kind kind, int width, int height, lw_bytes *out,
-                        lw_error *e);
+lw_status lw_draw_bytes(const lw_scene *s, lw_draw_kind kind, int width, int height, lw_bytes *out, lw_error *e);
 
 /* Write the scene to a file; path "-" is standard output. */
-lw_status lw_draw_save(const lw_scene *s, lw_draw_kind kind, const char *path, int width, int height,
-                       lw_error *e);
+lw_status lw_draw_save(const lw_scene *s, lw_draw_kind kind, const char *path, int width, int height, lw_error *e);
 
 /* The same of a spatial scene, seen from a direction. */
-lw_status lw_draw_space(const lw_space_scene *s, lw_space_view view, lw_draw_kind kind, int width, int height,
-                        lw_bytes *out, lw_error *e);
+lw_status lw_draw_space(const lw_space_scene *s, lw_space_view view, lw_draw_kind kind, int width, int height, lw_bytes *out, lw_error *e);
 
 /* A drawing as SVG, PNG or PDF.  LW_E_ARG: another kind. */
 lw_status lw_draw_still(const lw_drawing *d, lw_draw_kind kind, lw_bytes *out, lw_error *e);

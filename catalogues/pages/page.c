@@ -299,17 +299,14 @@ static void controls(lw_bytes *b)
     lw_bytes_text(b,
         "<div class=\"transport\" role=\"group\" aria-label=\"Motion\" hidden>\n"
         "<button type=\"button\" class=\"play\">Play</button>\n"
-        "<input type=\"range\" class=\"time\" min=\"0\" max=\"1\" step=\"any\" value=\"0\""
-        " aria-label=\"Place in the motion\">\n"
+        "<input type=\"range\" class=\"time\" min=\"0\" max=\"1\" step=\"any\" value=\"0\" aria-label=\"Place in the motion\">\n"
         "<label>Speed <select class=\"speed\"><option value=\"0.25\">1/4</option>"
-        "<option value=\"0.5\">1/2</option><option value=\"1\" selected>1</option>"
-        "<option value=\"2\">2</option></select></label>\n"
+        "<option value=\"0.5\">1/2</option><option value=\"1\" selected>1</option><option value=\"2\">2</option></select></label>\n"
         "<label><input type=\"checkbox\" class=\"names\" checked> Labels</label>\n</div>\n");
 }
 
 /* Write the drawing of one result, and add its motion to the list of all motions. */
-static lw_status figure(lw_bytes *b, lw_bytes *motions, const lw_page *p, int target, int result,
-                        int *n_motion, lw_error *e)
+static lw_status figure(lw_bytes *b, lw_bytes *motions, const lw_page *p, int target, int result, int *n_motion, lw_error *e)
 {
     const lw_page_result *r = &p->target[target].result[result];
     lw_diagram_options o = lw_diagram_options_default();
@@ -337,8 +334,7 @@ static lw_status figure(lw_bytes *b, lw_bytes *motions, const lw_page *p, int ta
     return LW_OK;
 }
 
-static lw_status section(lw_bytes *b, lw_bytes *motions, const lw_page *p, int target,
-                         int *n_motion, lw_error *e)
+static lw_status section(lw_bytes *b, lw_bytes *motions, const lw_page *p, int target, int *n_motion, lw_error *e)
 {
     const lw_page_target *t = &p->target[target];
     char open[64];
@@ -367,8 +363,7 @@ static lw_status section(lw_bytes *b, lw_bytes *motions, const lw_page *p, int t
 }
 
 /* Write body and script, which follow the head; motions is scratch. */
-static lw_status body(lw_bytes *b, lw_bytes *motions, const lw_page *p, const lw_bytes *script,
-                      lw_error *e)
+static lw_status body(lw_bytes *b, lw_bytes *motions, const lw_page *p, const lw_bytes *script, lw_error *e)
 {
     int n_motion = 0;
     lw_bytes_text(b, "<main>\n");

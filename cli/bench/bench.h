@@ -59,8 +59,7 @@ double cli_bench_when(const cli_bench_curve *c, double error);
 /* Extend a curve for `seconds`. solver NULL: the default strategy, which uses `jobs` threads and ends early once it is
  * at `enough` (0: it goes on). A local solver runs from the structured starts of that strategy, best first. A global
  * solver searches the box of each assembly mode in turn. */
-lw_status cli_bench_run(const lw_solver *solver, double seconds, int jobs, double enough,
-                        cli_bench_curve *c, lw_error *e);
+lw_status cli_bench_run(const lw_solver *solver, double seconds, int jobs, double enough, cli_bench_curve *c, lw_error *e);
 
 /* One run of the default strategy until it reaches the reachable error. */
 typedef struct cli_bench_reach {

@@ -68,8 +68,7 @@ lw_status cli_mbs_find_peers(cli_mbs *b, const char *folder, lw_error *e);
 
 /* Add the rows of the other programs for one problem. A program that fails or prints nothing valid gets a row that says
  * so. LW_E_KIND: the model has elements that cannot be passed to other programs. */
-lw_status cli_mbs_peers(cli_mbs *b, const cli_mbs_problem *p, const struct lw_model *m, const cli_mbs_reference *r,
-                        lw_error *e);
+lw_status cli_mbs_peers(cli_mbs *b, const cli_mbs_problem *p, const struct lw_model *m, const cli_mbs_reference *r, lw_error *e);
 
 /* A cycle of a model whose inputs leave no freedom: turns, rates and accelerations of three drives at each moment. */
 enum { CLI_MBS_POSTURES = 101 };

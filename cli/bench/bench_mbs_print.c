@@ -76,8 +76,7 @@ static bool known(const char *problem)
 
 static void rows(const cli_mbs *b, FILE *f)
 {
-    fputs("| problem | solver | tolerance | set up ms | run ms | error | off branch | energy | steps | evaluations | "
-          "|\n"
+    fputs("| problem | solver | tolerance | set up ms | run ms | error | off branch | energy | steps | evaluations | |\n"
           "|---|---|---|---|---|---|---|---|---|---|---|\n", f);
     for (int i = 0; i < b->n; i++) {
         const cli_mbs_row *r = &b->row[i];
@@ -124,8 +123,7 @@ static lw_status save_csv(const cli_mbs *b, const char *folder, lw_error *e)
     lw_status st = lw_output_open(&o, path, e);
     if (st != LW_OK)
         return st;
-    fprintf(o.f, "# %s\n# %s\nproblem,solver,tolerance,setup,seconds,error,off,energy,steps,evaluations,note\n",
-            b->call->line, b->machine);
+    fprintf(o.f, "# %s\n# %s\nproblem,solver,tolerance,setup,seconds,error,off,energy,steps,evaluations,note\n", b->call->line, b->machine);
     for (int i = 0; i < b->n; i++) {
         const cli_mbs_row *r = &b->row[i];
         fprintf(o.f, strchr(r->problem, ',') ? "\"%s\",%s" : "%s,%s", r->problem, r->solver);

@@ -156,8 +156,7 @@ void cli_bench_tables(const cli_bench *b, FILE *f)
 
 /* ---- files ------------------------------------------------------------------------------------------ */
 
-static lw_status open_csv(const cli_bench *b, const char *line, const char *folder, const char *name,
-                          lw_output *o, lw_error *e)
+static lw_status open_csv(const cli_bench *b, const char *line, const char *folder, const char *name, lw_output *o, lw_error *e)
 {
     char path[CLI_PATH_SIZE];
     snprintf(path, sizeof path, "%s/%s", folder, name);
@@ -273,8 +272,7 @@ static void add_levels(const cli_bench_figures *k, range r, labels *l)
 
 #define LINES 8                     /* that a plot shows legibly */
 
-static lw_status save_plot(const cli_bench *b, const cli_bench_problem *p, double *numbers,
-                           const char *folder, lw_error *e)
+static lw_status save_plot(const cli_bench *b, const cli_bench_problem *p, double *numbers, const char *folder, lw_error *e)
 {
     char path[CLI_PATH_SIZE], title[224], bounds[96], label[64];
     int n_all = 0;

@@ -54,8 +54,7 @@ static void make_spec(cli_bench_problem *p)
         memcpy(s->bound[s->n_bound++].name, frame[i], strlen(frame[i]) + 1);
 }
 
-static lw_status add(const char *folder, const char *file, const cli_bench_figures *known,
-                     cli_bench_problem **list, int *n, lw_error *e)
+static lw_status add(const char *folder, const char *file, const cli_bench_figures *known, cli_bench_problem **list, int *n, lw_error *e)
 {
     static const lw_target_options by_file = { .closed = -1 };
     cli_bench_problem *more = realloc(*list, sizeof **list*(size_t)(*n + 1));
@@ -112,8 +111,7 @@ static lw_status add_others(const char *folder, cli_bench_problem **p, int *n, l
     lw_status st = LW_OK;
     int count = scandir(folder, &entry, other_csv, alphasort);
     if (count < 0)
-        return lw_error_at(e, LW_E_IO, folder, 0, 0, "this folder of problems cannot be read; name "
-                           "another with --problems");
+        return lw_error_at(e, LW_E_IO, folder, 0, 0, "this folder of problems cannot be read; name another with --problems");
     for (int i = 0; i < count; i++) {
         char name[64];
         snprintf(name, sizeof name, "%.*s", (int)strlen(entry[i]->d_name) - 4, entry[i]->d_name);

@@ -80,8 +80,7 @@ static double verified_error(const cli_bench_problem *p, const lw_fit *fit)
     double least = INFINITY;
     lw_fit_report *report = malloc(sizeof *report);
     for (int i = 0; i < fit->n && report; i++)
-        if (lw_fit_report_make(&p->target, &p->spec, &fit->candidate[i], report, NULL) == LW_OK
-            && report->verified)
+        if (lw_fit_report_make(&p->target, &p->spec, &fit->candidate[i], report, NULL) == LW_OK && report->verified)
             least = fmin(least, report->verified_objective);
     free(report);
     return least;
@@ -128,8 +127,7 @@ static lw_status make_candidates(const cli_bench_problem *p, candidates *a, lw_e
         f++;
     memset(a, 0, sizeof *a);
     for (; a->n < n; a->n++) {
-        lw_status st = lw_problem_make(&p->target, &p->spec, f, a->n & 1 ? -1 : 1, a->n & 2 ? -1 : 1,
-                                       &a->problem[a->n], e);
+        lw_status st = lw_problem_make(&p->target, &p->spec, f, a->n & 1 ? -1 : 1, a->n & 2 ? -1 : 1, &a->problem[a->n], e);
         if (st != LW_OK)
             return st;
     }
@@ -201,8 +199,7 @@ static lw_solver_options solver_options(const recorder *r, double seconds, long 
     return o;
 }
 
-static void call_solver(const lw_solver *solver, const lw_problem *p, double seconds, long evals,
-                        double *x, recorder *r)
+static void call_solver(const lw_solver *solver, const lw_problem *p, double seconds, long evals, double *x, recorder *r)
 {
     lw_solver_result result;
     lw_solver_options o = solver_options(r, seconds, evals);
@@ -248,8 +245,7 @@ static void run_box(const lw_solver *solver, double seconds, candidates *a, reco
     }
 }
 
-lw_status cli_bench_run(const lw_solver *solver, double seconds, int jobs, double enough,
-                        cli_bench_curve *c, lw_error *e)
+lw_status cli_bench_run(const lw_solver *solver, double seconds, int jobs, double enough, cli_bench_curve *c, lw_error *e)
 {
     recorder r = { .curve = c, .started = lw_clock_wall(), .enough = enough };
     candidates *a = calloc(1, sizeof *a);

@@ -23,8 +23,7 @@ static const cli_option options[] = {
     { "output", 'o', CLI_TEXT, offsetof(settings, output), "FOLDER", NULL,
       "write CSV files and a plot of each problem into this folder", 0, 0, NULL, NULL },
     { "problems", 0, CLI_TEXT, offsetof(settings, problems), "FOLDER", NULL,
-      "fit: folder with targets as CSV files; without it the published problems that come with linkwright",
-      0, 0, NULL, NULL },
+      "fit: folder with targets as CSV files; without it the published problems that come with linkwright", 0, 0, NULL, NULL },
     { "solvers", 0, CLI_TEXT, offsetof(settings, solvers), "NAME,...", "all",
       "fit: solvers to compare: 'default' (the complete method of 'linkwright fit'), names from 'linkwright fit "
       "--solver help\', 'all' or 'none'", 0, 0, NULL, NULL },
@@ -32,16 +31,13 @@ static const cli_option options[] = {
       "time limit; fit: of each solver on each problem; mbs: of the repetitions of a row", 1e-3, 1e6, NULL, NULL },
     { "seeds", 0, CLI_INT, offsetof(settings, seeds), "N", "20",
       "fit: number of complete fits of each problem, with the seeds --seed, --seed + 1, ...", 0, 10000, NULL, NULL },
-    { "reach-time", 0, CLI_REAL, offsetof(settings, limit), "SECONDS", "5",
-      "fit: time limit of each of these fits", 1e-3, 1e6, NULL, NULL },
+    { "reach-time", 0, CLI_REAL, offsetof(settings, limit), "SECONDS", "5", "fit: time limit of each of these fits", 1e-3, 1e6, NULL, NULL },
     { "links", 'l', CLI_TEXT, offsetof(settings, links), "P,...", NULL,
-      "fit: instead, search all mechanisms with up to 6 or up to 6,8 links and print error against number of links",
-      0, 0, NULL, NULL },
+      "fit: instead, search all mechanisms with up to 6 or up to 6,8 links and print error against number of links", 0, 0, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5",
       "fit: with --links, number of evaluations for each number of links", 1e3, 1e12, NULL, NULL },
     { "both-ways", 0, CLI_FLAG, offsetof(settings, both_ways), NULL, NULL,
-      "fit: with --links, compare paths without input angles in both directions, target to curve and curve to target",
-      0, 0, NULL, NULL },
+      "fit: with --links, compare paths without input angles in both directions, target to curve and curve to target", 0, 0, NULL, NULL },
     { "keep", 0, CLI_INPUT, offsetof(settings, keep), "FILE", NULL,
       "fit: keep every run in FILE, and leave out those that FILE holds already", 0, 0, NULL, NULL },
     { "part", 0, CLI_TEXT, offsetof(settings, part), "R/M", NULL,
@@ -51,8 +47,7 @@ static const cli_option options[] = {
     { "cases", 0, CLI_TEXT, offsetof(settings, cases), "NAME,...", NULL,
       "mbs: pendulum, two-four-bars, row-of-15, row-of-40, row-of-400, andrews, space-slider-crank, "
       "space-bricard, space-governor, space-chain, flexible-crank, clearance, clearance-250, choice (is "
-      "auto the fastest formulation, over 61 models; choice:TEXT takes those with TEXT in their name); "
-      "without it all but choice",
+      "auto the fastest formulation, over 61 models; choice:TEXT takes those with TEXT in their name); without it all but choice",
       0, 0, NULL, NULL },
     { "tolerance-range", 0, CLI_RANGE, offsetof(settings, tolerance), "MIN:MAX", "1e-13:1e-4",
       "mbs: tolerances to use, a row for each power of ten", 1e-13, 1e-1, NULL, NULL },
@@ -128,8 +123,7 @@ typedef struct runs {
     lw_error       *e;
 } runs;
 
-static lw_status reach_once(const cli_bench *b, const cli_bench_problem *p, uint64_t seed,
-                            cli_bench_reach *r, lw_error *e)
+static lw_status reach_once(const cli_bench *b, const cli_bench_problem *p, uint64_t seed, cli_bench_reach *r, lw_error *e)
 {
     cli_bench_curve c = { .problem = p, .solver = "default", .seed = seed };
     double enough = CLI_WITHIN*p->known->reachable;

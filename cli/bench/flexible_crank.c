@@ -231,8 +231,7 @@ static lw_status ggl_start(const lw_flexible_crank *c, const double *y0, double 
     return st;
 }
 
-static lw_status run_ggl(const lw_flexible_crank *c, const double *y0, const lw_ode_options *o, double to,
-                         lw_flexible_run *r, lw_error *e)
+static lw_status run_ggl(const lw_flexible_crank *c, const double *y0, const lw_ode_options *o, double to, lw_flexible_run *r, lw_error *e)
 {
     unsigned char algebraic[GGL_N] = { 0 };
     double y[GGL_N], dy[GGL_N] = { 0 };
@@ -257,8 +256,7 @@ static lw_status run_ggl(const lw_flexible_crank *c, const double *y0, const lw_
 
 /* ---- runs ---------------------------------------------------------------------------------------------------- */
 
-static lw_status run_explicit(const lw_ode *ode, const lw_ode_options *o, double to, double *y, lw_flexible_run *r,
-                              lw_error *e)
+static lw_status run_explicit(const lw_ode *ode, const lw_ode_options *o, double to, double *y, lw_flexible_run *r, lw_error *e)
 {
     double work[LW_INTEGRATE_WORK(20, 0)];
     lw_integrator w;

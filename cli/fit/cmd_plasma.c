@@ -23,8 +23,7 @@ typedef struct settings {
 static const cli_option options[] = {
     { "target", 't', CLI_INPUT, offsetof(settings, target), "FILE", NULL,
       "the path that the point shall follow: CSV, SVG or DXF, as for 'linkwright fit'; required", 0, 0, NULL, NULL },
-    { "ground", 0, CLI_INT, offsetof(settings, ground), "PART", "1",
-      "number of the fixed part", 1, LW_LINK_MAX, NULL, NULL },
+    { "ground", 0, CLI_INT, offsetof(settings, ground), "PART", "1", "number of the fixed part", 1, LW_LINK_MAX, NULL, NULL },
     { "input-joint", 0, CLI_INT, offsetof(settings, input), "JOINT", NULL,
       "number of the driven joint, a pin or a slider; without it the first joint at the ground from which all parts "
       "can be computed", 1, LW_JOINT_MAX, NULL, NULL },
@@ -33,17 +32,13 @@ static const cli_option options[] = {
       "position depends on all parts", 1, LW_LINK_MAX, NULL, NULL },
     { "first", 0, CLI_INT, offsetof(settings, first), "N", "200",
       "the first dimensions are the best of N random ones that can be assembled", 1, 1e6, NULL, NULL },
-    { "points", 0, CLI_INT, offsetof(settings, points), "N", "50",
-      "number of rows in the tables of motion", 2, 10000, NULL, NULL },
-    { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5",
-      "number of evaluations of the objective", 1e3, 1e12, NULL, NULL },
-    { "crank-only", 0, CLI_FLAG, offsetof(settings, crank_only), NULL, NULL,
-      "the input turns fully", 0, 0, NULL, NULL },
+    { "points", 0, CLI_INT, offsetof(settings, points), "N", "50", "number of rows in the tables of motion", 2, 10000, NULL, NULL },
+    { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5", "number of evaluations of the objective", 1e3, 1e12, NULL, NULL },
+    { "crank-only", 0, CLI_FLAG, offsetof(settings, crank_only), NULL, NULL, "the input turns fully", 0, 0, NULL, NULL },
     { "length-unit", 0, CLI_TEXT, offsetof(settings, length_unit), "UNIT", NULL,
       "unit of the lengths in the target; without it as the file says, else m", 0, 0, NULL, NULL },
     { "save", 0, CLI_TEXT, offsetof(settings, save), "FOLDER", NULL,
-      "write first.adm, first.acf, final.adm, final.acf, first.json and final.json into this folder",
-      0, 0, NULL, NULL },
+      "write first.adm, first.acf, final.adm, final.acf, first.json and final.json into this folder", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -399,8 +394,7 @@ static lw_status run_all(job *b, lw_error *e)
     if (st != LW_OK)
         return st;
     if (b->target.n_also > 0)
-        return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0,
-                           "the target must be one path; 'linkwright fit' takes several points");
+        return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "the target must be one path; 'linkwright fit' takes several points");
     if (!b->target.x)
         return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "the target must be a path, with columns x and y");
     make_spec(b);

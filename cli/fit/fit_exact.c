@@ -15,8 +15,7 @@ lw_status cli_fit_exact(const cli_call *call, cli_fit_set *s, const lw_fit_optio
     lw_fit_options here = *o;
     s->is_exact = true;
     if (!lw_task_table[s->spec.task].prescribed && s->target.angle)
-        cli_note(call, "%s: its input angles are ignored; linkages through precision points find their own",
-                 s->path);
+        cli_note(call, "%s: its input angles are ignored; linkages through precision points find their own", s->path);
     if (!lw_task_table[s->spec.task].prescribed)
         s->spec.timing = LW_TIMING_FREE;
     here.spec = s->spec;
@@ -37,8 +36,7 @@ lw_status cli_fit_exact_verify(const cli_call *call, cli_fit_set *s, lw_error *e
     if (st != LW_OK)
         return st;
     for (int i = 0; i < r->n_left_out; i++)
-        cli_note(call, "%s: a %s is left out: %s", s->path, fit->candidate[r->left_out[i].candidate].family->name,
-                 r->left_out[i].fault);
+        cli_note(call, "%s: a %s is left out: %s", s->path, fit->candidate[r->left_out[i].candidate].family->name, r->left_out[i].fault);
     if (fit->n > 0 && s->exact.n_clean == 0)
         cli_note(call, "%s: %s runs through all stations without a defect; without --exact one is fitted as well as "
                  "can be", s->path, s->exact.complete ? "no linkage there is" : "no linkage found");
@@ -74,8 +72,7 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
         const lw_guide *g = &x->guide[i];
         fprintf(f, "guide %d  %s  fixed %s at %.12g, %.12g", i + 1, kinds[g->kind],
                 g->kind == LW_GUIDE_PR ? "line" : "pin", g->centre.x/m, g->centre.y/m);
-        fprintf(f, "  %s on the tool at %.12g, %.12g", g->kind == LW_GUIDE_RP ? "line" : "pin", g->point.x/m,
-                g->point.y/m);
+        fprintf(f, "  %s on the tool at %.12g, %.12g", g->kind == LW_GUIDE_RP ? "line" : "pin", g->point.x/m, g->point.y/m);
         if (g->kind != LW_GUIDE_RR)
             fprintf(f, "  line along %.9g, %.9g", g->along.x, g->along.y);
         fputc('\n', f);

@@ -10,8 +10,7 @@ static void note_left_out(const cli_call *call, const cli_fit_set *set)
     for (int i = 0; i < set->search.results.n_left_out; i++) {
         const lw_left_out *l = &set->search.results.left_out[i];
         const lw_candidate *c = &set->search.found.fit.candidate[l->candidate];
-        cli_note(call, "%s: a candidate (%s, objective %.6g) is left out: %s", set->path, c->family->name, c->objective,
-                 l->fault);
+        cli_note(call, "%s: a candidate (%s, objective %.6g) is left out: %s", set->path, c->family->name, c->objective, l->fault);
     }
 }
 

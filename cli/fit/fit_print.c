@@ -66,8 +66,7 @@ static void table_row(const cli_fit_set *s, int i, int width, FILE *f)
     if (!lw_task_has_place(s->spec.task))
         fprintf(f, " %9.4g %9.4g @%-4zu", r->angle_mean*deg, r->angle_max*deg, r->worst + 1);
     else
-        fprintf(f, " %9.3g%% %9.4g %9.4g @%-4zu", r->error_percent, length(s, r->error_mean),
-                length(s, r->error_max), r->worst + 1);
+        fprintf(f, " %9.3g%% %9.4g %9.4g @%-4zu", r->error_percent, length(s, r->error_mean), length(s, r->error_max), r->worst + 1);
     if (s->spec.task == LW_TASK_MOTION)
         fprintf(f, " %9.4g %9.4g", r->angle_mean*deg, r->angle_max*deg);
     if (lw_task_has_place(s->spec.task))
@@ -146,8 +145,7 @@ static void print_unfit(const cli_fit_set *s, FILE *f)
 
 static void print_searched(const long state[LW_FIT_STATES], FILE *f)
 {
-    fprintf(f, "; %ld searched, %ld of them with a linkage that closes", state[LW_FIT_LOOKED] + state[LW_FIT_CLOSED],
-            state[LW_FIT_CLOSED]);
+    fprintf(f, "; %ld searched, %ld of them with a linkage that closes", state[LW_FIT_LOOKED] + state[LW_FIT_CLOSED], state[LW_FIT_CLOSED]);
     if (state[LW_FIT_UNABLE] > 0)
         fprintf(f, "; %ld that cannot do this task", state[LW_FIT_UNABLE]);
     if (state[LW_FIT_UNREACHED] > 0)
@@ -364,8 +362,7 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fi
 
 static lw_status robustness(const cli_fit_set *s, int i, lw_robustness *out, lw_error *e)
 {
-    lw_status st = lw_robustness_of(&s->target, candidate_of(s, i), &s->search.results.report[i], &s->spec.tolerances,
-                                    out, e);
+    lw_status st = lw_robustness_of(&s->target, candidate_of(s, i), &s->search.results.report[i], &s->spec.tolerances, out, e);
     if (st == LW_E_MEMORY)
         cli_lost();
     return st;
@@ -574,8 +571,7 @@ lw_status cli_fit_carriers(const char *text, const lw_target *t, lw_carrier carr
             return lw_error_set(e, LW_E_ARG, "--point-links takes input, coupler, output or any for each further "
                                 "point, not '%.*s'", (int)n, at);
         if (i >= t->n_also && strcmp(text, "any") != 0)
-            return lw_error_set(e, LW_E_ARG, "--point-links names more links than the target has further points (%d)",
-                                t->n_also);
+            return lw_error_set(e, LW_E_ARG, "--point-links names more links than the target has further points (%d)", t->n_also);
         if (i < LW_ALSO_MAX)
             carrier[i] = (lw_carrier)found;
         at += n + (at[n] == ',');

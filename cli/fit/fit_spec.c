@@ -9,8 +9,7 @@
 enum { AUTO = 0 };
 
 /* Read one bound such as "r1=5:50". */
-static lw_status add_bound(const char *text, size_t n, const lw_units *u, lw_fit_spec *spec,
-                           lw_error *e)
+static lw_status add_bound(const char *text, size_t n, const lw_units *u, lw_fit_spec *spec, lw_error *e)
 {
     static const cli_option range = { .name = "bounds", .kind = CLI_RANGE };
     char word[80], *equals;
@@ -22,8 +21,7 @@ static lw_status add_bound(const char *text, size_t n, const lw_units *u, lw_fit
     equals = strchr(word, '=');
     lw_bound *b = &spec->bound[spec->n_bound];
     if (!equals || equals == word || equals - word >= (long)sizeof b->name)
-        return lw_error_set(e, LW_E_ARG, "--bounds takes NAME=MIN:MAX with commas between, as "
-                            "r1=5:50,x0=0:0; '%s' is none", word);
+        return lw_error_set(e, LW_E_ARG, "--bounds takes NAME=MIN:MAX with commas between, as r1=5:50,x0=0:0; '%s' is none", word);
     if (spec->n_bound == (int)(sizeof spec->bound/sizeof *spec->bound))
         return lw_error_set(e, LW_E_ARG, "--bounds takes %d names at most", spec->n_bound);
     *equals = 0;
@@ -103,8 +101,7 @@ static lw_status read_tolerance(const char *text, const lw_units *u, double *met
     size_t n = strspn(text, "0123456789.eE+-");
     const char *end = text + n + strspn(text + n, " ");
     *metres = 0;
-    if ((lw_number_parse(text, n, metres) != LW_OK || !(*metres > 0)
-                 || (*end && !lw_units_set_length(&unit, end))))
+    if ((lw_number_parse(text, n, metres) != LW_OK || !(*metres > 0) || (*end && !lw_units_set_length(&unit, end))))
         return lw_error_set(e, LW_E_ARG, "--tolerance takes a length above 0, as 1mm, not '%s'", text);
     *metres *= unit.metre;
     return LW_OK;
@@ -141,8 +138,7 @@ lw_status cli_fit_make_spec(const cli_call *call, const cli_fit_set *set, lw_fit
     spec->datum = (lw_datum[]){ LW_DATUM_FREE, LW_DATUM_FRAME, LW_DATUM_PLANE }[s->datum];
     conditions(call, set, spec);
     if (s->datum != 0 && spec->timing != LW_TIMING_PRESCRIBED)
-        return lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only, and "
-                            "the target has no column angle");
+        return lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only, and the target has no column angle");
     lw_fit_spec_set_limits(spec, t, limits_given(call, spec) | (set->has_task_file ? set->task_file.limits : 0));
     lw_status st = s->tolerance ? read_tolerance(s->tolerance, &t->units, &spec->tolerance, e) : LW_OK;
     if (st == LW_OK && spec->tolerance > 0 && (!lw_task_has_place(spec->task) || s->unlimited || s->exact))
@@ -185,8 +181,7 @@ lw_status cli_fit_read_tolerances(const char *text, const lw_units *u, lw_tolera
         if (n > 0 && n < sizeof name)
             memcpy(name, end, n);
         if (end == at || !(v >= 0 && v < 1e300) || n >= sizeof name || (n > 0 && !lw_units_set_length(&unit, name)))
-            return lw_error_set(e, LW_E_ARG, "--tolerances takes a length and perhaps a clearance, as 0.1mm,0.05mm, not "
-                                "'%s'", text);
+            return lw_error_set(e, LW_E_ARG, "--tolerances takes a length and perhaps a clearance, as 0.1mm,0.05mm, not '%s'", text);
         *to[i] = v*unit.metre;
         at = end + n;
     }
@@ -226,8 +221,7 @@ lw_status cli_fit_check_conditions(const cli_call *call, lw_error *e)
         st = lw_error_set(e, LW_E_ARG, "--length-range %g:%g excludes every linkage: lengths are "
                           "positive", s->length_range[0], s->length_range[1]);
     if (st == LW_OK && !(s->weight_path > 0) && s->task != 2)
-        st = lw_error_set(e, LW_E_ARG, "--weight-path must be positive; use --task function to fit "
-                          "angles alone");
+        st = lw_error_set(e, LW_E_ARG, "--weight-path must be positive; use --task function to fit angles alone");
     if (st == LW_OK && s->datum != 0 && s->timing > 1)
         st = lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only");
     return st;

@@ -101,8 +101,7 @@ static lw_status posture_at(moved *m, const lw_export_law *law, int i, int point
 static bool path_table(moved *m, const lw_export_law *law, double metre, int points, FILE *f)
 {
     bool closes = true;
-    fputs(" PNT   Time        PosX        PosY        VelM        VelX        VelY"
-          "        AccM        AccX        AccY\n", f);
+    fputs(" PNT   Time        PosX        PosY        VelM        VelX        VelY        AccM        AccX        AccY\n", f);
     for (int i = 0; i < points; i++) {
         double t, u[3];
         lw_vec2 p[3];

@@ -145,12 +145,10 @@ static lw_status read_header(const field *f, int n, const char *file, long line,
         if (open && f[i].text[f[i].n - 1] != ']')
             return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "this unit has no ]");
         if (!lw_dimension_fits(h->unit[i].dimension, si.dimension))
-            return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "%s needs a unit like [%s]", h->of[i]->name,
-                               h->of[i]->unit);
+            return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "%s needs a unit like [%s]", h->of[i]->name, h->of[i]->unit);
         for (int k = 0; k < i; k++)
             if (h->of[k] == h->of[i])
-                return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "the column %s is given twice",
-                                   h->of[i]->name);
+                return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "the column %s is given twice", h->of[i]->name);
     }
     if (h->name < 0)
         return lw_error_at(e, LW_E_NOTATION, file, line, 1, "the column \"name\" is missing");
@@ -170,8 +168,7 @@ static lw_status read_header(const field *f, int n, const char *file, long line,
 #define LEAST_VALUE    1e-30
 #define GREATEST_VALUE 1e30
 
-static lw_status read_part(const header *h, const field *f, int n, const char *file, long line, lw_drive_parts *p,
-                           lw_error *e)
+static lw_status read_part(const header *h, const field *f, int n, const char *file, long line, lw_drive_parts *p, lw_error *e)
 {
     char *part = lw_part_add(p, h->kind);
     if (!part)
@@ -180,8 +177,7 @@ static lw_status read_part(const header *h, const field *f, int n, const char *f
     if (n != h->n)
         return lw_error_at(e, LW_E_NOTATION, file, line, 1, "this line has %d fields, the header has %d", n, h->n);
     if (f[h->name].n == 0 || f[h->name].n >= LW_PART_NAME)
-        return lw_error_at(e, LW_E_NOTATION, file, line, f[h->name].column, "a name of 1 to %d bytes is expected",
-                           LW_PART_NAME - 1);
+        return lw_error_at(e, LW_E_NOTATION, file, line, f[h->name].column, "a name of 1 to %d bytes is expected", LW_PART_NAME - 1);
     memcpy(part, f[h->name].text, f[h->name].n);
     if (lw_text_has_control(part))
         return lw_error_at(e, LW_E_NOTATION, file, line, f[h->name].column, "this name holds a control character");
@@ -218,8 +214,7 @@ static int by_name(const void *a, const void *b)
 }
 
 /* No two parts of a kind have one name.  line: of each part after the first `before`. */
-static lw_status check_names(const lw_drive_parts *p, const header *h, int before, const long *line, const char *file,
-                             lw_error *e)
+static lw_status check_names(const lw_drive_parts *p, const header *h, int before, const long *line, const char *file, lw_error *e)
 {
     int n = lw_part_count(p, h->kind);
     const named *first = NULL;
@@ -232,8 +227,7 @@ static lw_status check_names(const lw_drive_parts *p, const header *h, int befor
     for (int i = 1; i < n; i++)
         if (strcmp(all[i - 1].name, all[i].name) == 0 && all[i].line > 0 && (!first || all[i].line < first->line))
             first = &all[i];
-    lw_status s = first ? lw_error_at(e, LW_E_NOTATION, file, first->line, 1, "the name \"%s\" is given twice",
-                                      first->name) : LW_OK;
+    lw_status s = first ? lw_error_at(e, LW_E_NOTATION, file, first->line, 1, "the name \"%s\" is given twice", first->name) : LW_OK;
     free(all);
     return s;
 }

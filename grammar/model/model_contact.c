@@ -175,8 +175,7 @@ lw_status lw_model_read_contact(const lw_json_node *object, size_t index, lw_mod
         for (int i = 0; i < m->n_shape; i++)
             any = any || m->shape[i].link == c->link[end];
         if (!any)
-            s = lw_json_fault(object, e, "link \"%s\" has no \"shapes\" that could touch",
-                              m->linkage.link_name[c->link[end]]);
+            s = lw_json_fault(object, e, "link \"%s\" has no \"shapes\" that could touch", m->linkage.link_name[c->link[end]]);
     }
     return s;
 }
@@ -204,7 +203,6 @@ lw_status lw_model_read_rope(const lw_json_node *object, size_t index, lw_model 
     if (s == LW_OK && !(r->length > 0))
         s = lw_json_fault(object, e, "the ends of the rope are at one point: give its \"length\"");
     if (s == LW_OK && apart > r->length*(1 + 1e-9))
-        s = lw_json_fault(object, e, "the ends are %.6g m apart in the posture, which is more than the length %.6g m", apart,
-                          r->length);
+        s = lw_json_fault(object, e, "the ends are %.6g m apart in the posture, which is more than the length %.6g m", apart, r->length);
     return s == LW_OK ? read_surface(object, true, &r->surface, e) : s;
 }

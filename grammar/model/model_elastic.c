@@ -308,8 +308,7 @@ lw_status lw_elastic_check_link(const lw_json_node *link, const lw_json_node *n,
                                  "weld another link with the mass that it carries", mass[i]);
     for (int i = 0; i < COUNT(start); i++)
         if (lw_json_member(link, start[i], &at))
-            return lw_json_fault(&at, e, "an elastic link starts with the velocities of the rigid linkage; give the speed of an "
-                                 "input");
+            return lw_json_fault(&at, e, "an elastic link starts with the velocities of the rigid linkage; give the speed of an input");
     return LW_OK;
 }
 

@@ -37,8 +37,7 @@ lw_status lw_read_friction(const lw_json_node *n, double metre, bool radius, lw_
     lw_json_node at;
     f->speed = 0;
     lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
-    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_read_need(n, "coefficient", &at, e)) == LW_OK)
+    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK && (s = lw_read_need(n, "coefficient", &at, e)) == LW_OK)
         s = lw_read_numbers(n, numbers, COUNT(numbers), e);
     if (s == LW_OK && radius && !given)
         s = lw_json_fault(n, e, "friction of a joint that turns needs the \"radius\" of its pin or ball");

@@ -69,8 +69,7 @@ static lw_status read_body(const lw_json_node *link, lw_model *m, int i, lw_erro
         s = lw_json_fault(link, e, "link \"%s\" has %s but no \"mass\"; write one [kg], 0 is allowed",
                           m->linkage.link_name[i], centre ? "a centre of mass" : "an inertia");
     if (s == LW_OK && b->mass > 0 && !centre)
-        s = lw_json_fault(link, e, "link \"%s\" has a mass but no \"centre\" where it acts",
-                          m->linkage.link_name[i]);
+        s = lw_json_fault(link, e, "link \"%s\" has a mass but no \"centre\" where it acts", m->linkage.link_name[i]);
     if (s == LW_OK)
         s = lw_read_numbers(link, &omega, 1, e);
     if (s == LW_OK && lw_json_member(link, "velocity", &n)) {
@@ -205,8 +204,7 @@ static lw_status read_joint_extras(const lw_json_node *root, lw_model *m, lw_err
 
 /* ---- loads ------------------------------------------------------------------------------------- */
 
-static lw_status read_load_joint(const lw_json_node *object, const char *what, lw_model *m, int *joint,
-                                 lw_error *e)
+static lw_status read_load_joint(const lw_json_node *object, const char *what, lw_model *m, int *joint, lw_error *e)
 {
     lw_json_node n;
     lw_status s = lw_read_need(object, "joint", &n, e);
@@ -219,8 +217,7 @@ static lw_status read_ends(const lw_json_node *object, lw_model *m, lw_spring *p
 {
     lw_json_node links, at;
     lw_status s = lw_read_need(object, "links", &links, e);
-    if (s == LW_OK && (s = lw_read_list(&links, 2, 2, e)) == LW_OK &&
-        (s = lw_read_need(object, "at", &at, e)) == LW_OK)
+    if (s == LW_OK && (s = lw_read_list(&links, 2, 2, e)) == LW_OK && (s = lw_read_need(object, "at", &at, e)) == LW_OK)
         s = lw_read_list(&at, 2, 2, e);
     for (size_t end = 0; s == LW_OK && end < 2; end++) {
         lw_json_node link = lw_json_element(&links, end), point = lw_json_element(&at, end);
@@ -229,8 +226,7 @@ static lw_status read_ends(const lw_json_node *object, lw_model *m, lw_spring *p
             s = lw_read_pair(&point, m->linkage.units.metre, &p->at[end], e);
     }
     if (s == LW_OK && p->link[0] == p->link[1])
-        s = lw_json_fault(&links, e, "both ends are on link \"%s\": nothing between them can move",
-                          m->linkage.link_name[p->link[0]]);
+        s = lw_json_fault(&links, e, "both ends are on link \"%s\": nothing between them can move", m->linkage.link_name[p->link[0]]);
     return s;
 }
 
@@ -283,8 +279,7 @@ static lw_reading reading_of(lw_model *m)
 }
 
 /* A spring between two points.  Without "free" its free length is that in the posture. */
-static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m,
-                                  lw_error *e)
+static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m, lw_error *e)
 {
     const lw_reading r = reading_of(m);
     lw_spring *p = &m->spring[m->n_spring];
@@ -298,8 +293,7 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
     return lw_read_spring_numbers(object, &r, LW_OF_LENGTH, m->linkage.units.metre, &p->stiffness, &p->damping, &p->free, &p->law, e);
 }
 
-static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m,
-                                   lw_error *e)
+static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m, lw_error *e)
 {
     const lw_reading r = reading_of(m);
     lw_joint_spring *p = &m->joint_spring[m->n_joint_spring];
@@ -444,8 +438,7 @@ lw_status lw_model_read(const char *text, size_t size, const char *file, lw_mode
     return lw_model_read_result(text, size, file, 0, m, e);
 }
 
-lw_status lw_model_read_result(const char *text, size_t size, const char *file, int which, lw_model *m,
-                               lw_error *e)
+lw_status lw_model_read_result(const char *text, size_t size, const char *file, int which, lw_model *m, lw_error *e)
 {
     lw_json json;
     const lw_reading r = reading_of(m);

@@ -29,8 +29,7 @@ static int add_state(lw_states *z, const char *name, const char *unit, double sc
 }
 
 /* A signal "name.what" takes x over.  LW_E_MEMORY. */
-static lw_status add_signal(lw_states *z, const char *name, const char *what, const char *unit, lw_expression *x,
-                            lw_error *e)
+static lw_status add_signal(lw_states *z, const char *name, const char *what, const char *unit, lw_expression *x, lw_error *e)
 {
     lw_signal *more = realloc(z->signal, ((size_t)z->n_signal + 1)*sizeof *more);
     if (!more) {
@@ -78,8 +77,7 @@ static lw_status parse_generated(const char *text, const lw_generated *word, int
 }
 
 /* The same for a text with numbers; a fault in it is that of an object of the file: expressions too long for one. */
-static lw_status generate(const lw_json_node *object, const lw_generated *word, int n, lw_expression **out, lw_error *e,
-                          const char *text)
+static lw_status generate(const lw_json_node *object, const lw_generated *word, int n, lw_expression **out, lw_error *e, const char *text)
 {
     lw_error inner = { 0 };
     lw_status s = parse_generated(text, word, n, out, &inner);
@@ -121,15 +119,13 @@ static int look_up_named(const look *l, const char *word, const char *name, char
     if (!state && strcmp(word, "length") != 0 && strcmp(word, "rate") != 0)
         return -1;
     if (!name) {
-        snprintf(why, LW_WHY_SIZE, "%s needs the name of a %s: %s(...)", word, state ? "state" : "spring or cylinder",
-                 word);
+        snprintf(why, LW_WHY_SIZE, "%s needs the name of a %s: %s(...)", word, state ? "state" : "spring or cylinder", word);
         return -1;
     }
     int at = state ? find_state(r->states, name, NULL) : r->find_spring(r->model, l->json, name, why);
     if (at < 0 && state)
         snprintf(why, LW_WHY_SIZE, "there is no state \"%.40s\" (those of motors: NAME.current; of cylinders: NAME.p1)", name);
-    return at < 0 ? -1 : lw_variable(state ? LW_QUANTITY_STATE : word[0] == 'l' ? LW_QUANTITY_SPRING_LENGTH
-                                                                                : LW_QUANTITY_SPRING_RATE, at);
+    return at < 0 ? -1 : lw_variable(state ? LW_QUANTITY_STATE : word[0] == 'l' ? LW_QUANTITY_SPRING_LENGTH : LW_QUANTITY_SPRING_RATE, at);
 }
 
 /* output(name) of a controller, or the part before the point of a signal's name. */
@@ -520,8 +516,7 @@ bool lw_is_driven_motor(const lw_json_node *object)
 }
 
 /* The link that a rotor's inertia moves with: that of a joint to ground, or without a gear the joint's second. */
-static lw_status add_rotor(const lw_json_node *object, lw_states *z, const lw_motor_joint *j, double inertia, double ratio,
-                           lw_error *e)
+static lw_status add_rotor(const lw_json_node *object, lw_states *z, const lw_motor_joint *j, double inertia, double ratio, lw_error *e)
 {
     int link = j->link[0] == j->ground ? j->link[1] : j->link[1] == j->ground ? j->link[0] : -1;
     if (link < 0 && j->turns && fabs(ratio) == 1)
@@ -534,8 +529,7 @@ static lw_status add_rotor(const lw_json_node *object, lw_states *z, const lw_mo
 }
 
 /* L i' = u - R i - K w,  torque K i,  w = ratio v: the electrical power u i and the heat R i^2 are summed. */
-static lw_status read_circuit(const lw_json_node *object, const char *name, const lw_motor_joint *j, const lw_reading *r,
-                              lw_error *e)
+static lw_status read_circuit(const lw_json_node *object, const char *name, const lw_motor_joint *j, const lw_reading *r, lw_error *e)
 {
     double resistance = 0, inductance = 0, constant = 0, inertia = 0, ratio = 1, start = 0;
     const lw_number_key numbers[] = {
@@ -593,8 +587,7 @@ static lw_status read_curve(const lw_json_node *object, const lw_motor_joint *j,
     if (s != LW_OK)
         return s;
     const lw_generated word[] = { { "u", torque, 0 }, { "v", NULL, lw_variable(LW_QUANTITY_RATE, 0) } };
-    snprintf(text, sizeof text, "min(max(u, -%.17g*(1 + v/%.17g)), %.17g*(1 - v/%.17g))", stall, free_speed, stall,
-             free_speed);
+    snprintf(text, sizeof text, "min(max(u, -%.17g*(1 + v/%.17g)), %.17g*(1 - v/%.17g))", stall, free_speed, stall, free_speed);
     s = generate(object, word, COUNT(word), j->law, e, text);
     lw_expression_free(torque);
     return s;

@@ -166,8 +166,7 @@ lw_status lw_material_read(const lw_json_node *n, lw_material *m, lw_error *e)
         return s;
     }
     if (lw_json_kind_of(n) != LW_JSON_OBJECT)
-        return lw_json_fault(n, e, "a material is a name such as \"steel\", or {\"E\", \"G\" or \"nu\", \"density\"} in "
-                             "N/m^2 and kg/m^3");
+        return lw_json_fault(n, e, "a material is a name such as \"steel\", or {\"E\", \"G\" or \"nu\", \"density\"} in N/m^2 and kg/m^3");
     double *to[] = { &m->e, &m->g, &nu, &m->density };
     lw_status s = lw_json_known_keys(n, known, COUNT(known), e);
     for (int i = 0; s == LW_OK && i < 4; i++)
@@ -177,8 +176,7 @@ lw_status lw_material_read(const lw_json_node *n, lw_material *m, lw_error *e)
     if (!has[0] || !has[3] || has[1] == has[2])
         return lw_json_fault(n, e, "a material needs \"E\" [N/m^2], \"density\" [kg/m^3] and either \"G\" [N/m^2] or \"nu\"");
     if (!(m->e > 0 && m->density > 0 && (has[1] ? m->g > 0 : nu > -1 && nu <= 0.5)))
-        return lw_json_fault(n, e, "\"E\", \"G\" and \"density\" of a material are greater than 0, and \"nu\" lies between -1 "
-                             "and 0.5");
+        return lw_json_fault(n, e, "\"E\", \"G\" and \"density\" of a material are greater than 0, and \"nu\" lies between -1 and 0.5");
     if (has[2])
         m->g = m->e/(2*(1 + nu));
     return LW_OK;

@@ -68,8 +68,7 @@ static lw_status read_load(const lw_json_node *root, lw_servo *p, lw_error *e)
     if (s == LW_OK && given) {
         p->slides = lw_json_member(&n, "radius", &other);
         if (p->slides && lw_json_member(&n, "ratio", &other))
-            return lw_json_fault(&other, e, "a slide has a \"radius\" (way over the turn of the motor), a shaft a \"ratio\"; "
-                                 "keep one");
+            return lw_json_fault(&other, e, "a slide has a \"radius\" (way over the turn of the motor), a shaft a \"ratio\"; keep one");
         s = NUMBERS(&n, MORE("radius", &p->factor), MORE("ratio", &ratio), { "stiffness", 1, LW_POSITIVE, &p->stiffness,
                     &p->elastic }, AMOUNT("damping", &p->damping), AMOUNT("backlash", &p->backlash));
         p->factor = p->slides ? p->factor : 1/ratio;

@@ -222,8 +222,7 @@ lw_status lw_spatial_of_planar(const lw_model *p, lw_spatial *m, lw_error *e)
     for (int i = 0; s == LW_OK && i < k->n_input; i++) {
         const lw_input *in = &k->input[i];
         if (in->ratio != 0)
-            s = lw_error_set(e, LW_E_KIND, "input \"%s\" is tied to another one: such models stay in the plane",
-                             k->joint[in->joint].name);
+            s = lw_error_set(e, LW_E_KIND, "input \"%s\" is tied to another one: such models stay in the plane", k->joint[in->joint].name);
         m->input[m->n_input++] = (lw_spatial_input){ .measure = { lw_joint_slides(k->joint[in->joint].kind) ? LW_OF_SLIDE : LW_OF_TURN,
             in->joint }, .value = in->value, .has_range = in->first != in->last, .first = in->first, .last = in->last };
     }

@@ -50,8 +50,7 @@ static lw_status read_axis(const lw_json_node *object, lw_work_cycle *c, lw_erro
 }
 
 /* Values of axes, {"x": 0.5, "z": 1}; moves (may be NULL) marks the axes named. */
-static lw_status read_places(const lw_json_node *object, const lw_work_cycle *c, double *value, bool *moves,
-                             lw_error *e)
+static lw_status read_places(const lw_json_node *object, const lw_work_cycle *c, double *value, bool *moves, lw_error *e)
 {
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     const char **names = malloc((size_t)c->n_axis*sizeof *names);
@@ -69,8 +68,7 @@ static lw_status read_places(const lw_json_node *object, const lw_work_cycle *c,
         if (moves)
             moves[i] = true;
         else if (s == LW_OK && !(value[i] >= c->axis[i].limits.v[0] && value[i] <= c->axis[i].limits.v[1]))
-            s = lw_json_fault(&n, e, "this speed is above the limit %g of axis \"%s\"",
-                              c->axis[i].limits.v[value[i] > 0], names[i]);
+            s = lw_json_fault(&n, e, "this speed is above the limit %g of axis \"%s\"", c->axis[i].limits.v[value[i] > 0], names[i]);
     }
     free(names);
     return s;
@@ -109,8 +107,7 @@ static lw_status plan_move(const lw_json_node *object, plan *p, lw_cycle_move *m
         s = lw_profile_make_axes((int)n, from, to, limits, duration, straight, profile, &inner);
         if (s == LW_NOTHING && !inner.text[0])
             lw_error_set(&inner, s, straight ? "the axes do not begin and end along one straight line" :
-                         "no motion within the limits "
-                         "brings the axes there together");
+                         "no motion within the limits brings the axes there together");
         if (s != LW_OK)
             s = s == LW_E_MEMORY ? lw_error_set(e, s, "out of memory") : lw_json_fault(object, e, "%s", inner.text);
     }
@@ -167,8 +164,7 @@ static lw_status read_move(const lw_json_node *object, plan *p, double *goal, do
     }
     if (s == LW_OK && blend > 0 && (!before || blend > before->duration || before->dwell > 0)) {
         lw_json_member(object, "blend", &n);
-        s = lw_json_fault(&n, e, before && before->dwell > 0 ? "the move before is followed by a rest; a move cannot "
-                                                               "begin before it"
+        s = lw_json_fault(&n, e, before && before->dwell > 0 ? "the move before is followed by a rest; a move cannot begin before it"
                           : "a move can begin at most as long before the end of the one before as that takes%s", before
                               ? "" :
                           ", and there is none before");
@@ -224,8 +220,7 @@ static lw_status read_all(const lw_json_node *root, lw_work_cycle *c, lw_error *
     for (int i = 0; s == LW_OK && i < c->n_axis; i++)
         if (p.at[i].v != 0) {
             lw_json_node last = lw_json_element(&moves, lw_json_count(&moves) - 1);
-            s = lw_json_fault(&last, e, "axis \"%s\" still has a speed of %g at the end of the cycle", c->axis[i].name,
-                              p.at[i].v);
+            s = lw_json_fault(&last, e, "axis \"%s\" still has a speed of %g at the end of the cycle", c->axis[i].name, p.at[i].v);
         }
     free(p.at);
     free(p.free_at);

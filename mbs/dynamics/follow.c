@@ -358,8 +358,7 @@ static lw_status begin(lw_follow *f, double t, lw_error *e)
     f->near.t = 0;
     f->near.weak = close_at(f, 0, f->near.c, &by);
     if (!(f->near.weak > 0) || !series_at(f, 0, ORDER, f->near.c))
-        return lw_error_set(e, LW_E_NUMERIC, "the posture of the file is singular for its inputs; draw the linkage in another "
-                            "posture");
+        return lw_error_set(e, LW_E_NUMERIC, "the posture of the file is singular for its inputs; draw the linkage in another posture");
     for (int i = 0; i < d->n_driven; i++)
         most = fmax(most, fabs(f->target[i] - d->s.input_value[d->driven[i]]));
     memcpy(f->shown, f->near.c, (size_t)d->n_q*sizeof *f->shown);

@@ -192,8 +192,7 @@ static void put_masses(lw_tangent *t, const double *q, const double m[2])
     t->scale = most > 0 ? most : 1;
 }
 
-void lw_tangent_fill(lw_tangent *t, double time, const double *q, const double *v, const double *l, const double m[2],
-                     const double c[2])
+void lw_tangent_fill(lw_tangent *t, double time, const double *q, const double *v, const double *l, const double m[2], const double c[2])
 {
     lw_dynamics *d = t->d;
     memset(t->value, 0, width_of(t)*(size_t)t->columns.at[t->columns.n]*sizeof *t->value);

@@ -129,8 +129,7 @@ void lw_mbs_touch_forces(lw_dynamics *d, const double *v, double *force, double 
 
 double lw_mbs_touch_slip(lw_dynamics *d, int k, const double *v, double *force)
 {
-    const lw_touch *p = &d->touch->list.touch[d->touch->row[d->friction_row[d->n_friction + k]
-                                                            - (d->n_c - d->touch->n_row)].touch];
+    const lw_touch *p = &d->touch->list.touch[d->touch->row[d->friction_row[d->n_friction + k] - (d->n_c - d->touch->n_row)].touch];
     lw_touch_motion m;
     double across = -p->surface->friction*p->slips;
     lw_touch_at(p, &d->eq, d->frames, v, &m);

@@ -198,8 +198,7 @@ static lw_status cut(lw_elastic_axis *a, const lw_elastic_places *p, int n, lw_e
     return LW_OK;
 }
 
-lw_status lw_elastic_axis_make(const lw_elastic *p, const char *name, const lw_elastic_places *places, lw_elastic_axis *a,
-                               lw_error *e)
+lw_status lw_elastic_axis_make(const lw_elastic *p, const char *name, const lw_elastic_places *places, lw_elastic_axis *a, lw_error *e)
 {
     *a = (lw_elastic_axis){ .point = p->n_axis ? p->axis : a->line, .n_point = p->n_axis ? p->n_axis : 2 };
     lw_status s = p->n_axis ? LW_OK : default_axis(name, places, a->line, e);

@@ -20,8 +20,7 @@ typedef struct lw_elastic_axis {
 /* Put nodes at the corners of the axis and at the places, and elements of about equal length between them; a refers to
  * itself and to p, so it stays where it is.  LW_E_ARG: no axis follows from the joints, or it has no length (the link
  * `name`), or its frequency needs more than LW_ELASTIC_SEGMENTS elements. */
-lw_status lw_elastic_axis_make(const lw_elastic *p, const char *name, const lw_elastic_places *places, lw_elastic_axis *a,
-                               lw_error *e);
+lw_status lw_elastic_axis_make(const lw_elastic *p, const char *name, const lw_elastic_places *places, lw_elastic_axis *a, lw_error *e);
 
 /* The point at distance s along the axis; the node whose distance is nearest to that of the point of the axis nearest to
  * `at`. */

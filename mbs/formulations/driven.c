@@ -183,8 +183,7 @@ static lw_status fill(driven *z, window *w, double t)
         for (int c = 0; c < z->width; c++)
             z->rough[c] -= z->middle[c];
         for (int k = 0; k < 4; k++)
-            w->off = fmax(w->off, lw_greatest(k < 3 ? n : d->n_c, z->rough + k*n)*(slope ? w->half : 1)
-                                  /fmax(scale(z, w, k), 1e-300));
+            w->off = fmax(w->off, lw_greatest(k < 3 ? n : d->n_c, z->rough + k*n)*(slope ? w->half : 1) /fmax(scale(z, w, k), 1e-300));
     }
     return LW_OK;
 }

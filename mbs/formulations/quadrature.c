@@ -644,8 +644,7 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     if (!d->rule || lw_panel_rule_make(d->rule) != LW_OK)
         return lw_formulation_say(r, LW_E_MEMORY, 0, "out of memory");
     return lw_formulation_say(r, LW_OK, 1, asked ? "asked for"
-                              : "one freedom, rigid, forces by the posture alone: time is an integral over one "
-                                "coordinate");
+                              : "one freedom, rigid, forces by the posture alone: time is an integral over one coordinate");
 }
 
 const lw_formulation_row lw_formulation_quadrature = { able, run_quadrature };

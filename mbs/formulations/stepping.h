@@ -17,8 +17,7 @@ void      lw_stepping_free(lw_stepping *s);
 
 /* Go on to t, and hand the moment there to sink (NULL: nobody).  A t that is not later than the present: the present
  * moment again.  After a failure s stands where it was before.  r gets the report of this piece, unless NULL. */
-lw_status lw_stepping_advance(lw_stepping *s, double t, lw_moment_sink *sink, void *context, lw_dynamics_report *r,
-                              lw_error *e);
+lw_status lw_stepping_advance(lw_stepping *s, double t, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_error *e);
 
 double lw_stepping_time(const lw_stepping *s);
 const lw_dynamics *lw_stepping_dynamics(const lw_stepping *s);

@@ -97,8 +97,7 @@ static bool set_up(lw_sun *own, double t)
     return ok && !own->no_room && (own->o.greatest <= 0.0 || IDASetMaxStep(s, own->o.greatest) == 0);
 }
 
-lw_status lw_ida_make(lw_sundials *w, const lw_dae *dae, const lw_ode_options *o, double t, const double *y,
-                      const double *dy, lw_error *e)
+lw_status lw_ida_make(lw_sundials *w, const lw_dae *dae, const lw_ode_options *o, double t, const double *y, const double *dy, lw_error *e)
 {
     lw_status st = lw_sun_make(w, &calls, dae, dae->n, dae->n_event, dae->pattern, o, t, e);
     if (st != LW_OK)

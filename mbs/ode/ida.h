@@ -26,8 +26,7 @@ typedef struct lw_dae {
 
 /* Begin at (t, y, y'), which should satisfy F; dae must outlive w.  o->fixed: LW_E_ARG.  After a failure w needs no
  * _free. */
-lw_status lw_ida_make(lw_sundials *w, const lw_dae *dae, const lw_ode_options *o, double t, const double *y,
-                      const double *dy, lw_error *e);
+lw_status lw_ida_make(lw_sundials *w, const lw_dae *dae, const lw_ode_options *o, double t, const double *y, const double *dy, lw_error *e);
 
 /* As lw_integrate_restart; the length of the first step is chosen. */
 lw_status lw_ida_restart(lw_sundials *w, const double *y, const double *dy, lw_error *e);

@@ -52,8 +52,7 @@ static SUNLinearSolver lw_sun_linear_make(int n, SUNContext context)
         free(room);
         return NULL;
     }
-    lw_sparse_place(&((lw_sun_linear *)(void *)room)->f, n, (double *)(void *)(room + head),
-                    (int *)(void *)(room + head + doubles));
+    lw_sparse_place(&((lw_sun_linear *)(void *)room)->f, n, (double *)(void *)(room + head), (int *)(void *)(room + head + doubles));
     s->content = room;
     s->ops->gettype = lw_sun_type;
     s->ops->setup = lw_sun_setup;
@@ -256,8 +255,7 @@ lw_status lw_sun_make(lw_sundials *w, const lw_sun_calls *call, const void *prob
 {
     *w = (lw_sundials){ .t = t, .t_old = t };
     if (n < 1 || n_event < 0 || n_event > LW_EVENT_MAX || o->fixed > 0.0)
-        return lw_error_set(e, LW_E_ARG, "%s needs at least one variable, 0 to %d events and no fixed step", call->name,
-                            LW_EVENT_MAX);
+        return lw_error_set(e, LW_E_ARG, "%s needs at least one variable, 0 to %d events and no fixed step", call->name, LW_EVENT_MAX);
     lw_sun *s = w->own = calloc(1, sizeof *s);
     if (!s)
         return lw_error_set(e, LW_E_MEMORY, "no memory for %s", call->name);
@@ -276,8 +274,7 @@ lw_status lw_sun_make(lw_sundials *w, const lw_sun_calls *call, const void *prob
 lw_status lw_sun_cannot_start(lw_sundials *w, lw_error *e)
 {
     const char *why = w->own->message;
-    lw_status st = lw_error_set(e, *why ? LW_E_ARG : LW_E_MEMORY, "%s cannot start: %s", w->own->call->name,
-                                *why ? why : "out of memory");
+    lw_status st = lw_error_set(e, *why ? LW_E_ARG : LW_E_MEMORY, "%s cannot start: %s", w->own->call->name, *why ? why : "out of memory");
     lw_sundials_free(w);
     return st;
 }

@@ -115,8 +115,7 @@ static bool place_pins(const lw_reduced *r, balance *z, int k)
         int before = g->before[i];
         twist first = z->first[before + 1], second = before < 0 ? (twist){ 0, { 0, 0 } } : z->second[before];
         w[i] = z->first[g->body[i] + 1].w;
-        up[i] = lw_v2_add(lw_v2_add(second.v, lw_v2_scale(lw_v2_perp(outer->p), second.w)),
-                          lw_v2_scale(lw_v2_perp(outer->d), first.w));
+        up[i] = lw_v2_add(lw_v2_add(second.v, lw_v2_scale(lw_v2_perp(outer->p), second.w)), lw_v2_scale(lw_v2_perp(outer->d), first.w));
         now->t[i] = (twist){ 1, { outer->p.y, -outer->p.x } };
     }
     lw_vec2 a = lw_v2_sub(p[1]->p, p[0]->p), b = lw_v2_sub(p[1]->p, p[2]->p);
@@ -197,8 +196,7 @@ static double place_inertia(const lw_reduced *r, balance *z, double ds)
         const lw_body *body = &d->model->body[d->s.link[b]];
         lw_reg1 c = r->at[b];
         double w = z->first[b + 1].w, dw = z->second[b].w;
-        lw_vec2 dd = lw_v2_add(z->second[b].v, lw_v2_add(lw_v2_scale(lw_v2_perp(c.p), dw),
-                                                         lw_v2_scale(lw_v2_perp(c.d), w)));
+        lw_vec2 dd = lw_v2_add(z->second[b].v, lw_v2_add(lw_v2_scale(lw_v2_perp(c.p), dw), lw_v2_scale(lw_v2_perp(c.d), w)));
         lw_wrench second = at_point(c.p, lw_v2_scale(dd, body->mass));
         second.m += body->inertia*dw;
         lw_wrench first = at_point(c.p, lw_v2_scale(c.d, body->mass)), rest = wrench_plus(r->load[b], -ds*ds, second);

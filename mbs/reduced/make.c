@@ -155,8 +155,7 @@ static lw_status place_parts(const lw_dynamics *d, lw_reduced *r, char *why)
     }
     for (int i = 0; i < m->n_spring; i++)
         for (int end = 0; end < 2; end++)
-            r->end[i][end] = end_on(d, r, m->spring[i].link[end],
-                                    at_start(d, m->spring[i].link[end], m->spring[i].at[end]));
+            r->end[i][end] = end_on(d, r, m->spring[i].link[end], at_start(d, m->spring[i].link[end], m->spring[i].at[end]));
     for (int i = 0; i < m->n_force; i++)
         r->point[i] = end_on(d, r, m->force[i].link, at_start(d, m->force[i].link, m->force[i].at));
     place_joints(d, r);

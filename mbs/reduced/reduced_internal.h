@@ -101,8 +101,7 @@ lw_status lw_reduced_registers(lw_reduced *r, double input);
 
 /* The same with given modes and bridges.  *margin: least of all dyads; margin_of (n_dyad), unless NULL: of each,
  * 0 where its assembly modes meet. */
-void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_change_point *bridge, double input, double *margin_of,
-                      double *margin);
+void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_change_point *bridge, double input, double *margin_of, double *margin);
 
 /* Find the change points, from an input at which the modes are those of r->mode.  LW_E_KIND: at one of them the
  * assembly modes come so near each other that the closed form cannot tell which of them goes on.  LW_E_MEMORY. */

@@ -16,8 +16,7 @@ static lw_reg1 bridged(const double *c, double x, double reach)
     return lw_rate_direction(lw_v2_polar(1, v), d/reach);
 }
 
-static void bridge_step(const lw_dyad_step *st, const lw_change_point *t, const lw_bridge *b, double input,
-                        lw_reg1 *reg)
+static void bridge_step(const lw_dyad_step *st, const lw_change_point *t, const lw_bridge *b, double input, lw_reg1 *reg)
 {
     double x = (input - t->at)/t->reach;
     reg[st->out[0]] = bridged(b->c[0], x, t->reach);
@@ -49,8 +48,7 @@ static double slid(const lw_reduced *r, const lw_dyad_step *st)
     return (lw_v2_dot(span, span) - st->r1*st->r1)/(unit*unit);
 }
 
-void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_change_point *bridge, double input, double *margin_of,
-                      double *margin)
+void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_change_point *bridge, double input, double *margin_of, double *margin)
 {
     lw_reg1 *reg = r->reg;
     *margin = 1;

@@ -519,8 +519,7 @@ static lw_status strike(lw_run *run, double t, closed *c, double *tiny, double *
         for (int i = 0; i < c->m; i++)
             blocked = c->in[i] && !(c->w[4*(size_t)c->m*(size_t)i + 2*(size_t)i] > 0) ? 1 : blocked;
         if (s != LW_OK || blocked > 0)
-            return lw_error_set(run->e, LW_E_NUMERIC, "the impact at t = %.9g s has no solution: what is hit cannot give way",
-                                t);
+            return lw_error_set(run->e, LW_E_NUMERIC, "the impact at t = %.9g s has no solution: what is hit cannot give way", t);
         apply_impulse(d, c, c->force, v);
         find_rates(d, v, c);
         for (int i = 0; i < c->m; i++)

@@ -67,8 +67,7 @@ typedef struct lw_recursive {
 } lw_recursive;
 
 /* mass and extra (rows besides those of the joints) must outlive r.  LW_E_MEMORY. */
-lw_status lw_recursive_make(const lw_space *s, const double *mass, const lw_space_extra *extra, int n_extra, lw_recursive *r,
-                            lw_error *e);
+lw_status lw_recursive_make(const lw_space *s, const double *mass, const lw_space_extra *extra, int n_extra, lw_recursive *r, lw_error *e);
 void      lw_recursive_free(lw_recursive *r);
 
 /* Coordinates and rates of a posture q (n_q) and velocities v (n_v) of the bodies; and back, which also places. */

@@ -236,8 +236,7 @@ lw_vec3 lw_space_point_at(const lw_space_frame *frame, lw_space_point p)
 
 lw_vec3 lw_space_omega(const lw_space_frame *frame, int body, const double *v)
 {
-    return body < 0 ? lw_v3(0, 0, 0) : lw_m3_apply(&frame[body + 1].turn, lw_v3(v[6*body + 3], v[6*body + 4],
-                                                                                v[6*body + 5]));
+    return body < 0 ? lw_v3(0, 0, 0) : lw_m3_apply(&frame[body + 1].turn, lw_v3(v[6*body + 3], v[6*body + 4], v[6*body + 5]));
 }
 
 lw_vec3 lw_space_point_velocity(const lw_space *s, const lw_space_frame *frame, lw_space_point p, const double *v)

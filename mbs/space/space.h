@@ -105,8 +105,7 @@ void lw_space_count_turns(const lw_space *s, const lw_space_frame *frame, double
 
 /* A measure over its unit (lw_space_scale), its derivatives (12; may be NULL).  Angles are the ones nearest to
  * `near`. */
-double lw_space_measure(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near,
-                        double *jac);
+double lw_space_measure(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near, double *jac);
 double lw_space_measure_bias(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, const double *v);
 double lw_space_scale(const lw_space *s, lw_spatial_measure of);      /* 1 of turns, unit of lengths */
 

@@ -291,8 +291,7 @@ static void push(sum *s, const measure *m, double load, double by_value, double 
 }
 
 /* A spring and damper along a measure, or its law, which is a tension (sense -1) or a push. */
-static void push_spring(sum *s, const measure *m, double stiffness, double damping, double free, double sense,
-                        const lw_expression *x)
+static void push_spring(sum *s, const measure *m, double stiffness, double damping, double free, double sense, const lw_expression *x)
 {
     if (!x) {
         push(s, m, -stiffness*(m->value - free) - damping*m->rate, -stiffness, -damping);
@@ -832,8 +831,7 @@ double lw_space_kinetic(const lw_space *s, const double *v)
     return all/2;
 }
 
-void lw_space_momentum(const lw_space_forces *f, const lw_space_frame *frame, const double *v, lw_vec3 *linear,
-                       lw_vec3 *angular)
+void lw_space_momentum(const lw_space_forces *f, const lw_space_frame *frame, const double *v, lw_vec3 *linear, lw_vec3 *angular)
 {
     const lw_space *s = f->s;
     *linear = *angular = lw_v3(0, 0, 0);

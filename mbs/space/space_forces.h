@@ -149,7 +149,6 @@ typedef struct lw_super_whole { lw_vec3 first, linear, angular; double inertia[6
 void lw_space_super_whole(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i, lw_vec3 about, lw_super_whole *out);
 
 /* Linear momentum, and angular momentum about the origin (ground axes). */
-void lw_space_momentum(const lw_space_forces *f, const lw_space_frame *frame, const double *v, lw_vec3 *linear,
-                       lw_vec3 *angular);
+void lw_space_momentum(const lw_space_forces *f, const lw_space_frame *frame, const double *v, lw_vec3 *linear, lw_vec3 *angular);
 
 #endif

@@ -230,8 +230,7 @@ double lw_space_coupling_bias(const lw_space *s, int coupling, const lw_space_fr
         const lw_space_term *t = &c->term[i];
         ends n = ends_of(s, &t->joint, frame);
         rates z = rates_of(&t->joint, &n, frame, v);
-        sum -= t->factor*(t->turn ? angle_bias(&t->joint, &z, &n)
-                                  : line_bias(&z, &n, lw_m3_apply(n.turn[0], t->joint.z[0]))/s->unit);
+        sum -= t->factor*(t->turn ? angle_bias(&t->joint, &z, &n) : line_bias(&z, &n, lw_m3_apply(n.turn[0], t->joint.z[0]))/s->unit);
     }
     return sum;
 }

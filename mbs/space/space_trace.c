@@ -75,8 +75,7 @@ static lw_status find_end(const lw_space *s, const lw_spatial_measure *input, in
 
 /* Ends of the first input where none are given: its range in the file, a whole turn, or as far as it goes.  value (n):
  * scratch. */
-static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, int n, double *value, lw_space_trace *o,
-                           lw_error *e)
+static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, int n, double *value, lw_space_trace *o, lw_error *e)
 {
     const lw_spatial_input *in = &s->model->input[0];
     double offset = lw_spatial_offset(in);
@@ -151,15 +150,13 @@ static lw_status show(lw_space_follow *f, int end, lw_space_trace *o, double *q,
 
 /* The rows between the ends, in the order of the input; those before the posture of the file are found on the way back
  * from it, so that each end is reached along the motion curve of the file. */
-lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_row_sink *sink, void *context,
-                             lw_error *e)
+lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_row_sink *sink, void *context, lw_error *e)
 {
     lw_space s = { 0 };
     lw_space_follow f = { 0 };
     lw_space_adjusted adjusted;
     o->away[0] = o->away[1] = -1;
-    lw_status st = m->n_input > 0 ? LW_OK : lw_error_set(e, LW_E_ARG, "the model has no input, so there is nothing "
-                                                                      "to move");
+    lw_status st = m->n_input > 0 ? LW_OK : lw_error_set(e, LW_E_ARG, "the model has no input, so there is nothing to move");
     if (st != LW_OK)
         return st;
     st = lw_space_adjust(m, &adjusted, e);

@@ -27,8 +27,7 @@ typedef struct lw_space_trace {
 
 /* LW_OPEN: a limit or a singular posture lies before the end, as the text says; rows before it have been handed out.
  * LW_E_ARG: the inputs do not fit the freedoms; LW_STOPPED. */
-lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_row_sink *sink, void *context,
-                             lw_error *e);
+lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_row_sink *sink, void *context, lw_error *e);
 
 /* Motion of all tracers at a posture (n_q) with rates v, a (n_v). */
 void lw_space_tracers(const lw_space *s, const lw_space_frame *frame, const double *q, const double *v, const double *a,

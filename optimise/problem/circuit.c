@@ -61,8 +61,7 @@ static bool find_range(const lw_problem *p, const double *x, lw_swing *s)
     s->turning = r.turns;
     const double *here = p->intended.mode;
     bool changes = r.limits && !p->within_limits;
-    return to_and_fro(p, s, 0.5*(r.first + r.last), 0.5*(r.last - r.first), changes ? &left : here,
-                      changes ? &right : here) || s->turning;
+    return to_and_fro(p, s, 0.5*(r.first + r.last), 0.5*(r.last - r.first), changes ? &left : here, changes ? &right : here) || s->turning;
 }
 
 static bool find_cycle(const lw_problem *p, const double *x, lw_work *w)

@@ -77,8 +77,7 @@ static motion motion_of(const lw_problem *p, const lw_work *w)
 }
 
 /* The points at n <= POSTURES parts of the motion. */
-static void points_at(const lw_problem *p, const lw_work *w, const motion *m, size_t n, const double *part,
-                      lw_cycle_point *at)
+static void points_at(const lw_problem *p, const lw_work *w, const motion *m, size_t n, const double *part, lw_cycle_point *at)
 {
     double place[POSTURES] = { 0 }, c[POSTURES], s[POSTURES] = { 0 };
     for (size_t i = 0; i < n; i++)
@@ -150,8 +149,7 @@ static size_t block_of(const lw_problem *p, const lw_work *w, size_t k, size_t *
  * residuals by the phase is 0, so
  *     d phase/dx = - (dS/dx)/(dS/d phase),     dS/dx = d/d phase of the gradient at constant phase.
  * Derivatives by the phase are differences of fourth order of exact gradients. */
-static void phase_slopes(const lw_problem *p, const double *x, lw_work *w, const size_t station[2],
-                         double by[2][LW_VAR_MAX])
+static void phase_slopes(const lw_problem *p, const double *x, lw_work *w, const size_t station[2], double by[2][LW_VAR_MAX])
 {
     static const double part[4] = { 1, -8, 8, -1 };
     const double h = 1e-4;
@@ -207,8 +205,7 @@ static void end_slopes(const lw_problem *p, const double *x, lw_work *w, motion 
 }
 
 /* Derivative of the input of the posture `at`, which is at `part` of the motion, by variable d. */
-static double input_slope(const lw_problem *p, const lw_work *w, const motion *m, const lw_cycle_point *at, double part,
-                          int d)
+static double input_slope(const lw_problem *p, const lw_work *w, const motion *m, const lw_cycle_point *at, double part, int d)
 {
     double by = m->by[0][d] + part*(m->by[1][d] - m->by[0][d]);
     if (!lw_problem_has_modes(p) || w->swing.turning)
@@ -643,8 +640,7 @@ static void margins(const lw_problem *p, const double *x, lw_work *w, size_t n, 
 }
 
 /* Needs the inputs of the sampled postures. */
-static void transmissions(const lw_problem *p, const double *x, lw_work *w, const motion *m, double enough, double *g,
-                          double *j)
+static void transmissions(const lw_problem *p, const double *x, lw_work *w, const motion *m, double enough, double *g, double *j)
 {
     double sine = sin(p->min_transmission), place[POSTURES], unused[POSTURES];
     size_t n = lw_problem_transmission_postures(p), from[POSTURES], row[POSTURES];
@@ -667,8 +663,7 @@ static void transmissions(const lw_problem *p, const double *x, lw_work *w, cons
 #define FAR_FROM_LIMIT 0.5          /* |P''| below 0.7 of its limit: peaks between samples do not matter  */
 
 /* The same for accelerations. */
-static void accelerations(const lw_problem *p, const double *x, lw_work *w, const motion *m, double enough, double *g,
-                          double *j)
+static void accelerations(const lw_problem *p, const double *x, lw_work *w, const motion *m, double enough, double *g, double *j)
 {
     const double scale = 2/(p->max_acceleration*p->max_acceleration);
     acceleration a[POSTURES];
@@ -738,8 +733,7 @@ static lw_vec2 pivot_slope(const lw_problem *p, const lw_pivots *v, lw_vec2 turn
     return d == p->plan.i_theta0 ? lw_v2_add(by, lw_v2_perp(lw_v2_turn(v->at[of], turn))) : by;
 }
 
-static void pivot_conditions(const lw_problem *p, const lw_zone *z, const lw_pivots *v, const double *x, double *g,
-                             double *j)
+static void pivot_conditions(const lw_problem *p, const lw_zone *z, const lw_pivots *v, const double *x, double *g, double *j)
 {
     static const lw_vec2 box[4] = { { 1, 0 }, { -1, 0 }, { 0, 1 }, { 0, -1 } };
     lw_vec2 turn = lw_v2_polar(1, x[p->plan.i_theta0]), base = lw_v2(x[p->plan.i_x0], x[p->plan.i_y0]);
@@ -968,8 +962,7 @@ static void least_distances(const lw_work *w, places *all, const lw_zone *z, dou
             double out = bulges ? all->bulge[i][k] : 0;
             if (!(0.5*(outside[k - 1] + outside[k] - all->length[i][k]) - out < least[k]))
                 continue;                                   /* no place of the chord is nearer than one found before */
-            double d = outside_between(z, place(w, i, k - 1), place(w, i, k), outside[k - 1], outside[k],
-                                       all->length[i][k], &where) - out;
+            double d = outside_between(z, place(w, i, k - 1), place(w, i, k), outside[k - 1], outside[k], all->length[i][k], &where) - out;
             if (d < least[k]) {
                 least[k] = d;
                 at[k] = (nearest){ i, where, bulges };
@@ -1027,8 +1020,7 @@ static lw_vec2 outwards(const lw_zone *z, lw_vec2 at, lw_vec2 line)
     double x = sign.x*line.x, y = sign.y*line.y;
     if (fabs(beyond.x - beyond.y) < KINK && x*y < 0)
         return lw_v2(sign.x*y/(y - x), -sign.y*x/(y - x));
-    if (lw_v2_dot(line, line) > 0 && fabs(beyond.x > beyond.y ? 2*at.x - z->at.x - z->to.x
-                                                               : 2*at.y - z->at.y - z->to.y) < KINK)
+    if (lw_v2_dot(line, line) > 0 && fabs(beyond.x > beyond.y ? 2*at.x - z->at.x - z->to.x : 2*at.y - z->at.y - z->to.y) < KINK)
         return lw_v2(0, 0);
     return beyond.x > beyond.y ? lw_v2(sign.x, 0) : lw_v2(0, sign.y);
 }
@@ -1047,20 +1039,17 @@ static void add_place(const lw_problem *p, const lw_work *w, const motion *m, si
     }
 }
 
-static void nearest_row(const lw_problem *p, const lw_work *w, const motion *m, const lw_zone *z, size_t k,
-                        const nearest *at, double *row)
+static void nearest_row(const lw_problem *p, const lw_work *w, const motion *m, const lw_zone *z, size_t k, const nearest *at, double *row)
 {
     lw_vec2 b = place(w, at->place, k - 1), c = place(w, at->place, k), pull[3] = { { 0, 0 } };
     size_t from = bulge_from(k);
     bool end = at->where == 0 || at->where == 1;
-    lw_vec2 out = outwards(z, lw_v2_add(lw_v2_scale(b, 1 - at->where), lw_v2_scale(c, at->where)),
-                           end ? lw_v2(0, 0) : lw_v2_sub(c, b));
+    lw_vec2 out = outwards(z, lw_v2_add(lw_v2_scale(b, 1 - at->where), lw_v2_scale(c, at->where)), end ? lw_v2(0, 0) : lw_v2_sub(c, b));
     pull[k - 1 - from] = lw_v2_scale(out, 1 - at->where);
     pull[k - from] = lw_v2_scale(out, at->where);
     if (at->bulges) {
         lw_vec2 middle = place(w, at->place, from + 1);
-        lw_vec2 bend = lw_v2_sub(lw_v2_add(place(w, at->place, from), place(w, at->place, from + 2)),
-                                 lw_v2_scale(middle, 2));
+        lw_vec2 bend = lw_v2_sub(lw_v2_add(place(w, at->place, from), place(w, at->place, from + 2)), lw_v2_scale(middle, 2));
         double size = length_of(bend);
         bend = lw_v2_scale(bend, size > 0 ? -0.125/size : 0);
         pull[0] = lw_v2_add(pull[0], bend);
@@ -1072,8 +1061,7 @@ static void nearest_row(const lw_problem *p, const lw_work *w, const motion *m, 
 }
 
 /* The least distances of all pins and points from the forbidden zones, between each posture and the next. */
-static void forbidden(const lw_problem *p, const double *x, lw_work *w, const motion *m, double enough, double *const *g,
-                      double *const *j)
+static void forbidden(const lw_problem *p, const double *x, lw_work *w, const motion *m, double enough, double *const *g, double *const *j)
 {
     places all;
     nearest at[LW_ZONE_MAX][ZONE_POSTURES];
@@ -1154,8 +1142,7 @@ static bool find_stations(const lw_problem *p, const double *x, bool settled, lw
     return true;
 }
 
-void lw_problem_conditions(const lw_problem *p, const double *x, bool settled, double enough, double *g, double *j,
-                           lw_work *w)
+void lw_problem_conditions(const lw_problem *p, const double *x, bool settled, double enough, double *g, double *j, lw_work *w)
 {
     size_t m = lw_problem_constraint_count(p) - (size_t)p->n_linear, nv = (size_t)p->n_var;
     linear(p, x, g);

@@ -7,8 +7,7 @@
 /* As lw_problem_constraints.  settled: the inputs of the stations in w are those of x already.  Conditions on the motion that
  * have more room than `enough` may become INFINITY; with rows j, also those with more room than the ones beside them, whose rows
  * are not set; enough = INFINITY: all are needed. */
-void lw_problem_conditions(const lw_problem *p, const double *x, bool settled, double enough, double *g, double *j,
-                           lw_work *w);
+void lw_problem_conditions(const lw_problem *p, const double *x, bool settled, double enough, double *g, double *j, lw_work *w);
 
 /* By how much the worst condition is missed at x; 0: all are met. */
 double lw_problem_lacks(const lw_problem *p, const double *x, lw_work *w);

@@ -244,8 +244,7 @@ static lw_status check_task(const lw_target *t, const lw_fit_spec *s, lw_error *
         return lw_error_set(e, LW_E_ARG, "all points are at one place: a path needs some extent");
     if (s->timing == LW_TIMING_NONE && lw_task_has_place(s->task) && t->n_also > 0)
         return lw_error_set(e, LW_E_ARG, "several points are where the target says at the same time, so their stations "
-                            "have an order; timing none, which scores one curve both ways, knows none: use free "
-                            "timing");
+                            "have an order; timing none, which scores one curve both ways, knows none: use free timing");
     for (int i = 0; i < t->n_also && !lw_task_has_place(s->task); i++)
         if (t->also[i].x)
             return lw_error_set(e, LW_E_ARG, "a function has no place in the plane, so point %d cannot have x and y; "
@@ -257,13 +256,11 @@ static lw_status check_task(const lw_target *t, const lw_fit_spec *s, lw_error *
         return lw_error_set(e, LW_E_ARG, "the target has no columns x and y, which a path needs; "
                             "for input and output angles use the function task");
     if (lw_task_has_angle(s->task) && !t->theta)
-        return lw_error_set(e, LW_E_ARG, "the target has no column theta (tool or output angle), "
-                            "which the %s task needs",
+        return lw_error_set(e, LW_E_ARG, "the target has no column theta (tool or output angle), which the %s task needs",
                             lw_task_table[s->task].name);
     bool timed = s->timing == LW_TIMING_PRESCRIBED || lw_task_table[s->task].prescribed;
     if (timed && !t->angle)
-        return lw_error_set(e, LW_E_ARG, "prescribed timing needs a column angle (input angle) in the "
-                            "target; without one use free timing");
+        return lw_error_set(e, LW_E_ARG, "prescribed timing needs a column angle (input angle) in the target; without one use free timing");
     return LW_OK;
 }
 
@@ -271,8 +268,7 @@ static lw_status check_task(const lw_target *t, const lw_fit_spec *s, lw_error *
 static lw_status check_family(const lw_problem *p, lw_error *e)
 {
     if (p->plan.input_is_slider && p->timing == LW_TIMING_PRESCRIBED)
-        return lw_error_set(e, LW_E_KIND, "its input is a slider, which has no crank angle to "
-                            "prescribe");
+        return lw_error_set(e, LW_E_KIND, "its input is a slider, which has no crank angle to prescribe");
     if (p->must_turn && p->within_limits && p->plan.input_is_slider)
         return lw_error_set(e, LW_E_KIND, "its input is a slider, which cannot turn");
     if (!lw_task_has_place(p->task) && p->family->type && p->family->type[3] == 'P')

@@ -26,8 +26,7 @@ void lw_problem_margin(const lw_problem *p, const lw_lanes *in, lw_work *w, doub
 }
 
 /* Evaluate lanes first .. last-1, all in one assembly mode. */
-static void lanes_of_mode(const lw_problem *p, const double *x, lw_work *w, size_t first, size_t last,
-                          const double *mode)
+static void lanes_of_mode(const lw_problem *p, const double *x, lw_work *w, size_t first, size_t last, const double *mode)
 {
     lw_lanes in = { .n = last - first, .c = w->c + first, .s = w->s + first, .dim = x, .mode = mode };
     for (int k = 0; k <= p->n_also; k++) {
@@ -224,8 +223,7 @@ static void station_rows(const lw_problem *p, lw_work *w)
 
 /* Derivatives of the distances of the samples, whose weighted normals are nx, ny. Where the limits of the input depend
  * on the dimensions, samples keep their phases. */
-static void sample_rows(const lw_problem *p, const double *x, lw_work *w, const double *nx,
-                        const double *ny)
+static void sample_rows(const lw_problem *p, const double *x, lw_work *w, const double *nx, const double *ny)
 {
     size_t ld = w->ld, nv = (size_t)p->n_var;
     memset(w->by_input, 0, sizeof *w->by_input*w->n_lane);

@@ -31,8 +31,7 @@ void lw_timing_sample(const lw_problem *p, const double *x, lw_work *w)
         in.mode = w->turn_mode;
         in.mode_stride = M;
     }
-    lw_batch_point(&p->plan, &in, 0, w->batch, w->curve_x, w->curve_y, w->curve_u, w->curve_v,
-                   w->curve_m);
+    lw_batch_point(&p->plan, &in, 0, w->batch, w->curve_x, w->curve_y, w->curve_u, w->curve_v, w->curve_m);
     for (int i = 0; i < p->n_also; i++) {
         const lw_also_work *a = &w->also[i];
         lw_batch_point(&p->plan, &in, i + 1, w->batch, a->curve_x, a->curve_y, a->curve_u, a->curve_v, w->posture_m);

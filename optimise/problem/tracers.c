@@ -62,8 +62,7 @@ static lw_status no_angle(lw_error *e, int number)
     return lw_error_set(e, LW_E_KIND, "the link of point %d slides and has no angle", number);
 }
 
-lw_status lw_tracers_linkage(const lw_family *f, const lw_target *t, const lw_fit_spec *s, lw_linkage *linkage,
-                             lw_error *e)
+lw_status lw_tracers_linkage(const lw_family *f, const lw_target *t, const lw_fit_spec *s, lw_linkage *linkage, lw_error *e)
 {
     lw_family_linkage(f, s->task, linkage);
     for (int i = 0; i < t->n_also; i++) {

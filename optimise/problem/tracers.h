@@ -10,8 +10,7 @@
 
 /* The linkage of a family with a tracer for every point of the target.  LW_E_KIND: the family has no such link, or the
  * link only slides and has no angle. */
-lw_status lw_tracers_linkage(const lw_family *family, const lw_target *target, const lw_fit_spec *spec,
-                             lw_linkage *linkage, lw_error *e);
+lw_status lw_tracers_linkage(const lw_family *family, const lw_target *target, const lw_fit_spec *spec, lw_linkage *linkage, lw_error *e);
 
 /* The tracers that a plan needs for this target: bits of lw_plan_options.tracers. */
 unsigned lw_tracers_mask(const lw_target *target);

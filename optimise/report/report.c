@@ -12,8 +12,7 @@
 
 /* ---- posture ------------------------------------------------------------------------------ */
 
-static lw_status full_plan(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *linkage,
-                           lw_plan *plan, lw_error *e)
+static lw_status full_plan(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *linkage, lw_plan *plan, lw_error *e)
 {
     lw_status st = lw_tracers_linkage(c->family, t, s, linkage, e);
     snprintf(linkage->name, sizeof linkage->name, "%s", lw_family_title(c->family));
@@ -82,8 +81,7 @@ static void add_station(const lw_target *t, const lw_fit_spec *s, const lw_candi
         if (a->x)
             add_distance(s->a*a->weight[i], hypot(p.x - a->x[i], p.y - a->y[i]), i, &sum[q + 1]);
         if (a->theta)
-            add_angle(s->b*a->weight[i], posture->angle[linkage->tracer[q + 1].link][0] + c->tool[q] - a->theta[i], i,
-                      &sum[q + 1]);
+            add_angle(s->b*a->weight[i], posture->angle[linkage->tracer[q + 1].link][0] + c->tool[q] - a->theta[i], i, &sum[q + 1]);
     }
 }
 
@@ -363,8 +361,7 @@ static double travel_to_next(const lw_target *t, const lw_candidate *c, bool tur
 }
 
 /* Points of the curve from station a on, `steps` at equal inputs.  Returns how many closed. */
-static size_t sample_curve(const lw_candidate *c, const lw_plan *plan, size_t a, double travel, int steps,
-                           lw_vec2 *curve, lw_fit_report *r)
+static size_t sample_curve(const lw_candidate *c, const lw_plan *plan, size_t a, double travel, int steps, lw_vec2 *curve, lw_fit_report *r)
 {
     double modes[LW_MODE_MAX];
     size_t n = 0;
@@ -478,8 +475,7 @@ static lw_status report_with(const lw_plan *plan, const lw_target *t, const lw_f
     return r->no_memory ? lw_error_set(e, LW_E_MEMORY, "out of memory for a report") : LW_OK;
 }
 
-lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
-                         lw_fit_report *r, lw_error *e)
+lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r, lw_error *e)
 {
     lw_plan *plan = malloc(sizeof *plan);
     memset(r, 0, sizeof *r);
@@ -490,8 +486,7 @@ lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_
     return st;
 }
 
-lw_status lw_fit_report_linkage(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k,
-                                lw_error *e)
+lw_status lw_fit_report_linkage(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k, lw_error *e)
 {
     lw_posture posture;
     double modes[LW_MODE_MAX];

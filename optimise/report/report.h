@@ -130,12 +130,10 @@ void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size);
 
 /* Make the report.  `verified` is false, and `fault` says why, if the second simulation differs by more than 1e-9 of
  * the path's length (plus the rounding of its coordinates) or the conditions of s are not met.  LW_E_MEMORY. */
-lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r,
-                             lw_error *e);
+lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r, lw_error *e);
 
 /* The linkage of a candidate alone, in the posture of the first station, in the units of the target.  LW_OPEN: it does
  * not close there. */
-lw_status lw_fit_report_linkage(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k,
-                                lw_error *e);
+lw_status lw_fit_report_linkage(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k, lw_error *e);
 
 #endif

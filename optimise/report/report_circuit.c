@@ -18,8 +18,7 @@ bool lw_fit_report_cycle(const lw_plan *plan, const lw_candidate *c, const doubl
     return true;
 }
 
-size_t lw_fit_report_cycle_points(const lw_plan *plan, const lw_candidate *c, const lw_closed_motion *cycle,
-                                  size_t most, lw_vec2 *curve)
+size_t lw_fit_report_cycle_points(const lw_plan *plan, const lw_candidate *c, const lw_closed_motion *cycle, size_t most, lw_vec2 *curve)
 {
     size_t each = most/(size_t)cycle->n, n = 0;
     for (int j = 0; j < cycle->n; j++) {

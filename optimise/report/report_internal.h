@@ -17,8 +17,7 @@ void lw_fit_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_can
 bool lw_fit_report_cycle(const lw_plan *plan, const lw_candidate *c, const double *modes, lw_closed_motion *cycle);
 
 /* At most `most` points of its curve, equally many on each leg, from leg 0 on.  Returns how many. */
-size_t lw_fit_report_cycle_points(const lw_plan *plan, const lw_candidate *c, const lw_closed_motion *cycle,
-                                  size_t most, lw_vec2 *curve);
+size_t lw_fit_report_cycle_points(const lw_plan *plan, const lw_candidate *c, const lw_closed_motion *cycle, size_t most, lw_vec2 *curve);
 
 /* Fill in size and lengths, which limits are active, and which the result does not keep. */
 void lw_fit_report_limits(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_motion_limits *motion, lw_fit_report *r);

@@ -124,8 +124,7 @@ static void judge(const lw_target *t, const lw_fit_spec *s, lw_fit_report *r)
         broken(r, LW_LIMIT_MOTION, "between the stations its curve strays from the target by %.3g of the target's size",
                r->stray.to_target/t->size);
     if (s->by_default & LW_LIMIT_TRANSMISSION && r->transmission_min < s->min_transmission - AT_LIMIT)
-        broken(r, LW_LIMIT_TRANSMISSION, "its transmission angle falls to %.3g degrees",
-               r->transmission_min*180/LW_PI);
+        broken(r, LW_LIMIT_TRANSMISSION, "its transmission angle falls to %.3g degrees", r->transmission_min*180/LW_PI);
     if (s->by_default & LW_LIMIT_MARGIN ? lw_fit_report_may_change(r, s->class_margin/KEPT)
                                         : s->class_margin > 0 && r->has_class && r->barker.margin*KEPT < s->class_margin)
         broken(r, LW_LIMIT_MARGIN, "it is only %.3g perimeters from a change point", r->barker.margin);
@@ -133,8 +132,7 @@ static void judge(const lw_target *t, const lw_fit_spec *s, lw_fit_report *r)
         broken(r, LW_LIMIT_MARGIN, "one of its pins does not turn, so it moves as a linkage with fewer links", 0);
     if (s->by_default & LW_LIMIT_RATIO && s->n_bound == 0 && lw_fit_report_ratio(t, r) > KEPT*s->length_ratio)
         broken(r, LW_LIMIT_RATIO, "one of its lengths is %.3g times another", lw_fit_report_ratio(t, r));
-    if (s->max_size > 0 && t->extent > 0 && s->n_bound == 0 && !(s->length_hi > 0)
-        && r->size > KEPT*s->max_size*t->extent)
+    if (s->max_size > 0 && t->extent > 0 && s->n_bound == 0 && !(s->length_hi > 0) && r->size > KEPT*s->max_size*t->extent)
         broken(r, LW_LIMIT_SIZE, "it is %.3g times as large as the target", r->size/t->extent);
 }
 

@@ -290,8 +290,7 @@ static void put_numbers_of_links_first(const lw_fit *fit, lw_fit_results *out)
 }
 
 /* Sort the front by cost and keep `most` rows, among them the best in each measure, and the first of each number of links. */
-static void order_front(const lw_target *t, const lw_fit *fit, int most, const lw_fit_report *all, const front *f,
-                        lw_fit_results *out)
+static void order_front(const lw_target *t, const lw_fit *fit, int most, const lw_fit_report *all, const front *f, lw_fit_results *out)
 {
     int n = 0, to_come = 0;
     for (int i = 1; i < out->n; i++) {

@@ -123,8 +123,7 @@ static double nearest_place(replay *v, double place, const lw_vec2 *at, size_t i
 
 /* Between two limits the input is monotonic: find the places where it equals `input` up to whole turns, or the end
  * nearest to it.  A place whose points are nearer than *least becomes *best. */
-static void search_piece(replay *v, double first, double last, double input, const lw_vec2 *at, size_t i, double *least,
-                         double *best)
+static void search_piece(replay *v, double first, double last, double input, const lw_vec2 *at, size_t i, double *least, double *best)
 {
     double ends[2], place[2] = { first, last }, near = v->plan->input_is_slider ? TOLERANCE*v->t->length : TOLERANCE;
     for (int e = 0; e < 2; e++) {
@@ -167,8 +166,7 @@ static bool in_order(replay *v, size_t i)
     }
     v->n_placed++;
     v->before = v->place;
-    if (fmin(v->gone[0], v->gone[1]) <= (closed ? end : INFINITY) + JITTER*(double)v->n_placed
-        && isfinite(fmin(v->gone[0], v->gone[1])))
+    if (fmin(v->gone[0], v->gone[1]) <= (closed ? end : INFINITY) + JITTER*(double)v->n_placed && isfinite(fmin(v->gone[0], v->gone[1])))
         return true;
     snprintf(v->r->fault, sizeof v->r->fault, "the motion comes to station %zu out of order", i + 1);
     return false;
@@ -283,8 +281,7 @@ static void judge(const replay *v, bool followed)
     bool same = r->difference <= allowed(v), claimed = claim_holds(v, r->verified_objective, allowed(v));
     r->verified = followed && same && claimed;
     if (followed && !same)
-        snprintf(r->fault, sizeof r->fault,
-                 "an independent simulation is %.3g away from the stated positions", r->difference);
+        snprintf(r->fault, sizeof r->fault, "an independent simulation is %.3g away from the stated positions", r->difference);
     else if (followed && !claimed)
         snprintf(r->fault, sizeof r->fault, "an independent simulation comes to the objective %.9g, the search to %.9g",
                  r->verified_objective, v->c->objective);

@@ -136,8 +136,7 @@ static void note_skipped(lw_fit *out, const lw_family *f, const lw_error *e)
     const char *title = lw_type_find(f->type)->title;
     size_t n = strlen(out->skipped);
     if (!strstr(out->skipped, title))                       /* each type once, not each of its families */
-        snprintf(out->skipped + n, sizeof out->skipped - n, "%s%s (%.60s)", n ? ", " : "", title,
-                 e->text);
+        snprintf(out->skipped + n, sizeof out->skipped - n, "%s%s (%.60s)", n ? ", " : "", title, e->text);
 }
 
 lw_status lw_search_family(const lw_search *s, int candidate, lw_family_made *made, const lw_family **family)

@@ -84,8 +84,7 @@ static void show_best(lw_search *s, lw_found *shown)
 {
     const lw_found *best = s->pool.item;
     lw_candidate c;
-    if (!s->o->found || s->pool.n == 0 || best->beyond > shown->beyond
-        || (best->beyond == shown->beyond && !(best->f < shown->f)))
+    if (!s->o->found || s->pool.n == 0 || best->beyond > shown->beyond || (best->beyond == shown->beyond && !(best->f < shown->f)))
         return;
     if (lw_search_fill(s, best, &c)) {
         s->o->found(s->o->context, &c);

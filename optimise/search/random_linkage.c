@@ -458,8 +458,7 @@ static int crank_with(const lw_linkage *linkage, int joint)
 {
     for (int i = 0; i < linkage->n_input; i++) {
         int driven = driven_link(linkage, i);
-        if (joint != linkage->input[i].joint
-            && (linkage->joint[joint].link[0] == driven || linkage->joint[joint].link[1] == driven))
+        if (joint != linkage->input[i].joint && (linkage->joint[joint].link[0] == driven || linkage->joint[joint].link[1] == driven))
             return i;
     }
     return -1;

@@ -111,8 +111,7 @@ static bool give_family(const lw_search *s, int candidate, lw_candidate *out)
 
 /* Put input k and its assembly mode into the candidate.  Rounding may put a station at a limit just beyond it: it is
  * moved back inside by the least step that closes. */
-static void put_input(const lw_problem *p, const lw_work *w, size_t k, double input, int leg, double psi_c,
-                      lw_candidate *c)
+static void put_input(const lw_problem *p, const lw_work *w, size_t k, double input, int leg, double psi_c, lw_candidate *c)
 {
     double mode[LW_MODE_MAX], unit = p->plan.input_is_slider ? p->unit : 1, from = c->input[k] = input*unit;
     size_t dyads = (size_t)c->n_dyad;
@@ -124,8 +123,7 @@ static void put_input(const lw_problem *p, const lw_work *w, size_t k, double in
         return;
     double step = copysign(FIRST_PULL*w->swing.stroke[leg].half, psi_c)*unit;
     memcpy(mode, c->mode_of + k*dyads, sizeof *mode*dyads);
-    for (int i = 0; i < PULLS && lw_posture_solve(&p->plan, c->dim, mode, c->input[k], 0, &posture) != LW_OK;
-         i++, step *= 2)
+    for (int i = 0; i < PULLS && lw_posture_solve(&p->plan, c->dim, mode, c->input[k], 0, &posture) != LW_OK; i++, step *= 2)
         c->input[k] = from + step;
 }
 

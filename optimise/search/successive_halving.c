@@ -143,8 +143,7 @@ static void begin_sweep(lw_search *s)
         if (s->candidate[candidate].state == LW_FIT_UNABLE)
             continue;
         job = w->n == 0 ? job_cost(s, candidate) : job;
-        if (job_cost(s, candidate) != job || (w->n >= least_jobs(s) && job*w->n >= most)
-            || (w->n > 0 && job*(w->n + 1) > most_cost(s)))
+        if (job_cost(s, candidate) != job || (w->n >= least_jobs(s) && job*w->n >= most) || (w->n > 0 && job*(w->n + 1) > most_cost(s)))
             break;
         w->candidate[w->n++] = candidate;
     }

@@ -76,8 +76,7 @@ bool lw_motion_limits_meets(const lw_motion_limits *w, const lw_fit_spec *s, con
         snprintf(text, sizeof text, "its transmission angle falls to %.4g deg, and %.4g were asked for",
                  asin(sine)*180/LW_PI, s->min_transmission*180/LW_PI);
     else if (most > 0 && !(w->acceleration <= (1 + TOLERANCE)*most))
-        snprintf(text, sizeof text, "its acceleration rises to %.4g times what was allowed",
-                 w->acceleration/most);
+        snprintf(text, sizeof text, "its acceleration rises to %.4g times what was allowed", w->acceleration/most);
     else if (w->intrusion > TOLERANCE*m)
         snprintf(text, sizeof text, "it enters a forbidden zone as deep as %.3g of the target's size", w->intrusion/m);
     else if (pivots > TOLERANCE*m)

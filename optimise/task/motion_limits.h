@@ -17,8 +17,7 @@ typedef struct lw_motion_limits {
 lw_motion_limits lw_motion_limits_begin(void);
 
 /* Add one posture, solved to order 2. */
-void lw_motion_limits_posture(const lw_plan *plan, const lw_fit_spec *s, const lw_posture *posture,
-                              lw_motion_limits *w);
+void lw_motion_limits_posture(const lw_plan *plan, const lw_fit_spec *s, const lw_posture *posture, lw_motion_limits *w);
 
 /* Add the postures at `steps` + 1 equal steps from one input to another in one assembly mode.  Postures that do not
  * close are skipped. */

@@ -230,8 +230,7 @@ static lw_status read_file(const char *path, const lw_target_options *o, lw_targ
     return s;
 }
 
-lw_status lw_target_read_text(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
-                              lw_error *e)
+lw_status lw_target_read_text(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t, lw_error *e)
 {
     lw_status s = read_text(text, size, file, o, t, e);
     if (s == LW_OK)
@@ -268,8 +267,7 @@ static lw_status read_source(const char *path, const char *name, const lw_target
     return s == LW_OK ? read_file(file, o, read, e) : s;
 }
 
-static lw_status read_target(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t,
-                             lw_error *e)
+static lw_status read_target(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t, lw_error *e)
 {
     lw_target read[1 + LW_ALSO_MAX], joined;
     const lw_target *part[1 + LW_ALSO_MAX];
@@ -297,8 +295,7 @@ static lw_status read_target(const char *path, const lw_target_options *o, lw_ta
     return s;
 }
 
-lw_status lw_task_file_read_file(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t,
-                                 lw_error *e)
+lw_status lw_task_file_read_file(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t, lw_error *e)
 {
     char *text = NULL;
     size_t size = 0;
@@ -316,8 +313,7 @@ lw_status lw_task_file_read_file(const char *path, const lw_target_options *o, l
     return s;
 }
 
-lw_status lw_task_file_read_text(const char *text, size_t size, const char *file, lw_task_file *task, lw_target *t,
-                                 lw_error *e)
+lw_status lw_task_file_read_text(const char *text, size_t size, const char *file, lw_task_file *task, lw_target *t, lw_error *e)
 {
     lw_status s = lw_task_file_read(text, size, file, task, e);
     if (s != LW_OK)

@@ -20,8 +20,7 @@ lw_foreign lw_foreign_kind(const char *text, size_t size);
 
 /* A table (CSV) or a drawing, from text; `file` decides by its end which of them, and is for messages; may be "".  A last station
  * that repeats the first one of a closed path without input angles is left out, here and below. */
-lw_status lw_target_read_text(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
-                              lw_error *e);
+lw_status lw_target_read_text(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t, lw_error *e);
 
 /* A table (CSV) or a drawing.  "FILE#NAME" names a curve of a drawing (lw_target_options.curve).  "-" is standard
  * input.
@@ -30,12 +29,10 @@ lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_t
 
 /* A task with its target: its own stations, or the files it names, beside it; dwells put in.  o overrules the file,
  * may be NULL.  After a failure neither needs _free. */
-lw_status lw_task_file_read_file(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t,
-                                 lw_error *e);
+lw_status lw_task_file_read_file(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t, lw_error *e);
 
 /* A task from text, which must hold its own stations.  LW_E_ARG: it names a file. */
-lw_status lw_task_file_read_text(const char *text, size_t size, const char *file, lw_task_file *task, lw_target *t,
-                                 lw_error *e);
+lw_status lw_task_file_read_text(const char *text, size_t size, const char *file, lw_task_file *task, lw_target *t, lw_error *e);
 
 /* Path of a file named in the task file `path`: relative to the task's folder, unless the name is absolute. */
 lw_status lw_task_file_beside(const char *path, const char *name, char out[LW_PATH_SIZE], lw_error *e);

@@ -89,8 +89,7 @@ static bool swallows(const lw_zone *no, lw_vec2 lower, lw_vec2 upper)
             && lw_zone_outside(no, lw_v2(lower.x, upper.y)) <= 0 && lw_zone_outside(no, lw_v2(upper.x, lower.y)) <= 0;
     if (no->kind == LW_ZONE_NO_BOX)
         return no->at.x <= lower.x && no->at.y <= lower.y && no->to.x >= upper.x && no->to.y >= upper.y;
-    lw_vec2 far = lw_v2(fmax(fabs(lower.x - no->at.x), fabs(upper.x - no->at.x)),
-                        fmax(fabs(lower.y - no->at.y), fabs(upper.y - no->at.y)));
+    lw_vec2 far = lw_v2(fmax(fabs(lower.x - no->at.x), fabs(upper.x - no->at.x)), fmax(fabs(lower.y - no->at.y), fabs(upper.y - no->at.y)));
     return no->kind == LW_ZONE_NO_CIRCLE && lw_v2_norm(far) <= no->reach;
 }
 

@@ -86,8 +86,7 @@ static lw_status check_weights(const lw_target *t, int point, lw_target_place *p
     for (size_t i = 0; i < t->n; i++) {
         *place = (lw_target_place){ i, role };
         if (!(weight[i] >= 0))
-            return lw_error_set(e, LW_E_ARG, "a weight is at least 0, this one is %g; 0 leaves the station out",
-                                weight[i]);
+            return lw_error_set(e, LW_E_ARG, "a weight is at least 0, this one is %g; 0 leaves the station out", weight[i]);
         most = fmax(most, weight[i]);
     }
     place->station = 0;
@@ -222,8 +221,7 @@ static lw_status fill(lw_target *t, const double *const from[LW_TARGET_FIELD_COU
         double most = lw_field_most((lw_target_field)role);
         for (size_t i = 0; from[role] && i < t->n; i++) {
             if (!(fabs(from[role][i]) <= most))
-                return lw_error_set(e, LW_E_ARG, "station %zu has a number that is not finite or beyond %g", i + 1,
-                                    most);
+                return lw_error_set(e, LW_E_ARG, "station %zu has a number that is not finite or beyond %g", i + 1, most);
             to[i] = from[role][i];
         }
     }
@@ -235,8 +233,7 @@ static lw_status check_also(const lw_also *a, bool path, int number, lw_error *e
     if (!a->x != !a->y || (!a->x && !a->theta))
         return lw_error_set(e, LW_E_ARG, "point %d needs x and y, or an angle theta, or both", number);
     if (a->x && !path)
-        return lw_error_set(e, LW_E_ARG, "point %d has x and y but the first one has none: number points with a path "
-                            "first", number);
+        return lw_error_set(e, LW_E_ARG, "point %d has x and y but the first one has none: number points with a path first", number);
     return LW_OK;
 }
 

@@ -58,8 +58,7 @@ typedef struct lw_target {
 
 /* Read; o may be NULL.  LW_E_NOTATION, LW_E_ARG (an option) or LW_E_MEMORY; after a failure t is
  * empty and needs no _free. */
-lw_status lw_target_read(const char *text, size_t size, const char *file,
-                         const lw_target_options *o, lw_target *t, lw_error *e);
+lw_status lw_target_read(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t, lw_error *e);
 /* Make a target from arrays in SI units (copied). x and y are both given or, for a function, both NULL; theta, angle,
  * weight may be NULL; closed as in the options. LW_E_ARG: a condition that also holds for files is not met. */
 lw_status lw_target_make(size_t n, const double *x, const double *y, const double *theta,

@@ -111,8 +111,7 @@ static lw_status number_of(const reader *r, const group *g, double *v)
     size_t skip = g->size > 0 && *s == '+';
     if (lw_number_parse(s + skip, g->size - skip, v) == LW_OK)
         return LW_OK;
-    return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, g->line, 1, "a number is expected behind group code %d",
-                       g->code);
+    return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, g->line, 1, "a number is expected behind group code %d", g->code);
 }
 
 /* ---- values of an entity ---------------------------------------------------------------------------------------- */
@@ -193,8 +192,7 @@ static void add(reader *r, const lw_affine *m, lw_vec2 p, long line)
 }
 
 /* Add an arc of an ellipse with two half diameters; it ends exactly at `end`. */
-static void add_arc(reader *r, const lw_affine *m, lw_vec2 at, lw_vec2 a, lw_vec2 b, double from, double sweep,
-                    lw_vec2 end, long line)
+static void add_arc(reader *r, const lw_affine *m, lw_vec2 at, lw_vec2 a, lw_vec2 b, double from, double sweep, lw_vec2 end, long line)
 {
     int n = (int)ceil(fmin(fabs(sweep)/(2*LW_PI), 1)*4*LW_OUTLINE_ARCS) + 1;      /* a circle as long as 1e-5 of it */
     for (int i = 1; i < n; i++) {
@@ -322,8 +320,7 @@ static lw_status take_list(const reader *r, const entity *n, int code, double *v
 }
 
 /* Point of a rational spline at u in the span `k`: de Boor's algorithm. */
-static lw_vec2 spline_point(int degree, const double *knot, const double *x, const double *y, const double *weight,
-                            size_t k, double u)
+static lw_vec2 spline_point(int degree, const double *knot, const double *x, const double *y, const double *weight, size_t k, double u)
 {
     double p[DEGREE_MAX + 1][3];
     for (int i = 0; i <= degree; i++) {
@@ -454,8 +451,7 @@ static lw_status draw_spline(reader *r, const entity *n, const place *in)
             if (!(knot[k+1] > knot[k]))
                 continue;
             for (int i = first ? 0 : 1; i <= steps; i++)
-                add(r, &in->m, spline_point(degree, knot, x, y, weight, k, knot[k] + (knot[k+1] - knot[k])*i/steps),
-                    line);
+                add(r, &in->m, spline_point(degree, knot, x, y, weight, k, knot[k] + (knot[k+1] - knot[k])*i/steps), line);
             first = false;
         }
         if ((int)value(r, n, 70) & 1)
@@ -599,8 +595,7 @@ static void match_ends(const lw_outlines *d, end *ends, size_t n, int *mate, dou
     for (size_t i = 0; i < n; i++)
         for (size_t k = i + 1; k < n && ends[k].p.x - ends[i].p.x <= near; k++) {
             int a = ends[i].id, b = ends[k].id;
-            if (lw_v2_norm(lw_v2_sub(ends[i].p, ends[k].p)) > near
-                || strcmp(d->curve[a/2].name[1], d->curve[b/2].name[1]) != 0)
+            if (lw_v2_norm(lw_v2_sub(ends[i].p, ends[k].p)) > near || strcmp(d->curve[a/2].name[1], d->curve[b/2].name[1]) != 0)
                 continue;
             mate[a] = ++met[a] == 1 ? b : -1;
             mate[b] = ++met[b] == 1 ? a : -1;
@@ -789,8 +784,7 @@ static lw_status read_sections(reader *r)
     return s;
 }
 
-lw_status lw_target_read_dxf(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
-                             lw_error *e)
+lw_status lw_target_read_dxf(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t, lw_error *e)
 {
     lw_error own = { .text = "" };
     e = e ? e : &own;

@@ -119,11 +119,9 @@ static lw_status read_closed(lw_header *h, const lw_lines *l, lw_text_span value
     else if (lw_span_is(word, "no") || lw_span_is(word, "false") || lw_span_is(word, "0"))
         closed = 0;
     else
-        return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "\"closed\" is yes or no, not %s",
-                           quote(word, text));
+        return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "\"closed\" is yes or no, not %s", quote(word, text));
     if (h->closed >= 0 && h->closed != closed)
-        return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "the file says both \"closed: yes\" and "
-                           "\"closed: no\"; keep one");
+        return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "the file says both \"closed: yes\" and \"closed: no\"; keep one");
     h->closed = closed;
     return LW_OK;
 }
@@ -135,14 +133,12 @@ static lw_status take_options(lw_header *h, const lw_target_options *o, lw_error
         h->closed = o->closed;
     if (o->length_unit) {
         if (!lw_units_set_length(&h->units, o->length_unit))
-            return lw_error_set(e, LW_E_ARG, "unknown length unit \"%.20s\"; known are m, mm, cm, km, um, in, ft",
-                                o->length_unit);
+            return lw_error_set(e, LW_E_ARG, "unknown length unit \"%.20s\"; known are m, mm, cm, km, um, in, ft", o->length_unit);
         strcpy(h->length_by, "the command line");
     }
     if (o->angle_unit) {
         if (!lw_units_set_angle(&h->units, o->angle_unit))
-            return lw_error_set(e, LW_E_ARG, "unknown angle unit \"%.20s\"; known are rad, deg, turn",
-                                o->angle_unit);
+            return lw_error_set(e, LW_E_ARG, "unknown angle unit \"%.20s\"; known are rad, deg, turn", o->angle_unit);
         strcpy(h->angle_by, "the command line");
     }
     return LW_OK;
@@ -386,8 +382,7 @@ static lw_status find_separator(lw_header *h, lw_text_span line, long number, lw
         h->separator = other;
         h->named = false;
     } else if (comma && semicolon && h->separator == ',') {
-        return lw_error_at(e, LW_E_NOTATION, h->file, number, 1, "the header has commas and semicolons; separate "
-                           "columns by one of them");
+        return lw_error_at(e, LW_E_NOTATION, h->file, number, 1, "the header has commas and semicolons; separate columns by one of them");
     }
     return LW_OK;
 }
@@ -433,8 +428,7 @@ lw_status lw_header_columns(lw_header *h, lw_text_span line, long number, lw_err
     lw_status s = find_separator(h, line, number, e);
     if (s == LW_OK && h->named && names_nothing(h, line))
         return lw_error_at(e, LW_E_NOTATION, h->file, number, 1, "this is no target: its first line names no column; a "
-                           "target is a table (CSV) whose first line names its columns, as x,y or angle,theta, or a "
-                           "drawing (SVG, DXF)");
+                           "target is a table (CSV) whose first line names its columns, as x,y or angle,theta, or a drawing (SVG, DXF)");
     for (int i = 0; i < NUMBERED_COUNT; i++)
         f.at[i] = -1;
     h->n_column = 0;

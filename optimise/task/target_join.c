@@ -14,8 +14,7 @@ static lw_status check_part(const lw_target *first, const lw_target *part, int k
         return lw_error_set(e, LW_E_ARG, "tracer %d has columns of further points itself; give each a target of its "
                             "own, or all of them one target", first->n_also > 0 ? 1 : k + 1);
     if (part->x && !first->x)
-        return lw_error_set(e, LW_E_ARG, "tracer %d has a path and the first one none: put those with a path first",
-                            k + 1);
+        return lw_error_set(e, LW_E_ARG, "tracer %d has a path and the first one none: put those with a path first", k + 1);
     for (size_t i = 0; i < part->n && part->angle && first->angle; i++)
         if (!(fabs(remainder(part->angle[i] - first->angle[i], 2*LW_PI)) <= 1e-9))
             return lw_error_set(e, LW_E_ARG, "station %zu has the input angle %.9g for the first tracer and %.9g for "
@@ -41,8 +40,7 @@ lw_status lw_target_join(const lw_target *const *part, int n_part, lw_target *t,
         angle = angle ? angle : part[k]->angle;
     }
     if (s == LW_OK)
-        s = lw_target_make_all(first->n, first->x, first->y, first->theta, angle, first->weight, also, n,
-                               first->closed, t, e);
+        s = lw_target_make_all(first->n, first->x, first->y, first->theta, angle, first->weight, also, n, first->closed, t, e);
     if (s != LW_OK)
         return s;
     for (int k = 0; k < n_part; k++)

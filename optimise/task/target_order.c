@@ -92,8 +92,7 @@ static lw_status check_repeats(const lw_target *t, lw_target_place *place, lw_er
         if (c[i+1].angle - c[i].angle <= ANGLE_EPS && !same_station(t, c[i].i, c[i+1].i))
             s = repeated(t, c[i].i, c[i+1].i, place, e);
     size_t last = t->n - 1;                      /* just below a full turn equals just above 0 */
-    if (s == LW_OK && once && last > 0 && c[0].angle + TURN - c[last].angle <= ANGLE_EPS &&
-        !same_station(t, c[0].i, c[last].i))
+    if (s == LW_OK && once && last > 0 && c[0].angle + TURN - c[last].angle <= ANGLE_EPS && !same_station(t, c[0].i, c[last].i))
         s = repeated(t, c[0].i, c[last].i, place, e);
     free(c);
     return s;

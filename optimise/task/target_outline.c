@@ -127,10 +127,8 @@ static lw_status check(const lw_outlines *d, const char *file, lw_error *e)
                            "ran out", LW_DRAWN_CURVE_MAX, LW_OUTLINE_MAX);
     for (int i = 0; i < d->n; i++)
         for (size_t k = 0; k < d->curve[i].n; k++)
-            if (!(fabs(d->curve[i].p[k].x)*d->scale <= LW_COORDINATE_MAX
-                  && fabs(d->curve[i].p[k].y)*d->scale <= LW_COORDINATE_MAX))
-                return lw_error_at(e, LW_E_NOTATION, file, d->curve[i].line[k], 1, "a point of the curve is too far "
-                                   "away, or no number");
+            if (!(fabs(d->curve[i].p[k].x)*d->scale <= LW_COORDINATE_MAX && fabs(d->curve[i].p[k].y)*d->scale <= LW_COORDINATE_MAX))
+                return lw_error_at(e, LW_E_NOTATION, file, d->curve[i].line[k], 1, "a point of the curve is too far away, or no number");
     return LW_OK;
 }
 
@@ -170,8 +168,7 @@ static lw_status take_curve(int which, int chosen[POINTS], int *n, lw_error *e)
         if (chosen[i] == which)
             return LW_OK;
     if (*n == POINTS)
-        return lw_error_set(e, LW_E_ARG, "more than %d curves are named; a linkage is fitted to %d points at most",
-                            POINTS, POINTS);
+        return lw_error_set(e, LW_E_ARG, "more than %d curves are named; a linkage is fitted to %d points at most", POINTS, POINTS);
     chosen[(*n)++] = which;
     return LW_OK;
 }
@@ -199,12 +196,10 @@ static lw_status take_word(const lw_outlines *d, const char *word, size_t size, 
         return s;
     }
     list_curves(d, list, sizeof list);
-    return lw_error_set(e, LW_E_ARG, "there is no curve '%.*s' in this drawing; it has %s", size > 40 ? 40 : (int)size,
-                        word, list);
+    return lw_error_set(e, LW_E_ARG, "there is no curve '%.*s' in this drawing; it has %s", size > 40 ? 40 : (int)size, word, list);
 }
 
-static lw_status choose(const lw_outlines *d, const char *file, const char *words, int chosen[POINTS], int *n,
-                        lw_error *e)
+static lw_status choose(const lw_outlines *d, const char *file, const char *words, int chosen[POINTS], int *n, lw_error *e)
 {
     lw_status s = LW_OK;
     char list[420];
@@ -272,8 +267,7 @@ static void write_note(const lw_outlines *d, const lw_outline *c, int n, const l
     const char *name = name_of(c), *unit = t->units.length;
     int used = 0;
     if (n > 1)
-        used = snprintf(note, size, "%d curves, %zu stations each; stations at the same share of the length belong "
-                        "together", n, t->n);
+        used = snprintf(note, size, "%d curves, %zu stations each; stations at the same share of the length belong together", n, t->n);
     else if (d->only_points)
         used = snprintf(note, size, "%zu point%s as stations, in the order of the file", t->n, lw_plural((long long)t->n));
     else
@@ -313,8 +307,7 @@ static lw_status to_target(const lw_outlines *d, const int chosen[POINTS], int n
                                "give a number of stations", m, c->n);
     }
     if (m > LW_STATION_MAX)
-        return lw_error_at(e, LW_E_NOTATION, file, first->line[0], 1, "the curve has %zu points; %d stations are "
-                           "allowed",
+        return lw_error_at(e, LW_E_NOTATION, file, first->line[0], 1, "the curve has %zu points; %d stations are allowed",
                            m, LW_STATION_MAX);
     double *xy = malloc((size_t)n*2*m*sizeof *xy);
     long *line = malloc(m*sizeof *line);

@@ -21,9 +21,7 @@
 
 /* Read a target from a drawing. LW_E_NOTATION with line and column; LW_E_ARG for options; t is set as by
  * lw_target_read. */
-lw_status lw_target_read_svg(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
-                             lw_error *e);
-lw_status lw_target_read_dxf(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
-                             lw_error *e);
+lw_status lw_target_read_svg(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t, lw_error *e);
+lw_status lw_target_read_dxf(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t, lw_error *e);
 
 #endif

@@ -58,14 +58,12 @@ lw_status lw_outlines_target(lw_outlines *d, const char *file, const lw_target_o
 /* Place m >= 2 stations along the polygon of n >= 2 points. Corners are stations, if they are not too many; between
  * them, two thirds of the stations follow the length and one third the turning of the curve, if by_curvature, else all
  * of them the length. from[i]: index of the point before station i. */
-lw_status lw_resample(const lw_vec2 *p, size_t n, bool closed, bool by_curvature, size_t m, lw_vec2 *out, size_t *from,
-                      lw_error *e);
+lw_status lw_resample(const lw_vec2 *p, size_t n, bool closed, bool by_curvature, size_t m, lw_vec2 *out, size_t *from, lw_error *e);
 
 /* Move the points onto the smoothest cubic spline that no point leaves by more than `distance` (Reinsch 1967): the
  * least integral of the squared second derivative by chord length. *rms, *most: the distances moved. Points that
  * repeat the one before move with it. */
-lw_status lw_smooth(double *x, double *y, size_t n, bool closed, double distance, double *rms, double *most,
-                    lw_error *e);
+lw_status lw_smooth(double *x, double *y, size_t n, bool closed, double distance, double *rms, double *most, lw_error *e);
 
 #define LW_NOISE_POINTS 20              /* fewest points whose noise can be estimated */
 

@@ -15,22 +15,19 @@
 /* ---- numbers ----------------------------------------------------------------------------------- */
 
 /* Report an error in the field of `role`. */
-static lw_status bad_number(const lw_header *h, lw_target_field role, const lw_lines *l, lw_text_span field,
-                            lw_error *e)
+static lw_status bad_number(const lw_header *h, lw_target_field role, const lw_lines *l, lw_text_span field, lw_error *e)
 {
     long column = (long)(field.s - l->line.s) + 1;
     int n = field.n > 40 ? 40 : (int)field.n;
     const char *name = h->name[role];
     double v;
     if (field.n == 0)
-        return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "the field of %s is empty; every station "
-                           "needs all columns", name);
+        return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "the field of %s is empty; every station needs all columns", name);
     if (lw_number_is_word(field.s, field.n))
         return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "%s is \"%.*s\", which is no finite number; "
                            "leave the line out if nothing is wanted there", name, n, field.s);
     if (lw_number_parse(field.s, field.n, &v) == LW_E_NUMERIC)
-        return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "%s is too large: \"%.*s\"", name, n,
-                           field.s);
+        return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "%s is too large: \"%.*s\"", name, n, field.s);
     return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "%s is \"%.*s\", which is no number; units belong "
                        "into the header, as x [mm]", name, n, field.s);
 }
@@ -61,8 +58,7 @@ static size_t thousands_mark(lw_text_span s, size_t i)
 
 /* Write a number as spreadsheets do in the way that lw_number_parse reads: without a plus, with a plain minus and with
  * a decimal point, without separators of thousands. A comma is a decimal comma; commas and points do not mix. */
-static lw_status plain_number(lw_header *h, const lw_lines *l, lw_text_span field, lw_text_span *plain, char *buf,
-                              size_t size, lw_error *e)
+static lw_status plain_number(lw_header *h, const lw_lines *l, lw_text_span field, lw_text_span *plain, char *buf, size_t size, lw_error *e)
 {
     static const char minus[] = "\xe2\x88\x92";                        /* U+2212 */
     const char *comma = memchr(field.s, ',', field.n), *point = memchr(field.s, '.', field.n);
@@ -75,8 +71,7 @@ static lw_status plain_number(lw_header *h, const lw_lines *l, lw_text_span fiel
     if (comma && (point || memchr(comma + 1, ',', field.n - (size_t)(comma + 1 - field.s))))
         return bad_decimal(h, l, field, "leave separators of thousands out", e);
     if (comma && quoted && h->separator != ',' && field.s + field.n - comma == 4 && h->decimal != ',')
-        return bad_decimal(h, l, field, "this may be a separator of thousands or a decimal comma; write the number "
-                           "without quotes", e);
+        return bad_decimal(h, l, field, "this may be a separator of thousands or a decimal comma; write the number without quotes", e);
     if (mark && h->decimal && h->decimal != mark) {
         char why[96];
         snprintf(why, sizeof why, "the file mixes decimal commas and decimal points (line %ld has a %s)",
@@ -104,8 +99,7 @@ static lw_status plain_number(lw_header *h, const lw_lines *l, lw_text_span fiel
     return LW_OK;
 }
 
-static lw_status read_number(lw_header *h, lw_target_field role, const lw_lines *l, lw_text_span field, double *out,
-                             lw_error *e)
+static lw_status read_number(lw_header *h, lw_target_field role, const lw_lines *l, lw_text_span field, double *out, lw_error *e)
 {
     double v, most = lw_field_most(role);
     char buf[64];
@@ -183,8 +177,7 @@ static lw_status count_rows(const lw_header *h, lw_lines l, size_t *n, lw_error 
             return lw_error_at(e, LW_E_NOTATION, h->file, l.number, 1, "this is station %d; %d are allowed, take "
                                "every tenth or so", LW_STATION_MAX + 1, LW_STATION_MAX);
     if (*n == 0)
-        return lw_error_at(e, LW_E_NOTATION, h->file, l.number, 1, "no stations follow the header; a target has "
-                           "one line a station");
+        return lw_error_at(e, LW_E_NOTATION, h->file, l.number, 1, "no stations follow the header; a target has one line a station");
     return LW_OK;
 }
 
@@ -244,8 +237,7 @@ static void note_assumptions(const lw_header *h, lw_target *t)
         lw_target_add_note(t, "angles have no unit and count as rad; add \"# units: deg\" if they are degrees");
 }
 
-lw_status lw_target_read(const char *text, size_t size, const char *file, const lw_target_options *o,
-                         lw_target *t, lw_error *e)
+lw_status lw_target_read(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t, lw_error *e)
 {
     lw_error why = { .text = "" };
     *t = (lw_target){ .n = 0 };

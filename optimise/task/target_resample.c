@@ -92,8 +92,7 @@ static void put_span(const course *c, size_t first, size_t last, size_t parts, l
     }
 }
 
-lw_status lw_resample(const lw_vec2 *p, size_t n, bool closed, bool by_curvature, size_t m, lw_vec2 *out, size_t *from,
-                      lw_error *e)
+lw_status lw_resample(const lw_vec2 *p, size_t n, bool closed, bool by_curvature, size_t m, lw_vec2 *out, size_t *from, lw_error *e)
 {
     course c = { .p = p, .n = n, .n_segment = closed ? n : n - 1, .closed = closed };
     size_t at = 0, parts = closed ? m : m - 1;
@@ -303,8 +302,7 @@ double lw_noise(const double *x, const double *y, size_t n, bool closed, double 
     return least;
 }
 
-lw_status lw_smooth(double *x, double *y, size_t n, bool closed, double distance, double *rms, double *most,
-                    lw_error *e)
+lw_status lw_smooth(double *x, double *y, size_t n, bool closed, double distance, double *rms, double *most, lw_error *e)
 {
     size_t *knot = malloc(n*sizeof *knot), m = 0;
     *rms = *most = 0;

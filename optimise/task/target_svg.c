@@ -304,8 +304,7 @@ static lw_status read_path(lw_cursor *c, pen *p)
                 continue;
             }
         } else if (command == 0 || command == 'Z' || !begins_number(byte)) {
-            return lw_cursor_fail(c, "one of M L H V C S Q T A Z or a number is expected, not %s",
-                                  lw_byte_name(byte, name));
+            return lw_cursor_fail(c, "one of M L H V C S Q T A Z or a number is expected, not %s", lw_byte_name(byte, name));
         }
         if (command != 'M' && !p->drawing)             /* behind a Z the path goes on from where it began */
             begin_curve(p, p->at, c->line);
@@ -528,8 +527,7 @@ static bool value_has(const element *el, int key, const char *word)
 static void copy_value(const element *el, int key, char *out, size_t size)
 {
     const lw_cursor *c = &el->value[key];
-    snprintf(out, size, "%.*s", c->text ? (int)fmin((double)(c->size - c->at), 1000) : 0, c->text ? c->text + c->at
-             : "");
+    snprintf(out, size, "%.*s", c->text ? (int)fmin((double)(c->size - c->at), 1000) : 0, c->text ? c->text + c->at : "");
 }
 
 /* A view box in a window of size[0] x size[1] (SVG 1.1, 7.8): how each axis is scaled, and how far the corner of the box then lies
@@ -654,8 +652,7 @@ static bool class_hides(const reader *r, const char *class, size_t size)
             const char *open = memchr(s + at, '{', end - at), *close = open ? memchr(open, '}', (size_t)(s + end
                 - open))
                              : NULL;
-            if (close && !memchr(s + at, '}', (size_t)(open - s) - at)
-                && declares(open, (size_t)(close - open), "display", "none"))
+            if (close && !memchr(s + at, '}', (size_t)(open - s) - at) && declares(open, (size_t)(close - open), "display", "none"))
                 return true;
         }
     }
@@ -817,8 +814,7 @@ static lw_status draw_clone(reader *r, const element *el, const level *in)
     if (s != LW_OK || id[0] != '#' || !find_element(r, id + 1, &c))
         return s;
     if (++r->clones > CLONE_MAX)
-        return lw_cursor_fail(&el->at, "the drawing has more than %d clones, or one that holds itself; convert them to "
-                              "paths", CLONE_MAX);
+        return lw_cursor_fail(&el->at, "the drawing has more than %d clones, or one that holds itself; convert them to paths", CLONE_MAX);
     matrix m = { 1, 0, 0, 1, x, y };
     own.m = lw_affine_product(&in->m, &m);
     copy_value(el, ATTRIBUTE_ID, own.group, sizeof own.group);
@@ -840,8 +836,7 @@ static lw_status open_level(reader *r, const element *el, bool root, level *l)
         s = read_transform(&c, &l->m);
     }
     if (style->text && declares(style->text + style->at, style->size - style->at, "transform", ""))
-        return lw_cursor_fail(style, "a transform inside of a style is not read; apply it to the curve in the drawing "
-                              "program");
+        return lw_cursor_fail(style, "a transform inside of a style is not read; apply it to the curve in the drawing program");
     if (s == LW_OK && !root && strcmp(el->name, "svg") == 0)
         s = enter_inner(el, &l->m);
     l->hidden = l->hidden || is_hidden(r, el);
@@ -909,8 +904,7 @@ static bool has_word(const char *text, size_t size, const char *word)
     return false;
 }
 
-lw_status lw_target_read_svg(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
-                             lw_error *e)
+lw_status lw_target_read_svg(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t, lw_error *e)
 {
     lw_error own = { .text = "" };
     e = e ? e : &own;

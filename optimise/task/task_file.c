@@ -11,8 +11,7 @@
 /* ---- pieces --------------------------------------------------------------------------------------------- */
 
 /* Read one of several words; *out is unchanged if the key is missing. */
-static lw_status read_word(const lw_json_node *o, const char *key, const char *const *words, int n, int *out,
-                           bool *given, lw_error *e)
+static lw_status read_word(const lw_json_node *o, const char *key, const char *const *words, int n, int *out, bool *given, lw_error *e)
 {
     lw_json_node node;
     if (given)
@@ -41,8 +40,7 @@ static lw_status read_yes(const lw_json_node *o, const char *key, int *out, lw_e
 }
 
 /* Read a number in least .. most, in a unit; unchanged if the key is missing. */
-static lw_status read_bounded(const lw_json_node *o, const char *key, double unit, double least, double most,
-                              double *out, lw_error *e)
+static lw_status read_bounded(const lw_json_node *o, const char *key, double unit, double least, double most, double *out, lw_error *e)
 {
     bool given;
     lw_json_node node;
@@ -69,8 +67,7 @@ static lw_status read_lengths(const lw_json_node *root, lw_task_file *b, lw_erro
         && (s = read_bounded(&o, "most", m, 1e-90, 1e90, &f->length_hi, e)) == LW_OK)
         s = read_bounded(&o, "ratio", 1, 1, 1e9, &f->length_ratio, e);
     if (s == LW_OK && f->length_hi > 0 && f->length_lo > f->length_hi)
-        s = lw_json_fault(&o, e, "the least length %g is above the greatest %g: no linkage can do both",
-                          f->length_lo/m, f->length_hi/m);
+        s = lw_json_fault(&o, e, "the least length %g is above the greatest %g: no linkage can do both", f->length_lo/m, f->length_hi/m);
     return s;
 }
 
@@ -102,8 +99,7 @@ static lw_status read_box(const lw_json_node *n, double metre, lw_zone *z, lw_er
         s = lw_read_pair(&corner, metre, i ? &z->to : &z->at, e);
     }
     if (s == LW_OK && !(z->at.x < z->to.x && z->at.y < z->to.y))
-        s = lw_json_fault(n, e, "the first corner must lie below and to the left of the second: this box holds "
-                          "nothing");
+        s = lw_json_fault(n, e, "the first corner must lie below and to the left of the second: this box holds nothing");
     return s;
 }
 
@@ -220,8 +216,7 @@ static lw_status read_dwell(const lw_json_node *o, lw_task_file *b, lw_error *e)
         && (s = read_bounded(o, "weight", 1, 1e-9, 1e9, &d->weight, e)) == LW_OK && lw_json_member(o, "at", &n))
         s = lw_read_pair(&n, b->units.metre, &d->at, e);
     if (s == LW_OK && !(d->from < d->to))
-        s = lw_json_fault(o, e, "a dwell goes from a smaller to a greater input; from %g to %g holds nothing", d->from,
-                          d->to);
+        s = lw_json_fault(o, e, "a dwell goes from a smaller to a greater input; from %g to %g holds nothing", d->from, d->to);
     d->from *= angle;
     d->to *= angle;
     d->points = (int)points;
@@ -296,8 +291,7 @@ static lw_status gather_also(const lw_json_node *list, double *const column[LW_T
     return LW_OK;
 }
 
-static lw_status read_rows(const lw_json_node *list, const lw_task_file *b, size_t n, double *v, lw_target *t,
-                           lw_error *e)
+static lw_status read_rows(const lw_json_node *list, const lw_task_file *b, size_t n, double *v, lw_target *t, lw_error *e)
 {
     bool has[LW_TARGET_FIELD_COUNT] = { false };
     double one[LW_TARGET_FIELD_COUNT], *column[LW_TARGET_FIELD_COUNT];
@@ -340,8 +334,7 @@ static lw_status read_stations(const lw_json_node *from, const lw_task_file *b, 
     return s;
 }
 
-static lw_status read_source(const lw_json_node *o, const lw_task_file *b, char *target, lw_target *stations,
-                             lw_error *e)
+static lw_status read_source(const lw_json_node *o, const lw_task_file *b, char *target, lw_target *stations, lw_error *e)
 {
     lw_status s = read_text(o, "target", target, LW_TASK_FILE_TEXT, e);
     if (s == LW_OK)
@@ -369,8 +362,7 @@ static lw_status read_tracers(const lw_json_node *list, lw_task_file *b, lw_erro
             && (s = read_source(&o, b, a ? a->target : b->target, a ? &a->stations : &b->stations, e)) == LW_OK)
             s = read_word(&o, "link", carrier_names, COUNT(carrier_names), &carrier, NULL, e);
         if (s == LW_OK && !a && lw_json_member(&o, "link", &link))
-            s = lw_json_fault(&link, e, "the first point lies on the coupler, of a function on the output; links are "
-                              "for the further ones");
+            s = lw_json_fault(&link, e, "the first point lies on the coupler, of a function on the output; links are for the further ones");
         if (a)
             b->spec.carrier[b->n_also - 1] = (lw_carrier)carrier;
     }
@@ -421,8 +413,7 @@ static lw_status read_wanted(const lw_json_node *root, lw_task_file *b, lw_error
         b->spec.task = (lw_task)task;
     if (b->has_timing)
         b->spec.timing = (lw_timing)timing;
-    if (s == LW_OK && (s = read_yes(root, "closed", &b->closed, e)) == LW_OK
-        && (s = read_sources(root, b, e)) == LW_OK)
+    if (s == LW_OK && (s = read_yes(root, "closed", &b->closed, e)) == LW_OK && (s = read_sources(root, b, e)) == LW_OK)
         s = read_dwells(root, b, e);
     return s;
 }
@@ -465,8 +456,7 @@ static lw_status read_limits(const lw_json_node *root, lw_task_file *b, lw_error
     b->limits |= (f->length_ratio > 0 ? LW_LIMIT_RATIO : 0) | (through == 1 ? LW_LIMIT_MOTION : 0)
                | (unlimited == 1 ? LW_LIMIT_ALL : 0);
     if (s == LW_OK && unlimited == 1 && lw_json_member(root, "tolerance", &o))
-        s = lw_json_fault(&o, e, "\"tolerance\" chooses among linkages by size, which does not go together with "
-                          "\"unlimited\"");
+        s = lw_json_fault(&o, e, "\"tolerance\" chooses among linkages by size, which does not go together with \"unlimited\"");
     return s;
 }
 
@@ -493,8 +483,7 @@ static lw_status read_sampling(const lw_json_node *root, lw_task_file *b, lw_err
     }
     s = read_bounded(root, "resample", 1, 2, 10000, &n, e);
     b->resample = (int)n;
-    return s == LW_OK && n != b->resample ? lw_json_fault(&o, e, "a whole number of stations, or \"drawn\", is expected "
-                                                          "here") : s;
+    return s == LW_OK && n != b->resample ? lw_json_fault(&o, e, "a whole number of stations, or \"drawn\", is expected here") : s;
 }
 
 static lw_status read_conditions(const lw_json_node *root, lw_task_file *b, lw_error *e)

@@ -36,8 +36,7 @@ static lw_status run_path(const lw_linkage *linkage, motion_path *c)
     if (s == LW_OK)
         s = lw_plan_read(&c->plan, linkage, c->dim, c->mode, &c->input, NULL);
     for (int i = 0; s == LW_OK && i <= SAMPLES; i++)
-        s = lw_posture_solve(&c->plan, c->dim, c->mode, i == SAMPLES ? c->input : sample_input(c, i), 1,
-                             &c->posture[i]);
+        s = lw_posture_solve(&c->plan, c->dim, c->mode, i == SAMPLES ? c->input : sample_input(c, i), 1, &c->posture[i]);
     return s;
 }
 
@@ -45,8 +44,7 @@ static lw_status run_path(const lw_linkage *linkage, motion_path *c)
 static int joint_of(const lw_linkage *linkage, int link)
 {
     for (int j = 0; j < linkage->n_joint; j++)
-        if (lw_joint_turns(linkage->joint[j].kind)
-            && (linkage->joint[j].link[0] == link || linkage->joint[j].link[1] == link))
+        if (lw_joint_turns(linkage->joint[j].kind) && (linkage->joint[j].link[0] == link || linkage->joint[j].link[1] == link))
             return j;
     return -1;
 }
@@ -166,8 +164,7 @@ static bool try_once(motion_path *c, double size, double transmission, lw_rng *r
     double least, most, here = lw_v2_norm(lw_v2_sub(h.at, p));
     double more = 0.02*exp(3.5*lw_rng_uniform(rng)), fold = lw_rng_range(rng, -0.95, 0.95);
     double side = lw_rng_uniform(rng) < 0.5 ? -1 : 1;
-    if (base == parent->tracer[c->point].link || c->plan.link_origin[base] < 0
-        || (base != parent->ground && h.joint < 0))
+    if (base == parent->tracer[c->point].link || c->plan.link_origin[base] < 0 || (base != parent->ground && h.joint < 0))
         return false;
     reach(c, &h, &least, &most);
     double sum = most*(1 + more), differ = least*fold, a = 0.5*(sum + differ), b = 0.5*(sum - differ);

@@ -516,8 +516,7 @@ static lw_status join_families(const chain_job *part, lw_mechanism_stage *to)
 }
 
 /* Make the mechanisms of a stage: of pins and sliders alone, or with slots and gears (two_freedoms). */
-static lw_status make_stage(const lw_mechanism_request *request, lw_mechanism_stage *to, bool met[NAMES_MAX],
-                            lw_error *e)
+static lw_status make_stage(const lw_mechanism_request *request, lw_mechanism_stage *to, bool met[NAMES_MAX], lw_error *e)
 {
     lw_status st = LW_OK;
     int last = to->two_freedoms ? LW_EXPANDED_LINK_MAX - to->links : 0;

@@ -82,8 +82,7 @@ static void put_ratios(const lw_packed_mechanism *p, const lw_ratio_list *gear, 
 }
 
 /* ", ratio 2", ", ratios 2, -1". */
-static int ratios_text(const lw_numbered_chain *c, const lw_packed_mechanism *p, const lw_ratio_choices *r, char *name,
-                       size_t size)
+static int ratios_text(const lw_numbered_chain *c, const lw_packed_mechanism *p, const lw_ratio_choices *r, char *name, size_t size)
 {
     lw_linkage k;
     int joint[LW_JOINT_MAX], n = 0;
@@ -168,16 +167,14 @@ void lw_packed_mechanism_key(const lw_numbered_chain *c, const lw_packed_mechani
 
 /* Name of a mechanism with joints of two freedoms: number of links, of these joints, and of the chain; kinds of all
  * joints; links with the slots. */
-static int higher_title(const lw_numbered_chain *c, const lw_packed_mechanism *p, const lw_ratio_choices *r, char *name,
-                        size_t size)
+static int higher_title(const lw_numbered_chain *c, const lw_packed_mechanism *p, const lw_ratio_choices *r, char *name, size_t size)
 {
     lw_mechanism m = lw_packed_mechanism_unpack(c, p);
     unsigned bit = 1;
     int n = snprintf(name, size, "%d-link %d.%d %.*s", m.n_link, c->n2, c->number, m.n_joint, m.kind);
     for (int j = 0; j < m.n_joint; j++)
         if (lw_joint_has_slot(m.kind[j])) {
-            n += snprintf(name + n, size - (size_t)n, "%s%d", bit == 1 ? ", slot " : "+",
-                          m.link[j][(p->turned & bit) != 0] + 1);
+            n += snprintf(name + n, size - (size_t)n, "%s%d", bit == 1 ? ", slot " : "+", m.link[j][(p->turned & bit) != 0] + 1);
             bit <<= 1;
         }
     n += ratios_text(c, p, r, name + n, size - (size_t)n);
@@ -185,8 +182,7 @@ static int higher_title(const lw_numbered_chain *c, const lw_packed_mechanism *p
 }
 
 /* Name without inputs and tracer link; with the kinds of the joints if these are not all pins. */
-static int title(const lw_numbered_chain *c, const lw_packed_mechanism *p, const lw_ratio_choices *r, char *name,
-                 size_t size)
+static int title(const lw_numbered_chain *c, const lw_packed_mechanism *p, const lw_ratio_choices *r, char *name, size_t size)
 {
     static const char *const roman[] = { "", "I", "II", "III" };
     lw_mechanism m = lw_packed_mechanism_unpack(c, p);
@@ -195,8 +191,7 @@ static int title(const lw_numbered_chain *c, const lw_packed_mechanism *p, const
     if (c->n2 > 0)
         return higher_title(c, p, r, name, size);
     if (m.n_link != 6)
-        return snprintf(name, size, "%d-link chain %d%s%.*s, ground %d", m.n_link, c->number, blank, n_kind, m.kind,
-                        m.ground + 1);
+        return snprintf(name, size, "%d-link chain %d%s%.*s, ground %d", m.n_link, c->number, blank, n_kind, m.kind, m.ground + 1);
     const char *chain = is_watt(&m, m.ground, &number) ? "Watt" : "Stephenson";
     return snprintf(name, size, "%s %s%s%.*s", chain, roman[number], blank, n_kind, m.kind);
 }
@@ -206,8 +201,7 @@ static int inputs_text(const lw_packed_mechanism *p, const lw_ratio_list *tie, c
 {
     int n = 0;
     for (int i = 0; i < p->n_input; i++)
-        n += snprintf(name + n, size - (size_t)n, "%s%d", i > 0 ? "+" : p->n_input > 1 ? ", inputs " : ", input ",
-                      p->input[i] + 1);
+        n += snprintf(name + n, size - (size_t)n, "%s%d", i > 0 ? "+" : p->n_input > 1 ? ", inputs " : ", input ", p->input[i] + 1);
     for (int i = 1; i < p->n_input; i++)
         n += snprintf(name + n, size - (size_t)n, "%s%s", i == 1 ? " by " : " and ", tie->of[p->tie[i]].text);
     return n;

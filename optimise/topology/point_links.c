@@ -81,8 +81,7 @@ static lw_status list_choices(choice *c, lw_plan *plan)
     return choose(c, 0, false);
 }
 
-lw_status lw_point_links_make(const lw_families *of, const lw_target *t, const lw_fit_spec *s,
-                            lw_point_links *out, lw_error *e)
+lw_status lw_point_links_make(const lw_families *of, const lw_target *t, const lw_fit_spec *s, lw_point_links *out, lw_error *e)
 {
     lw_plan *plan = malloc(sizeof *plan);
     lw_family_made *made = malloc(sizeof *made);

@@ -23,8 +23,7 @@ typedef struct lw_point_links {
  * family has; where it depends on all, that is the tracer of a family of its own.  A point suits links that are not
  * joined to the ground, an angle any but the driven link, unless spec.carrier says otherwise. LW_E_ARG: there are
  * more than LW_POINT_CHOICE_MAX; LW_E_MEMORY. */
-lw_status lw_point_links_make(const lw_families *of, const lw_target *t, const lw_fit_spec *s, lw_point_links *out,
-                              lw_error *e);
+lw_status lw_point_links_make(const lw_families *of, const lw_target *t, const lw_fit_spec *s, lw_point_links *out, lw_error *e);
 void      lw_point_links_free(lw_point_links *links);
 
 /* The choices as families; `links` must stay, as must the families that it was made from. */

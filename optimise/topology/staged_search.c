@@ -68,8 +68,7 @@ static lw_status grow_one(const lw_target *t, const lw_fit_spec *s, const lw_sea
     lw_family_made *g = &to->made[to->n];
     char name[sizeof g->name];
     used_range(t, c, &first, &last);
-    lw_status st = lw_linkage_grow(&r->linkage, c->intended.turns && r->turns, first, last, s->min_transmission, rng,
-                                   &g->linkage);
+    lw_status st = lw_linkage_grow(&r->linkage, c->intended.turns && r->turns, first, last, s->min_transmission, rng, &g->linkage);
     if (st != LW_OK)
         return st == LW_E_MEMORY ? st : LW_OK;
     snprintf(name, sizeof name, "%.40s with a dyad more", lw_family_title(c->family));
@@ -99,8 +98,7 @@ static int next_row(const lw_target *t, const lw_fit *from, const lw_fit_results
     int next = rows->n;
     for (int i = by_error ? 0 : at + 1; i < rows->n; i++) {
         const lw_candidate *c = &from->candidate[rows->candidate[i]];
-        if (lw_candidate_links(c) != links || changes_mode(t, c)
-            || (by_error && at >= 0 && rows->candidate[i] <= rows->candidate[at]))
+        if (lw_candidate_links(c) != links || changes_mode(t, c) || (by_error && at >= 0 && rows->candidate[i] <= rows->candidate[at]))
             continue;
         if (!by_error)
             return i;
@@ -580,8 +578,7 @@ static int winner(const contest *c, int n)
     for (int i = 0; i < n; i++) {
         bool may = c->left[i] > 0 && (fewer == 0 || next_part(c, i) < c->left[i]);
         fewer += c->left[i];
-        if (may && (best < 0 || c->rate[i] > c->rate[best]
-                    || (c->rate[i] == c->rate[best] && c->part[i] <= c->part[best])))
+        if (may && (best < 0 || c->rate[i] > c->rate[best] || (c->rate[i] == c->rate[best] && c->part[i] <= c->part[best])))
             best = i;
     }
     return best;

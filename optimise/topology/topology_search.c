@@ -179,8 +179,7 @@ static bool may_go_on(const lw_topology_search_options *o)
 static lw_status make_plan(const lw_target *t, const lw_topology_search_options *o, double start, plan *p, lw_error *e)
 {
     if (o->freedoms < 1 || o->freedoms > LW_PACKED_INPUT_MAX)
-        return lw_error_set(e, LW_E_ARG, "mechanisms have 1 to %d degrees of freedom, not %d", LW_PACKED_INPUT_MAX,
-                            o->freedoms);
+        return lw_error_set(e, LW_E_ARG, "mechanisms have 1 to %d degrees of freedom, not %d", LW_PACKED_INPUT_MAX, o->freedoms);
     int least = lw_mechanism_least_links(o->freedoms), links = o->links > 0 ? o->links : may_go_on(o) ? 6 : least;
     if (links < least || links > LINKS_MAX)
         return lw_error_set(e, LW_E_ARG, "with %d degrees of freedom mechanisms have %d to %d links, not %d",
@@ -233,8 +232,7 @@ static void sum_links(const plan *p, lw_topology_search *out)
         const lw_candidate *c = out->found.fit.candidate;
         const int *of = out->results.candidate;
         for (int i = 0; i < out->results.n; i++)
-            if (lw_candidate_links(&c[of[i]]) <= links
-                && (s->best < 0 || c[of[i]].objective < c[of[s->best]].objective))
+            if (lw_candidate_links(&c[of[i]]) <= links && (s->best < 0 || c[of[i]].objective < c[of[s->best]].objective))
                 s->best = i;
         out->n_links += any;
     }
@@ -267,8 +265,7 @@ static void sum_mechanisms(const plan *p, lw_topology_search *out)
 
 /* Search; of a time limit, part of which the plan has taken since `start`, leave some for the second simulations of the
  * results. */
-static lw_status run_stages(const lw_target *t, const lw_fit_options *o, double start, const plan *p,
-                            lw_staged_search *found, lw_error *e)
+static lw_status run_stages(const lw_target *t, const lw_fit_options *o, double start, const plan *p, lw_staged_search *found, lw_error *e)
 {
     lw_fit_options mine = *o;
     if (o->max_seconds > 0) {
@@ -278,8 +275,7 @@ static lw_status run_stages(const lw_target *t, const lw_fit_options *o, double 
     return lw_staged_search_run(t, &mine, p->stage, p->n_stage, found, e);
 }
 
-lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_options *o, lw_topology_search *out,
-                                 lw_error *e)
+lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_options *o, lw_topology_search *out, lw_error *e)
 {
     memset(out, 0, sizeof *out);
     plan *p = calloc(1, sizeof *p);

@@ -82,8 +82,7 @@ typedef struct lw_topology_search {
  * does not say that a candidate was verified: results.n may be 0, results.left_out says why. Failures < 0 with a
  * text: LW_E_ARG an option, LW_E_KIND no type can do the task, LW_E_MEMORY, or as lw_problem_make.  After LW_NOTHING
  * and failures there is nothing to free. */
-lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_options *o, lw_topology_search *out,
-                                 lw_error *e);
+lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_options *o, lw_topology_search *out, lw_error *e);
 void      lw_topology_search_free(lw_topology_search *s);
 
 /* May a search start from this linkage?  It needs one input, beside those tied to it, and a tracer.  LW_E_ARG. */
