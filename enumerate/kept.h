@@ -9,9 +9,9 @@
  *
  * One line for each part: the numbers of structures, chains and ground links (inversions), and chains:ground-links for
  * each assortment in the order of synthesis.h; with the filter "generating" 0:0:n_labelled (weighting.h).
- * `check` is the FNV-1a hash of the line before it, `digest` that of the structures (structures.h).  Lines may come in any order.  Files of the same count can be joined by `cat`: the line
- * `count` may come again if it is the same, a part must not.  So the sum of a complete file is proved complete: each
- * part of 1 .. m is there once, and its structures add up to all of them. */
+ * `check` is the FNV-1a hash of the line before it, `digest` that of the structures (structures.h).  Lines may come in any order.  Files of the same
+ * count can be joined by `cat`: the line `count` may come again if it is the same, a part must not.  So the sum of a complete file is proved
+ * complete: each part of 1 .. m is there once, and its structures add up to all of them. */
 #ifndef LW_ENUMERATE_KEPT_H
 #define LW_ENUMERATE_KEPT_H
 

@@ -64,7 +64,8 @@ static const cli_action actions[] = {
     { "build", "FILE --links P",
       "Adds every chain with P links and F degrees of freedom: its structure and derivation, canonical label,\n"
       "symmetry, planarity and notations, and its mechanisms: ground links up to symmetry, driven joints and\n"
-      "Assur groups. --multiple-joints adds the chains with several links on one pin. A file can hold any number of builds. A build that was stopped or killed continues when the\n"
+      "Assur groups. --multiple-joints adds the chains with several links on one pin. A file can hold any number of builds. "
+      "A build that was stopped or killed continues when the\n"
       "same command is given again.\n",
       1, 1, cli_catalogue_build, CLI_CATALOGUE, NULL },
     { "add", "FILE RESULTS.json or PART.db",

@@ -16,8 +16,10 @@ static const cli_option options[] = {
       "as RRRP (R pin, P slider); 'all' tries every type", 0, 0, NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(cli_fit_settings, links), "P", NULL,
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
-      "with --dof 2, numbers from 5. Without it 4; and 6 if the first row of the four-bars whose crank turns fully counts as missing the target by more than 2.5 % (above), or "
-      "leaves it by more than --tolerance: with a third of the budget, and with the rest if that finds none that is enough. If a rocking four-bar is enough, only "
+      "with --dof 2, numbers from 5. Without it 4; and 6 "
+      "if the first row of the four-bars whose crank turns fully counts as missing the target by more than 2.5 % (above), or "
+      "leaves it by more than --tolerance: with a third of the budget, and with the rest "
+      "if that finds none that is enough. If a rocking four-bar is enough, only "
       "cranks are searched", 4, 10,
       NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(cli_fit_settings, dof), "F", "1",
@@ -178,7 +180,8 @@ static void begun(void *context, int links)
     shown *s = context;
     if (s->goes_on && links > 4 && s->links == 4) {
         cli_progress_end(&s->line);
-        cli_note(s->call, "%s: no four-bar found whose crank turns is near enough and small enough, so six links are searched, too, which takes several times as long; "
+        cli_note(s->call, "%s: no four-bar found whose crank turns is near enough and small enough, "
+                 "so six links are searched, too, which takes several times as long; "
                  "'--links 4' leaves them out", s->path);
         s->goes_on = false;
     }

@@ -24,7 +24,8 @@ static void explain_rules(const cli_call *call, const lw_elastic_rules *r)
     if (r->first > 0)
         cli_note(call, "first frequency in the posture of the file, inputs held: %.4g Hz", r->first);
     if (r->ratio > 0)
-        cli_note(call, "that is %.3g times the frequency of the drive, %.4g rad/s (its speed, or acceleration over speed): %s (rule of Sanders and Tesar: 20 times)",
+        cli_note(call, "that is %.3g times the frequency of the drive, %.4g rad/s "
+                 "(its speed, or acceleration over speed): %s (rule of Sanders and Tesar: 20 times)",
                  r->ratio, r->drive, r->quasi_static ? "vibrations are small, a quasi-static run (--analysis quasistatic) or rigid links (--rigid) are enough"
                  : "vibrations matter, run the model in time");
     if (isfinite(r->harmonic_step))

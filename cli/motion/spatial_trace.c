@@ -310,7 +310,8 @@ int cli_spatial_trace_run(const cli_call *call, const lw_spatial *m, const cli_s
                      "its place in the file", k ? "greatest" : "least", m->body[t.away[k]].name, t.distance[k]);
     bool turns = m->input[0].measure.of == LW_OF_TURN;
     if (st == LW_OK && t.lost)
-        lw_note_lost(cli_notes(call), t.in_time ? "t" : "the input", t.lost_at, t.in_time ? 1 : input_unit(m, 0), t.in_time ? "s" : turns ? m->units.angle : m->units.length);
+        lw_note_lost(cli_notes(call), t.in_time ? "t" : "the input", t.lost_at, t.in_time ? 1 : input_unit(m, 0),
+                     t.in_time ? "s" : turns ? m->units.angle : m->units.length);
     if (st == LW_OK && t.moved > 0)
         lw_note_adjusted(cli_notes(call), t.moved, t.turned);
     if (st == LW_OK && t.open > 1e-9)

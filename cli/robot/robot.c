@@ -162,7 +162,8 @@ int cli_robot_cannot_move(cli_robot *j, const lw_robot_pose *p)
     snprintf(exceeded, sizeof exceeded, ": the condition number %.6g there exceeds --max-condition", p->condition);
     lw_error_set(&j->e, LW_OPEN, "the drives cannot move the tool from (%.9g, %.9g, %.9g) %s in the level plane%s; begin from "
                  "another posture", p->place.x/j->metre + 0.0, p->place.y/j->metre + 0.0, p->place.z/j->metre + 0.0, j->unit,
-                 j->r.condition_limit > 0 && p->condition > j->r.condition_limit ? exceeded : j->r.only_turns ? ": they only turn it" : j->r.rank == 2 && lw_v3_norm(j->r.normal) == 0 ? ": it moves on a surface that is not level"
+                 j->r.condition_limit > 0 && p->condition > j->r.condition_limit ? exceeded : j->r.only_turns ? ": they only turn it"
+                 : j->r.rank == 2 && lw_v3_norm(j->r.normal) == 0 ? ": it moves on a surface that is not level"
                  : isinf(p->condition) ? ": the posture is singular, or the robot lacks this freedom (robot jacobian shows where the tool can go)" : "");
     return cli_fail(j->call, &j->e);
 }

@@ -84,7 +84,8 @@ static int draw_map(const cli_robot *j, const map *m, const char *path, int code
     }
     snprintf(label[0], sizeof label[0], "to the right [%s]", j->unit);
     snprintf(label[1], sizeof label[1], "ahead [%s]", j->unit);
-    lw_plot plot = { .title = m->budget ? "Greatest error of the tool" : m->frequency ? "Lowest eigenfrequency, drives held" : "Condition number of the Jacobian",
+    lw_plot plot = { .title = m->budget ? "Greatest error of the tool" : m->frequency ? "Lowest eigenfrequency, drives held"
+                     : "Condition number of the Jacobian",
                      .x_label = label[0], .y_label = label[1], .n_series = n_series, .series = series, .equal = true, .width = 760, .height = 640 };
     lw_status st = lw_draw_plot(&plot, path, &e);
     free(xy);

@@ -37,7 +37,8 @@ lw_status lw_assembly_linkage(const lw_assembly *a, lw_linkage *linkage, lw_erro
     if (a->n_link > LW_LINK_MAX || a->n_joint > LW_JOINT_MAX || a->n_input > LW_INPUT_MAX || a->n_tracer > LW_TRACER_MAX)
         return lw_error_set(e, LW_E_KIND, "%d link%s, %d joint%s, %d input%s and %d tracer%s are too many here: at most %d, "
                             "%d, %d and %d; simulate, trace, mobility, draw and convert have no limit", a->n_link, lw_plural(a->n_link), a->n_joint,
-                            lw_plural(a->n_joint), a->n_input, lw_plural(a->n_input), a->n_tracer, lw_plural(a->n_tracer), LW_LINK_MAX, LW_JOINT_MAX, LW_INPUT_MAX, LW_TRACER_MAX);
+                            lw_plural(a->n_joint), a->n_input, lw_plural(a->n_input), a->n_tracer, lw_plural(a->n_tracer),
+                            LW_LINK_MAX, LW_JOINT_MAX, LW_INPUT_MAX, LW_TRACER_MAX);
     memset(linkage, 0, sizeof *linkage);
     memcpy(linkage->name, a->name, sizeof linkage->name);
     linkage->n_link = a->n_link;

@@ -109,7 +109,8 @@ void lw_model_free(lw_model *m)
     for (int i = 0; i < m->n_profile; i++)
         lw_moves_free(&m->profile[i]);
     void *const array[] = { m->profile, m->shape, m->contact, m->rope, m->motion,
-                            m->has_speed, m->speed, m->body, m->spring, m->joint_spring, m->force, m->motor, m->friction, m->stop, m->clearance, m->small, m->elastic, m->beam };
+                            m->has_speed, m->speed, m->body, m->spring, m->joint_spring, m->force, m->motor, m->friction, m->stop,
+                            m->clearance, m->small, m->elastic, m->beam };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
     lw_assembly_free(&m->linkage);

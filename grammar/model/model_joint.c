@@ -93,6 +93,7 @@ lw_status lw_read_check_centre(const lw_json_node *root, int link, const char *n
     if (extent < rounding || away <= most*extent || !lw_json_member(root, "links", &links))
         return LW_OK;
     at = lw_json_element(&links, (size_t)link);
-    return lw_json_fault(lw_json_member(&at, "centre", &centre) ? &centre : &at, e, "the centre of mass of link \"%s\" lies %.3g m from its joint, but all joints and tracers lie within %.3g m: the "
+    return lw_json_fault(lw_json_member(&at, "centre", &centre) ? &centre : &at, e,
+                         "the centre of mass of link \"%s\" lies %.3g m from its joint, but all joints and tracers lie within %.3g m: the "
                          "digits of their places would be lost; check the centre and its unit", name, away, extent);
 }

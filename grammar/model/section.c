@@ -24,7 +24,8 @@ static const unsigned needed[N_SHAPE] = {
 };
 static const unsigned allowed[N_SHAPE] = {
     BIT(WIDTH) | BIT(HEIGHT), BIT(WIDTH) | BIT(HEIGHT) | BIT(WALL), BIT(DIAMETER), BIT(DIAMETER) | BIT(WALL),
-    BIT(WIDTH) | BIT(HEIGHT) | BIT(WEB) | BIT(FLANGE), BIT(AREA) | BIT(IZ) | BIT(IY) | BIT(IT) | BIT(ZETA) | BIT(HEIGHT) | BIT(WIDTH) | BIT(GYRATION_Y) | BIT(GYRATION_Z)
+    BIT(WIDTH) | BIT(HEIGHT) | BIT(WEB) | BIT(FLANGE),
+    BIT(AREA) | BIT(IZ) | BIT(IY) | BIT(IT) | BIT(ZETA) | BIT(HEIGHT) | BIT(WIDTH) | BIT(GYRATION_Y) | BIT(GYRATION_Z)
 };
 
 /* Torsion constant of a rectangle a >= b (Timoshenko & Goodier 1951, section 109: the series, summed). */

@@ -179,7 +179,8 @@ lw_status lw_spatial_in_plane(const lw_spatial *m, lw_model *p, lw_error *e)
     char *text = NULL;
     size_t size = 0;
     if (!lw_spatial_is_planar(m, &w.normal))
-        return lw_error_set(e, LW_E_KIND, "%s", m->n_elastic > 0 ? "elastic links bend out of their plane, too: write them in a planar model" : "the model does not move in a plane: it has no hinge, hinges that are not parallel, a slide along them, or other joints");
+        return lw_error_set(e, LW_E_KIND, "%s", m->n_elastic > 0 ? "elastic links bend out of their plane, too: write them in a planar model"
+                            : "the model does not move in a plane: it has no hinge, hinges that are not parallel, a slide along them, or other joints");
     lw_vec3 n = w.normal;                    /* along z, x or y rather than against them */
     double most = fabs(n.z) >= fabs(n.x) && fabs(n.z) >= fabs(n.y) ? n.z : fabs(n.x) >= fabs(n.y) ? n.x : n.y;
     w.normal = n = most < 0 ? lw_v3_scale(n, -1) : n;

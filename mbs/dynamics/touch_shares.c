@@ -31,7 +31,8 @@ lw_status lw_mbs_touch_share_make(lw_dynamics *d)
     w->share = NULL;
     if (w->n_redundant == 0)
         return LW_OK;
-    w->share = calloc((size_t)w->n_redundant + n*n + 2*n + lw_lcp_work((int)n) + (forces + (size_t)condition_max(w))*((size_t)w->n_redundant + 2) + 2*(size_t)d->n_v, sizeof *w->share);
+    w->share = calloc((size_t)w->n_redundant + n*n + 2*n + lw_lcp_work((int)n) + (forces + (size_t)condition_max(w))*((size_t)w->n_redundant + 2) +
+                      2*(size_t)d->n_v, sizeof *w->share);
     return w->share ? LW_OK : LW_E_MEMORY;
 }
 

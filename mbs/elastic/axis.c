@@ -151,7 +151,8 @@ static double wave_number(const lw_elastic *p, double w, bool bend)
     if (!bend)
         return w*sqrt(p->material.density/p->material.e);
     double line = p->material.density*p->section.area/(p->material.e*second_moment(p));
-    double a = line*(soft_about_y(p) ? lw_section_mass_y(&p->section) : lw_section_mass_z(&p->section)), b = p->material.density*p->section.zeta_y/p->material.g;
+    double a = line*(soft_about_y(p) ? lw_section_mass_y(&p->section) : lw_section_mass_z(&p->section)),
+           b = p->material.density*p->section.zeta_y/p->material.g;
     double c = 4*line/(w*w);
     return w*sqrt(0.5*(a + b + sqrt((a - b)*(a - b) + c)));
 }
@@ -213,7 +214,8 @@ lw_status lw_elastic_axis_make(const lw_elastic *p, const char *name, const lw_e
     a->frequency = p->segments ? 0 : p->frequency > 0 ? p->frequency : a->first;
     double n = p->segments ? p->segments : elements_for(p, a->length, a->frequency);
     if (n > LW_ELASTIC_SEGMENTS)
-        return lw_error_set(e, LW_E_ARG, "the elastic link \"%s\" would need %.3g elements to be right up to its \"frequency\" of %.9g Hz, more than %d; its first bending "
+        return lw_error_set(e, LW_E_ARG, "the elastic link \"%s\" would need %.3g elements to be right up to its \"frequency\" of %.9g Hz, more than %d; "
+                            "its first bending "
                             "frequency with hinged ends is %.4g Hz", name, n, a->frequency, LW_ELASTIC_SEGMENTS, a->first);
     return cut(a, places, (int)n, e);
 }

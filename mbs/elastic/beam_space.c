@@ -143,7 +143,8 @@ void lw_beam_space_at(const lw_beam_space *b, const lw_beam_node node[2], bool d
         change z = change_of(&s, r, turn);
         for (int damp = 0; damp <= (b->damping > 0); damp++) {
             double part = damp ? b->damping : 1;
-            lw_vec3 dn = lw_v3_scale(force_of(b, s.p, scaled(k, strain_change(b, s.p, z.p))), part), dm = lw_v3_scale(scaled(k + 3, z.g), part), zero = { 0, 0, 0 };
+            lw_vec3 dn = lw_v3_scale(force_of(b, s.p, scaled(k, strain_change(b, s.p, z.p))), part), dm = lw_v3_scale(scaled(k + 3, z.g), part),
+                    zero = { 0, 0, 0 };
             if (!damp)
                 dn = lw_v3_add(dn, lw_v3_scale(lw_v3(0, z.p.y, z.p.z), w.x/b->length));
             lw_vec3 dc = lw_v3_add(lw_v3_cross(dn, s.p), damp ? zero : lw_v3_cross(n, z.p));

@@ -10,7 +10,8 @@
  * that of the directions at constant stress, which is small beside it and is found by central differences.
  *
  * The weight has the potential -g.(m r_a + T w), w = m C + S e, C the centre of mass in the posture against node a, S = sum of the rows
- * of the mass matrix along each axis; w is found as S (P + e) + beside, since S P is m C for no bodies but straight ones: it adds -S^T T^T g to the stress, -w x T^T g to c, and pulls at node a by m g. */
+ * of the mass matrix along each axis; w is found as S (P + e) + beside, since S P is m C for no bodies but straight ones: it adds -S^T T^T g to the
+ * stress, -w x T^T g to c, and pulls at node a by m g. */
 #include "mbs/elastic/superelement.h"
 
 #include <stdlib.h>
@@ -614,7 +615,8 @@ static lw_status turning(int n, const double *mass, int rows, int nodes, const d
                 double sum = 0;
                 for (int l = 0; l < n; l++)
                     sum += which < 3 ? shapes[l*rows + i]*my[(size_t)a*part + l*rows + j]
-                         : 0.5*(y[(size_t)a*part + l*rows + i]*my[(size_t)b*part + l*rows + j] + y[(size_t)b*part + l*rows + i]*my[(size_t)a*part + l*rows + j]);
+                         : 0.5*(y[(size_t)a*part + l*rows + i]*my[(size_t)b*part + l*rows + j]
+                              + y[(size_t)b*part + l*rows + i]*my[(size_t)a*part + l*rows + j]);
                 out[(which*rows + i)*rows + j] = sum;
             }
     free(y);

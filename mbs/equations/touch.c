@@ -575,7 +575,8 @@ static double gap_at_face(const lw_touch *t, const lw_body_frame *f, lw_vec2 n, 
     if (past > 0)                            /* an end: the disc there repels, and this less than that */
         return hypot(past, height) - reach + past;
     bool behind = t->side == 0 && depth > 0 && t->length < INFINITY &&
-                  (held == HOLDS_ELSEWHERE || depth > deepest || (begin == 0 && depth > place*t->slope[0]) || (end == 0 && depth > (t->length - place)*t->slope[1]));
+                  (held == HOLDS_ELSEWHERE || depth > deepest || (begin == 0 && depth > place*t->slope[0])
+                    || (end == 0 && depth > (t->length - place)*t->slope[1]));
     return behind ? depth : height - reach;
 }
 

@@ -3,12 +3,12 @@
  * (K + s M) z + J^T l = M x, J z = 0 gives z from x; the eigenvalues of this map are 1/(w^2 + s) (Ericsson & Ruhe 1980).  The
  * shift s makes the matrix regular where motions are free; a smaller one is taken for modes that are very slow beside it.
  * Vectors stay orthogonal in the metric of the masses by full orthogonalisation.  A run that starts anew, orthogonal to the modes
- * found, finds the further ones of equal frequency; it is repeated until it finds none below the greatest.  Models with few freedoms and no elastic links are reduced to all their
- * motions instead, which accelerations under random forces span, and solved as matrices.  Damped modes are those of the equations reduced to twice as many
- * undamped modes as are wanted, which is exact where damping is proportional to the stiffness; and, where it is not, to what its forces
- * and the masses bend besides (K z = C x, K z = M x), as a Krylov space of the damped equations has it (Bai & Su 2005).  Under loads
- * without a potential, up to LW_SYSTEM_Q_MAX freedoms are solved as matrices, too.  More are reduced to a Krylov space that begins with random
- * vectors; those of its modes are kept that solve the whole equations. */
+ * found, finds the further ones of equal frequency; it is repeated until it finds none below the greatest.  Models with few freedoms and no elastic
+ * links are reduced to all their motions instead, which accelerations under random forces span, and solved as matrices.  Damped modes are those of
+ * the equations reduced to twice as many undamped modes as are wanted, which is exact where damping is proportional to the stiffness; and, where it
+ * is not, to what its forces and the masses bend besides (K z = C x, K z = M x), as a Krylov space of the damped equations has it (Bai & Su 2005).
+ * Under loads without a potential, up to LW_SYSTEM_Q_MAX freedoms are solved as matrices, too.  More are reduced to a Krylov space that begins with
+ * random vectors; those of its modes are kept that solve the whole equations. */
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
@@ -484,10 +484,12 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, bool damping, lw_tangent *k
             }
             if (s == LW_OK)
                 s = known ? lw_modes_solve(&v, modes, e)
-                  : lw_error_set(e, LW_E_KIND, "whether it is stable is not known: a moment in space, or a force that turns with its link or depends on others, has no potential");
+                  : lw_error_set(e, LW_E_KIND, "whether it is stable is not known: a moment in space, "
+                                 "or a force that turns with its link or depends on others, has no potential");
             if (s == LW_OK && !whole) {
                 keep_exact(&z, wanted, t, l, still, k, damp, modes);
-                s = modes->n_mode > 0 ? s : lw_error_set(e, LW_E_NUMERIC, "no mode was found: Krylov's method does not converge under loads without a potential");
+                s = modes->n_mode > 0 ? s : lw_error_set(e, LW_E_NUMERIC, "no mode was found: "
+                                                             "Krylov's method does not converge under loads without a potential");
             }
         }
         if (s == LW_OK && modes->n_mode > wanted)

@@ -34,7 +34,8 @@ lw_status lw_vibration_project(lw_vibration *v, double *q);
 lw_status lw_modes_solve(lw_vibration *v, lw_modes *out, lw_error *e);
 
 /* Modes of a model of any size about q, with *modes cleared before; else as lw_modes_find_large (mbs/equilibrium/modes_large.c).  damping:
- * false leaves it out, for stability at rest; LW_E_KIND then also for few freedoms under loads without potential.  kept: its matrices from the call before, or NULL. */
+ * false leaves it out, for stability at rest; LW_E_KIND then also for few freedoms under loads without potential.  kept: its matrices from the call
+ * before, or NULL. */
 lw_status lw_modes_about(lw_dynamics *d, int wanted, bool damping, struct lw_tangent *kept, double t, double *q, lw_modes *modes, lw_error *e);
 
 /* Null space, multipliers and reduced matrices at (t, q). */

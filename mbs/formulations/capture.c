@@ -44,7 +44,8 @@ static const double unstable = 1e-4;         /* change of a state whose rate cha
 static const double moment = 1e-8;           /* step that gives the forces at the start, over the length of the run */
 static const double soonest = 1/16.0;        /* an impact after less than this fraction of a step is captured in it */
 enum { STRUCK_MOST = 12 };                   /* impacts at more places than this in a step are captured */
-enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENSE_MOST = 250, LEAST_CONTACTS = 24, HALVINGS = 8, BOUNCES = 200, TOGETHER_MOST = 60 };
+enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENSE_MOST = 250,
+       LEAST_CONTACTS = 24, HALVINGS = 8, BOUNCES = 200, TOGETHER_MOST = 60 };
 
 /* A place in the pattern: its index, the first of its rows (gap, then slip if it has friction), its state. */
 typedef struct place {

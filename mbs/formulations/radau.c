@@ -11,10 +11,10 @@
  * matrix but for turns in space, and Newton's method takes it for that.  In the eigenvectors of W one real and one or two
  * complex sparse systems remain (tangent.c), whose entries are m M + c C + K with m = (w/h)^2, c = w/h.  After each step v is
  * put on the constraints.  The error estimate is that of places; of rigid links without strong dampers and stiff springs, which
- * keep the errors of velocities, that of velocities counts too, and accelerations are found afresh after each step.  Samples of rigid links in the plane lie on the polynomials through the stages, whose error is of the
- * order of the error estimate; that of v begins at v at the start, and so has an order more than the slope of that of q.  Steps of
- * other models end at the samples, where positions, velocities, accelerations and multipliers are those of the last stage:
- * accelerations found afresh from a posture would show its error times the square of the highest frequency.
+ * keep the errors of velocities, that of velocities counts too, and accelerations are found afresh after each step.  Samples of rigid links in the
+ * plane lie on the polynomials through the stages, whose error is of the order of the error estimate; that of v begins at v at the start, and so has
+ * an order more than the slope of that of q.  Steps of other models end at the samples, where positions, velocities, accelerations and multipliers
+ * are those of the last stage: accelerations found afresh from a posture would show its error times the square of the highest frequency.
  *
  * Generalised alpha (Chung & Hulbert 1993; with turns Bruels & Cardona 2010) is the same with one stage at the end of the step,
  *
@@ -844,9 +844,9 @@ static double next_step(const stages *g, double h, double *end)
 
 /* Vibrations that are not damped can ask for steps as short as those of an explicit method, which cost less.  Then the run goes on
  * by index1.
- * WATCHED: steps whose mean length decides.  explicit_angle: steps of the explicit method times the greatest frequency (measured: 4.4 to 5) or the fastest decay (6).  cost: of a step of
- * radau, of 3 and of 5 stages, over that of an explicit one (1.4 and 2.3 to 3.2 of 51 coordinates).  looser: with this multiple of the
- * tolerance index1 is still more accurate, because its steps are short for stability. */
+ * WATCHED: steps whose mean length decides.  explicit_angle: steps of the explicit method times the greatest frequency (measured: 4.4 to 5) or the
+ * fastest decay (6).  cost: of a step of radau, of 3 and of 5 stages, over that of an explicit one (1.4 and 2.3 to 3.2 of 51 coordinates).  looser:
+ * with this multiple of the tolerance index1 is still more accurate, because its steps are short for stability. */
 enum { WATCHED = 32 };
 static const double explicit_angle = 4.5, cost[2] = { 1.3, 2.4 }, looser = 10;
 
@@ -1050,7 +1050,8 @@ static lw_status run_steps(stages *g)
         if (to_piece > 0 || to_switch > 0)
             g->h = to_piece > 0 ? to_piece : to_switch, end = 0;
         if (g->n_rounded == most_rounded)
-            return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s velocities are less accurate than the tolerance, by rounding: shorter steps do not help near a "
+            return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s velocities are less accurate than the tolerance, "
+                                 "by rounding: shorter steps do not help near a "
                                 "singular posture, or with masses of very different size", g->t);
         if (!(g->h > fmax(1e-14*fabs(g->t), 1e-30*(d->o.to - d->o.from))))
             return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the steps become too short: the motion jumps, an elastic link buckles, "
@@ -1202,7 +1203,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     }
     /* a method of low order takes less time at loose tolerances, the explicit one where states are slow */
     bool slow_states = d->eq.n_z && !lw_mbs_is_stiff(d) && !(high_order(d) && lw_mbs_states_decay(d));
-    if (!asked && !d->elastic && !d->eq.next_piece && (d->n_friction || !lw_mbs_is_damped(d, false) || (!d->space && (!d->eq.exact || d->s.n_tie || slow_states))))
+    if (!asked && !d->elastic && !d->eq.next_piece && (d->n_friction || !lw_mbs_is_damped(d, false)
+        || (!d->space && (!d->eq.exact || d->s.n_tie || slow_states))))
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for elastic links and where it is asked for");
     return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : d->elastic
                               ? "elastic links vibrate fast: an implicit method that follows slow vibrations and damps those faster "

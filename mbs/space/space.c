@@ -18,7 +18,8 @@ static lw_status reserve(const lw_spatial *m, lw_space *s, lw_error *e)
     size_t couplings = (size_t)m->n_coupling, terms = 0;
     for (int i = 0; i < m->n_coupling; i++)
         terms += (size_t)m->coupling[i].n;
-    size_t bytes = joints*sizeof *s->joint + couplings*sizeof *s->coupling + terms*sizeof *s->coupling->term + (tracers + 1)*(sizeof *s->tracer + sizeof *s->from) +
+    size_t bytes = joints*sizeof *s->joint + couplings*sizeof *s->coupling + terms*sizeof *s->coupling->term +
+                   (tracers + 1)*(sizeof *s->tracer + sizeof *s->from) +
                    links*sizeof *s->axes + links*14*sizeof(double) + (2*links + 5*terms + couplings)*sizeof(int);
     char *at = s->memory = calloc(1, bytes);
     if (!at)

@@ -44,8 +44,8 @@ typedef struct lw_space_watch {
     double  between[2];
 } lw_space_watch;
 
-/* Watch f from its present posture on with the drives of its model, or its inputs.  Nothing is watched, and column is NULL, where nothing can be lost: in open chains,
- * of one input that drives; or where the drives are not as many as the freedoms.  LW_E_MEMORY. */
+/* Watch f from its present posture on with the drives of its model, or its inputs.  Nothing is watched, and column is NULL, where nothing can be
+ * lost: in open chains, of one input that drives; or where the drives are not as many as the freedoms.  LW_E_MEMORY. */
 lw_status lw_space_watch_begin(lw_space_watch *w, lw_space_follow *f, lw_error *e);
 void      lw_space_watch_end(lw_space_watch *w);
 
