@@ -26,13 +26,11 @@ static void add(cli_simulate *s, const char *unit, double scale, const char *for
     c->scale = scale;
 }
 
-/* The order is the same as in cli_simulate_row. */
-static lw_status name_columns(cli_simulate *s, lw_error *e)
+/* Memory for the columns and for a row. */
+static lw_status reserve_columns(cli_simulate *s, lw_error *e)
 {
     const lw_assembly *k = &lw_dynamics_model(s->d)->linkage;
     const lw_system *sys = lw_dynamics_system(s->d);
-    const char *length = k->units.length[0] ? k->units.length : "m", *angle = k->units.angle;
-    double metre = 1/k->units.metre, radian = 1/k->units.radian;
     size_t n = 1 + 3*(size_t)k->n_input + 6*(size_t)k->n_tracer + 9*(size_t)sys->n_body + 3*(size_t)k->n_joint + 8
              + (size_t)s->model->states.n_state + (size_t)s->model->states.n_signal + 1
              + 2*(size_t)s->model->n_contact + (size_t)s->model->n_rope;
@@ -46,8 +44,17 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
     s->n_column = 0;
     s->column = calloc(n, sizeof *s->column);
     s->scratch = calloc(n + 3*(size_t)sys->n_q + (size_t)k->n_input + 3*(size_t)k->n_joint + 1 + n, sizeof *s->scratch);
-    if (!s->column || !s->scratch || !s->inner)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    return s->column && s->scratch && s->inner ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
+/* The order is the same as in cli_simulate_row. */
+static void name_columns(cli_simulate *s)
+{
+    const lw_assembly *k = &lw_dynamics_model(s->d)->linkage;
+    const lw_system *sys = lw_dynamics_system(s->d);
+    const lw_elastic_expansion *elastic = lw_dynamics_elastic(s->d);
+    const char *length = k->units.length[0] ? k->units.length : "m", *angle = k->units.angle;
+    double metre = 1/k->units.metre, radian = 1/k->units.radian;
     add(s, "s", 1, "t");
     for (int i = 0; i < k->n_input; i++) {
         const char *name = k->joint[k->input[i].joint].name;
@@ -111,7 +118,6 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
     add(s, "J", 1, "work");
     add(s, "1", 1, "residual");
     add(s, "1/s", 1, "residual_rate");
-    return LW_OK;
 }
 
 lw_status cli_simulate_speed(lw_model *m, const char *speed, const char *file, lw_error *e)
@@ -143,10 +149,10 @@ lw_status cli_simulate_make(cli_simulate *s, const lw_dynamics_options *o, const
     lw_status st = lw_dynamics_make(s->model, o, &s->d, e);
     const cli_column *renamed = NULL;
     s->options = *o;
-    if (st == LW_OK)
-        st = name_columns(s, e);
-    if (st == LW_OK)
+    if (st == LW_OK && (st = reserve_columns(s, e)) == LW_OK) {
+        name_columns(s);
         st = cli_columns_differ(s->column, s->n_column, &renamed, e);
+    }
     if (s->call)
         cli_note_column(s->call, renamed);
     if (st != LW_OK && !e->file[0])
