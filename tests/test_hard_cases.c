@@ -82,6 +82,30 @@ TEST(change_points_are_passed_straight)
     }
 }
 
+/* Inputs at a change point and next to it, reached from both sides: the motion goes on from there as if it had not stopped. */
+TEST(change_points_are_reached)
+{
+    static const double off[] = { 0, 1e-12, 1e-9, 1e-7, 5e-7, 1e-6, 3e-6, 8.3e-6, 2e-5, 1e-4 };
+    int n = (int)(sizeof off/sizeof *off);
+    double k[9] = { 0.54362106323242188, 0.67822742462158203, 0.98526191711425781, 1.119868278503418, 0.3, 0.2, 0.3, -0.4, 0.2 };
+    for (int way = -1; way <= 1; way += 2)
+        for (int i = 0; i < 2*n; i++) {
+            double stop = i < n ? off[i] : -off[i - n], start = -0.7*way;
+            lw_linkage l;
+            fourbar_linkage(&l, k, 1.0, start);
+            OWNED(lw_newton) *s = newton_of(&l);
+            for (int step = 0; s && step < 4; step++) {             /* to the stop, over it, back to it, on */
+                double t = step % 2 == 0 ? stop : step == 1 ? 0.5*way : start, mode = t*way > 0.0 ? -1.0 : 1.0;
+                CHECK_INT(lw_newton_move(s, t + k[8], NULL), LW_OK);
+                CHECK_NEAR(lw_newton_input(s), t + k[8], 1e-15, 0);
+                double most = fabs(t) > 0.1 ? 1e-11 : fmin(1e-7, 1e-11 + 1e-15/fabs(t));
+                CHECK_NEAR(distance(lw_newton_tracer(s, 0), fourbar_at(k, mode, t).p), 0.0, most, 0);
+                CHECK(lw_newton_residual(s) < 4e-15);
+            }
+            CHECK_INT(lw_newton_crossings(s), 2);
+        }
+}
+
 /* The same for lengths drawn at random, multiples of 2^-20 so that the sums are exact: frame and crank
  * in line with the others drawn out (g + a = b + h) or folded (g - a = b - h). */
 TEST(random_change_points_are_passed_straight)

@@ -297,28 +297,6 @@ static double reach_of(const lw_newton *s, const place *p)
     return sqrt(sum);
 }
 
-/* Two branches cross within least_step: step across the crossing and go straight on, starting from a point far enough
- * before it for an accurate tangent. */
-static bool cross(lw_newton *s)
-{
-    int n = s->n;
-    double away = s->has_back ? reach_of(s, &s->back) : 0.0;
-    if (!s->has_back || !(away < largest_step))
-        copy(s, &s->back, &s->here);
-    swap(s, &s->back);
-    for (double h = fmax(1.25*away, 4.0*least_step); h < largest_step; h *= 1.4)
-        if (go(s, h) && s->next.det*s->here.det < 0.0 && fabs(s->next.det) >= det_share*fabs(s->here.det) &&
-            s->next.t[n]*s->way > 0.0) {
-            arrive(s);
-            s->crossings++;
-            s->step = fmax(h, 1e-3);
-            s->has_back = false;
-            return true;
-        }
-    swap(s, &s->back);
-    return false;
-}
-
 /* A limit at which branches also cross (the closing rhombus of Peaucellier) cannot be reached by a step.  The rates
  * here and at an earlier point make the input a parabola of the distance: is its top within rounding? */
 static bool at_double_limit(const lw_newton *s)
@@ -331,6 +309,76 @@ static bool at_double_limit(const lw_newton *s)
 static bool passed(double x, double target, double way) { return (x - target)*way >= 0.0; }
 
 typedef enum outcome { MOVED, ARRIVED, ENDED, LOST } outcome;
+
+/* z (w): the cubic from a (x = 0) to b (x = 1) with the unit tangents ta and tb. */
+static void interpolate(int w, const double *a, const double *ta, const double *b, const double *tb, double x, double *z)
+{
+    double y = 1.0 - x, length = 0.0;
+    for (int i = 0; i < w; i++)
+        length += (b[i] - a[i])*(b[i] - a[i]);
+    length = sqrt(length);
+    for (int i = 0; i < w; i++)
+        z[i] = y*y*(1.0 + 2.0*x)*a[i] + x*x*(1.0 + 2.0*y)*b[i] + length*x*y*(y*ta[i] - x*tb[i]);
+}
+
+/* The step from s->here to s->next crosses another branch and passes the target: move s->next to the target.  The equations
+ * are all but singular there, so the posture is that of the cubic through both ends, and tangent and determinant are those
+ * between them.  Newton's method is needed only after a long step; its result must lie on the same branch. */
+static bool interpolate_crossing(lw_newton *s, double target)
+{
+    int w = s->w, n = s->n;
+    double *z = s->border, lo = 0.0, hi = 1.0;
+    for (int i = 0; i < 60; i++) {
+        double x = 0.5*(lo + hi);
+        interpolate(w, s->here.z, s->here.t, s->next.z, s->next.t, x, z);
+        *(passed(z[n], target, s->way) ? &hi : &lo) = x;
+    }
+    double det = s->here.det + hi*(s->next.det - s->here.det);
+    z[n] = target;
+    for (int i = 0; i < w; i++)
+        s->next.t[i] = (1.0 - hi)*s->here.t[i] + hi*s->next.t[i];
+    double length = sqrt(lw_dot(w, s->next.t, s->next.t));
+    for (int i = 0; i < w; i++)
+        s->next.t[i] /= length;
+    memcpy(s->next.z, z, (size_t)w*sizeof *z);
+    s->next.det = det;
+    if (evaluate(s, s->next.z, s->rest, NULL) <= rounding(s, s->next.z))
+        return true;
+    memset(s->border, 0, (size_t)w*sizeof *s->border);
+    s->border[n] = 1.0;
+    return correct(s, s->next.z, s->border, target - s->here.z[n]) && find_tangent(s, &s->next, s->here.t) && smooth(s)
+        && (s->next.det > 0.0) == (det > 0.0);
+}
+
+/* Two branches cross within least_step: step across the crossing and go straight on, starting from a point far enough
+ * before it for an accurate tangent. */
+static outcome cross(lw_newton *s, double target)
+{
+    int n = s->n, turns = s->here.input_turns;
+    double away = s->has_back ? reach_of(s, &s->back) : 0.0;
+    if (!s->has_back || !(away < largest_step))
+        copy(s, &s->back, &s->here);
+    swap(s, &s->back);
+    target += 2.0*LW_PI*(turns - s->here.input_turns);
+    for (double h = fmax(1.25*away, 4.0*least_step); h < largest_step; h *= 1.4) {
+        if (!go(s, h) || !(s->next.det*s->here.det < 0.0 && fabs(s->next.det) >= det_share*fabs(s->here.det)) ||
+            !(s->next.t[n]*s->way > 0.0))
+            continue;
+        bool arrived = passed(s->next.z[n], target, s->way);
+        if (arrived && !interpolate_crossing(s, target))
+            continue;
+        bool crossed = s->next.det*s->here.det < 0.0;
+        s->crossings += crossed;
+        s->step = fmax(h, 1e-3);
+        s->has_back = !crossed;
+        if (!crossed)
+            copy(s, &s->back, &s->here);
+        arrive(s);
+        return arrived ? ARRIVED : MOVED;
+    }
+    swap(s, &s->back);
+    return LOST;
+}
 
 /* In the step of length h to s->next the input turned back or passed its target: find the first of the two. */
 static outcome settle(lw_newton *s, double h, double target)
@@ -389,8 +437,9 @@ static outcome advance(lw_newton *s, double target)
         arrive(s);
         return MOVED;
     }
-    if (cross(s))
-        return MOVED;
+    outcome o = cross(s, target);
+    if (o != LOST)
+        return o;
     s->limit = at_double_limit(s);
     return s->limit ? ENDED : LOST;
 }
@@ -476,13 +525,7 @@ void lw_newton_keep(const lw_newton *s, double *node)
 
 void lw_newton_between(lw_newton *s, const double *a, const double *b, double x)
 {
-    const double *ta = a + s->w, *tb = b + s->w, y = 1.0 - x;
-    double length = 0.0;
-    for (int i = 0; i < s->w; i++)
-        length += (b[i] - a[i])*(b[i] - a[i]);
-    length = sqrt(length);
-    for (int i = 0; i < s->w; i++)
-        s->here.z[i] = y*y*(1.0 + 2.0*x)*a[i] + x*x*(1.0 + 2.0*y)*b[i] + length*x*y*(y*ta[i] - x*tb[i]);
+    interpolate(s->w, a, a + s->w, b, b + s->w, x, s->here.z);
     memset(s->here.turns, 0, sizeof s->here.turns);
     s->here.input_turns = 0;
 }
