@@ -1,6 +1,7 @@
 /* Contacts of rigid bodies are often redundant: M has dependent rows up to rounding, and many bases are all but
  * singular.  Where rounding leads astray, the basis is found with a slightly greater diagonal, and its values are those for
- * M itself; the last attempts keep those for the greater diagonal. */
+ * M itself.  Places that differ by 1e-8 still tie then; a diagonal that grows by unequal amounts tells them apart.  The last attempts keep the
+ * values for the greater diagonal. */
 #include "base/lcp.h"
 
 #include <stdbool.h>
@@ -16,12 +17,19 @@ static const double accuracy = 1e-8, exact = 1e-12;      /* a solution satisfies
 enum { REFINEMENTS = 30, MANY = 100 };       /* of MANY unknowns the first accurate solution is taken, without a search for an exact one */
 
 /* B^-1 (n x n) by rows and the values of the basis; a column is made when it enters. */
-typedef struct tableau { int n; double shift; const double *m; double *inverse, *q, *column; int *basis; } tableau;
+typedef struct tableau { int n; double shift; bool uneven; const double *m; double *inverse, *q, *column; int *basis; } tableau;
 
 size_t lw_lcp_work(int n)
 {
     size_t k = (size_t)n;
     return k*k + 4*k + 2;
+}
+
+/* What is added to diagonal entry i: equal amounts, or between 1 and 2 times the shift (multiples of the golden ratio, without their whole part). */
+static double added(const tableau *t, int i)
+{
+    double part = 0.6180339887498949*i;
+    return t->shift*(t->uneven ? 1 + part - floor(part) : 1);
 }
 
 /* Column of variable v in the present basis: 0 .. n-1 w, n .. 2n-1 z, 2n the artificial one.  w - M z - 1 z0 = q. */
@@ -36,7 +44,7 @@ static void make_column(const tableau *t, int v)
         else {
             for (int k = 0; k < n; k++)
                 sum -= row[k]*(v < 2*n ? t->m[(size_t)k*(size_t)n + (size_t)(v - n)] : 1);
-            sum -= v < 2*n ? row[v - n]*t->shift : 0;
+            sum -= v < 2*n ? row[v - n]*added(t, v - n) : 0;
         }
         t->column[i] = sum;
     }
@@ -92,7 +100,7 @@ static double refine(const tableau *t, const double *q)
         if (v < n)
             left[v] -= x;
         for (int i = 0; v >= n && i < n; i++)
-            left[i] += x*(v == 2*n ? 1 : t->m[(size_t)i*(size_t)n + (size_t)(v - n)] + (v - n == i)*t->shift);
+            left[i] += x*(v == 2*n ? 1 : t->m[(size_t)i*(size_t)n + (size_t)(v - n)] + (v - n == i)*added(t, i));
     }
     for (int r = 0; r < n; r++) {
         double add = 0;
@@ -105,11 +113,11 @@ static double refine(const tableau *t, const double *q)
     return most > 0 ? change/most : 0;
 }
 
-/* The basis by Lemke's method for M + shift I, its values for M, or with `keep` for M + shift I. */
-static lw_status solve(int n, const double *m, double shift, bool keep, const double *q, double *work, double *z)
+/* The basis by Lemke's method for M with the shift on its diagonal, its values for M, or with `keep` for that. */
+static lw_status solve(int n, const double *m, double shift, bool uneven, bool keep, const double *q, double *work, double *z)
 {
     size_t k = (size_t)n;
-    tableau t = { n, shift, m, work, work + k*k, work + k*k + k, (int *)(void *)(work + k*k + 2*k) };
+    tableau t = { n, shift, uneven, m, work, work + k*k, work + k*k + k, (int *)(void *)(work + k*k + 2*k) };
     int least = 0;
     memset(t.inverse, 0, k*k*sizeof *t.inverse);
     memset(z, 0, k*sizeof *z);
@@ -181,8 +189,8 @@ lw_status lw_lcp_solve(int n, const double *m, const double *q, double *work, do
     double *accurate = work + lw_lcp_work(n) - n;
     lw_status s = LW_NOTHING;
     bool found = false;
-    for (int i = 0; i < n_shift && !(found && n > MANY); i++) {
-        s = solve(n, m, shifts[i], false, q, work, z);
+    for (int i = 0; i < 2*n_shift && !(found && (n > MANY || i >= n_shift)); i++) {
+        s = solve(n, m, shifts[i % n_shift], i >= n_shift, false, q, work, z);
         if (s == LW_OK && solves(n, m, q, z, exact))
             return LW_OK;
         if (s == LW_OK && !found && solves(n, m, q, z, accuracy)) {
@@ -195,7 +203,7 @@ lw_status lw_lcp_solve(int n, const double *m, const double *q, double *work, do
         return LW_OK;
     }
     for (int i = 0; i < n_shift; i++) {
-        s = solve(n, m, shifts[i], true, q, work, z);
+        s = solve(n, m, shifts[i], false, true, q, work, z);
         if (s == LW_OK && solves(n, m, q, z, accuracy))
             return LW_OK;
     }

@@ -28,9 +28,8 @@ static double state(const double *q, int i) { return q[i]*(i%3 < 2 ? d.system.un
 
 /* ---- the laws, at random ------------------------------------------------------------------------------- */
 
-TEST(complementarity)
+static void check_laws(lw_rng rng)
 {
-    lw_rng rng = check_rng(0);
     for (int trial = 0; trial < 2000; trial++) {
         int n = 1 + (int)(5*lw_rng_uniform(&rng)), dof = 1 + (int)(6*lw_rng_uniform(&rng));
         double row[10][7], w[100], b[10], v[7], force[10], rate[10];
@@ -71,6 +70,14 @@ TEST(complementarity)
         if (trial%4 != 0)
             CHECK(lost <= 1e-9);                         /* impacts without restitution gain no energy */
     }
+}
+
+TEST(complementarity)
+{
+    lw_rng four_alike;                                   /* trial 422: four of five places differ by 1e-8 */
+    lw_rng_seed(&four_alike, 1001, 0);
+    check_laws(four_alike);
+    check_laws(check_rng(0));
 }
 
 /* ---- one body ------------------------------------------------------------------------------------------- */
