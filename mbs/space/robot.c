@@ -514,17 +514,6 @@ static lw_status to_pose(void *context, double u, double (*out)[3])
     return LW_OK;
 }
 
-/* Drives measure the turn nearest to `near`: count it on along the way of the tool, step by step. */
-static void count_angles(void *context, const double *q)
-{
-    lw_robot *r = context;
-    (void)q;
-    for (int i = 0; i < r->n_drive; i++) {
-        double *near = &r->follow.z.near[r->follow.n_idle + i];
-        *near = lw_space_measure(&r->space, r->by_tool.z.frame, r->measure[i], *near, NULL);
-    }
-}
-
 static const char not_held[] = "a posture in which the drives do not hold the tool";
 static const char out_of_reach[] = "the limit of what the drives can reach";
 
@@ -665,12 +654,27 @@ static bool may_be_there(lw_robot *r)
     }
     if (passed(r))
         return false;
-    if (lw_space_hold_lost(&r->hold, holds_now(r))) {
+    if (r->lost || lw_space_hold_lost(&r->hold, holds_now(r))) {
         snprintf(r->limit, sizeof r->limit, limited ? "the limit of the condition number" : not_held);
         return false;
     }
     r->determinant = det;
     return r->broken == LW_OK;
+}
+
+/* Along the way of the tool, step by step: drives measure the turn nearest to `near`, which is counted on, and whether they hold the tool is told by the
+ * motions nearest to those of the step before (a crank may turn by half a turn while the tool passes its axis). */
+static void see_way(void *context, const double *q)
+{
+    lw_robot *r = context;
+    (void)q;
+    for (int i = 0; i < r->n_drive; i++) {
+        double *near = &r->follow.z.near[r->follow.n_idle + i];
+        *near = lw_space_measure(&r->space, r->by_tool.z.frame, r->measure[i], *near, NULL);
+    }
+    double a[LW_ROBOT_DRIVES*LW_ROBOT_DRIVES];
+    if (is_pulled(r) && r->square && !r->free && !r->lost && lw_space_hold_rates(&r->hold, &r->by_tool, r->measure, a))
+        r->lost = lw_space_hold_lost(&r->hold, lw_space_hold_now(&r->hold, a));
 }
 
 /* As many drives as the tool's pose has coordinates: the tool itself is moved, and the drives follow.  *end: the links reach no farther, the tool is
@@ -691,7 +695,7 @@ static bool pull_tool(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, dou
     }
     f->u = 0;
     f->least = fmin(0.1*r->least/length, 0.1);
-    f->passed = count_angles;
+    f->passed = see_way;
     f->passed_by = r;
     *end = watched(r, lw_space_follow_to(f, to_pose, r, 1, NULL)) != LW_OK;
     memcpy(r->follow.q, f->q, (size_t)r->space.n_q*sizeof *f->q);
@@ -760,6 +764,7 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
     double fastest_first = INFINITY;
     r->broken = LW_OK;
     r->determinant = 0;
+    r->lost = false;
     lw_space_hold_begin(&r->hold);
     if (is_pulled(r)) {
         begin_to_pull(r);
@@ -778,6 +783,7 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_near*sizeof *near);
         lw_vec3 to_go = lw_v3_add(first, lw_v3_scale(way, part));
         bool end = false;
+        lw_space_hold_keep(&r->hold);
         if (r->by_tool.memory ? pull_tool(r, to_go, &now, next - at, &end) : close_tool(r, to_go, &now)) {
             h = fmin(2*h, wary(r, before, next - at));
             at = next;
@@ -795,6 +801,8 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         memcpy(r->follow.q, kept, (size_t)s->n_q*sizeof *kept);
         memcpy(r->follow.z.near, near, (size_t)r->follow.z.n_near*sizeof *near);
         lw_space_place(s, r->follow.q, r->follow.z.frame);
+        lw_space_hold_back(&r->hold);
+        r->lost = false;
         h *= 0.5;
         if (h < r->least) {
             lw_robot_pose pose;

@@ -33,6 +33,7 @@ typedef struct lw_robot {
     lw_vec3 goal, begin, spin_to_goal;           /* the same of the tool; its turn on the way           */
     lw_spatial_measure measure[LW_ROBOT_DRIVES];  /* of the drives                                       */
     lw_space_hold hold;                          /* columns: velocities of unit drive rates             */
+    bool lost;                                   /* the drives lost the tool within the last step       */
     double *start;                               /* (n_q) posture of the file                           */
     double *square;                              /* (n_v * (n_v + 1)) scratch; NULL: an open chain        */
     double determinant;                          /* of the Jacobian at the last posture of a way, where it is square and the condition has a

@@ -11,9 +11,10 @@ static const double least_same = 0.5;        /* determinant of the cosines betwe
 lw_status lw_space_hold_make(int n, int n_v, lw_space_hold *h, lw_error *e)
 {
     size_t columns = (size_t)n*(size_t)n_v;
-    *h = (lw_space_hold){ .n = n, .n_v = n_v, .column = malloc(3*columns*sizeof *h->column + 1) };
+    *h = (lw_space_hold){ .n = n, .n_v = n_v, .column = malloc(4*columns*sizeof *h->column + 1) };
     h->motions[0] = h->column + columns;
     h->motions[1] = h->motions[0] + columns;
+    h->motions[2] = h->motions[1] + columns;
     return h->column ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
@@ -26,6 +27,22 @@ void lw_space_hold_free(lw_space_hold *h)
 void lw_space_hold_begin(lw_space_hold *h)
 {
     h->holds = 0;
+    h->unsure = false;
+}
+
+void lw_space_hold_keep(lw_space_hold *h)
+{
+    h->kept = h->holds;
+    if (h->holds != 0)
+        memcpy(h->motions[2], h->motions[0], (size_t)h->n*(size_t)h->n_v*sizeof *h->column);
+}
+
+void lw_space_hold_back(lw_space_hold *h)
+{
+    double *last = h->motions[0];
+    h->motions[0] = h->motions[2];
+    h->motions[2] = last;
+    h->holds = h->kept;
     h->unsure = false;
 }
 

@@ -9,8 +9,8 @@
 typedef struct lw_space_hold {
     int     n, n_v;                              /* drives, as many as freedoms, at most LW_SPACE_HELD   */
     double *column;                              /* (n x n_v) velocities of all bodies that span the motions which the joints allow */
-    double *motions[2];                          /* (n x n_v) orthonormal, the same: at the last posture; at the one looked at now */
-    double  holds;                               /* at the last posture; 0: not known                   */
+    double *motions[3];                          /* (n x n_v) orthonormal, the same: at the last posture; at the one looked at now; kept */
+    double  holds, kept;                         /* at the last posture; 0: not known                   */
     bool    unsure;                              /* the motions now differ too much from those at the last posture */
 } lw_space_hold;
 
@@ -20,6 +20,10 @@ void      lw_space_hold_free(lw_space_hold *h);
 
 /* Forget the last posture. */
 void lw_space_hold_begin(lw_space_hold *h);
+
+/* Keep the last posture; go back to the one kept. */
+void lw_space_hold_keep(lw_space_hold *h);
+void lw_space_hold_back(lw_space_hold *h);
 
 /* Fill `column` with the velocities of unit rates of the inputs of f (n), at f->q, where its rows are filled, and a (n x n) with the rates of
  * the drives, a column for each input.  false: the posture is singular for the inputs. */
