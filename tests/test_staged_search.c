@@ -91,7 +91,7 @@ TEST(stages_are_searched_in_parts)
     o.max_seconds = 1e4;
     make_unmet(&k, &t);
     CHECK_INT(lw_staged_search_run(&t, &o, stage, 3, &s, NULL), LW_OK);
-    CHECK_INT(s.stage[0].n_part, 4);                     /* an eighth, another, a quarter, half of its rounds */
+    CHECK_INT(s.stage[0].n_part, 6);                     /* twice a thirty-second, then 1/16, 1/8, ... of its rounds */
     CHECK_INT(s.stage[1].n_part, 3);                     /* a quarter, half, a quarter of its evaluations     */
     CHECK_INT(s.stage[2].n_part, 3);
 }

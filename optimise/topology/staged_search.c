@@ -15,7 +15,7 @@ enum {
     CHILDREN = 24,          /* that they have in all, half of them the best one's                    */
     AGAIN = 8,              /* linkages that a stage found before and starts from again              */
     FIRST = 4,              /* under a time limit, the first part of a stage's budget: one in so many, ... */
-    FIRST_TYPES = 8,        /* ... and of the rounds of four-link types                             */
+    FIRST_TYPES = 32,       /* ... and of the rounds of four-link types: one so long that time cuts it finds no small linkages */
     UNLESS = 3,             /* the first part of a stage with `unless`, with or without a time limit: so many times less */
     OF_EACH = 4,            /* candidates of every number of links that are kept, in case the best has a defect */
     ROWS = 24,              /* rows that the next search starts from, with default limits            */
@@ -532,7 +532,7 @@ static lw_status run_all_families(const stage_part *p)
 /* ---- which stage gets the next evaluations -------------------------------------------------------- */
 
 /* Under a time limit stages are searched in parts, each twice as large as the one before, the first a quarter of the stage's
- * budget or an eighth of its rounds.  After the first parts, the stage whose last part lowered the logarithm of the error most
+ * budget or a thirty-second of its rounds.  After the first parts, the stage whose last part lowered the logarithm of the error most
  * per evaluation has the next part.  If time does not end it before, each has its own budget in the end, the last part of more links after
  * all of fewer.  No part depends on the time limit, and what was found is kept: so a search with more time does all that one
  * with less does, and then more. */
