@@ -171,18 +171,22 @@ LW_INLINE vec column(const body *b, int k)
     return (vec){ *x, *y, *z };
 }
 
-/* du: accelerations of the rates for the trial, NULL: none. */
-static void place(const lw_tree_stages *t, const lw_stage_body *p, const double *y, int lane, const double *du, const body *b, body *to,
-                  rate *rates)
+typedef struct slide { vec by; bool any; } slide;
+
+static void orient(const lw_tree_stages *t, const lw_stage_body *p, const double *y, int lane, const body *b, body *to, slide *s)
 {
-    vec slide;
-    bool slid;
-    quat q = relative(t, p, y, lane, &slide, &slid);
+    quat q = relative(t, p, y, lane, &s->by, &s->any);
     to->turn = quat_times(b->turn, p->back ? (quat){ q.w, -q.x, -q.y, -q.z } : q);
     set_rows(to);
+}
+
+/* A body that is oriented; du: accelerations of the rates for the trial, NULL: none. */
+static void place(const lw_tree_stages *t, const lw_stage_body *p, const double *y, const double *du, const slide *s, const body *b,
+                  body *to, rate *rates)
+{
     const body *b0 = p->back ? to : b, *b1 = p->back ? b : to;
     vec e0 = turned(b0, p->arm[0]), e1 = turned(b1, p->arm[1]);      /* from the centres to the joint's point on body 1 */
-    e0 = slid ? add(e0, turned_by(b0, slide)) : e0;
+    e0 = s->any ? add(e0, turned_by(b0, s->by)) : e0;
     to->from_parent = p->back ? sub(e1, e0) : sub(e0, e1);
     to->at = add(b->at, to->from_parent);
     const double *u = y + 8*(t->n_x + p->u);
@@ -216,7 +220,7 @@ static void place(const lw_tree_stages *t, const lw_stage_body *p, const double 
     if (p->kind == LW_SPATIAL_UNIVERSAL)
         twist = add(cross(w0, times(z, pick(u))), cross(w1, times(second, pick(u + 8))));
     vec rest = sub(sub(cross(w0, c0), cross(w1, c1)), cross(twist, m.arm));
-    if (slid)
+    if (s->any)
         change = add(change, m.slide), rest = add(rest, times(cross(w0, m.slide), all_lanes(2)));
     if (p->back) {
         change = minus(change), twist = minus(twist), rest = minus(rest);
@@ -263,6 +267,23 @@ LW_INLINE void weigh(const lw_stage_body *p, const bool inertia, body *b)
     if (inertia && p->carried)
         b->inertia = alone(&b->inertia, p->mass[0]);
     b->load = (screw){ need, sub(times(b->trial.move, all_lanes(p->mass[0])), fixed(p->weight)) };
+}
+
+/* Some bodies at a time, in three passes: those are short, so the processor works at several bodies side by side, while their state is in its
+ * first cache. */
+LW_INLINE void place_all(const lw_tree_stages *t, const bool again, const double *y, int lane, const double *du, body *all, rate *rates)
+{
+    enum { SOME = 8 };
+    slide slides[SOME];
+    for (int from = 0, end; from < t->n_body; from = end) {
+        end = from + SOME < t->n_body ? from + SOME : t->n_body;
+        for (int i = from; i < end; i++)
+            orient(t, &t->body[i], y, lane, &all[t->body[i].parent], &all[i], &slides[i - from]);
+        for (int i = from; i < end; i++)
+            place(t, &t->body[i], y, again ? du : NULL, &slides[i - from], &all[t->body[i].parent], &all[i], rates);
+        for (int i = from; i < end; i++)
+            weigh(&t->body[i], !again, &all[i]);
+    }
 }
 
 /* Springs and dampers between points; returns the power of the dampers. */
@@ -743,10 +764,7 @@ LW_INLINE double rates_of_some(const lw_tree_stages *t, const bool again, int la
     z.row = (pulls *)(void *)(rates + t->n_u), z.carried = (screw *)(void *)(z.row + t->n_row), z.y = (pack *)(void *)(z.carried + t->n_row);
     z.product = z.y + t->n_row*t->n_u, z.l = z.product + t->n_row*t->n_row, z.off = z.l + t->n_row;
     place_ground(&all[-1]);
-    for (int i = 0; i < t->n_body; i++) {
-        place(t, &t->body[i], y, lane, again ? du : NULL, &all[t->body[i].parent], &all[i], rates);
-        weigh(&t->body[i], !again, &all[i]);
-    }
+    place_all(t, again, y, lane, du, all, rates);
     pack power = pull(t, all);
     if (t->has_work)
         keep(du + 8*t->n_u, power);
@@ -784,4 +802,17 @@ static double rates_of(const lw_tree_stages *t, bool again, const double *y, dou
     return weak;
 }
 
-const lw_tree_kernel lw_tree_kernel_here = { LW_ISA_NAME, WIDTH, rates_of };
+static double prepare(const lw_tree_stages *t, bool again, const double *y)
+{
+    pack far = { 0 };
+    for (int i = 0; i < t->n_angle; i++)
+        for (int k = 0; k < 8; k += WIDTH)
+            keep(t->angle + 8*i + k, 0.5*pick(y + 8*t->turn[i] + k));
+    for (int i = 0; again && i < 8*t->n_x; i += WIDTH) {
+        pack off = pick(y + i) - pick(t->factored + i), size = choose((mask)(off < 0), -off, off);
+        far = choose((mask)(size > far), size, far);
+    }
+    return -least_lane(-far);
+}
+
+const lw_tree_kernel lw_tree_kernel_here = { LW_ISA_NAME, WIDTH, prepare, rates_of };

@@ -357,28 +357,12 @@ void lw_tree_stages_free(lw_tree_stages *s)
     *s = (lw_tree_stages){ 0 };
 }
 
-/* Are all states near those of the factors? */
-static bool is_near(const lw_tree_stages *s, const double *y)
-{
-    double far[8] = { 0 }, most = 0;
-    for (int i = 0; i < 8*s->n_x; i += 8)
-        for (int k = 0; k < 8; k++) {
-            double off = fabs(y[i + k] - s->factored[i + k]);
-            far[k] = off > far[k] ? off : far[k];
-        }
-    for (int k = 0; k < 8; k++)
-        most = far[k] > most ? far[k] : most;
-    return most <= near*fmin(1, s->weak/weak_loops);
-}
-
 lw_status lw_tree_stages_rates(lw_tree_stages *s, bool again, const double *y, double *dy)
 {
-    again = again && s->n_kept == s->n_row && is_near(s, y);
+    const double moved = s->kernel->prepare(s, again, y);
+    again = again && s->n_kept == s->n_row && moved <= near*fmin(1, s->weak/weak_loops);
     if (!again)
         memcpy(s->factored, y, 8*(size_t)s->n_x*sizeof *y);
-    for (int i = 0; i < s->n_angle; i++)
-        for (int k = 0; k < 8; k++)
-            s->angle[8*i + k] = 0.5*y[8*s->turn[i] + k];
     s->turns(8*(size_t)s->n_angle, s->angle, s->cosine, s->sine);
     double weak = s->kernel->rates(s, again, y, dy);
     if (weak < 0) {
