@@ -1705,9 +1705,16 @@ TEST(feet_that_rub_differently)
     }
 }
 
+/* Captured, a place that could slip from t on does so in the first step with its middle behind t. */
+static void check_lets_go(double t)
+{
+    double late = d.report.jammed_t + 0.5*d.report.captured_step - t;
+    CHECK(late >= 0 && late <= d.report.captured_step);
+}
+
 /* A box is pushed into the corner of a floor and a wall, and lifted beside the wall by 20 t.  It stays while friction can hold it in some way,
  * until the floor carries 6.81 N and pushes by 0.7 of that towards the wall; but it can slip up the wall from 1.524 s on, when the floor pushes the other way.
- * That is said; a box that is pulled away from the wall slips at one time. */
+ * That is said; a box that is pulled away from the wall slips at one time.  Captured, it slips as soon as it can. */
 TEST(wedged_box_could_slip_earlier)
 {
     static const char format[] = "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [{'polygon': [[-2, -2], [2, -2], [2, 0], [0, 0], [0, 2],"
@@ -1721,7 +1728,33 @@ TEST(wedged_box_could_slip_earlier)
         CHECK_INT(d.report.jammed != NULL, !pulled);
         if (!pulled)
             CHECK_NEAR(d.report.jammed_t, (19.62 - floor + wall)/20, 1e-8, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_CAPTURE, 1e-8, pulled ? 0.4 : 1.7, 2), LW_OK);
+        CHECK_INT(d.report.jammed != NULL, !pulled);
+        if (!pulled)
+            check_lets_go((19.62 - floor + 0.7*(30 - 0.7*floor))/20);
     }
+}
+
+/* A box between two walls without clearance is pushed against one of them by 40 - 20 t.  From 1.019 s on that does not hold it, but a squeeze of any size
+ * could: index1 goes on holding it, capture lets it go, and both say so. */
+TEST(squeezed_box_could_slip)
+{
+    static const double slips = (40 - 2*9.81)/20, to[] = { 0.9*slips, 1.9 };
+    drun_read_format(&d, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [{'polygon': [[-1, -1], [0, -1], [0, 1],"
+        "[-1, 1]]}, {'polygon': [[0.3, -1], [1, -1], [1, 1], [0.3, 1]]}]}, {'name': 'box', 'mass': 1, 'centre': [0.15, 0.1], 'inertia': 0.01, 'shapes':"
+        "[{'polygon': [[0, 0], [0.3, 0], [0.3, 0.2], [0, 0.2]]}]}], 'joints': [{'name': 'F', 'kind': 'n', 'links': ['ground', 'box']}], 'contacts':"
+        "[{'name': 'c', 'links': ['ground', 'box'], 'friction': 0.5}], 'forces': [{'link': 'box', 'at': [0.15, 0.1], 'fx': '%g - %g*t'}],"
+        "'tracers': [{'name': 'P', 'link': 'box', 'at': [0.15, 0.1]}]}", 40, 20);
+    for (int k = 0; k < 2; k++) {
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-8, to[k], 2), LW_OK);
+        CHECK_NEAR(d.tracer[d.n_moment - 1].y, 0.1, 1e-9, 0);
+        CHECK_INT(d.report.jammed != NULL, k);
+        CHECK(!k || d.report.jammed_t == to[k]);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_CAPTURE, 1e-8, to[k], 2), LW_OK);
+        CHECK_INT(d.report.jammed != NULL, k);
+    }
+    CHECK(d.tracer[d.n_moment - 1].y < -0.9);
+    check_lets_go(slips);
 }
 
 /* The pin of a driver turns a Geneva wheel of four slots by a right angle: halfway it has turned by half of that, but for the clearance of 0.4 mm. */

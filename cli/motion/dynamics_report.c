@@ -35,7 +35,7 @@ void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status
         fprintf(f, "# several motions from t = %.12g s on: contact %s and others share a load in several ways while they slip\n", r->undetermined_t,
                 r->undetermined);
     if (r->jammed)
-        fprintf(f, "# friction at contact %s could have given way before t = %.12g s\n", r->jammed, r->jammed_t);
+        fprintf(f, "# friction at contact %s can give way earlier or later than t = %.12g s\n", r->jammed, r->jammed_t);
     if (r->captured_step > 0)
         fprintf(f, "# assumed: contacts are captured in steps of up to %.2g s; impacts are up to %.2g s late, overlaps within a step "
                 "reach %.2g m\n", r->captured_step, r->captured_late, r->overlap);

@@ -134,8 +134,8 @@ typedef struct lw_dynamics_report {
     lw_run_event event[LW_REPORT_EVENT_MAX];
     const char *undetermined;    /* a contact that shares a load with one that slips in several ways, each with another motion; NULL: none */
     double undetermined_t;       /* the first time [s] */
-    const char *jammed;          /* a contact whose friction held by some of the ways to share a load alone, and then gave way at once, as where a body is wedged: */
-    double jammed_t;             /* rigid bodies could have slipped before this time [s]; NULL: none */
+    const char *jammed;          /* a contact whose friction holds in some of the ways to share a load only, as where a body is wedged: */
+    double jammed_t;             /* it slips at this time, or sticks to this end of the run, but rigid bodies do not determine when [s]; NULL: none */
     double captured_step, captured_late, overlap;        /* of the capture formulation: longest step, longest one with an impact that was not located [s];
                                               * greatest overlap [m] */
     double captured_rest;                    /* speed of the fastest bounce that counts as rest [m/s] */

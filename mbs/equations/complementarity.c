@@ -6,13 +6,19 @@
 #include "base/real.h"
 
 /* Unknowns of the complementarity problem: at each place the normal force beyond `least`, then with set-valued friction
- * the two senses of the tangential force and the speed of the slip. */
-typedef struct unknown { int place; enum { NORMAL, UP, DOWN, SPEED } kind; } unknown;
+ * the two senses of the tangential force and the speed of the slip; or the forces along the two edges of the friction cone. */
+typedef struct unknown { int place; enum { NORMAL, UP, DOWN, SPEED, EDGE, OTHER_EDGE } kind; } unknown;
+
+static bool is_cone(const lw_touch_law *law) { return law->holds && !law->fixed && law->friction > 0 && law->slips == 0; }
 
 static int list_unknowns(int n, const lw_touch_law *law, unknown *to)
 {
     int count = 0;
     for (int i = 0; i < n; i++) {
+        for (int k = EDGE; k <= OTHER_EDGE && is_cone(&law[i]); k++)
+            to[count++] = (unknown){ i, k };
+        if (is_cone(&law[i]))
+            continue;
         if (!law[i].fixed)
             to[count++] = (unknown){ i, NORMAL };
         for (int k = UP; k <= SPEED && law[i].friction > 0 && law[i].slips == 0; k++)
@@ -24,8 +30,10 @@ static int list_unknowns(int n, const lw_touch_law *law, unknown *to)
 /* The force (2n) that a unit of an unknown is; false: it is a speed. */
 static bool force_of(unknown u, const lw_touch_law *law, double f[2])
 {
-    f[0] = u.kind == NORMAL;
-    f[1] = u.kind == NORMAL ? -law[u.place].friction*law[u.place].slips : u.kind == UP ? 1 : u.kind == DOWN ? -1 : 0;
+    double mu = law[u.place].friction;
+    f[0] = u.kind == NORMAL || u.kind >= EDGE;
+    f[1] = u.kind == EDGE ? mu : u.kind == OTHER_EDGE ? -mu : u.kind == NORMAL ? -mu*law[u.place].slips
+         : u.kind == UP ? 1 : u.kind == DOWN ? -1 : 0;
     return u.kind != SPEED;
 }
 
@@ -38,6 +46,8 @@ static double condition(unknown u, const lw_touch_law *law, const double *rate, 
     case NORMAL: return r[0];
     case UP:     return r[1] + speed;
     case DOWN:   return speed - r[1];
+    case EDGE:   return r[0] + law[u.place].friction*r[1];
+    case OTHER_EDGE: return r[0] - law[u.place].friction*r[1];
     default:     return law[u.place].friction*force[0];
     }
 }
@@ -113,4 +123,18 @@ lw_status lw_complementarity(int n, const double *w, const double *b, const lw_t
     free(u);
     free(matrix);
     return s == LW_E_NUMERIC ? LW_NOTHING : s;
+}
+
+static bool rests(const double *rate, int i, double tiny) { return fabs(rate[2*i]) <= tiny && fabs(rate[2*i + 1]) <= tiny; }
+
+bool lw_complementarity_held(int n, const lw_touch_law *law, const double *force, const double *rate, int which, double slip)
+{
+    const double tiny = 1e-3*fabs(slip);
+    double top = 0;
+    for (int i = 0; i < n; i++)
+        top = fmax(top, force[2*i]);
+    bool held = rests(rate, which, tiny);
+    for (int i = 0; i < n; i++)
+        held = held && (!is_cone(&law[i]) || force[2*i] <= 1e-9*top || rests(rate, i, tiny));
+    return held;
 }

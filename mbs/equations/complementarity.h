@@ -19,10 +19,17 @@ typedef struct lw_touch_law {
     double least;                /* of N                                                               */
     bool   fixed;                /* N is `least`: a compliant contact                                  */
     int    slips;                /* known sense of the slip, -1 or 1; 0: set-valued                    */
+    bool   holds;                /* set-valued friction holds wherever it can: lw_complementarity_held */
 } lw_touch_law;
 
 /* w (2n x 2n), b (2n), law (n); force (2n), rate (2n) = W force + b.  LW_NOTHING: no solution was found (Painleve);
  * LW_E_MEMORY. */
 lw_status lw_complementarity(int n, const double *w, const double *b, const lw_touch_law *law, double *force, double *rate);
+
+/* Where rigid bodies share loads in several ways, friction that gives way in one solution may hold in another.  With law[].holds set, lw_complementarity
+ * finds the forces within the friction cones that bring the rates nearest to 0 (Gauss's principle): a convex problem, whose rates are unique.  Does place
+ * `which` then hold, its rates below a small part of the rate `slip` with which it gave way, and do all places with such friction that carry a force, so that
+ * Coulomb's law is satisfied, too? */
+bool lw_complementarity_held(int n, const lw_touch_law *law, const double *force, const double *rate, int which, double slip);
 
 #endif

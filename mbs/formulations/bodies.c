@@ -478,6 +478,10 @@ static lw_status run_bodies(lw_run *run, bool implicit)
         s = lw_run_begin(run, y);
     if (s == LW_OK)
         s = run_steps(run, &w, d->o.from, y);
+    if (s == LW_OK && d->touch) {
+        memcpy(y, state(&w), (size_t)run->n*sizeof *y);
+        s = lw_run_touch_end(run, time_of(&w), y);
+    }
     if (s == LW_E_NUMERIC && implicit && d->o.formulation == LW_FORMULATION_CVODE && run->r->t > d->o.from) {
         memcpy(y, state(&w), (size_t)run->n*sizeof *y);
         s = lw_run_hand_over(run, y);

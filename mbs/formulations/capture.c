@@ -41,6 +41,7 @@ static const double exact = 1e-8, allowed = 1e-5;
 static const double give = 1e-9;             /* compliance of the rows of contacts, over their diagonals */
 static const double resolved = 0.1;          /* step over the time constant of a compliant place */
 static const double unstable = 1e-4;         /* change of a state whose rate changes its sign, over the change allowed for other states */
+static const double slightest = 1e-3;        /* slip with which friction gives way, over the change of velocities by forces */
 static const double moment = 1e-8;           /* step that gives the forces at the start, over the length of the run */
 static const double soonest = 1/16.0;        /* an impact after less than this fraction of a step is captured in it */
 enum { STRUCK_MOST = 12 };                   /* impacts at more places than this in a step are captured */
@@ -478,46 +479,110 @@ static void adopt(capture *g, double h, int m, const int *row, const double *imp
     }
 }
 
-/* Used if the guesses of a step cycle: Lemke's method over the m closed places, a dense problem.  Bodies that are wedged by friction
- * have many solutions, and Newton's method may find none of them.  LW_NOTHING: no solution was found. */
-static lw_status solve_densely(capture *g, double h, int m)
+/* The m closed places of a step as a dense problem: responses of the rates to impulses, rates without impulses, rows in the pattern (-1: none). */
+typedef struct dense { double *w, *b, *impulse, *rate; lw_touch_law *law; int *row; } dense;
+
+static void free_dense(dense *p)
+{
+    free(p->w);
+    free(p->law);
+    free(p->row);
+}
+
+/* Places are left without forces, and next_v is the velocity without them. */
+static lw_status make_dense(capture *g, double h, int m, dense *to)
 {
     const lw_dynamics *d = g->d;
     size_t r = 2*(size_t)m;
-    double *w = calloc(r*r + 3*r + (size_t)d->n_v + 1, sizeof *w), *b = w ? w + r*r : NULL, *impulse = w ? b + r : NULL,
-           *rate = w ? impulse + r : NULL, *v = w ? rate + r : NULL;
-    lw_touch_law *law = calloc((size_t)m + 1, sizeof *law);
-    int *row = malloc((r + 1)*sizeof *row), n = 0;
-    lw_status s = w && law && row ? LW_OK : LW_E_MEMORY;
-    for (int k = 0; s == LW_OK && k < g->n; k++) {
+    *to = (dense){ calloc(r*r + 3*r + (size_t)d->n_v + 1, sizeof *to->w), .law = calloc((size_t)m + 1, sizeof *to->law),
+                   .row = malloc((r + 1)*sizeof *to->row) };
+    if (!to->w || !to->law || !to->row)
+        return LW_E_MEMORY;
+    to->b = to->w + r*r;
+    to->impulse = to->b + r;
+    to->rate = to->impulse + r;
+    double *v = to->rate + r;
+    int n = 0;
+    for (int k = 0; k < g->n; k++) {
         place *p = &g->at[k];
         p->presses = false;
         if (!p->shut)
             continue;
-        law[n].friction = p->rubs ? p->mu : 0;
-        row[2*n] = p->row;
-        row[2*n + 1] = p->rubs ? p->row + 1 : -1;
-        b[2*n + 1] = -p->glide;
-        b[2*n++] = -p->target;
+        to->law[n].friction = p->rubs ? p->mu : 0;
+        to->row[2*n] = p->row;
+        to->row[2*n + 1] = p->rubs ? p->row + 1 : -1;
+        to->b[2*n + 1] = -p->glide;
+        to->b[2*n++] = -p->target;
     }
-    if (s == LW_OK)
-        s = solve_guess(g, h);               /* without contacts */
+    lw_status s = solve_guess(g, h);
     restore_rows(g);
     for (size_t j = 0; s == LW_OK && j < r; j++) {
-        if (row[j] < 0)
+        if (to->row[j] < 0)
             continue;
-        b[j] += lw_mbs_row_rate(d, row[j], g->next_v);
-        respond(g, row[j], v);
+        to->b[j] += lw_mbs_row_rate(d, to->row[j], g->next_v);
+        respond(g, to->row[j], v);
         for (size_t i = 0; i < r; i++)
-            w[i*r + j] = row[i] < 0 ? 0 : lw_mbs_row_rate(d, row[i], v);
+            to->w[i*r + j] = to->row[i] < 0 ? 0 : lw_mbs_row_rate(d, to->row[i], v);
     }
+    return s;
+}
+
+/* Used if the guesses of a step cycle: Lemke's method over the m closed places, a dense problem.  Bodies that are wedged by friction
+ * have many solutions, and Newton's method may find none of them.  LW_NOTHING: no solution was found. */
+static lw_status solve_densely(capture *g, double h, int m)
+{
+    dense p;
+    lw_status s = make_dense(g, h, m, &p);
     if (s == LW_OK)
-        s = lw_complementarity(m, w, b, law, impulse, rate);
+        s = lw_complementarity(m, p.w, p.b, p.law, p.impulse, p.rate);
     if (s == LW_OK)
-        adopt(g, h, m, row, impulse);
-    free(w);
-    free(law);
-    free(row);
+        adopt(g, h, m, p.row, p.impulse);
+    free_dense(&p);
+    return s;
+}
+
+/* Of the m closed places, a place that stuck before the step slips behind it, by forces that change velocities by `pull`.  Could friction have held it by other
+ * impulses?  Then rigid bodies have both motions.  The solution of the step remains. */
+static lw_status note_jam(capture *g, double h, int m, double pull)
+{
+    lw_dynamics *d = g->d;
+    int worst = -1, touch = -1;
+    double slip = slightest*pull;
+    if (g->run->r->jammed || g->late > 0 || m > DENSE_SOON)
+        return LW_OK;
+    for (int k = 0, i = 0; k < g->n; k++) {
+        const place *p = &g->at[k];
+        if (!p->shut)
+            continue;
+        double before = p->rubs ? lw_mbs_row_rate(d, p->row + 1, g->after) : 0, rate = p->rubs ? lw_mbs_row_rate(d, p->row + 1, g->next_v) : 0;
+        if (p->presses && p->slips != 0 && d->touch->list.touch[p->touch].sticks && fabs(before) <= pull && fabs(rate) > fabs(slip))
+            worst = i, touch = p->touch, slip = rate;
+        i++;
+    }
+    if (worst < 0)
+        return LW_OK;
+    size_t n_v = (size_t)d->n_v, n_c = (size_t)d->n_c, n = (size_t)g->n;
+    double *kept = malloc((n_v + n_c)*sizeof *kept);
+    place *at = malloc(n*sizeof *at);
+    lw_status s = kept && at ? LW_OK : LW_E_MEMORY;
+    if (s == LW_OK) {
+        dense p;
+        memcpy(kept, g->next_v, n_v*sizeof *kept);
+        memcpy(kept + n_v, d->l, n_c*sizeof *kept);
+        memcpy(at, g->at, n*sizeof *at);
+        s = make_dense(g, h, m, &p);
+        for (int i = 0; s == LW_OK && i < m; i++)
+            p.law[i].holds = true;
+        if (s == LW_OK && lw_complementarity(m, p.w, p.b, p.law, p.impulse, p.rate) == LW_OK
+            && lw_complementarity_held(m, p.law, p.impulse, p.rate, worst, slip))
+            lw_run_touch_jammed(g->run, g->t, touch);
+        free_dense(&p);
+        memcpy(g->next_v, kept, n_v*sizeof *kept);
+        memcpy(d->l, kept + n_v, n_c*sizeof *kept);
+        memcpy(g->at, at, n*sizeof *at);
+    }
+    free(kept);
+    free(at);
     return s;
 }
 
@@ -681,13 +746,13 @@ static lw_status solve_step(capture *g, double t, double h)
     for (int pass = 0; pass < PASSES; pass++) {
         bool densely = shut <= DENSE_SOON ? pass == TOGETHER : pass == LATE && shut <= DENSE_MOST;
         if (densely && (s = solve_densely(g, h, shut)) != LW_NOTHING)
-            return s;
+            return s == LW_OK ? note_jam(g, h, shut, pull) : s;
         s = pass == 1 ? aim_at_middle(g, t) : LW_OK;
         if (s == LW_OK)
             s = solve_guess(g, h);
         restore_rows(g);
         if (s != LW_OK || revise(g, d->l, pass, (pass < HARD ? exact : allowed)*(fastest + pull)) == 0)
-            return s;
+            return s == LW_OK ? note_jam(g, h, shut, pull) : s;
     }
     return LW_OPEN;
 }

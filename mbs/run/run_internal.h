@@ -195,6 +195,12 @@ lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long even
 /* Call if a run has failed at t: sets the error if friction makes the force of a contact grow without limit there. */
 void      lw_run_touch_jams(lw_run *run, double t);
 
+/* Call at the end of a run, which leaves (t, y): reports if places stick there that could slip as well. */
+lw_status lw_run_touch_end(lw_run *run, double t, double *y);
+
+/* Report that friction at the place gave way at t although it could still have held: the load can be shared in several ways. */
+void      lw_run_touch_jammed(lw_run *run, double t, int place);
+
 /* At the start: on which sides bars are touched, in the coordinates placed last.  LW_E_ARG: nothing tells it. */
 lw_status lw_run_touch_choose_sides(lw_run *run);
 

@@ -918,19 +918,47 @@ static double slip_against(lw_dynamics *d, const double *y)
 
 static const double sudden = 1e-3;           /* such a part of the greatest acceleration by loads alone */
 
-/* Friction that gives way does so with no acceleration at first, if loads are continuous.  Where places could share the load in several ways and slip
- * at once with an acceleration, they could have slipped before: the motion with that slip existed beside the one in which they stick. */
+static bool slips_at_once(const lw_dynamics *d, const closed *c, int i)
+{
+    return c->in[i] && c->law[i].slips == 0 && c->law[i].friction > 0 && !c->law[i].fixed && fabs(c->rate[2*i + 1]) > sudden*greatest_of(d, d->a);
+}
+
+void lw_run_touch_jammed(lw_run *run, double t, int place)
+{
+    run->r->jammed = lw_touch_name(run->d->model, &run->d->touch->list.touch[place]);
+    run->r->jammed_t = t;
+}
+
+/* Friction that gives way does so with no acceleration at first, if loads are continuous.  Does a place that `stuck` slip with one by the forces found,
+ * though friction could hold all of them by other forces?  Then rigid bodies have both motions.  Changes the forces and rates of c. */
 static void note_jam(lw_run *run, double t, const closed *c)
 {
-    lw_dynamics *d = run->d;
-    double scale = greatest_of(d, d->a);
-    for (int i = 0; i < c->m && !run->r->jammed; i++) {
-        const lw_touch *p = &d->touch->list.touch[c->place[i]];
-        if (p->stuck && p->slips != 0 && fabs(c->rate[2*i + 1]) > sudden*scale) {
-            run->r->jammed = lw_touch_name(d->model, p);
-            run->r->jammed_t = t;
-        }
-    }
+    const lw_dynamics *d = run->d;
+    int worst = -1;
+    for (int i = 0; i < c->m && !run->r->jammed; i++)
+        if (d->touch->list.touch[c->place[i]].stuck && slips_at_once(d, c, i) && (worst < 0 || fabs(c->rate[2*i + 1]) > fabs(c->rate[2*worst + 1])))
+            worst = i;
+    if (worst < 0)
+        return;
+    double slip = c->rate[2*worst + 1];
+    for (int i = 0; i < c->m; i++)
+        c->law[i].holds = true;
+    if (solve(c, c->b, c->force, c->rate) == LW_OK && lw_complementarity_held(c->m, c->law, c->force, c->rate, worst, slip))
+        lw_run_touch_jammed(run, t, c->place[worst]);
+}
+
+/* Take the rows of all places away, and factor those of the joints at (t, y). */
+static lw_status factor_joints(lw_dynamics *d, double t, const double *y)
+{
+    struct lw_touching *w = d->touch;
+    bool had = w->n_row > 0;
+    w->n_row = w->n_slip = w->n_redundant = 0;
+    w->determinant = 1;
+    w->sense = 0;
+    lw_status s = had ? lw_mbs_arrange(d, t, y) : LW_OK;
+    if (s == LW_OK)
+        s = lw_mbs_rows(d, t, y);
+    return s == LW_OK ? lw_mbs_factor(d, false) : s;
 }
 
 /* Apply impulses and find the states of all places.  Slips below `slow` count as 0. */
@@ -953,16 +981,8 @@ static lw_status find_states(lw_run *run, double t, double *y, unsigned long lon
         if (w->list.touch[i].held)
             w->list.touch[i].state = LW_TOUCH_PASSIVE;
     }
-    bool had = w->n_row > 0, shared = w->n_redundant > 0;
-    w->n_row = w->n_slip = w->n_redundant = 0;
-    w->determinant = 1;
-    w->sense = 0;
-    if (s == LW_OK && had)
-        s = lw_mbs_arrange(d, t, y);
     if (s == LW_OK)
-        s = lw_mbs_rows(d, t, y);
-    if (s == LW_OK)
-        s = lw_mbs_factor(d, false);
+        s = factor_joints(d, t, y);
     if (s == LW_OK && t == d->o.from)
         s = lw_run_touch_choose_sides(run);
     for (int i = 0; s == LW_OK && i < w->list.n; i++)
@@ -974,9 +994,9 @@ static lw_status find_states(lw_run *run, double t, double *y, unsigned long lon
         s = decide(run, t, y, &c, events >> DETERMINANT & 1, &any);
     if (s == LW_OK)
         s = set_states(run, t, &c, events >> STICK & 1);
-    if (s == LW_OK && shared && events == 1ull << STICK)
-        note_jam(run, t, &c);
     run->flight = s == LW_OK ? find_flight(&c) : 0;
+    if (s == LW_OK)
+        note_jam(run, t, &c);
     free_closed(&c);
     if (s == LW_OK && w->n_row > 0)
         s = lw_mbs_arrange(d, t, y);
@@ -1001,6 +1021,42 @@ lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long even
         slow = against < rounded*greatest_of(run->d, y + run->d->n_q) ? 2*against : slow;
     }
     return s;
+}
+
+lw_status lw_run_touch_end(lw_run *run, double t, double *y)
+{
+    lw_dynamics *d = run->d;
+    struct lw_touching *w = d->touch;
+    closed c = { 0 };
+    if (run->r->jammed || w->n_redundant == 0)
+        return LW_OK;
+    const struct lw_touching old = *w;
+    lw_touch *touch = malloc((size_t)w->list.n*sizeof *touch);
+    if (!touch)
+        return LW_E_MEMORY;
+    memcpy(touch, w->list.touch, (size_t)w->list.n*sizeof *touch);
+    for (int i = 0; i < w->list.n; i++)
+        w->list.touch[i].stuck = w->list.touch[i].sticks;
+    d->eq.place_states(d->eq.context, y + lw_run_states(run));
+    lw_status s = factor_joints(d, t, y);
+    if (s == LW_OK)
+        s = find_closed(run, t, y, &c);
+    if (s == LW_OK)
+        s = find_free(run, t, y, &c);
+    if (s == LW_OK) {
+        double speed = fmax(greatest_of(d, y + d->n_q), sqrt(greatest_of(d, d->a)));
+        find_rates(d, y + d->n_q, &c);
+        set_laws(d, &c, speed);
+        if ((s = find_forces(&c, still*speed)) == LW_OK)
+            note_jam(run, t, &c);
+    }
+    free_closed(&c);
+    memcpy(w->list.touch, touch, (size_t)w->list.n*sizeof *touch);
+    free(touch);
+    w->n_row = old.n_row, w->n_slip = old.n_slip, w->n_redundant = old.n_redundant, w->determinant = old.determinant, w->sense = old.sense;
+    if (s == LW_E_MEMORY || s == LW_E_ARG)
+        return s;
+    return lw_mbs_arrange(d, t, y);          /* what cannot be solved here without the places is no failure of the run */
 }
 
 void lw_run_touch_jams(lw_run *run, double t)
