@@ -190,7 +190,7 @@ const char *lw_dynamics_massless(const lw_dynamics *d);
 /* Does input i start at rest because neither its speed nor its motion is given? */
 bool lw_dynamics_starts_at_rest(const lw_dynamics *d, int i);
 
-/* Names of joints whose reactions are not unique, " A B"; "" when all are. */
-void lw_dynamics_redundant(const lw_dynamics *d, char *text, size_t size);
+/* Names of joints whose reactions are not unique, " A B"; "" when all are.  Returns whether friction acts in one of them, which depends on its reaction. */
+bool lw_dynamics_redundant(const lw_dynamics *d, char *text, size_t size);
 
 #endif

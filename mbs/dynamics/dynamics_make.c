@@ -731,11 +731,24 @@ static void add_name(const lw_dynamics *d, int row, const char **last, char *tex
     *last = name;
 }
 
+/* Does friction act in the joint of a row? */
+static bool rubs_in(const lw_dynamics *d, int row)
+{
+    const char *name = d->eq.name(d->eq.context, LW_NAMED_ROW, row);
+    bool yes = false;
+    for (int k = 0; k < d->n_friction + (d->space ? d->space->n_rub : 0); k++) {
+        int j = d->friction[k].joint;
+        yes = yes || strcmp(name, d->space ? d->space->model->joint[j].name : d->model->linkage.joint[j].name) == 0;
+    }
+    return yes;
+}
+
 /* The reactions of a joint are unique where the null space of J^T has no part in its rows. */
-void lw_dynamics_redundant(const lw_dynamics *c, char *text, size_t size)
+bool lw_dynamics_redundant(const lw_dynamics *c, char *text, size_t size)
 {
     lw_dynamics *d = (lw_dynamics *)(uintptr_t)c;
     const char *last = NULL;
+    bool rubs = false;
     double *x = d->l_each + (d->large ? d->n_c : 0);
     *text = '\0';
     bool none = d->rank == d->n_c || lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, !d->large) != LW_OK;
@@ -753,7 +766,10 @@ void lw_dynamics_redundant(const lw_dynamics *c, char *text, size_t size)
             for (int i = 0; i < d->n_c; i++)
                 left = fmax(left, fabs(x[i]));
         }
-        if (left > LW_RANK_TOLERANCE)
+        if (left > LW_RANK_TOLERANCE) {
             add_name(d, r, &last, text, size);
+            rubs = rubs || rubs_in(d, r);
+        }
     }
+    return rubs;
 }
