@@ -74,6 +74,18 @@ TEST(rounded)
            "its dimensions do not let it move farther");
 }
 
+/* Two parallel slides share the weight of a drawer in ways that rigid links leave open, and their friction depends on it. */
+TEST(friction_of_redundant_slides)
+{
+    expect("m() { printf '{\"linkwright\": 1, \"gravity\": [0, 0, -9.81], \"links\": [\"ground\", {\"name\": \"drawer\", \"mass\": 1, \"centre\": [0, 0, 0], \"inertia\": "
+           "[0.01, 0.01, 0.01]}], \"joints\": [{\"name\": \"A\", \"kind\": \"t\", \"links\": [\"ground\", \"drawer\"], \"at\": [0, 0.1, 0], \"axis\": [1, 0, 0]%s}, "
+           "{\"name\": \"B\", \"kind\": \"t\", \"links\": [\"ground\", \"drawer\"], \"at\": [0, -0.1, 0], \"axis\": [1, 0, 0]}], "
+           "\"forces\": [{\"link\": \"drawer\", \"at\": [0, 0.3, 0], \"fx\": \"3*t\"}]}' \"$1\"; }; "
+           "m ', \"friction\": {\"coefficient\": 0.5}' > $D/rubs.json; m '' > $D/smooth.json", 0, NULL, NULL);
+    expect("$P simulate $D/rubs.json --to 1 -n 1", 0, NULL, "friction acts in joints whose reactions are not unique");
+    expect("$P simulate $D/smooth.json --to 1 -n 1 2>&1 | grep -c -e 'friction acts' -e 'are not unique'", 0, "1\n", "");
+}
+
 /* A parallelogram lying flat, drawn in space: several motions meet there.  With one input the posture is named; a second one that rests lets nothing
  * move; both together lead on.  At its dead centre a slider has no freedom. */
 TEST(flat_parallelogram)
@@ -87,13 +99,13 @@ TEST(flat_parallelogram)
            "a='{\"joint\": \"A\", \"motion\": \"2*t\"}' d='{\"joint\": \"D\", \"motion\": \"2*t\"}' r='{\"joint\": \"D\", \"motion\": 0}'; "
            "m r 0,0,1 \"$a\" b > $D/one.json; m r 0,0,1 \"$a, $r\" b > $D/rest.json; m r 0,0,1 \"$a, $d\" b > $D/two.json; "
            "m t 1,0,0 \"$a\" c > $D/slider.json", 0, NULL, NULL);
-    expect("$P trace $D/one.json", 3, NULL, "singular: links yield there with 2 freedoms of first order, but move with 1");
+    expect("$P trace $D/one.json", 3, NULL, "singular: to first order the links have 2 freedoms there, but the motion has 1");
     expect("$P trace $D/rest.json", 4, "\n0,4,", "joints open beyond A = 0 rad, D = 0 rad");
     expect("$P trace $D/rest.json | tail -1 | cut -d, -f1", 0, "0\n", NULL);
     expect("$P trace $D/two.json --time-range 0:1:1 | cut -d, -f4,5", 0, "\n2.58385316345285", NULL);        /* 3 + cos 2 */
     expect("$P simulate $D/two.json", 0, NULL, NULL);
     expect("$P simulate $D/rest.json", 4, NULL, "the posture at the start is singular");
-    expect("$P robot jacobian $D/two.json", 3, NULL, "the links move with 1 freedom, but there 2 drives move them");
+    expect("$P robot jacobian $D/two.json", 3, NULL, "the links have 1 freedom of motion, not one for each of the 2 drives");
     expect("$P robot jacobian $D/slider.json", 0, "vx               0", NULL);
     expect("$P robot jacobian $D/slider.json", 0, "a singular posture, place and turn of the tool have 0 of 1 freedoms", NULL);
 }

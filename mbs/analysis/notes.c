@@ -97,8 +97,8 @@ static void note_start(lw_note_sink c, const lw_dynamics *d, const lw_dynamics_r
         note(c, "%d constraint%s redundant: %s reactions%s%s are not unique, those of least norm are given", r->redundant,
              r->redundant == 1 ? " is" : "s are", *text ? "the" : "some", *text ? " at" : "", text);
     if (r->redundant && rubs && !r->no_friction)
-        note(c, "friction acts in joints whose reactions are not unique: where it depends on how they share the load, rigid links do not determine "
-             "it, nor the motion or the forces of drives that it changes; elastic links, or joints with more freedoms, do");
+        note(c, "friction acts in joints whose reactions are not unique: rigid links do not determine how these share the load, and the friction, the motion "
+             "and the forces of drives may depend on it; elastic links, or joints with more freedoms, determine it");
     if (r->redundant && r->freedom == 0 && !lw_dynamics_model(d))
         note(c, "no freedom is left, so nothing moves; if the linkage should move, its numbers are rounded: \"mobility --tolerance 1e-4\" "
              "tells, and more digits help");

@@ -1,7 +1,7 @@
 /* mbs/formulations/recursive.c - forward dynamics of a spatial model in the coordinates of its joints (mbs/space/recursive.h)
  * by collocation with eight states at once, if the loads are simple; else by an explicit method of order 8, or BDF methods (CVODE) where
- * dampers would keep its steps short.  Loops are closed after steps.  Singular postures of the loops are passed in the
- * coordinates of the bodies. */
+ * dampers would keep its steps short.  Loops are closed after steps in which they opened noticeably, and for rows of output.  Singular
+ * postures of the loops are passed in the coordinates of the bodies. */
 #include "base/number.h"
 #include "base/real.h"
 #include "mbs/formulations/formulations_internal.h"

@@ -897,15 +897,16 @@ static lw_status too_short(const lw_integrator *w, double h, lw_error *e)
     return lw_error_set(e, LW_E_NUMERIC, "at t = %.12g s the steps became too short (%.3g s): %s", w->t_old, fabs(h), why.text);
 }
 
-/* Growth of the step after one of error err.  Where rounding of f dominates the error estimate, which then falls only in proportion to the
- * step, proportional-integral control does not make steps much shorter than needed.  Where f is accurate to rounding (smooth), the predictive
- * control of Gustafsson (1994) continues the change of the error's coefficient, err/h^8, from step to step: for the same error it takes
- * four fifths of the evaluations of one-coordinate models with losses, in which that changes fast. */
-static double growth(const lw_integrator *w, double err)
+/* Growth of the step after one of error err; before: the length of the step before it, 0 if that or this one was cut short. Where
+ * rounding of f dominates the error estimate, which then falls only in proportion to the step, proportional-integral control does not
+ * make steps much shorter than needed. Where f is accurate to rounding (smooth), the predictive control of Gustafsson (1994) continues
+ * the change of the error's coefficient, err/h^8, from step to step: for the same error it takes four fifths of the evaluations of
+ * one-coordinate models with losses, in which that changes fast. */
+static double growth(const lw_integrator *w, double err, double before)
 {
     if (!w->o.smooth)
         return 0.9*pow(err, -0.117)*pow(w->err_old, 0.04);
-    return w->h_old > 0.0 ? 0.85*fabs(w->h_done)/w->h_old*pow(err, -1.2/8)*pow(w->err_old, 0.7/8) : 0.9*pow(err, -1.0/8);
+    return before > 0.0 ? 0.85*fabs(w->h_done)/before*pow(err, -1.2/8)*pow(w->err_old, 0.7/8) : 0.9*pow(err, -1.0/8);
 }
 
 /* Try steps from t_old until one is accepted; *last is set if it reached t_end. */
@@ -942,8 +943,7 @@ static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_erro
         }
         if (s == LW_OK && err <= 1.0) {
             bool full = fabs(h) == proposed;             /* the error of a step cut short says nothing about the trend */
-            w->h_old = full ? w->h_old : 0.0;
-            double f = err > 0.0 ? growth(w, err) : factor_max;
+            double f = err > 0.0 ? growth(w, err, full ? w->h_old : 0.0) : factor_max;
             double next = fabs(h)*fmin(factor_max, fmax(1.0/3.0, f));
             w->h = *last && next < w->h && f >= 1.0 ? w->h : next;
             w->err_old = fmax(err, 1e-4);

@@ -40,8 +40,8 @@ typedef struct lw_stage_loop {
     int     leg, side, apart;                /* its leg, -1: none, and the side where this is, -1: both; the same, -1: solved with all loops */
 } lw_stage_loop;
 
-/* A leg: a part of the tree from the ground on whose loops end in itself, at the ground, or at one body of another part, where two legs or more
- * end.  Rows that are independent in its own rates hold these once the acceleration of that body is known, so the leg acts on the body as an
+/* A leg: a part of the tree that starts at the ground and whose loops all end in itself, at the ground, or at one body of another part, at which two
+ * legs or more end.  Rows that are independent in its own rates hold these once the acceleration of that body is known, so the leg acts on the body as an
  * inertia and a load do, and its rows meet those of no other leg.  Rows beyond these, less what they have in common with them, are rows of
  * that body alone. */
 typedef struct lw_stage_leg {

@@ -160,7 +160,7 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
     s = lw_space_follow_make(&r->space, r->measure, r->n_drive, false, &r->follow, e);
     int lost = s == LW_OK ? lw_space_lost_freedoms(&r->follow) : 0;
     if (lost > 0)
-        s = lw_error_set(e, LW_E_ARG, "the posture of the file is singular: the links move with %d freedom%s, but there %d drives move them; take another "
+        s = lw_error_set(e, LW_E_ARG, "the posture of the file is singular: the links have %d freedom%s of motion, not one for each of the %d drives; take another "
                          "posture of the motion", r->n_drive - lost, lw_plural(r->n_drive - lost), r->n_drive);
     size_t n_v = (size_t)r->space.n_v, n_q = (size_t)r->space.n_q;
     bool loops = r->space.n_joint > r->space.n_body;

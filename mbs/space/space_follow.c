@@ -60,7 +60,7 @@ static lw_status count_freedoms(lw_space_follow *f, int rank, bool any, lw_error
                             f->n_input, f->n_input == 1 ? " moves" : "s move", f->z.n_kept - rank, freedom, lw_plural(freedom),
                             f->n_input == 1 ? "" : "they contradict each other, or ", f->n_input == 1 ? "it" : "them");
     if (f->freedom > 0 && !any && (lost = lw_space_lost_freedoms(f)) > 0)
-        return lw_error_set(e, LW_E_ARG, "the posture of the file is singular: links yield there with %d freedoms of first order, but move with %d; take "
+        return lw_error_set(e, LW_E_ARG, "the posture of the file is singular: to first order the links have %d freedoms there, but the motion has %d; take "
                             "another posture of the motion", freedom, freedom - lost);
     if (f->freedom > 0 && !any)
         return lw_error_set(e, LW_E_ARG, "the model has %d freedom%s and %d input%s: %d more input%s needed", freedom,
