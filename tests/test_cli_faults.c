@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include "tests/cli_run.h"
 
-enum { N_FIRST = 5, N_FIRST_OF_SEARCH = 3, MEMORY_ERROR = 4, WRITE_ERROR = 3 };
+enum { N_FIRST = 3, N_FIRST_OF_SEARCH = 2, MEMORY_ERROR = 4, WRITE_ERROR = 3 };
 
 /* A program that finds the gallery beside it, wherever it was built. */
 #define PROGRAM_WITH_GALLERY "mkdir -p $D/bin $D/examples && cp $C $D/bin/linkwright && cp -r examples/gallery $D/examples/ && "
@@ -475,7 +475,7 @@ static void fail_each(const char *command, bool few)
     lw_rng rng = check_rng(strlen(command));
     const char *denser = getenv("LW_FAULTS");
     bool search = few || strstr(command, "C fit ") || strstr(command, "C plasma ") || strstr(command, " studio ");
-    double step = 1 + (search ? 2 : 1.5)/(denser ? atof(denser) : 1);
+    double step = 1 + (search ? 3 : 2.5)/(denser ? atof(denser) : 1);
     snprintf(calls, sizeof calls, "%s/calls", getenv("D"));
     setenv("LW_CALLS_FILE", calls, 1);
     ran whole = run_once(command, &file);

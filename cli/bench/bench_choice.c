@@ -564,6 +564,7 @@ lw_status cli_mbs_choice(cli_mbs *b, const char *cases, const char *folder, lw_e
         }
         free(y->got.q), free(y->exact[0].q), free(y->exact[1].q), free(y);
     }
-    printf("\nWorst ratio: %.2f\n\n", worst);
+    if (st == LW_OK)
+        printf("\nWorst ratio: %.2f\n\n", worst);
     return st == LW_OK && folder ? save_hard(b, folder, e) : st;
 }

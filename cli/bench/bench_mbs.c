@@ -364,7 +364,7 @@ static lw_status choose(const char *list, uint64_t *wanted, lw_error *e)
             return lw_error_set(e, LW_E_ARG, "there is no problem '%s'; %s%s%s", word,
                                 near ? "did you mean '" : "there are pendulum, two-four-bars, row-of-15, row-of-40, "
                                 "row-of-400, andrews, space-slider-crank, space-bricard, space-governor, space-chain, "
-                                "space-arm, space-stewart, flexible-crank, clearance, clearance-250, choice",
+                                "space-arm, space-stewart, space-delta, flexible-crank, clearance, clearance-250, choice",
                                 near ? near : "",
                                 near ? "'?" : "");
         *wanted |= 1ull << i;
