@@ -1,6 +1,7 @@
 /* tests/test_swing.c - closed curves of six-bars whose input does not turn: traced by arc length over all limits
  * (mbs/constraints/motion_curve.h, which knows no assemblies), they are curves of the problem with the true dimensions; its derivatives
  * over limits; and a search that is told the topology alone finds them. */
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,6 +12,7 @@
 #include "optimise/problem/evaluate.h"
 #include "optimise/problem/residuals.h"
 #include "optimise/problem/timing.h"
+#include "optimise/problem/variable_projection.h"
 #include "optimise/report/report.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
@@ -92,9 +94,29 @@ static void place(const lw_problem *p, const journey *way, double first, lw_work
     }
 }
 
+/* Inputs are rounded by some units in the last place; near a limit the point moves much farther.  What that adds to f. */
+static double rounding(const lw_problem *p, const lw_work *w)
+{
+    double f = 0, t[LW_PROBLEM_ROW_MAX];
+    for (size_t k = 0; k < p->n; k++) {
+        double off = 4*DBL_EPSILON*fabs(w->input[k])/w->rate[k];
+        f += off*off*lw_problem_tangent(p, w, k, t);
+    }
+    return f;
+}
+
+/* Is the linkage refused, though it closes at all stations, since a dyad comes near to a dead point between limits? */
+static bool is_refused(const lw_problem *p, const double *x, lw_work *w)
+{
+    bool refused = lw_problem_turn_stations(p, x, w) && !lw_problem_lanes(p, x, w);
+    for (size_t k = 0; k < p->n; k++)
+        refused = refused && w->jac.margin[k] > 0;
+    return refused;
+}
+
 TEST(the_true_dimensions_have_no_error)
 {
-    int seen[N_NET] = { 0 }, many = 0, other = 0, settled = 0;
+    int seen[N_NET] = { 0 }, many = 0, other = 0, refused = 0, settled = 0;
     lw_rng rng = check_rng(1);
     for (int trial = 0; trial < 90; trial++) {
         lw_linkage k = random_net(&net[trial % N_NET], &rng);
@@ -113,15 +135,19 @@ TEST(the_true_dimensions_have_no_error)
             other++;                                     /* limits closer than samples                   */
         else {
             place(&p, &way, input, w);
+            if (is_refused(&p, x, w)) {
+                refused++;
+                continue;
+            }
             CHECK(lw_timing_refine(&p, x, w, 60));
-            CHECK_NEAR(lw_problem_rows(&p, x, w, false), 0, 1e-18, 0);
+            CHECK_NEAR(lw_problem_rows(&p, x, w, false), 0, 1e-18 + rounding(&p, w), 0);
             seen[trial % N_NET]++;
             many += way.limits > 2;
         }
     }
     for (int i = 0; i < N_NET; i++)
         CHECK(seen[i] > 10);
-    CHECK(many > 5 && other <= 3);
+    CHECK(many > 5 && other <= 3 && refused <= 3);
     CHECK(settled > 40);             /* from scratch: stations at a sharp bend may stay on the wrong side of it */
 }
 
