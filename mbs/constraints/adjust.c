@@ -8,7 +8,8 @@
 
 static const double loose = 5e-3;            /* a row this near to others, relatively, may depend on them if it were exact */
 static const double strict = 1e-9;
-static const double stride = 0.4;           /* between postures, scaled */
+static const double unclear = 0.1;           /* which rows depend on others, where the weakest of those that do not is no farther from it */
+static const double longest_stride = 0.4, least_stride = 0.05;           /* between postures, scaled */
 static const double exact = 1e-12;           /* rows that are satisfied by the dimensions given */
 static const double closed = 4e-15;          /* rows that are satisfied by the dimensions adjusted; a few more steps are tried until they are */
 static const double rounded = 6e-16;         /* satisfied to this, since the motion through flat postures depends on it */
@@ -76,10 +77,10 @@ static void close_posture(adjuster *w, double *place, double *way)
     }
 }
 
-/* Postures along motion k of the linkage, as if rows that nearly depend on others did: from the first in both senses by turns, each
- * closed in the sense of least squares.  A sense ends where rows do not depend on others any more: near postures where two motions
- * meet, rounded numbers lead to neither.  Returns the greatest residual; infinite if both senses end: the posture given is singular. */
-static double walk(adjuster *w, int k)
+/* Postures along motion k of the linkage, `stride` apart, as if rows that nearly depend on others did: from the first in both senses by
+ * turns, each closed in the sense of least squares.  A sense ends where the rank is not clear: near postures where two motions meet, rounded
+ * numbers lead to neither.  Returns the greatest residual; infinite if both senses end before all postures are found. */
+static double walk(adjuster *w, int k, double stride)
 {
     lw_rank r;
     double worst = 0, *way = w->other, *b = way + w->n_q;
@@ -109,8 +110,10 @@ static double walk(adjuster *w, int k)
         move(w, to, (first ? 2*sense - 1 : along < 0 ? -1 : 1)*stride/fmax(size, 1e-30), way);
         memcpy(old, way, (size_t)w->n_q*sizeof *old);
         close_posture(w, to, way);
-        factor(w, to, 0, loose, &r);
-        ended[sense] = r.rank > w->rank;
+        factor(w, to, w->rank, strict, &r);
+        double kept = r.weakest;
+        factor(w, to, w->rank + 1, strict, &r);
+        ended[sense] = r.rank > w->rank && r.weakest > fmin(loose, unclear*kept);
         if (!ended[sense]) {
             worst = fmax(worst, lw_greatest(w->n_row, w->phi));
             from[sense] = to;
@@ -412,8 +415,15 @@ lw_status lw_adjust(const lw_adjustable *a, double *place, double *by, lw_error 
         double worst = 0;
         memcpy(w.place, place, (size_t)a->n_place*sizeof *place);
         w.n_posture = 1;
-        for (int k = 0; k < freedom; k++)
-            worst = fmax(worst, walk(&w, k));
+        for (int k = 0; k < freedom; k++) {
+            int before = w.n_posture;
+            double off = INFINITY;
+            for (double stride = longest_stride; !isfinite(off) && stride >= least_stride; stride /= 2) {
+                w.n_posture = before;
+                off = walk(&w, k, stride);
+            }
+            worst = fmax(worst, off);
+        }
         near = worst > exact && worst < LW_ADJUST_MOST && close_all(&w);
         status = !near ? LW_NOTHING : sharpen(&w) == LW_OK ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
