@@ -56,6 +56,54 @@ TEST(linear_figure_is_that_of_differences)
     CHECK(r.within > r.worst && r.within < 5*r.worst);
 }
 
+/* The variances of place and angle of a link in the worst of 64 postures over the turn, by differences: of a motion the angle counts half
+ * the diagonal of the target, of a function alone. */
+TEST(deviation_is_that_of_differences)
+{
+    const double extent = 2.4, theta[2] = { 0 }, tolerance = 3e-3, h = 1e-6;
+    const lw_tolerances of = { .length = tolerance };
+    double start[2] = { 0.4, 0.9 }, input[POSTURES];
+    lw_fit_report *r = calloc(1, sizeof *r);
+    if (!r)
+        return;
+    r->turns = true;
+    make_bar(&r->linkage, input);
+    for (int function = 0; function < 2; function++) {
+        const lw_target t = { .n = 2, .theta = (double *)theta, .extent = function ? 0 : extent };
+        const lw_candidate c = { .input = start };
+        double most = 0, size = 0, deviation;
+        if (function) {                                    /* a tracer at the pin of the rocker on the coupler */
+            fourbar_joints q = fourbar_at(bar, 1, 0.4);
+            r->linkage.tracer[0].link = 3;
+            r->linkage.tracer[0].at = q.b;
+        }
+        for (int d = 0; d < 4; d++)
+            size += bar[d];
+        size = (size + (function ? bar[3] : fabs(bar[4]) + fabs(bar[5])))/6;
+        for (int i = 0; i < 64; i++) {
+            double square = 0;
+            for (int d = 0; d < 9; d++) {
+                double up[9], down[9], sigma = tolerance/3/(d == 8 ? size : 1), at = 0.4 + 2*LW_PI*i/64;
+                if (function && (d == 4 || d == 5))
+                    continue;
+                memcpy(up, bar, sizeof up);
+                memcpy(down, bar, sizeof down);
+                up[d] += h;
+                down[d] -= h;
+                fourbar_joints a = fourbar_at(up, 1, at), b = fourbar_at(down, 1, at);
+                lw_vec2 la = lw_v2_sub(a.b, function ? a.b0 : a.a), lb = lw_v2_sub(b.b, function ? b.b0 : b.a);
+                double turn = remainder(atan2(la.y, la.x) - atan2(lb.y, lb.x), 2*LW_PI)/(2*h);
+                double place = function ? 0 : lw_v2_norm(lw_v2_sub(a.p, b.p))/(2*h);
+                square += pow(sigma*place, 2) + pow(sigma*turn*(function ? 1 : 0.5*extent), 2);
+            }
+            most = fmax(most, square);
+        }
+        CHECK_INT(lw_robustness_deviation(&t, &c, r, &of, &deviation), LW_OK);
+        CHECK_NEAR(deviation, sqrt(most), 0, 1e-6);
+    }
+    free(r);
+}
+
 /* The point of the four-bar `bar` where the pins of the crank on the ground, crank and coupler, coupler and rocker, rocker and
  * ground lie beside their places on the next link by e[4], from circles that meet. */
 static lw_vec2 point_with_play(const double k[9], double input, const lw_vec2 e[4])

@@ -624,7 +624,7 @@ const cli_command cli_fit_command = {
         "(beyond one diagonal of the target; beyond 1.5 as 0.65 of it), 35 degrees of transmission angle (up to 45), or 1.4\n"
         "links. An error below 1/1000 of the target, or below what --smooth moved its points by, hardly counts, one above 1/50\n"
         "more. Of a function the ratio of the longest to the shortest length stands for the size, 4 for a diagonal, and its\n"
-        "swing, at least 57 degrees, for the target.\n"
+        "swing, at least 57 degrees, for the target; lengths vary by +-1/625 of the shortest.\n"
         "If a row stays within 1/10000 of the target (3/10000 between its points; an angle within 0.006 degrees), a larger\n"
         "linkage is not listed for a smaller error, except the one with the smallest. One that leaves the target by more than 5 %\n"
         "is not listed if another one stays within 2 %. --tolerance says instead how much error is as good as none.\n"

@@ -323,7 +323,7 @@ static void json_modes(const cli_fit_set *s, const lw_candidate *c, const lw_fit
 static void json_limits(const cli_fit_set *s, const lw_fit_report *r, cli_json *j)
 {
     cli_json_real(j, "size", length(s, r->size));
-    cli_json_real(j, "as_made", length(s, r->as_made));
+    cli_json_real(j, "as_made", s->target.extent > 0 ? length(s, r->as_made) : r->as_made);
     cli_json_real(j, "counts_as", r->counts_as);
     cli_json_real(j, "size_over_path", s->target.extent > 0 ? r->size/s->target.extent : NAN);
     cli_json_real(j, "length_least", length(s, r->length_least));

@@ -70,8 +70,8 @@ typedef struct lw_fit_report {
     lw_stray stray;                /* of the whole closed curve from a closed target, of the arc between the ends from an
                                     * open one, both ways [m]; NaN for functions                    */
     double   as_made;              /* about 95 of 100 linkages made with the tolerances of the specification, or else of a workshop, stay
-                                    * this near to the curve, and of a motion to the angle, over half the diagonal [m]; NaN: the
-                                    * linkage has no derivatives, or a function; set by lw_fit_results_make         */
+                                    * this near to the curve, and of a motion to the angle, over half the diagonal [m], of a function to
+                                    * its output angle [rad]; NaN: the linkage has no derivatives; set by lw_fit_results_make        */
     double   spread;               /* the same if the specification has tolerances, else NaN                        */
     double   counts_as;            /* the error of an equally good four-bar of the target's size whose crank turns, with transmission angles of
                                     * at least 45 degrees, as a part of the diagonal, or of the swing of a function; NaN: without default

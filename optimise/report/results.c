@@ -246,7 +246,7 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 #define PER_MISS     1.5           /* beyond LW_NEAR twice the error counts as 5.7 times                            */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
 #define PER_LINK     0.5           /* for each link more: two links with their three joints count as 2.7 times the error */
-#define ROCKING      0.2           /* an input that has to be reversed                                              */
+#define ROCKING      0.2           /* an input that has to be reversed; that of an open function is anyway          */
 
 static double cost_of_size(const lw_target *t, const lw_fit_report *r)
 {
@@ -257,19 +257,19 @@ static double cost_of_size(const lw_target *t, const lw_fit_report *r)
 /* How far a linkage stays from the target as it is made, as a part of the diagonal, or of the swing of the output. */
 static double part_as_made(const lw_target *t, const lw_fit_report *r)
 {
-    if (!(t->extent > 0))
-        return hypot(r->angle_max/fmax(1, lw_target_swing(t)), LW_EXACT_ENOUGH);
-    double made = isnan(r->as_made) ? LW_EXACT_ENOUGH*t->extent : r->as_made;
-    return hypot(hypot(lw_fit_report_known_miss(t, r), made)/t->extent, fmax(LW_EXACT_ENOUGH, t->noise/t->extent));
+    const bool function = !(t->extent > 0);
+    const double whole = function ? fmax(1, lw_target_swing(t)) : t->extent, made = isnan(r->as_made) ? LW_EXACT_ENOUGH*whole : r->as_made;
+    return hypot(hypot(function ? r->angle_max : lw_fit_report_known_miss(t, r), made)/whole, fmax(LW_EXACT_ENOUGH, t->noise/whole));
 }
 
 /* Less is better. */
 static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
+    const bool rocks = !r->turns && (t->closed || t->extent > 0);
     double part = part_as_made(t, r), near = t->extent > 0 ? fmax(LW_NEAR, t->noise/t->extent) : LW_NEAR;
     return log(part) + PER_MISS*log(fmax(1, part/near)) + cost_of_size(t, r)
          + (t->extent > 0 ? PER_RATIO*log(lw_uneven(lw_fit_report_ratio(t, r), 1)) : 0)
-         + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min) + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
+         + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min) + PER_LINK*lw_candidate_links(c) + (rocks ? ROCKING : 0);
 }
 
 /* Move the first row with each number of links before the others: which linkage is the best with fewer links is the first thing to know
@@ -384,13 +384,14 @@ typedef struct reports {
 /* A tolerance of lengths, in diagonals of the target, that a workshop keeps without effort: +-0.08 mm of 200 mm (IT 10 of ISO 286-1). */
 #define WORKSHOP 4e-4
 
-/* How far linkages stray from the curve of this one as they are made: two standard deviations in the worst posture. */
+/* How far linkages stray from the curve of this one, or their output from its angle, as they are made: two standard deviations in the worst
+ * posture. */
 static lw_status find_as_made(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r)
 {
-    const lw_tolerances workshop = { .length = WORKSHOP*t->extent };
+    const lw_tolerances workshop = { .length = WORKSHOP*(t->extent > 0 ? t->extent : PER_DIAGONAL*r->length_least) };
     const bool given = s->tolerances.length > 0 || s->tolerances.clearance > 0;
     double deviation;
-    lw_status st = t->extent > 0 ? lw_robustness_deviation(t, c, r, given ? &s->tolerances : &workshop, &deviation) : LW_NOTHING;
+    lw_status st = lw_robustness_deviation(t, c, r, given ? &s->tolerances : &workshop, &deviation);
     r->as_made = st == LW_OK ? 2*deviation : NAN;
     r->spread = given ? r->as_made : NAN;
     return st == LW_E_MEMORY ? st : LW_OK;

@@ -16,8 +16,9 @@ typedef struct spread {
     size_t  n;
     double  dim[LW_DIM_MAX], mode[LW_MODE_MAX], sigma[LW_DIM_MAX];
     double *c, *s, *x, *y, *margin, *far;      /* of each posture; far: the greatest distance in each trial */
-    double *by[2];                             /* derivatives of x and y                  (n_dim*n)      */
-    double *tx, *ty;                           /* by the input                                           */
+    double *by[3];                             /* derivatives of x, y and the angle       (n_dim*n)      */
+    double *by_input[3];                       /* and by the input                                       */
+    double  weight[3];                         /* what each of the three counts: their squares are added */
     double  start;                             /* input of the posture of the linkage ...                */
     const double *input;                       /* ... and what each posture adds                 (n)     */
     double  clearance;
@@ -71,7 +72,7 @@ static lw_status prepare(const lw_linkage *linkage, const double *input, size_t 
     if (st != LW_OK)
         return st;
     size_t dims = (size_t)p->plan.n_dim, work = (lw_batch_work_size(&p->plan) + 127) & ~(size_t)63;
-    double *m = malloc(sizeof *m*(n*(7 + 2*dims) + (size_t)trials));
+    double *m = malloc(sizeof *m*(n*(8 + 3*dims) + (size_t)trials));
     p->n = n;
     p->start = at;
     p->input = input;
@@ -83,26 +84,43 @@ static lw_status prepare(const lw_linkage *linkage, const double *input, size_t 
     p->x = m + 2*n;
     p->y = m + 3*n;
     p->margin = m + 4*n;
-    p->tx = m + 5*n;
-    p->ty = m + 6*n;
-    p->by[0] = m + 7*n;
-    p->by[1] = p->by[0] + n*dims;
-    p->far = p->by[1] + n*dims;
+    for (size_t c = 0; c < 3; c++) {
+        p->by_input[c] = m + (5 + c)*n;
+        p->by[c] = m + (8 + c*dims)*n;
+    }
+    p->far = m + (8 + 3*dims)*n;
     set_inputs(p, 0);
     return LW_OK;
 }
 
-/* The variance of the point in posture k for play in pin i of spread.pin. */
+/* The squares of what a change of place and angle counts, added. */
+static double square_of(const spread *p, const double change[3])
+{
+    double square = 0;
+    for (int c = 0; c < 3; c++)
+        square += pow(p->weight[c]*change[c], 2);
+    return square;
+}
+
+/* The variance in posture k for a deviation of dimension d. */
+static double variance_of_dimension(const spread *p, int d, size_t k)
+{
+    const size_t at = (size_t)d*p->n + k;
+    return p->sigma[d]*p->sigma[d]*square_of(p, (double[3]){ p->by[0][at], p->by[1][at], p->by[2][at] });
+}
+
+/* The variance in posture k for play in pin i of spread.pin. */
 static double variance_of_play(const spread *p, int i, size_t k)
 {
     double square = 0;
     for (int axis = 0; axis < 2; axis++) {
-        double x = p->play_input[i][axis]*p->tx[k], y = p->play_input[i][axis]*p->ty[k];
-        for (int d = 0; d < p->plan.n_dim; d++) {
-            x += p->play[i][axis][d]*p->by[0][(size_t)d*p->n + k];
-            y += p->play[i][axis][d]*p->by[1][(size_t)d*p->n + k];
+        double change[3];
+        for (int c = 0; c < 3; c++) {
+            change[c] = p->play_input[i][axis]*p->by_input[c][k];
+            for (int d = 0; d < p->plan.n_dim; d++)
+                change[c] += p->play[i][axis][d]*p->by[c][(size_t)d*p->n + k];
         }
-        square += x*x + y*y;
+        square += square_of(p, change);
     }
     return 0.25*p->clearance*p->clearance*square;
 }
@@ -126,8 +144,8 @@ static void name_parts(const spread *p, const lw_linkage *linkage, double all, l
 static lw_status linearise(spread *p, const lw_linkage *linkage, lw_robustness *out, lw_error *e)
 {
     lw_lanes in = { .n = p->n, .c = p->c, .s = p->s, .dim = p->dim, .mode = p->mode };
-    lw_jacobian j = { .x = p->x, .y = p->y, .margin = p->margin, .jx = p->by[0], .jy = p->by[1], .tx = p->tx, .ty = p->ty,
-                      .ld = p->n };
+    lw_jacobian j = { .x = p->x, .y = p->y, .margin = p->margin, .jx = p->by[0], .jy = p->by[1], .jt = p->by[2], .tx = p->by_input[0],
+                      .ty = p->by_input[1], .tt = p->by_input[2], .ld = p->n };
     double *u = malloc(sizeof *u*2*p->n), all = 0;
     if (!u)
         return lw_error_set(e, LW_E_MEMORY, "no memory for the tolerances");
@@ -140,8 +158,7 @@ static lw_status linearise(spread *p, const lw_linkage *linkage, lw_robustness *
         if (!(p->margin[k] > 0))
             return lw_error_set(e, LW_OPEN, "the linkage does not close at posture %zu", k + 1);
         for (int d = 0; d < p->plan.n_dim; d++) {
-            size_t at = (size_t)d*p->n + k;
-            double part = p->sigma[d]*p->sigma[d]*(p->by[0][at]*p->by[0][at] + p->by[1][at]*p->by[1][at]);
+            double part = variance_of_dimension(p, d, k);
             here += part;
             out->part[d] += part;
         }
@@ -210,8 +227,9 @@ static void draw(spread *p, const lw_tolerances *of, lw_robustness *out)
     out->within = n > 0 ? p->far[(int)ceil(0.95*n) - 1] : NAN;
 }
 
-static lw_status spread_of(const lw_linkage *linkage, const double *input, size_t n, const lw_tolerances *of, int trials,
-                           lw_robustness *out, lw_error *e)
+/* place, angle: what a distance of the point and an angle of its link count to first order. */
+static lw_status spread_of(const lw_linkage *linkage, const double *input, size_t n, const lw_tolerances *of, double place, double angle,
+                           int trials, lw_robustness *out, lw_error *e)
 {
     memset(out, 0, sizeof *out);
     out->trials = trials;
@@ -222,6 +240,8 @@ static lw_status spread_of(const lw_linkage *linkage, const double *input, size_
         return lw_error_set(e, LW_E_MEMORY, "no memory for the tolerances");
     lw_status st = prepare(linkage, input, n, out->trials, p, e);
     if (st == LW_OK) {
+        p->weight[0] = p->weight[1] = place;
+        p->weight[2] = angle;
         set_deviations(of, p);
         st = read_play(linkage, of, p, e);
     }
@@ -238,7 +258,7 @@ static lw_status spread_of(const lw_linkage *linkage, const double *input, size_
 lw_status lw_robustness_make(const lw_linkage *linkage, const double *input, size_t n, const lw_tolerances *of,
                              lw_robustness *out, lw_error *e)
 {
-    return spread_of(linkage, input, n, of, of->trials > 0 ? of->trials : TRIALS, out, e);
+    return spread_of(linkage, input, n, of, 1, 0, of->trials > 0 ? of->trials : TRIALS, out, e);
 }
 
 enum { POSTURES = 64 };
@@ -270,21 +290,14 @@ lw_status lw_robustness_of(const lw_target *t, const lw_candidate *c, const lw_f
     return st == LW_OK ? lw_robustness_make(&r->linkage, input, POSTURES, of, out, e) : st;
 }
 
-/* The variances of two points of a body at equal distances d on both sides of a third one have as their mean that of the third point, and
- * d^2 times that of the angle. */
 lw_status lw_robustness_deviation(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, const lw_tolerances *of, double *out)
 {
-    double input[POSTURES], square = 0, side = t->theta ? 0.5*t->extent : 0;
+    const bool function = !(t->extent > 0);
+    double input[POSTURES];
     lw_robustness one;
-    lw_linkage *linkage = malloc(sizeof *linkage);
-    lw_status st = linkage ? postures_of(t, c, r, input, NULL) : LW_E_MEMORY;
-    for (int k = -1; k <= 1 && st == LW_OK; k += 2) {
-        *linkage = r->linkage;
-        linkage->tracer[0].at.x += k*side;
-        st = spread_of(linkage, input, POSTURES, of, 0, &one, NULL);
-        square += 0.5*one.worst*one.worst;
-    }
-    free(linkage);
-    *out = sqrt(square);
+    lw_status st = postures_of(t, c, r, input, NULL);
+    if (st == LW_OK)
+        st = spread_of(&r->linkage, input, POSTURES, of, function ? 0 : 1, function ? 1 : t->theta ? 0.5*t->extent : 0, 0, &one, NULL);
+    *out = st == LW_OK ? one.worst : NAN;
     return st;
 }

@@ -33,7 +33,7 @@ lw_status lw_robustness_of(const lw_target *t, const lw_candidate *c, const lw_f
                            lw_robustness *out, lw_error *e);
 
 /* The same to first order alone: the standard deviation in the worst posture [m], of a motion with that of the angle times half the
- * diagonal of the target. */
+ * diagonal of the target; of a function that of the output angle alone [rad]. */
 lw_status lw_robustness_deviation(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, const lw_tolerances *of, double *out);
 
 #endif
