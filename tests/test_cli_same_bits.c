@@ -32,7 +32,7 @@ static const char *const rows[] = {
     "$C simulate examples/dynamics/boxes.json --to 0.15 -n 4 --formulation capture",
     "$C simulate examples/dynamics/boxes.json --to 0.15 -n 4",
     "$C simulate examples/elastic-frame.json --analysis static",
-    "$C simulate examples/space/governor.json --to 0.02 -n 2 --formulation recursive",
+    "$C simulate examples/space/governor.json --to 0.02 -n 12 --formulation recursive",
     "$C simulate examples/space/governor.json --to 0.02 -n 2 --formulation index1",
     "$C simulate examples/space/delta.json --to 0.02 -n 2",
     "$C simulate examples/space/superelement.json --analysis static",

@@ -242,6 +242,20 @@ static lw_status to_bodies(motion *m, double t, const double *y, bool placed, do
     return s;
 }
 
+/* One of three solvers. */
+typedef struct stepper {
+    motion *m;
+    bool implicit, staged;                   /* by BDF methods; by collocation */
+    lw_integrator explicit_one;
+    lw_sundials implicit_one;
+    lw_collocation stages;
+    lw_ode ode;
+    lw_stages_ode at_stages;
+    double *y;
+    double ready[LW_STAGES];                 /* times of the samples that are worked out in m->stages, */
+    int    n_ready;                          /* and how many */
+} stepper;
+
 /* ---- forces of samples -------------------------------------------------------------------------------------------- */
 
 typedef struct joint_row { lw_vec3 move, turn; double *l; } joint_row;      /* derivatives by the body at the outer end; its multiplier */
@@ -337,13 +351,20 @@ static bool is_placed(const motion *m, const double *q, const double *v)
     return same;
 }
 
-/* Accelerations and forces of a sample from the joints' coordinates, where no rows are left but those of joints, which are independent. */
+/* Are all rows those of joints, and independent? */
+static bool rows_are_plain(const motion *m)
+{
+    const lw_dynamics *d = m->run->d;
+    return m->r.n_extra + m->r.s->n_coupling == 0 && d->rank == d->n_c && d->n_c == m->r.s->n_joint_row;
+}
+
+/* Accelerations and forces of a sample from the joints' coordinates. */
 static lw_status solve_sample(void *solver, double t, const double *q, const double *v)
 {
-    motion *m = solver;
+    motion *m = ((stepper *)solver)->m;
     lw_dynamics *d = m->run->d;
     int row = 0;
-    if (m->r.n_extra + m->r.s->n_coupling > 0 || d->rank < d->n_c || d->n_c != m->r.s->n_joint_row || !is_placed(m, q, v))
+    if (!rows_are_plain(m) || !is_placed(m, q, v))
         return LW_OPEN;
     d->eq.forces(d->eq.context, t, q, v, d->force, NULL);
     for (int i = 0; i < d->n_v; i++)
@@ -367,18 +388,6 @@ static lw_status solve_sample(void *solver, double t, const double *q, const dou
     tree_multipliers(m, d->hold);
     return LW_OK;
 }
-
-/* One of three solvers. */
-typedef struct stepper {
-    motion *m;
-    bool implicit, staged;                   /* by BDF methods; by collocation */
-    lw_integrator explicit_one;
-    lw_sundials implicit_one;
-    lw_collocation stages;
-    lw_ode ode;
-    lw_stages_ode at_stages;
-    double *y;
-} stepper;
 
 static double *time_at(stepper *w) { return w->implicit ? &w->implicit_one.t : w->staged ? &w->stages.t : &w->explicit_one.t; }
 static double time_of(stepper *w) { return *time_at(w); }
@@ -425,6 +434,41 @@ static lw_status state_at(void *context, double t, double *out)
     if (s == LW_OK && closes)
         s = close_loops(m, t, p->y, p->y + m->r.n_x, q, q + m->run->d->n_q);
     return s == LW_OK ? to_bodies(m, t, p->y, closes, out) : LW_E_NUMERIC;       /* loops that are closed are placed */
+}
+
+/* Samples within a step from eight states at once. */
+static lw_status whole_sample(void *context, double t, double t_end, lw_moment *of)
+{
+    stepper *w = context;
+    motion *m = w->m;
+    lw_run *run = m->run;
+    lw_dynamics *d = run->d;
+    lw_tree_stages *s = &m->stages;
+    int k = 0;
+    if (!w->staged || t_end != time_of(w) || !rows_are_plain(m))
+        return LW_OPEN;
+    while (k < w->n_ready && w->ready[k] != t)
+        k++;
+    if (k == w->n_ready) {
+        double at[LW_STAGES] = { t };
+        int n = 1;
+        for (int i = 1; i < LW_STAGES; i++) {
+            double next = run->next + i <= d->o.intervals ? lw_run_time(d, run->next + i) : INFINITY;
+            at[i] = next <= t_end ? next : at[i - 1];
+            n += next <= t_end;
+        }
+        lw_collocation_dense_eight(&w->stages, at, s->y);
+        w->n_ready = 0, k = 0;
+        if (lw_tree_stages_moments(s, n) != LW_OK || s->weak < far_from_singular*m->first)
+            return LW_OPEN;
+        memcpy(w->ready, at, sizeof at);
+        w->n_ready = n;
+    }
+    double *q = s->moment + (size_t)k*(size_t)s->n_moment, *v = q + d->n_q, *a = v + d->n_v, *l = a + d->n_v;
+    const double work = run->has_work ? s->y[8*(m->r.n_x + m->r.n_u) + k] : 0;
+    *of = (lw_moment){ .t = t, .q = q, .v = v, .a = a, .l = l, .z = d->eq.z, .work = work + run->impulse_work, .off = l[d->n_c], .off_rate = l[d->n_c + 1],
+                       .potential = d->eq.potential(d->eq.context, q), .kinetic = d->eq.kinetic(d->eq.context, v), .unique = true };
+    return LW_OK;
 }
 
 static lw_status kink_ahead(void *context, double t, const double *y, double *ahead)
@@ -483,6 +527,7 @@ static lw_status run_steps(motion *m, stepper *w, double *t, double *out)
             lw_run_watch(run, out);
             s = lw_run_jumps(run, *t, out);
         }
+        w->n_ready = 0;
         if (s == LW_OK)
             s = lw_run_samples(run, *t, state_at, w);
         memcpy(w->y, now(w), (size_t)w->ode.n*sizeof *w->y);
@@ -544,9 +589,9 @@ static lw_status pass_singular(motion *m, double *y, double *out)
     lw_dynamics *d = run->d;
     double *u = y + m->r.n_x, *q = m->body, *v = q + d->n_q;
     for (;; run->clear *= 2) {
-        run->solve_sample = NULL;
+        run->solve_sample = NULL, run->whole_sample = NULL;
         lw_status s = lw_run_go_on(run, out);
-        run->solve_sample = solve_sample;
+        run->solve_sample = solve_sample, run->whole_sample = whole_sample;
         if (s != LW_NOTHING)
             return s;
         memcpy(q, out, (size_t)(d->n_q + d->n_v)*sizeof *q);
@@ -602,7 +647,7 @@ static lw_status run_one(motion *m, double *y, double *work)
             each[i] = o.absolute*(i < first ? 1 : d->eq.state_scale(d->eq.context, i - first));
         o.absolute_each = each;
     }
-    run->solve_sample = solve_sample, run->solver = m;
+    run->solve_sample = solve_sample, run->whole_sample = whole_sample, run->solver = &w;
     if (s == LW_OK)
         s = lw_run_begin(run, out);
     for (bool again = true; again;) {
@@ -622,7 +667,7 @@ static lw_status run_one(motion *m, double *y, double *work)
             t = run->r->t;
         }
     }
-    run->solve_sample = NULL;
+    run->solve_sample = NULL, run->whole_sample = NULL;
     free(each);
     return s;
 }

@@ -88,6 +88,19 @@ void lw_collocation_dense(const lw_collocation *w, double t, double *y)
     }
 }
 
+void lw_collocation_dense_eight(const lw_collocation *w, const double t[LW_STAGES], double *y)
+{
+    double integral[N], column[N][N];
+    for (int k = 0; k < N; k++) {
+        integrals_at((t[k] - w->t_old)/w->h_done, integral);
+        for (int m = 0; m < N; m++)
+            column[m][k] = integral[m];
+    }
+    w->loops->sums(w->ode->n, (const double (*)[N])column, w->c, y);
+    for (int i = 0; i < N*w->ode->n; i++)
+        y[i] = t[i%N] == w->t ? w->y[i/N] : w->y_old[i/N] + w->h_done*y[i];
+}
+
 /* column[m][k]: Newton's polynomial m on the points of a step of length `of`, from its end, at point k of one of length h that begins `later`. */
 static void continue_polynomials(double of, double later, double h, double column[N][N])
 {

@@ -65,4 +65,7 @@ lw_status lw_collocation_step(lw_collocation *w, double t_end, lw_ode_stop *stop
 /* y (n) at t between t_old and t of the last step. */
 void lw_collocation_dense(const lw_collocation *w, double t, double *y);
 
+/* y (n x LW_STAGES) at eight times after t_old. */
+void lw_collocation_dense_eight(const lw_collocation *w, const double t[LW_STAGES], double *y);
+
 #endif

@@ -463,11 +463,16 @@ lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void 
         double at = lw_run_time(run->d, run->next);
         if (at > t)
             break;
-        s = state_at(context, at, run->y);
-        if (s == LW_OK && run->keeps_momenta)            /* between steps, too */
-            run->d->eq.keep_momenta(run->d->eq.context, at, run->y, run->y + run->d->n_q, run->d->hold);
-        if (s == LW_OK || s == LW_OPEN)
-            s = lw_run_show(run, at, run->y);
+        lw_moment m;
+        if (run->whole_sample && !run->keeps_momenta && run->whole_sample(run->solver, at, t, &m) == LW_OK)
+            s = hand_out(run, &m);
+        else {
+            s = state_at(context, at, run->y);
+            if (s == LW_OK && run->keeps_momenta)        /* between steps, too */
+                run->d->eq.keep_momenta(run->d->eq.context, at, run->y, run->y + run->d->n_q, run->d->hold);
+            if (s == LW_OK || s == LW_OPEN)
+                s = lw_run_show(run, at, run->y);
+        }
         run->next += s == LW_OK;             /* a sample that failed may come from another step */
     }
     return s;

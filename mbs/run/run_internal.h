@@ -51,6 +51,8 @@ typedef struct lw_run {
     /* Accelerations d->a and multipliers d->l of a sample at (t, q, v), whose rows are formed.  LW_OPEN: they are found from all rows, as
      * they are where this is NULL. */
     lw_status (*solve_sample)(void *solver, double t, const double *q, const double *v);
+    /* The sample at t, t_end is the end of the step.  LW_OPEN: it is found from its state. */
+    lw_status (*whole_sample)(void *solver, double t, double t_end, lw_moment *m);
     void   *solver;
     double *y, *state;               /* (n) scratch; state: ggl only */
 } lw_run;

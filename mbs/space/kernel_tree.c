@@ -388,6 +388,14 @@ static pulls pulls_of(const lw_stage_row *p, const ends *n, const body *b0, cons
     return (pulls){ { { cross(a, arm), minus(a) }, { cross(n->arm[1], a), a } }, -bends };
 }
 
+/* By how much a row is off. */
+static pack gap_of(const lw_stage_row *p, const ends *n, const body *b0, const body *b1)
+{
+    if (p->kind == LW_STAGE_TURN)
+        return dot(turned(b0, p->a), turned(b1, p->b)) - p->fixed;
+    return dot(p->kind == LW_STAGE_LINE ? turned(b0, p->a) : fixed(p->a), n->d);
+}
+
 /* Rows of Y, at most ROWS of one loop: what their pulls g leave at each rate, going inwards.  Rows side by side hide that the next rate
  * waits for this one; n_row is a constant where this is inlined. */
 enum { ROWS = 3 };
@@ -754,42 +762,69 @@ LW_INLINE void go_outwards(const lw_tree_stages *t, const bool again, const int 
     }
 }
 
-/* The lanes from `lane` on, which y and dy begin with. */
-LW_INLINE double rates_of_some(const lw_tree_stages *t, const bool again, int lane, const double *y, double *dy)
+/* The state of the lanes of a register. */
+typedef struct lanes { body *all; rate *rates; kept_rows z; } lanes;
+
+LW_INLINE lanes lanes_from(const lw_tree_stages *t, int lane)
 {
-    body *all = (body *)(void *)((char *)t->state + (size_t)lane/WIDTH*lw_tree_state_size(WIDTH, t->n_body, t->n_u, t->n_row)) + 1;
-    rate *rates = (rate *)(void *)(all + t->n_body);     /* all[-1]: the ground */
+    lanes s;
+    s.all = (body *)(void *)((char *)t->state + (size_t)lane/WIDTH*lw_tree_state_size(WIDTH, t->n_body, t->n_u, t->n_row)) + 1;
+    s.rates = (rate *)(void *)(s.all + t->n_body);       /* all[-1]: the ground */
+    kept_rows *z = &s.z;
+    z->row = (pulls *)(void *)(s.rates + t->n_u), z->carried = (screw *)(void *)(z->row + t->n_row), z->y = (pack *)(void *)(z->carried + t->n_row);
+    z->product = z->y + t->n_row*t->n_u, z->l = z->product + t->n_row*t->n_row, z->off = z->l + t->n_row;
+    return s;
+}
+
+/* Place bodies and rows; the loads that act, and those that the trial accelerations need.  y and dy begin with lane `lane`. */
+LW_INLINE void load(const lw_tree_stages *t, const bool again, int lane, const double *y, double *dy, lanes *s)
+{
     double *du = dy + 8*t->n_x;
-    kept_rows z;
-    z.row = (pulls *)(void *)(rates + t->n_u), z.carried = (screw *)(void *)(z.row + t->n_row), z.y = (pack *)(void *)(z.carried + t->n_row);
-    z.product = z.y + t->n_row*t->n_u, z.l = z.product + t->n_row*t->n_row, z.off = z.l + t->n_row;
-    place_ground(&all[-1]);
-    place_all(t, again, y, lane, du, all, rates);
-    pack power = pull(t, all);
+    place_ground(&s->all[-1]);
+    place_all(t, again, y, lane, du, s->all, s->rates);
+    pack power = pull(t, s->all);
     if (t->has_work)
         keep(du + 8*t->n_u, power);
-    place_rows(t, all, &z);
+    place_rows(t, s->all, &s->z);
     if (again)
-        load_rows(t, all, &z);
+        load_rows(t, s->all, &s->z);
+}
+
+/* The accelerations that loads and goals of the rows ask for, to du; again: added to it.  Returns what rates_of returns. */
+LW_INLINE double answer(const lw_tree_stages *t, const bool again, lanes *s, double *du)
+{
+    body *all = s->all;
+    rate *rates = s->rates;
+    kept_rows *z = &s->z;
     const int *trunk = t->order + t->n_hanging, *end = t->order + t->n_body;
     pack most = { 0 };
     if (!go_inwards(t, again, t->order, trunk, &most, all, rates))
         return 0;
-    double weak = go_through_legs(t, again, all, rates, &z);
+    double weak = go_through_legs(t, again, all, rates, z);
     if (!(weak > weak_leg))
         return -1;
     if (!go_inwards(t, again, trunk, end, &most, all, rates))
         return 0;
     if (t->n_kept > t->n_apart) {
-        double loops = hold_loops(t, again, all, rates, &z);
+        double loops = hold_loops(t, again, all, rates, z);
         weak = loops < weak ? loops : weak;
     }
     all[-1].load = (screw){ none, none };
     go_outwards(t, again, end, trunk, all, rates, du);
     for (const lw_stage_leg *g = t->leg; g < t->leg + (t->n_apart ? t->n_leg : 0); g++)
-        hold_leg(t, again, g, all, rates, &z);
+        hold_leg(t, again, g, all, rates, z);
     go_outwards(t, again, trunk, t->order, all, rates, du);
     return weak;
+}
+
+static double answer_anew(const lw_tree_stages *t, lanes *s, double *du) { return answer(t, false, s, du); }
+static double answer_again(const lw_tree_stages *t, lanes *s, double *du) { return answer(t, true, s, du); }
+
+LW_INLINE double rates_of_some(const lw_tree_stages *t, const bool again, int lane, const double *y, double *dy)
+{
+    lanes s = lanes_from(t, lane);
+    load(t, again, lane, y, dy, &s);
+    return again ? answer_again(t, &s, dy + 8*t->n_x) : answer_anew(t, &s, dy + 8*t->n_x);
 }
 
 static double rates_of(const lw_tree_stages *t, bool again, const double *y, double *dy)
@@ -815,4 +850,141 @@ static double prepare(const lw_tree_stages *t, bool again, const double *y)
     return -least_lane(-far);
 }
 
-const lw_tree_kernel lw_tree_kernel_here = { LW_ISA_NAME, WIDTH, prepare, rates_of };
+/* ---- rows of output ------------------------------------------------------------------------------------------------- */
+
+LW_INLINE pack greater(pack a, pack b)
+{
+    pack size = choose((mask)(b < 0), -b, b);
+    return choose((mask)(size <= a) | (mask)(a != a), a, size);          /* or one that is not a number */
+}
+
+static double close_some(const lw_tree_stages *t, const bool again, bool speeds, int lane, const double *y, double *du)
+{
+    lanes s = lanes_from(t, lane);
+    pack off = { 0 };
+    place_ground(&s.all[-1]);
+    place_all(t, again, y, lane, du, s.all, s.rates);
+    place_rows(t, s.all, &s.z);
+    for (body *b = s.all; b < s.all + t->n_body; b++) {
+        b->load = (screw){ none, none };
+        b->trial = speeds ? b->velocity : b->load;
+    }
+    for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++) {
+        const body *b0 = &s.all[p->body[0]], *b1 = &s.all[p->body[1]];
+        ends e = ends_of(p, s.all);
+        for (int i = 0; i < p->n_row; i++) {
+            const int at = p->row[i].at;
+            s.z.row[at].goal = speeds ? none.x : -gap_of(&p->row[i], &e, b0, b1);
+            off = greater(off, miss(t, s.all, &s.z, at));
+        }
+    }
+    double weak = again ? answer_again(t, &s, du) : answer_anew(t, &s, du);
+    return weak > 0 ? -least_lane(-off) : INFINITY;
+}
+
+static double close_loops(const lw_tree_stages *t, bool again, bool speeds, const double *y, double *du)
+{
+    double most = 0;
+    for (int lane = 0; lane < 8; lane += WIDTH) {
+        double here = close_some(t, again, speeds, lane, y + lane, du + lane);
+        most = here <= most ? most : here;
+    }
+    return most;
+}
+
+/* Multipliers of the rows of a joint of the tree that put this load on a body.  Rows with a force have forces of length 1 at right angles to
+ * each other; at most three others are moments alone. */
+LW_INLINE void multipliers(const lw_stage_loop *p, const pulls *row, int side, screw load, pack *l)
+{
+    vec turn[3] = { none, none, none }, moment = load.turn;
+    int turns = 0, at[3];
+    for (int i = 0; i < p->n_row; i++) {
+        const screw *on = &row[i].on[side];
+        if (p->row[i].kind == LW_STAGE_TURN)
+            at[turns] = i, turn[turns++] = on->turn;
+        else
+            l[i] = dot(on->move, load.move), moment = sub(moment, times(on->turn, l[i]));
+    }
+    if (turns == 0)
+        return;
+    if (turns == 1) {
+        l[at[0]] = dot(turn[0], moment)/dot(turn[0], turn[0]);
+        return;
+    }
+    if (turns == 2)
+        turn[2] = cross(turn[0], turn[1]);
+    pack by = 1/dot(turn[0], cross(turn[1], turn[2]));
+    for (int i = 0; i < turns; i++)
+        l[at[i]] = by*dot(moment, cross(turn[(i + 1)%3], turn[(i + 2)%3]));
+}
+
+/* One number of n moments, and three. */
+LW_INLINE void give(const lw_tree_stages *t, int n, pack v, double *to)
+{
+    for (int k = 0; k < n; k++)
+        to[k*t->n_moment] = v[k];
+}
+LW_INLINE void give_three(const lw_tree_stages *t, int n, vec v, double *to)
+{
+    give(t, n, v.x, to), give(t, n, v.y, to + 1), give(t, n, v.z, to + 2);
+}
+
+typedef struct misfit { pack place, rate; } misfit;
+static misfit misfit_of(const lw_stage_loop *p, const pulls *row, const ends *e, const body *all, misfit m)
+{
+    const body *b0 = &all[p->body[0]], *b1 = &all[p->body[1]];
+    for (int i = 0; i < p->n_row; i++) {
+        m.place = greater(m.place, gap_of(&p->row[i], e, b0, b1));
+        m.rate = greater(m.rate, dot_screw(row[i].on[0], b0->velocity) + dot_screw(row[i].on[1], b1->velocity));
+    }
+    return m;
+}
+
+static void moments_of_some(const lw_tree_stages *t, int lane, int n, const double *y, double *dy, double *out)
+{
+    lanes s = lanes_from(t, lane);
+    body *all = s.all;
+    double *q = out, *v = q + 7*t->n_body, *a = v + 6*t->n_body, *l = a + 6*t->n_body, *rest = l + t->n_model_row;
+    misfit off = { { 0 }, { 0 } };
+    load(t, true, lane, y, dy, &s);          /* what is missing of the loads is what the joints of the tree carry */
+    for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++) {
+        pulls row[6];
+        ends e = ends_of(p, all);
+        for (int i = 0; i < p->n_row; i++) {
+            row[i] = s.z.row[p->row[i].at];
+            give(t, n, s.z.l[p->row[i].at], l + p->first + i);
+        }
+        off = misfit_of(p, row, &e, all, off);
+    }
+    for (const int *at = t->order; at < t->order + t->n_body; at++) {
+        const body *b = &all[*at];
+        const lw_stage_body *p = &t->body[*at];
+        const lw_stage_loop *j = &t->inner[*at];
+        pulls row[6];
+        pack force[6];
+        ends e = ends_of(j, all);
+        for (int i = 0; i < j->n_row; i++)
+            row[i] = pulls_of(&j->row[i], &e, &all[j->body[0]], &all[j->body[1]]);
+        multipliers(j, row, !p->back, times_screw(b->load, all_lanes(-1)), force);
+        for (int i = 0; i < j->n_row; i++)
+            give(t, n, force[i], l + j->first + i);
+        off = misfit_of(j, row, &e, all, off);
+        screw *to = &all[p->parent].load;
+        to->turn = add(to->turn, add(b->load.turn, cross(b->from_parent, b->load.move)));
+        to->move = add(to->move, b->load.move);
+        double *place = q + 7*p->body, *speed = v + 6*p->body, *bend = a + 6*p->body;
+        give_three(t, n, b->at, place);
+        give(t, n, b->turn.w, place + 3), give_three(t, n, (vec){ b->turn.x, b->turn.y, b->turn.z }, place + 4);
+        give_three(t, n, b->velocity.move, speed), give_three(t, n, to_own(b, b->velocity.turn), speed + 3);
+        give_three(t, n, b->trial.move, bend), give_three(t, n, to_own(b, b->trial.turn), bend + 3);
+    }
+    give(t, n, off.place, rest), give(t, n, off.rate, rest + 1);
+}
+
+static void moments(const lw_tree_stages *t, int n, const double *y, double *dy, double *out)
+{
+    for (int lane = 0; lane < n; lane += WIDTH)
+        moments_of_some(t, lane, n - lane < WIDTH ? n - lane : WIDTH, y + lane, dy + lane, out + lane*t->n_moment);
+}
+
+const lw_tree_kernel lw_tree_kernel_here = { LW_ISA_NAME, WIDTH, prepare, rates_of, close_loops, moments };

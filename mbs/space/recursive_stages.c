@@ -50,7 +50,7 @@ static void put_body(const lw_recursive *r, const lw_space_forces *f, int i, lw_
     const lw_space_joint *j = p->joint < 0 ? NULL : &r->s->joint[p->joint];
     const double *m = r->mass + 6*p->body, *w = f->weight + 6*p->body;
     lw_stage_body *b = &s->body[i];
-    *b = (lw_stage_body){ .parent = p->parent, .kind = p->kind, .back = p->back, .x = p->x, .u = p->u, .n_u = p->n_u, .onto = NO_LOOP,
+    *b = (lw_stage_body){ .parent = p->parent, .body = p->body, .kind = p->kind, .back = p->back, .x = p->x, .u = p->u, .n_u = p->n_u, .onto = NO_LOOP,
                           .root = p->parent < 0 ? i : s->body[p->parent].root,
                           .n_x = p->n_u + (p->kind == LW_SPATIAL_SPHERICAL || p->kind == LW_SPATIAL_FREE),     /* quaternions */
                           .angle = s->n_angle, .arm = { p->arm[0], p->arm[1] }, .part = { p->fixed },
@@ -87,7 +87,7 @@ static int put_rows(const lw_space_joint *j, lw_stage_row *row)
     if (k == LW_SPATIAL_SPHERICAL)
         return n;
     if (k == LW_SPATIAL_UNIVERSAL) {
-        row[n++] = (lw_stage_row){ .kind = LW_STAGE_TURN, .a = j->x[0], .b = j->x[1] };
+        row[n++] = (lw_stage_row){ .kind = LW_STAGE_TURN, .a = j->x[0], .b = j->x[1], .fixed = j->fixed };
         return n;
     }
     row[n++] = (lw_stage_row){ .kind = LW_STAGE_TURN, .a = j->x[0], .b = j->z[1] };
@@ -112,17 +112,22 @@ static int walk(const lw_tree_stages *s, const lw_stage_loop *p, int side, int *
     return n;
 }
 
-static void put_loop(const lw_recursive *r, int cut, lw_tree_stages *s)
+static void put_joint(const lw_recursive *r, int joint, lw_stage_loop *p)
 {
-    const lw_space_joint *j = &r->s->joint[r->cut[cut]];
-    lw_stage_loop *p = &s->loop[cut];
-    int n = 0;
-    *p = (lw_stage_loop){ .path = p->path };
+    const lw_space_joint *j = &r->s->joint[joint];
+    *p = (lw_stage_loop){ .path = p->path, .first = j->row };
     for (int k = 0; k < 2; k++) {
         p->body[k] = j->body[k] < 0 ? -1 : r->place[j->body[k]];
         p->arm[k] = lw_v3_scale(j->arm[k], 1/r->s->unit);
     }
     p->n_row = put_rows(j, p->row);
+}
+
+static void put_loop(const lw_recursive *r, int cut, lw_tree_stages *s)
+{
+    lw_stage_loop *p = &s->loop[cut];
+    int n = 0;
+    put_joint(r, r->cut[cut], p);
     for (int k = 0; k < 3; k++)
         n += p->n_path[k] = walk(s, p, k, p->path + n);
     for (int i = 0; i < n; i++) {
@@ -313,28 +318,34 @@ lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, b
     size_t bodies = (size_t)r->s->n_body, u = (size_t)r->n_u, springs = (size_t)m->n_spring, loops = (size_t)r->n_cut;
     const lw_kernels *best = lw_kernels_supported(0);
     *s = (lw_tree_stages){ .n_body = r->s->n_body, .n_x = r->n_x, .n_u = r->n_u, .n_row = r->n_row, .n_spring = m->n_spring, .n_loop = r->n_cut,
-                           .has_work = has_work, .unit = r->s->unit, .turns = best->turns, .isa = best->isa,
+                           .n_model_row = r->s->n_joint_row, .n_moment = 19*r->s->n_body + r->s->n_joint_row + 2, .has_work = has_work, .unit = r->s->unit, .turns = best->turns, .isa = best->isa,
                            .kernel = lw_tree_kernel_of(best->isa) };
     if (!suits(r, f))
         return LW_E_KIND;
     size_t state = lw_tree_state_size(8, r->s->n_body, r->n_u, r->n_row);
-    char *at = s->memory = malloc(state + LW_SCRATCH_ALIGNMENT + bodies*sizeof *s->body + springs*sizeof *s->spring + loops*(sizeof *s->loop + sizeof *s->leg)
-                                     + (3*8*(u + 1) + 8*(size_t)r->n_x)*sizeof(double) + (u + 1 + loops*bodies + bodies)*sizeof(int));
+    char *at = s->memory = malloc(state + LW_SCRATCH_ALIGNMENT + bodies*sizeof *s->body + springs*sizeof *s->spring + (bodies + loops)*sizeof *s->loop + loops*sizeof *s->leg
+                                     + (3*8*(u + 1) + 8*(size_t)(3*r->n_x + 2*r->n_u + 2 + s->n_moment))*sizeof(double) + (u + 1 + loops*bodies + bodies)*sizeof(int));
     if (!at)
         return LW_E_MEMORY;
     s->state = lw_scratch_align(at), at = (char *)s->state + state;
     s->body = (lw_stage_body *)(void *)at, at += bodies*sizeof *s->body;
     s->spring = (lw_stage_spring *)(void *)at, at += springs*sizeof *s->spring;
     s->loop = (lw_stage_loop *)(void *)at, at += loops*sizeof *s->loop;
+    s->inner = (lw_stage_loop *)(void *)at, at += bodies*sizeof *s->inner;
     s->leg = (lw_stage_leg *)(void *)at, at += loops*sizeof *s->leg;
     s->angle = (double *)(void *)at, s->cosine = s->angle + 8*(u + 1), s->sine = s->cosine + 8*(u + 1);
     s->factored = s->sine + 8*(u + 1);
-    s->turn = (int *)(void *)(s->factored + 8*s->n_x);
+    s->y = s->factored + 8*s->n_x, s->dy = s->y + 8*(s->n_x + s->n_u + 1), s->moment = s->dy + 8*(s->n_x + s->n_u + 1);
+    s->turn = (int *)(void *)(s->moment + 8*s->n_moment);
     s->order = s->turn + u + 1;
     for (size_t i = 0; i < loops; i++)
         s->loop[i].path = s->order + bodies + i*bodies;
-    for (int i = 0; i < s->n_body; i++)
+    for (int i = 0; i < s->n_body; i++) {
         put_body(r, f, i, s);
+        s->inner[i] = (lw_stage_loop){ .body = { -1, -1 } };
+        if (r->body[i].joint >= 0 && r->body[i].kind != LW_SPATIAL_SCREW)
+            put_joint(r, r->body[i].joint, &s->inner[i]);
+    }
     for (int i = 0; i < s->n_loop; i++)
         put_loop(r, i, s);
     find_legs(s);
@@ -386,14 +397,74 @@ static void turn_rates(const double *w, const double *q, double *to)
     }
 }
 
-void lw_tree_stages_motion(const lw_tree_stages *s, const double *y, double *dx)
+/* x' of states whose rates are u. */
+static void motion_of(const lw_tree_stages *s, const double *x, const double *u, double *dx)
 {
     for (int i = 0; i < s->n_body; i++) {
         const lw_stage_body *b = &s->body[i];
-        const double *u = y + 8*(s->n_x + b->u);
+        const double *from = u + 8*b->u;
         int n = b->n_x > b->n_u ? b->n_u - 3 : b->n_u;
-        memcpy(dx + 8*b->x, u, 8*(size_t)n*sizeof *dx);
+        memcpy(dx + 8*b->x, from, 8*(size_t)n*sizeof *dx);
         if (n < b->n_u)
-            turn_rates(u + 8*n, y + 8*(b->x + n), dx + 8*(b->x + n));
+            turn_rates(from + 8*n, x + 8*(b->x + n), dx + 8*(b->x + n));
     }
+}
+
+void lw_tree_stages_motion(const lw_tree_stages *s, const double *y, double *dx) { motion_of(s, y, y + 8*s->n_x, dx); }
+
+/* ---- rows of output ---------------------------------------------------------------------------------------------------- */
+
+static const double nearly_closed = 1e-3;    /* misfit below which factors serve for the next pass */
+static const double far_open = 0.1, closed = 1e-9;       /* misfit that is not closed at all; with which states still count as closed */
+
+static double close_once(lw_tree_stages *s, bool again, bool speeds, double *du)
+{
+    s->kernel->prepare(s, false, s->y);
+    s->turns(8*(size_t)s->n_angle, s->angle, s->cosine, s->sine);
+    return s->kernel->close(s, again, speeds, s->y, du);
+}
+
+/* Passes end where rounding is reached, or nearly and a pass does not help. */
+static bool is_rounding(double off, double before, double rounding) { return off <= rounding || (off < 2000*rounding && off >= 0.5*before); }
+
+static lw_status close_loops(lw_tree_stages *s)
+{
+    enum { PLACES = 12, SPEEDS = 6 };
+    const double rounding = 4e-16*(s->n_u + 4);
+    double *dx = s->dy, *du = dx + 8*s->n_x, *u = s->y + 8*s->n_x, off = INFINITY, before, most = 0;
+    for (int pass = 0; pass < PLACES; pass++) {
+        before = off;
+        memset(du, 0, 8*(size_t)s->n_u*sizeof *du);
+        off = close_once(s, before < nearly_closed, false, du);
+        if (!(off < far_open))
+            return LW_OPEN;
+        if (is_rounding(off, before, rounding))
+            break;
+        motion_of(s, s->y, du, dx);
+        for (int i = 0; i < 8*s->n_x; i++)
+            s->y[i] += dx[i];
+    }
+    for (int i = 0; i < 8*s->n_u; i++)
+        most = fmax(most, fabs(u[i]));
+    before = INFINITY;
+    for (int pass = 0; off <= closed && pass < SPEEDS; pass++) {
+        double rate = close_once(s, true, true, u);
+        if (is_rounding(rate, before, rounding*most))
+            break;
+        before = rate;
+    }
+    return off <= closed ? LW_OK : LW_OPEN;
+}
+
+lw_status lw_tree_stages_moments(lw_tree_stages *s, int n)
+{
+    bool screws = false;
+    for (int i = 0; i < s->n_body; i++)
+        screws = screws || s->body[i].kind == LW_SPATIAL_SCREW;
+    if (screws || s->n_kept < s->n_row)
+        return LW_E_KIND;
+    if ((s->n_loop > 0 && close_loops(s) != LW_OK) || lw_tree_stages_rates(s, false, s->y, s->dy) != LW_OK)
+        return LW_OPEN;
+    s->kernel->moments(s, n, s->y, s->dy, s->moment);
+    return LW_OK;
 }

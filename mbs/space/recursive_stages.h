@@ -13,6 +13,7 @@
 typedef struct lw_stage_body {
     int  parent;                             /* place in the order of the tree, -1: ground */
     lw_spatial_kind kind;
+    int  body;                               /* of the model */
     bool back;                               /* the body is link 0 of the joint */
     bool carried, leaf, last_child;          /* legs end at it; no child and no leg does; its inertia is the first that its parent's gets */
     int  root, onto, ending;                 /* the first body of its part; of that: the only body of another part where loops of this one end,
@@ -30,9 +31,10 @@ typedef struct lw_stage_spring { int body[2]; lw_vec3 arm[2]; double stiffness, 
 
 /* A joint that closes a loop, and its rows (mbs/space/space_rows.c): e . d with e fixed in the ground, a . d, a . b. */
 typedef enum lw_stage_row_kind { LW_STAGE_POINT, LW_STAGE_LINE, LW_STAGE_TURN } lw_stage_row_kind;
-typedef struct lw_stage_row { lw_stage_row_kind kind; lw_vec3 a, b; int at; } lw_stage_row;  /* at: place among those kept, -1: none */
+/* at: place among those kept, -1: none; fixed: a . b of a turn. */
+typedef struct lw_stage_row { lw_stage_row_kind kind; lw_vec3 a, b; double fixed; int at; } lw_stage_row;
 typedef struct lw_stage_loop {
-    int     body[2], n_row, n_path[3];
+    int     body[2], n_row, first, n_path[3];            /* first: of the rows of the model */
     lw_vec3 arm[2];                          /* over unit */
     lw_stage_row row[6];
     int    *path;                            /* the ancestors of body 0 and itself, those of body 1, and those of both, outermost first */
@@ -61,12 +63,15 @@ typedef struct lw_tree_stages {
     lw_stage_body   *body;                   /* (n_body) */
     lw_stage_spring *spring;
     lw_stage_loop   *loop;                   /* (n_loop) */
+    lw_stage_loop   *inner;                  /* (n_body) joints of the tree, without paths; no rows: of a free body, of one on a screw */
     lw_stage_leg    *leg;                    /* (n_leg) */
     lw_stage_kept    kept[LW_STAGE_ROWS];
     int     sorted[LW_STAGE_ROWS];           /* the kept rows, counted through the loops, from the greatest pivot of them all on */
     int    *order, n_hanging;                /* (n_body) the bodies inwards; the first n_hanging are those of legs */
     int    *turn;                            /* (n_angle) coordinates of the angles */
     double *angle, *cosine, *sine;           /* (8 n_angle) halves */
+    double *y, *dy, *moment;                 /* of lw_tree_stages_moments: states and rates, (8 n_moment) what it gives */
+    int     n_moment, n_model_row;
     double *factored;                        /* (8 n_x) coordinates of the factors */
     void   *state;                           /* scratch of the kernels, */
     const struct lw_tree_kernel *kernel;     /* which are those of the processor */
@@ -86,6 +91,12 @@ void      lw_tree_stages_keep_rows(lw_tree_stages *s, const lw_recursive *r);
  * improve dy: repeated calls tend to the rates, and each costs three quarters or, with loops, half.  Not where rows are left out: near
  * singular postures of such loops steps would fail more often.  LW_E_ARG: a motion without mass, or loops in a singular posture. */
 lw_status lw_tree_stages_rates(lw_tree_stages *s, bool again, const double *y, double *dy);
+
+/* Close the loops of the eight states s->y and work out what the first n of them are in the coordinates of the model: (n_moment) for each in
+ * s->moment are q, v and a of its bodies (mbs/space/space.h), the multipliers of its rows (n_model_row), and the greatest misfit of a row and of
+ * its rate.  s->dy is the rates.  LW_OPEN: loops that do not close, or what lw_tree_stages_rates refuses; LW_E_KIND: rows were left out,
+ * or a joint of the tree is a screw. */
+lw_status lw_tree_stages_moments(lw_tree_stages *s, int n);
 
 /* x' of eight states y. */
 void      lw_tree_stages_motion(const lw_tree_stages *s, const double *y, double *dx);
