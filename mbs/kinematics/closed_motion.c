@@ -21,6 +21,7 @@ typedef struct walk {
     int            n_step;
     double         reach;                        /* length of input searched: a turn, or of a slide */
     bool           touches;                      /* a margin came close to 0 without reaching it    */
+    double         behind;                       /* the linkage does not close so far behind the last limit, nor a turn on from there; 0: not known */
 } walk;
 
 /* A limit lies between these inputs: the linkage closes at `inside` and does not close at `outside`. */
@@ -94,11 +95,12 @@ static double one_margin(const walk *w, const double *mode, double input, int *w
 static bool dips(walk *w, const double *mode, const double *at, const double *m, bracket *b)
 {
     double input[BLOCK], margin[BLOCK], first = at[0], last = at[2], v[3] = { m[0], m[1], m[2] };
+    bool close = false;
     for (int level = 0; level < 4; level++) {
         double bend = v[0] - 2*v[1] + v[2], slope = v[2] - v[0];
         int least = 1;
         if (v[1] >= v[0] || v[1] > v[2] || v[1] - slope*slope/(8*bend) > 0.2*v[1])
-            return false;
+            break;
         for (int i = 0; i < BLOCK; i++)
             input[i] = first + (last - first)*i/(BLOCK - 1);
         lane_margins(w, w->dim, 0, mode, BLOCK, input, margin);
@@ -113,8 +115,9 @@ static bool dips(walk *w, const double *mode, const double *at, const double *m,
         first = input[least - 1];
         last = input[least + 1];
         memcpy(v, margin + least - 1, sizeof v);
-        w->touches |= v[1] < LW_CLOSED_MOTION_TOUCH;
+        close |= v[1] < LW_CLOSED_MOTION_TOUCH;
     }
+    w->touches |= close;
     return false;
 }
 
@@ -179,7 +182,7 @@ static double limit_in(const walk *w, const double *mode, bracket b, int *which)
 
 /* Find an input between `from` and the limit `end` where the linkage does not close, by samples that are dense near the
  * end; those of next_limit are far apart there. */
-static bool outside_before(const walk *w, const double *mode, double from, double end, bracket *b)
+static bool outside_before(walk *w, const double *mode, double from, double end, bracket *b)
 {
     double at[BLOCK], m[BLOCK];
     for (int i = 0; i < BLOCK; i++) {
@@ -187,21 +190,23 @@ static bool outside_before(const walk *w, const double *mode, double from, doubl
         at[i] = end + (from - end)*t*t;
     }
     lane_margins(w, w->dim, 0, mode, BLOCK, at, m);
-    *b = (bracket){ from, end };
     for (int i = 0; i < BLOCK; i++) {
-        b->outside = at[i];
-        if (m[i] < 0)
+        if (i > 1 && m[i] >= 0 && dips(w, mode, at + i - 2, m + i - 2, b))
             return true;
-        b->inside = at[i];
+        if (m[i] < 0) {
+            *b = (bracket){ i > 0 ? at[i - 1] : from, at[i] };
+            return true;
+        }
     }
     return false;
 }
 
-/* The end of the leg that begins at `from`, and the dyad whose limit it is.  limit: is `from` a limit?  false: there is
- * no end. */
-static bool leg_end(walk *w, const double *mode, double from, double reach, bool limit, double *end, int *which)
+/* The end of the leg that begins at `from` and goes up (sense 1) or down (-1), and the dyad whose limit it is.  limit: is `from` a
+ * limit?  false: there is no end. */
+static bool leg_end(walk *w, const double *mode, double from, int sense, bool limit, double *end, int *which)
 {
     bracket b = { from, from };
+    double reach = sense*(w->reach - w->behind);
     for (int tries = 0; tries < 3 && b.inside == from; tries++) {      /* sample a short leg closer        */
         if (!next_limit(w, mode, from, reach, &b))
             return false;
@@ -212,6 +217,7 @@ static bool leg_end(walk *w, const double *mode, double from, double reach, bool
     *end = limit_in(w, mode, b, which);
     for (int tries = 0; tries < 3 && outside_before(w, mode, from, *end, &b); tries++)
         *end = limit_in(w, mode, b, which);
+    w->behind = w->plan->input_is_slider ? 0 : fabs(b.outside - *end);
     return true;
 }
 
@@ -237,7 +243,7 @@ static bool find_inside(const walk *w, const double *mode, double *input)
 /* Is `end` the limit below the start, which lies in the bracket, apart from whole turns (*gain)? */
 static bool is_below(const walk *w, bracket below, double end, double *gain)
 {
-    double turns = w->plan->input_is_slider ? 0 : round((end - below.inside)/(2*LW_PI)), near = 1e-12*w->reach;
+    double turns = w->plan->input_is_slider ? 0 : round((end - below.outside)/(2*LW_PI)), near = 1e-12*w->reach;
     *gain = 2*LW_PI*turns + 0.0;                             /* + 0.0: not -0                            */
     return end - *gain >= below.outside - near && end - *gain <= below.inside + near;
 }
@@ -266,15 +272,20 @@ lw_status lw_closed_motion_find(const lw_plan *plan, const double *dim, const do
     set_walk(&w, plan, dim, batch);
     if (!find_inside(&w, mode, &input))
         return LW_OPEN;
-    bool up = leg_end(&w, mode, input, w.reach, false, &end, &which);
     bool down = next_limit(&w, mode, input, -w.reach, &below);
+    w.behind = down && !plan->input_is_slider ? input - below.outside : 0;
+    bool up = leg_end(&w, mode, input, 1, false, &end, &which);
+    if (up && !down && !plan->input_is_slider) {             /* the gap above comes again a turn before */
+        below = (bracket){ input, end - w.reach };
+        down = true;
+    }
     if (!up && !down && !plan->input_is_slider)
         return w.touches ? LW_STOPPED : LW_OK;
     if (!up || !down)
         return LW_STOPPED;
     memcpy(now, mode, modes);
     add_leg(&w, now, end, which, c);
-    while (c->n < LW_LEG_MAX && leg_end(&w, now, end, c->n % 2 ? -w.reach : w.reach, true, &end, &which)) {
+    while (c->n < LW_LEG_MAX && leg_end(&w, now, end, c->n % 2 ? -1 : 1, true, &end, &which)) {
         add_leg(&w, now, end, which, c);
         if (now[c->leg[c->n - 1].dyad] == 0)                 /* slides become parallel                   */
             return LW_STOPPED;

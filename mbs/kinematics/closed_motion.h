@@ -38,8 +38,8 @@ static inline double lw_closed_motion_first(const lw_closed_motion *c, int leg)
 /* Find the closed motion through this input in the assembly mode[n_dyad].  If the linkage does not close there, take
  * the nearest of 64 samples of a turn (of a slider: of the sum of the lengths to either side) where it does.  Only
  * dyads that outputs depend on count.  Each leg is sampled as often, with samples dense near its beginning, where
- * postures vary like the square root of the input; limits are exact to rounding.  A gap narrower than a sample is
- * missed when the margins of the samples show no sign of it (10 of 7500 random linkages of four to eight links).
+ * postures vary like the square root of the input; limits are exact to rounding.  A gap narrower than a sample, not beside the
+ * leg, is missed when the margins of the samples show no sign of it (5 of 7500 random linkages of four to eight links).
  * batch: scratch of mbs/batch/batch.h.
  *
  * LW_OPEN: the linkage closes nowhere in this mode.  LW_STOPPED: the legs end where slides become parallel, do not end,
