@@ -488,13 +488,18 @@ static void check_octahedron(octahedron *o)
 
 TEST(flexible_octahedra)
 {
-    octahedron o = { .vertex = { { 0.1, 0.5, 0.49 }, { 0.73, -0.43, 0.93 }, { 0.13, 0.49, 0.51 } } };
+    static const lw_vec3 hard[2][3] = { { { 0.1, 0.5, 0.49 }, { 0.73, -0.43, 0.93 }, { 0.13, 0.49, 0.51 } },
+        { { 0.87710038839959137, -0.093367333918416451, 0.86081796417577339 }, { 0.73486287239502923, -0.56993818883367076, 0.87553911522781225 },
+          { -0.83809853244844801, 0.31786879397896639, -0.9114789031699817 } } };       /* a basis of its rows found in one posture is bad in others */
+    octahedron o = { 0 };
     int rows = 0;
     lw_rng rng = check_rng(6);
     for (int n = 0; n < 40; n++) {
         for (int i = 0; i < 3; i++) {
             lw_vec3 *v = o.vertex + i;
-            if (n > 0)
+            if (n == 0 || n == 2)
+                *v = hard[n/2][i];
+            else
                 *v = lw_v3(lw_rng_range(&rng, -1, 1), lw_rng_range(&rng, -1, 1), lw_rng_range(&rng, -1, 1));
             v[3] = n%2 ? lw_v3(-v->x, v->y, v->z) : lw_v3(-v->x, -v->y, v->z);
         }
@@ -663,9 +668,13 @@ static lw_vec3 random_direction(lw_rng *rng)
  * A + B cos u + C sin u for the turn u of the input. */
 TEST(rccc_is_traced_between_limits_where_links_slide_away)
 {
+    /* of these the first linkages hold hard ones: limits far out, where a link is hundreds of sizes away, one passed by a hair, two side by side */
+    const uint64_t seed[] = { check_seed(), 25, 30, 33 };
     int limits = 0, turning = 0;
-    lw_rng rng = check_rng(7);
-    for (int trial = 0; trial < 30; trial++) {
+    lw_rng rng;
+    for (int trial = 0; trial < 40; trial++) {
+        if (trial%10 == 0)
+            lw_rng_seed(&rng, seed[trial/10], 7);
         frame f[4];
         axis a[4];
         OWN(lw_spatial) m = { 0 };
@@ -688,15 +697,20 @@ TEST(rccc_is_traced_between_limits_where_links_slide_away)
         bool turns = to[0] > 9;
         make_model(4, a, false, &m);
         lw_space_trace o = { .whole = true, .intervals = 12 };
-        CHECK_OK(lw_space_trace_run(&m, &o, see_row, &rows, &check_error));
+        lw_status st = lw_space_trace_run(&m, &o, see_row, &rows, &check_error);
+        if (st == LW_E_ARG && fmin(to[0], -to[1]) < 1e-5 && strstr(check_error.text, "the posture is singular for it"))
+            continue;                        /* the posture drawn is a limit but for rounding */
+        CHECK_OK(st);
         CHECK_INT(rows, 13);
         CHECK_INT(o.limit[1], !turns);
         if (turns)
             turning++;
         else {
             CHECK(o.from > to[1] && o.to < to[0]);
-            for (int k = 0; k < 2; k++)      /* a slide c/sqrt(left) is 100 sizes at (c/100)^2: 0.016 for the greatest c drawn */
-                CHECK_NEAR(k ? o.to : o.from, to[!k], o.away[k] < 0 ? 1e-6 : o.distance[k] < 100 ? 1e-2 : 0.1, 0);
+            for (int k = 0; k < 2; k++) {    /* a slide c/sqrt(left) is 100 sizes at (c/100)^2, 0.03 for the greatest c drawn */
+                CHECK_NEAR(k ? o.to : o.from, to[!k], o.away[k] < 0 ? 1e-6 : o.distance[k] < 95 ? 1e-2 : 0.1, 0);
+                CHECK(o.distance[k] < 100.5);
+            }
             limits += (o.away[0] >= 0) + (o.away[1] >= 0);
         }
     }

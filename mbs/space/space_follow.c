@@ -263,24 +263,31 @@ static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context
     return LW_OK;
 }
 
-int lw_space_away(const lw_space_follow *f, double *distance, double *left)
+double lw_space_distance(const lw_space_follow *f, int link)
 {
+    size_t at = 7*(size_t)f->z.s->body_of[link];
+    const double *q = f->q + at, *p = f->z.s->start + at;
+    return lw_v3_norm(lw_v3(q[0] - p[0], q[1] - p[1], q[2] - p[2]));
+}
+
+int lw_space_away(const lw_space_follow *f, double *slide, double *left)
+{
+    static const double near_end = 1e-3, far = 2;            /* at a common limit, c sqrt(left), the slide found so is 3 c sqrt(left) */
     const lw_space *s = f->z.s;
-    int far = -1;
-    *distance = 2;                           /* at a common limit links stay nearer, and only their rates have no bound */
-    for (int b = 0; b < s->n_body; b++) {
-        const double *q = f->q + 7*b, *p = s->start + 7*b;
-        double d = lw_v3_norm(lw_v3(q[0] - p[0], q[1] - p[1], q[2] - p[2]));
-        if (d >= *distance)
-            far = b, *distance = d;
+    int fastest = -1;
+    double most = 0;
+    for (int b = 0; b < s->n_body && f->has_second; b++) {
+        const double *v = f->v + 6*b;
+        double rate = lw_v3_norm(lw_v3(v[0], v[1], v[2]));
+        if (rate > most)
+            fastest = b, most = rate;
     }
-    if (far < 0 || !f->has_second)
+    if (fastest < 0)
         return -1;
-    const double *v = f->v + 6*far, *a = f->a + 6*far;
-    double rate = lw_v3_norm(lw_v3(v[0], v[1], v[2])), second = lw_v3_norm(lw_v3(a[0], a[1], a[2]));
-    *left = *distance/(2*rate);
-    double as_well = 1.5*rate/second;        /* x ~ left^-1/2: x' = x/(2 left), x'' = 3 x'/(2 left) */
-    return *left < 1e-3 && *left < 2*as_well && as_well < 2*(*left) ? s->link_of[far] : -1;
+    const double *a = f->a + 6*fastest;
+    *left = 1.5*most/lw_v3_norm(lw_v3(a[0], a[1], a[2]));    /* x ~ left^-1/2: x' = x/(2 left), x'' = 3 x'/(2 left) */
+    *slide = 2*(*left)*most;
+    return (*left < near_end && *slide > far) || *slide > LW_SPACE_FAR ? s->link_of[fastest] : -1;
 }
 
 /* How far the joints stay apart at best with these inputs (SI), found from f->q: the greatest gap [m] or angle [rad],
@@ -380,12 +387,13 @@ static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, 
                                  of.of == LW_OF_TURN ? "rad" : "m");
         used = used < sizeof where ? used : sizeof where - 1;
     }
-    double distance, left;
-    int away = lw_space_away(f, &distance, &left);
+    double slide, left;
+    int away = lw_space_away(f, &slide, &left);
     if (away >= 0) {
         free(want), free(got);
         return lw_error_set(e, LW_OPEN, "the motion ends near %s, where link \"%s\" slides away without bound: it is %.3g m from its place in the file",
-                            where, s->model->body[away].name, distance*s->unit);
+                            where, s->model->body[away].name,
+                            lw_space_distance(f, away)*s->unit);
     }
     if (f->opened) {
         free(want), free(got);
@@ -472,6 +480,28 @@ static lw_status go_between(lw_space_follow *f, lw_space_path *path, void *conte
     return st;
 }
 
+/* Rows left out as dependent that are open at the end of a way, by more than rounding and less than those of rounded numbers: the basis kept is
+ * bad there, and a better one closes them. */
+static lw_status close_better(lw_space_follow *f, lw_space_path *path, void *context, lw_error *e)
+{
+    static const double drift = 1e-12, rounded = 1e-9;
+    size_t bytes = (size_t)f->z.s->n_q*sizeof *f->q;
+    double open = f->z.n_kept < f->z.n_row ? lw_space_rows_open(&f->z) : 0;
+    if (!(open > drift && open < rounded))
+        return LW_OK;
+    lw_status st = lw_space_rows_arrange(&f->z, f->q, e);
+    if (st != LW_OK || (st = aim(f, path, context, f->u)) != LW_OK)
+        return st;
+    memcpy(f->q_try, f->q, bytes);
+    if (lw_space_rows_close(&f->z, f->q_try, f->target, 0, NULL) != LW_OK)
+        memcpy(f->q_try, f->q, bytes);
+    if (!tangent(f, f->v_try))
+        return LW_OPEN;
+    memcpy(f->q, f->q_try, bytes);
+    memcpy(f->v, f->v_try, (size_t)f->z.s->n_v*sizeof *f->v);
+    return LW_OK;
+}
+
 static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e)
 {
     static const double at_end = 1e-5;       /* lengths over the size, radians: the singular posture is that at u */
@@ -506,6 +536,8 @@ static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, doub
             memcpy(f->made, f->path, (size_t)f->n_input*sizeof *f->made);
             h = last ? by : 1.6*by;
             arranged = false;
+            if (last && (st = close_better(f, path, context, e)) == LW_OPEN)
+                return cannot(f, path, context, u, e);
             steps = lw_space_length(f->z.s, f->v)*fabs(by) > 1e-2 ? 0 : steps;       /* many turns are no lack of progress */
         } else if (f->z.n_kept < f->z.n_row && !arranged && fabs(by) < 1e-3*fabs(whole)) {
             st = lw_space_rows_arrange(&f->z, f->q, e);    /* the basis kept may be singular where the rows are not */

@@ -53,10 +53,13 @@ void lw_space_follow_second(lw_space_follow *f);
 #define LW_SPACE_BETWEEN 3e-9
 void lw_space_follow_rates(lw_space_follow *f, lw_space_path *path, void *context);
 
-/* Does a link slide away without bound where going has ended, as those of an RCCC linkage do at limits of its crank?  The link that is farthest
- * from its place in the file, if it moves as 1 over the square root of what is left of the parameter; that distance over the size of the model,
- * and what is left; otherwise -1. */
-int lw_space_away(const lw_space_follow *f, double *distance, double *left);
+/* Does a link slide away without bound where going has ended, as those of an RCCC linkage do at limits of its crank?  The fastest link, if it is far
+ * on a slide c/sqrt(left) where `left` of the parameter is left; that slide over the size of the model; otherwise -1. */
+#define LW_SPACE_FAR 100.0               /* as far out as a slide is of use */
+int lw_space_away(const lw_space_follow *f, double *slide, double *left);
+
+/* Distance of a link that is a body from its place in the file, over the size of the model. */
+double lw_space_distance(const lw_space_follow *f, int link);
 
 /* Values of the inputs at f->q [SI]. */
 void lw_space_follow_values(const lw_space_follow *f, double *value);

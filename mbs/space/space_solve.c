@@ -452,15 +452,18 @@ void lw_space_rows_bias(const lw_space_rows_set *z, const double *v, double *out
 lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *target, double longest, double *moved)
 {
     static const double rounding = 4e-15, near = 1e-8;
-    double before = INFINITY, noise = 1e-12;
+    double before = INFINITY, noise = 1e-12, far = 1;
     bool chord = false;                      /* after a step so short the factors are good for the next one, and for the tangent */
     for (int i = 0; i < z->n_extra; i++)     /* rounding of a turn after many turns */
         noise = fmax(noise, 4*DBL_EPSILON*fabs(target[i]));
+    for (int b = 0; b < z->s->n_body; b++)
+        for (int i = 0; i < 3; i++)
+            far = fmax(far, fabs(q[7*b + i]));
     for (int round = 0; round < 30; round++) {
         lw_space_rows_fill(z, q, target);
         if (!chord && !lw_space_rows_factor(z))
             return LW_OPEN;
-        noise = fmax(noise, 8*DBL_EPSILON/sqrt(z->weak));    /* rounding of the rows, magnified near a singular posture */
+        noise = fmax(noise, 8*DBL_EPSILON*far/sqrt(z->weak));    /* rounding of the rows, magnified near a singular posture */
         memset(z->step, 0, (size_t)z->s->n_v*sizeof *z->step);
         double *b = z->small;
         for (int i = 0; i < z->n_kept; i++)

@@ -49,26 +49,38 @@ static lw_status first_alone(void *context, double u, double (*out)[3])
     return LW_OK;
 }
 
-/* Links that slide away without bound are followed to so many times the size of the model. */
-static const double away_most = 100;
+/* The last input at which all links were near. */
+typedef struct near_places { const lw_space_follow *f; double u; } near_places;
+
+static void note_near(void *context, const double *q)
+{
+    near_places *p = context;
+    const lw_space *s = p->f->z.s;
+    double most = 0;
+    (void)q;
+    for (int b = 0; b < s->n_body; b++)
+        most = fmax(most, lw_space_distance(p->f, s->link_of[b]));
+    if (most <= LW_SPACE_FAR)
+        p->u = p->f->u;
+}
 
 /* The end of the input in one direction, k 0 down and 1 up, from the posture of the file; *inside: how far before it a trace ends where a link
  * slides away. */
 static lw_status find_end(const lw_space *s, const lw_spatial_measure *input, int k, double *end, double *inside, lw_space_trace *o, lw_error *e)
 {
     lw_space_follow f;
-    double distance, left;
+    double slide, left;
     lw_status st = lw_space_follow_make(s, input, 1, false, &f, e);
     if (st != LW_OK)
         return st;
     lw_space_follow_values(&f, end);
+    near_places near = { &f, *end };
+    f.passed = note_near;
+    f.passed_by = &near;
     st = lw_space_reach(&f, *end + (k ? 2 : -2)*LW_PI, end, &o->limit[k], e);
     *inside = 0;
-    if (st == LW_OK && o->limit[k] && (o->away[k] = lw_space_away(&f, &distance, &left)) >= 0) {
-        o->distance[k] = fmin(0.5*distance, away_most);
-        double times = distance/o->distance[k];
-        *inside = left*(times*times - 1);
-    }
+    if (st == LW_OK && o->limit[k] && (o->away[k] = lw_space_away(&f, &slide, &left)) >= 0)
+        *inside = fmax(3*left, fabs(*end - near.u));             /* at half the slide or where it is no longer near */
     lw_space_follow_free(&f);
     return st;
 }
@@ -137,6 +149,8 @@ static lw_status show(lw_space_follow *f, int end, lw_space_trace *o, double *q,
 {
     const lw_space *s = f->z.s;
     double by;
+    if (end >= 0 && o->away[end] >= 0)
+        o->distance[end] = lw_space_distance(f, o->away[end]);
     lw_status st = end >= 0 && o->limit[end] && o->away[end] < 0 ? step_to_limit(f, q, &by) : LW_OPEN;
     bool limit = st == LW_OK;
     lw_space_rows_fill(&f->z, limit ? q : f->q, f->target);
