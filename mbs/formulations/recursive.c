@@ -44,6 +44,7 @@ typedef struct motion {
     double *turned;                          /* scratch (n_x): coordinates without whole turns */
     double least, first;                     /* least pivot of the loops in the last step, at the start */
     bool open;                               /* the loops were not closed after the last step */
+    bool start_known;                        /* stages.dy is the rates of the start */
 } motion;
 
 /* ---- rows of loops ---------------------------------------------------------------------------------------------- */
@@ -251,6 +252,7 @@ typedef struct stepper {
     lw_collocation stages;
     lw_ode ode;
     lw_stages_ode at_stages;
+    const double *start;
     double *y;
     double ready[LW_STAGES];                 /* times of the samples that are worked out in m->stages, */
     int    n_ready;                          /* and how many */
@@ -397,7 +399,11 @@ static lw_status rates(void *context, const double t[LW_STAGES], bool again, con
 {
     motion *m = context;
     lw_status s = lw_run_busy(m->run, t[0]);
-    if (s == LW_OK)
+    const bool known = m->start_known && memcmp(y, m->stages.y, 8*(size_t)(m->r.n_x + m->r.n_u)*sizeof *y) == 0;
+    m->start_known = false;
+    if (s == LW_OK && known)
+        memcpy(dy + 8*m->r.n_x, m->stages.dy + 8*m->r.n_x, 8*(size_t)(m->r.n_u + m->run->has_work)*sizeof *dy);
+    else if (s == LW_OK)
         s = lw_tree_stages_rates(&m->stages, again, y, dy) == LW_OK ? LW_OK : LW_OPEN;
     m->least = m->stages.weak;               /* of the last improvement, or near it; states before may be far off */
     return s;
@@ -436,7 +442,7 @@ static lw_status state_at(void *context, double t, double *out)
     return s == LW_OK ? to_bodies(m, t, p->y, closes, out) : LW_E_NUMERIC;       /* loops that are closed are placed */
 }
 
-/* Samples within a step from eight states at once. */
+/* Samples within a step from eight states at once; the start, whose places and velocities are kept to the bit, from eight that are the same. */
 static lw_status whole_sample(void *context, double t, double t_end, lw_moment *of)
 {
     stepper *w = context;
@@ -444,8 +450,9 @@ static lw_status whole_sample(void *context, double t, double t_end, lw_moment *
     lw_run *run = m->run;
     lw_dynamics *d = run->d;
     lw_tree_stages *s = &m->stages;
+    const bool begun = w->stages.ode;
     int k = 0;
-    if (!w->staged || t_end != time_of(w) || !rows_are_plain(m))
+    if (!w->staged || !rows_are_plain(m) || (begun ? t_end != time_of(w) : !is_placed(m, m->shown, m->shown + d->n_q)))
         return LW_OPEN;
     while (k < w->n_ready && w->ready[k] != t)
         k++;
@@ -457,14 +464,22 @@ static lw_status whole_sample(void *context, double t, double t_end, lw_moment *
             at[i] = next <= t_end ? next : at[i - 1];
             n += next <= t_end;
         }
-        lw_collocation_dense_eight(&w->stages, at, s->y);
+        if (begun)
+            lw_collocation_dense_eight(&w->stages, at, s->y);
+        for (int i = 0; i < 8*w->ode.n && !begun; i++)
+            s->y[i] = w->start[i/8];
+        if (!begun)
+            lw_tree_stages_keep_rows(s, &m->r);
         w->n_ready = 0, k = 0;
-        if (lw_tree_stages_moments(s, n) != LW_OK || s->weak < far_from_singular*m->first)
+        if (lw_tree_stages_moments(s, begun, n) != LW_OK || s->weak < far_from_singular*m->first)
             return LW_OPEN;
+        m->start_known = !begun;
         memcpy(w->ready, at, sizeof at);
         w->n_ready = n;
     }
-    double *q = s->moment + (size_t)k*(size_t)s->n_moment, *v = q + d->n_q, *a = v + d->n_v, *l = a + d->n_v;
+    const double *q = s->moment + (size_t)k*(size_t)s->n_moment, *v = q + d->n_q, *a = v + d->n_v, *l = a + d->n_v;
+    if (!begun)
+        q = m->shown, v = q + d->n_q;
     const double work = run->has_work ? s->y[8*(m->r.n_x + m->r.n_u) + k] : 0;
     *of = (lw_moment){ .t = t, .q = q, .v = v, .a = a, .l = l, .z = d->eq.z, .work = work + run->impulse_work, .off = l[d->n_c], .off_rate = l[d->n_c + 1],
                        .potential = d->eq.potential(d->eq.context, q), .kinetic = d->eq.kinetic(d->eq.context, v), .unique = true };
@@ -633,7 +648,7 @@ static lw_status run_one(motion *m, double *y, double *work)
     w.ode.event = kink_ahead;
     w.ode.direction[0] = -1;
     w.at_stages = (lw_stages_ode){ w.ode.n, m->r.n_x, m->r.n_u, stiff, m, rates, m->r.n_x > m->r.n_u ? joints_move : NULL, project, m->stages.isa };
-    w.y = y + ode->n;
+    w.start = y, w.y = y + ode->n;
     o.relative = w.implicit ? lw_run_bdf_tolerance(d->o.relative) : d->o.relative;
     o.absolute = w.implicit ? lw_run_bdf_tolerance(d->o.absolute) : d->o.absolute;
     o.max_step = d->o.max_step;

@@ -456,6 +456,12 @@ lw_status lw_run_show_solved(lw_run *run, double t, const double *y)
     return s == LW_OK ? hand_out(run, &m) : s;
 }
 
+/* Does the solver know all of the sample at t itself, after a step to t_end? */
+static bool is_whole(lw_run *run, double t, double t_end, lw_moment *m)
+{
+    return run->whole_sample && !run->keeps_momenta && run->whole_sample(run->solver, t, t_end, m) == LW_OK;
+}
+
 lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void *context)
 {
     lw_status s = LW_OK;
@@ -464,7 +470,7 @@ lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void 
         if (at > t)
             break;
         lw_moment m;
-        if (run->whole_sample && !run->keeps_momenta && run->whole_sample(run->solver, at, t, &m) == LW_OK)
+        if (is_whole(run, at, t, &m))
             s = hand_out(run, &m);
         else {
             s = state_at(context, at, run->y);
@@ -523,8 +529,10 @@ static void note_start(lw_run *run, const double *y)
 
 lw_status lw_run_begin(lw_run *run, const double *y)
 {
+    const double t = run->d->o.from;
+    lw_moment m;
     note_start(run, y);
-    return lw_run_show(run, run->d->o.from, y);
+    return is_whole(run, t, t, &m) ? hand_out(run, &m) : lw_run_show(run, t, y);
 }
 
 lw_status lw_run_begin_solved(lw_run *run, const double *y)

@@ -318,13 +318,14 @@ lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, b
     size_t bodies = (size_t)r->s->n_body, u = (size_t)r->n_u, springs = (size_t)m->n_spring, loops = (size_t)r->n_cut;
     const lw_kernels *best = lw_kernels_supported(0);
     *s = (lw_tree_stages){ .n_body = r->s->n_body, .n_x = r->n_x, .n_u = r->n_u, .n_row = r->n_row, .n_spring = m->n_spring, .n_loop = r->n_cut,
-                           .n_model_row = r->s->n_joint_row, .n_moment = 19*r->s->n_body + r->s->n_joint_row + 2, .has_work = has_work, .unit = r->s->unit, .turns = best->turns, .isa = best->isa,
-                           .kernel = lw_tree_kernel_of(best->isa) };
+                           .n_model_row = r->s->n_joint_row, .n_moment = 19*r->s->n_body + r->s->n_joint_row + 2, .has_work = has_work,
+                           .unit = r->s->unit, .turns = best->turns, .isa = best->isa, .kernel = lw_tree_kernel_of(best->isa) };
     if (!suits(r, f))
         return LW_E_KIND;
     size_t state = lw_tree_state_size(8, r->s->n_body, r->n_u, r->n_row);
-    char *at = s->memory = malloc(state + LW_SCRATCH_ALIGNMENT + bodies*sizeof *s->body + springs*sizeof *s->spring + (bodies + loops)*sizeof *s->loop + loops*sizeof *s->leg
-                                     + (3*8*(u + 1) + 8*(size_t)(3*r->n_x + 2*r->n_u + 2 + s->n_moment))*sizeof(double) + (u + 1 + loops*bodies + bodies)*sizeof(int));
+    size_t doubles = 3*8*(u + 1) + 8*(size_t)(3*r->n_x + 2*r->n_u + 2 + s->n_moment), ints = u + 1 + loops*bodies + bodies;
+    char *at = s->memory = malloc(state + LW_SCRATCH_ALIGNMENT + bodies*sizeof *s->body + springs*sizeof *s->spring + (bodies + loops)*sizeof *s->loop
+                                  + loops*sizeof *s->leg + doubles*sizeof(double) + ints*sizeof(int));
     if (!at)
         return LW_E_MEMORY;
     s->state = lw_scratch_align(at), at = (char *)s->state + state;
@@ -456,14 +457,14 @@ static lw_status close_loops(lw_tree_stages *s)
     return off <= closed ? LW_OK : LW_OPEN;
 }
 
-lw_status lw_tree_stages_moments(lw_tree_stages *s, int n)
+lw_status lw_tree_stages_moments(lw_tree_stages *s, bool open, int n)
 {
     bool screws = false;
     for (int i = 0; i < s->n_body; i++)
         screws = screws || s->body[i].kind == LW_SPATIAL_SCREW;
     if (screws || s->n_kept < s->n_row)
         return LW_E_KIND;
-    if ((s->n_loop > 0 && close_loops(s) != LW_OK) || lw_tree_stages_rates(s, false, s->y, s->dy) != LW_OK)
+    if ((open && s->n_loop > 0 && close_loops(s) != LW_OK) || lw_tree_stages_rates(s, false, s->y, s->dy) != LW_OK)
         return LW_OPEN;
     s->kernel->moments(s, n, s->y, s->dy, s->moment);
     return LW_OK;

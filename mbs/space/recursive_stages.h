@@ -92,11 +92,11 @@ void      lw_tree_stages_keep_rows(lw_tree_stages *s, const lw_recursive *r);
  * singular postures of such loops steps would fail more often.  LW_E_ARG: a motion without mass, or loops in a singular posture. */
 lw_status lw_tree_stages_rates(lw_tree_stages *s, bool again, const double *y, double *dy);
 
-/* Close the loops of the eight states s->y and work out what the first n of them are in the coordinates of the model: (n_moment) for each in
- * s->moment are q, v and a of its bodies (mbs/space/space.h), the multipliers of its rows (n_model_row), and the greatest misfit of a row and of
+/* Close the loops of the eight states s->y, if they are open, and work out what the first n of them are in the coordinates of the model: (n_moment)
+ * for each in s->moment are q, v and a of its bodies (mbs/space/space.h), the multipliers of its rows (n_model_row), and the greatest misfit of a row and of
  * its rate.  s->dy is the rates.  LW_OPEN: loops that do not close, or what lw_tree_stages_rates refuses; LW_E_KIND: rows were left out,
  * or a joint of the tree is a screw. */
-lw_status lw_tree_stages_moments(lw_tree_stages *s, int n);
+lw_status lw_tree_stages_moments(lw_tree_stages *s, bool open, int n);
 
 /* x' of eight states y. */
 void      lw_tree_stages_motion(const lw_tree_stages *s, const double *y, double *dx);
