@@ -376,7 +376,7 @@ static lw_status hand_out(lw_run *run, const lw_moment *m)
     lw_dynamics_report *r = run->r;
     bool known = true;
     for (int i = 0; i < run->d->n_c; i++)
-        known = known && isfinite(m->l[i]);
+        known &= isfinite(m->l[i]) != 0;
     if (!known && r->without_forces++ == 0)
         r->without_forces_t = m->t;
     if (!(m->off <= most_off + far_off*run->d->o.relative))

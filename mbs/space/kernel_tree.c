@@ -356,7 +356,7 @@ LW_INLINE void add_shifted(articulated *to, bool first, double mass, const artic
 
 typedef struct ends { vec arm[2], d, dd, rest; } ends;       /* of a joint: as in mbs/space/space_rows.c */
 
-static ends ends_of(const lw_stage_loop *p, const body *all)
+LW_INLINE ends ends_of(const lw_stage_loop *p, const body *all)
 {
     ends n;
     for (int k = 0; k < 2; k++) {
@@ -371,29 +371,47 @@ static ends ends_of(const lw_stage_loop *p, const body *all)
 typedef struct pulls { screw on[2]; pack goal; } pulls;      /* a row, and what it has to be times the accelerations */
 _Static_assert(sizeof(pulls) == LW_TREE_PULL_PACKS*sizeof(pack), "size of a row");
 
-static pulls pulls_of(const lw_stage_row *p, const ends *n, const body *b0, const body *b1)
+/* A row on body k, 0 or 1. */
+LW_INLINE screw pull_of(const lw_stage_row *p, const int k, const ends *n, const body *b0, const body *b1)
 {
-    vec w0 = b0->velocity.turn, w1 = b1->velocity.turn;
     if (p->kind == LW_STAGE_TURN) {
-        vec a = turned(b0, p->a), b = turned(b1, p->b), c = cross(a, b), da = cross(w0, a), db = cross(w1, b);
-        return (pulls){ { { c, none }, { minus(c), none } }, dot(sub(w1, w0), add(cross(da, b), cross(a, db))) };
+        vec c = cross(turned(b0, p->a), turned(b1, p->b));
+        return (screw){ k ? minus(c) : c, none };
     }
     bool line = p->kind == LW_STAGE_LINE;
-    vec a = line ? turned(b0, p->a) : fixed(p->a), arm = line ? add(n->d, n->arm[0]) : n->arm[0];
+    vec a = line ? turned(b0, p->a) : fixed(p->a);
+    return k ? (screw){ cross(n->arm[1], a), a } : (screw){ cross(a, line ? add(n->d, n->arm[0]) : n->arm[0]), minus(a) };
+}
+
+static pulls pulls_of(const lw_stage_row *p, const ends *n, const body *b0, const body *b1)
+{
+    const screw on0 = pull_of(p, 0, n, b0, b1), on1 = pull_of(p, 1, n, b0, b1);
+    vec w0 = b0->velocity.turn, w1 = b1->velocity.turn;
+    if (p->kind == LW_STAGE_TURN) {
+        vec a = turned(b0, p->a), b = turned(b1, p->b), da = cross(w0, a), db = cross(w1, b);
+        return (pulls){ { on0, on1 }, dot(sub(w1, w0), add(cross(da, b), cross(a, db))) };
+    }
+    vec a = on1.move;
     pack bends = dot(a, n->rest);
-    if (line) {
+    if (p->kind == LW_STAGE_LINE) {
         vec da = cross(w0, a);
         bends += dot(cross(w0, da), n->d) + 2*dot(da, n->dd);
     }
-    return (pulls){ { { cross(a, arm), minus(a) }, { cross(n->arm[1], a), a } }, -bends };
+    return (pulls){ { on0, on1 }, -bends };
 }
 
-/* By how much a row is off. */
-static pack gap_of(const lw_stage_row *p, const ends *n, const body *b0, const body *b1)
+/* By how much a row and its rate are off. */
+typedef struct misfit { pack place, rate; } misfit;
+
+LW_INLINE misfit misfit_of(const lw_stage_row *p, const ends *n, const body *b0, const body *b1)
 {
-    if (p->kind == LW_STAGE_TURN)
-        return dot(turned(b0, p->a), turned(b1, p->b)) - p->fixed;
-    return dot(p->kind == LW_STAGE_LINE ? turned(b0, p->a) : fixed(p->a), n->d);
+    vec w0 = b0->velocity.turn, w1 = b1->velocity.turn, a = p->kind == LW_STAGE_POINT ? fixed(p->a) : turned(b0, p->a), da = cross(w0, a);
+    if (p->kind == LW_STAGE_TURN) {
+        vec b = turned(b1, p->b);
+        return (misfit){ dot(a, b) - p->fixed, dot(da, b) + dot(a, cross(w1, b)) };
+    }
+    pack speed = dot(a, n->dd);
+    return (misfit){ dot(a, n->d), p->kind == LW_STAGE_LINE ? speed + dot(da, n->d) : speed };
 }
 
 /* Rows of Y, at most ROWS of one loop: what their pulls g leave at each rate, going inwards.  Rows side by side hide that the next rate
@@ -874,7 +892,7 @@ static double close_some(const lw_tree_stages *t, const bool again, bool speeds,
         ends e = ends_of(p, s.all);
         for (int i = 0; i < p->n_row; i++) {
             const int at = p->row[i].at;
-            s.z.row[at].goal = speeds ? none.x : -gap_of(&p->row[i], &e, b0, b1);
+            s.z.row[at].goal = speeds ? none.x : -misfit_of(&p->row[i], &e, b0, b1).place;
             off = greater(off, miss(t, s.all, &s.z, at));
         }
     }
@@ -894,16 +912,15 @@ static double close_loops(const lw_tree_stages *t, bool again, bool speeds, cons
 
 /* Multipliers of the rows of a joint of the tree that put this load on a body.  Rows with a force have forces of length 1 at right angles to
  * each other; at most three others are moments alone. */
-LW_INLINE void multipliers(const lw_stage_loop *p, const pulls *row, int side, screw load, pack *l)
+LW_INLINE void multipliers(const lw_stage_loop *p, const screw *pull, screw load, pack *l)
 {
     vec turn[3] = { none, none, none }, moment = load.turn;
     int turns = 0, at[3];
     for (int i = 0; i < p->n_row; i++) {
-        const screw *on = &row[i].on[side];
         if (p->row[i].kind == LW_STAGE_TURN)
-            at[turns] = i, turn[turns++] = on->turn;
+            at[turns] = i, turn[turns++] = pull[i].turn;
         else
-            l[i] = dot(on->move, load.move), moment = sub(moment, times(on->turn, l[i]));
+            l[i] = dot(pull[i].move, load.move), moment = sub(moment, times(pull[i].turn, l[i]));
     }
     if (turns == 0)
         return;
@@ -929,13 +946,11 @@ LW_INLINE void give_three(const lw_tree_stages *t, int n, vec v, double *to)
     give(t, n, v.x, to), give(t, n, v.y, to + 1), give(t, n, v.z, to + 2);
 }
 
-typedef struct misfit { pack place, rate; } misfit;
-static misfit misfit_of(const lw_stage_loop *p, const pulls *row, const ends *e, const body *all, misfit m)
+LW_INLINE misfit greatest_misfit(const lw_stage_loop *p, const ends *e, const body *all, misfit m)
 {
-    const body *b0 = &all[p->body[0]], *b1 = &all[p->body[1]];
     for (int i = 0; i < p->n_row; i++) {
-        m.place = greater(m.place, gap_of(&p->row[i], e, b0, b1));
-        m.rate = greater(m.rate, dot_screw(row[i].on[0], b0->velocity) + dot_screw(row[i].on[1], b1->velocity));
+        misfit here = misfit_of(&p->row[i], e, &all[p->body[0]], &all[p->body[1]]);
+        m = (misfit){ greater(m.place, here.place), greater(m.rate, here.rate) };
     }
     return m;
 }
@@ -948,27 +963,25 @@ static void moments_of_some(const lw_tree_stages *t, int lane, int n, const doub
     misfit off = { { 0 }, { 0 } };
     load(t, true, lane, y, dy, &s);          /* what is missing of the loads is what the joints of the tree carry */
     for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++) {
-        pulls row[6];
         ends e = ends_of(p, all);
-        for (int i = 0; i < p->n_row; i++) {
-            row[i] = s.z.row[p->row[i].at];
+        for (int i = 0; i < p->n_row; i++)
             give(t, n, s.z.l[p->row[i].at], l + p->first + i);
-        }
-        off = misfit_of(p, row, &e, all, off);
+        off = greatest_misfit(p, &e, all, off);
     }
     for (const int *at = t->order; at < t->order + t->n_body; at++) {
         const body *b = &all[*at];
         const lw_stage_body *p = &t->body[*at];
         const lw_stage_loop *j = &t->inner[*at];
-        pulls row[6];
+        const body *b0 = &all[j->body[0]], *b1 = &all[j->body[1]];
+        screw pull[6];
         pack force[6];
         ends e = ends_of(j, all);
         for (int i = 0; i < j->n_row; i++)
-            row[i] = pulls_of(&j->row[i], &e, &all[j->body[0]], &all[j->body[1]]);
-        multipliers(j, row, !p->back, times_screw(b->load, all_lanes(-1)), force);
+            pull[i] = p->back ? pull_of(&j->row[i], 0, &e, b0, b1) : pull_of(&j->row[i], 1, &e, b0, b1);
+        multipliers(j, pull, times_screw(b->load, all_lanes(-1)), force);
         for (int i = 0; i < j->n_row; i++)
             give(t, n, force[i], l + j->first + i);
-        off = misfit_of(j, row, &e, all, off);
+        off = greatest_misfit(j, &e, all, off);
         screw *to = &all[p->parent].load;
         to->turn = add(to->turn, add(b->load.turn, cross(b->from_parent, b->load.move)));
         to->move = add(to->move, b->load.move);
