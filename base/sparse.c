@@ -1,6 +1,7 @@
 /* base/sparse.c - elimination that skips zeros. */
 #include "base/sparse.h"
 
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
@@ -131,23 +132,26 @@ void lw_sparse_solve(const lw_sparse *f, const double *b, double *x)
 
 typedef struct neighbours { int n, capacity, *of; } neighbours;
 
-/* The unknown of least degree by a tournament: leaf[i] beats others by its degree, then by its number. */
-typedef struct tournament { int size, *winner; const neighbours *all; } tournament;
+/* The unknown of least degree, the first of those, by a tournament: a degree and, in the lower half, the number of its unknown. */
+typedef struct tournament { int size; uint64_t *winner; } tournament;
 
-static int better(const tournament *t, int a, int b)
-{
-    if (a < 0 || b < 0)
-        return a < 0 ? b : a;
-    return t->all[b].n < t->all[a].n || (t->all[b].n == t->all[a].n && b < a) ? b : a;
-}
+static const uint64_t out = UINT64_MAX;
 
-static void replay(tournament *t, int i, bool in)
+static int winner_of(const tournament *t) { return (int)(uint32_t)t->winner[1]; }
+
+static void replay(tournament *t, int i, uint64_t key)
 {
     int at = t->size + i;
-    t->winner[at] = in ? i : -1;
-    for (at /= 2; at > 0; at /= 2)
-        t->winner[at] = better(t, t->winner[2*at], t->winner[2*at + 1]);
+    t->winner[at] = key;
+    for (at /= 2; at > 0; at /= 2) {
+        uint64_t a = t->winner[2*at], b = t->winner[2*at + 1], best = a < b ? a : b;
+        if (t->winner[at] == best)           /* nor does anything change above */
+            return;
+        t->winner[at] = best;
+    }
 }
+
+static void enter(tournament *t, const neighbours *all, int i) { replay(t, i, (uint64_t)all[i].n << 32 | (uint32_t)i); }
 
 static bool has_room(neighbours *a, int n)
 {
@@ -202,19 +206,51 @@ static void sort(int n, int *x)
     }
 }
 
+static int place_of(const neighbours *a, int k)
+{
+    int low = 0, high = a->n;
+    while (low < high) {
+        int middle = (low + high)/2;
+        if (a->of[middle] < k)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static void drop(neighbours *a, int k)
+{
+    int at = place_of(a, k);
+    memmove(a->of + at, a->of + at + 1, (size_t)(--a->n - at)*sizeof *a->of);
+}
+
+/* Do the neighbours of k meet each other already?  They do if k and these were the neighbours of the unknown eliminated before. */
+static bool is_clique(const neighbours *all, int before, int k)
+{
+    const neighbours *a = before < 0 ? NULL : &all[before];
+    int at = a && a->n == all[k].n + 1 ? place_of(a, k) : 0;
+    return a && a->n == all[k].n + 1 && at < a->n && a->of[at] == k;
+}
+
 /* Eliminate all unknowns: the order, and in all[k].of the neighbours that k has then. */
 static bool eliminate(lw_cholesky *c, neighbours *all, tournament *t, int *scratch)
 {
     bool ok = true;
     for (int i = 0; i < c->n; i++)
-        replay(t, i, true);
-    for (int step = 0; ok && step < c->n; step++) {
-        int k = c->order[step] = t->winner[1];
-        replay(t, k, false);
+        enter(t, all, i);
+    for (int step = 0, before = -1; ok && step < c->n; step++) {
+        int k = c->order[step] = winner_of(t);
+        bool clique = is_clique(all, before, k);
+        replay(t, k, out);
         for (int j = 0; ok && j < all[k].n; j++) {
-            ok = join(all, all[k].of[j], k, scratch);
-            replay(t, all[k].of[j], true);
+            if (clique)
+                drop(&all[all[k].of[j]], k);
+            else
+                ok = join(all, all[k].of[j], k, scratch);
+            enter(t, all, all[k].of[j]);
         }
+        before = k;
     }
     return ok;
 }
@@ -262,14 +298,13 @@ bool lw_cholesky_make(lw_cholesky *c, int n, const int *near_at, const int *near
         t.size *= 2;
     neighbours *all = calloc(count + 1, sizeof *all);
     int *scratch = malloc((2*count + 1)*sizeof *scratch);
-    t.all = all;
     t.winner = malloc(2*(size_t)t.size*sizeof *t.winner);
     c->order = malloc((count + 1)*sizeof *c->order);
     c->at = calloc(count + 1, sizeof *c->at);
     c->diag = calloc(count + 1, sizeof *c->diag);
     bool ok = all && scratch && t.winner && c->order && c->at && c->diag;
     for (int i = 0; ok && i < 2*t.size; i++)
-        t.winner[i] = -1;
+        t.winner[i] = out;
     for (int i = 0; ok && i < n; i++) {
         int m = near_at[i + 1] - near_at[i];
         ok = has_room(&all[i], m + 1);
