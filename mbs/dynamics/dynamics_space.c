@@ -181,6 +181,12 @@ static bool needs_velocities(const lw_dynamics *d, const lw_spatial *m)
     return any;
 }
 
+static void weigh_by_mass(lw_dynamics *d)
+{
+    for (int i = 0; i < d->n_v; i++)
+        d->by_mass[i] = 1/d->eq.mass[i];
+}
+
 /* The velocities that satisfy the joints, the motions and the speeds, and keep those that links are given. */
 static lw_status find_velocities(lw_dynamics *d, lw_error *e)
 {
@@ -192,10 +198,14 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
     for (int i = 0; i < d->n_v; i++)
         d->by_mass[i] = d->eq.mass[i] > 0 && !d->has_zero_mass ? 1/d->eq.mass[i] : 1;
     double top = given_velocities(d);
-    d->large = true;                         /* the fast way alone: rows that only given velocities touch depend on none */
     for (int i = 0; i < m->n_input; i++)
         if (m->input[i].has_speed && !m->input[i].motion)
             drive_input(d, i);
+    if (top == 0 && d->n_driven == 0 && !d->has_zero_mass) {             /* at rest, and the rows are arranged */
+        weigh_by_mass(d);
+        return LW_OK;
+    }
+    d->large = true;                         /* the fast way alone: rows that only given velocities touch depend on none */
     lw_status st = lw_mbs_arrange(d, d->o.from, d->start_q);
     int held = d->n_driven;
     d->n_driven = driven;
@@ -220,8 +230,7 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
     }
     d->n_driven = driven;
     d->large = large;
-    for (int i = 0; i < d->n_v; i++)
-        d->by_mass[i] = 1/d->eq.mass[i];
+    weigh_by_mass(d);
     return st == LW_OK ? lw_mbs_arrange(d, d->o.from, d->start_q) : st;
 }
 

@@ -100,14 +100,14 @@ lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *inpu
     lw_space_metric(s, metric);
     f->n_idle = lw_space_idle(s, false, x);
     f->n_input = n_input;
-    int rank;
-    lw_status st = rank_of_joints(s, x, f->n_idle, metric, &rank, e);
+    int rank = 0;
+    lw_status st = n_input > 0 ? rank_of_joints(s, x, f->n_idle, metric, &rank, e) : LW_OK;
     for (int i = 0; i < n_input; i++)
         x[f->n_idle + i] = (lw_space_extra){ .measure = input[i] };
     if (st == LW_OK)
         st = lw_space_rows_make(s, x, f->n_idle + n_input, metric, s->start, &f->z, e);
     if (st == LW_OK)
-        st = count_freedoms(f, rank, any, e);
+        st = count_freedoms(f, n_input > 0 ? rank : f->z.n_kept, any, e);
     free(x);
     if (st != LW_OK)
         lw_space_follow_free(f);
