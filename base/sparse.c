@@ -255,7 +255,7 @@ static bool eliminate(lw_cholesky *c, neighbours *all, tournament *t, int *scrat
     return ok;
 }
 
-/* Columns of every row, then the destination of every product. */
+/* Columns of every row, then the destinations of the products. */
 static bool list_products(lw_cholesky *c, const neighbours *all, int *place)
 {
     size_t n_product = 0, used = 0;
@@ -267,9 +267,9 @@ static bool list_products(lw_cholesky *c, const neighbours *all, int *place)
         n_product += m*(m > 0 ? m - 1 : 0)/2;
     }
     c->list = malloc(((size_t)c->n_entry + 1)*sizeof *c->list);
-    c->to = malloc((n_product + 1)*sizeof *c->to);
+    c->run = malloc((n_product + 1)*sizeof *c->run);
     c->value = calloc((size_t)c->n_entry + (size_t)c->n + 1, sizeof *c->value);
-    if (!c->list || !c->to || !c->value)
+    if (!c->list || !c->run || !c->value)
         return false;
     for (int i = 0, at = 0; i < c->n; i++) {
         const neighbours *a = &all[c->order[i]];
@@ -284,8 +284,12 @@ static bool list_products(lw_cholesky *c, const neighbours *all, int *place)
             for (int j = k + 1, at = c->at[c->list[k]]; j < c->at[i + 1]; j++) {
                 while (c->list[at] != c->list[j])
                     at++;
-                c->to[used++] = at;
+                if (j == k + 1 || at != c->run[used - 1].to + c->run[used - 1].n)
+                    c->run[used++] = (lw_cholesky_run){ at, 0 };
+                c->run[used - 1].n++;
             }
+    lw_cholesky_run *less = realloc(c->run, (used + 1)*sizeof *less);
+    c->run = less ? less : c->run;
     return true;
 }
 
@@ -331,7 +335,7 @@ void lw_cholesky_free(lw_cholesky *c)
     free(c->order);
     free(c->at);
     free(c->list);
-    free(c->to);
+    free(c->run);
     free(c->value);
     free(c->diag);
     memset(c, 0, sizeof *c);
@@ -352,34 +356,46 @@ int lw_cholesky_entry(const lw_cholesky *c, int i, int j)
     return low;
 }
 
+/* Two numbers of a row in a register. */
+typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+/* y -= f x. */
+static inline void subtract(int n, double f, const double *x, double *y)
+{
+    for (; n > 1; n -= 2, x += 2, y += 2)
+        *(pair *)y -= f**(const pair *)x;
+    if (n)
+        *y -= f**x;
+}
+
 double lw_cholesky_factor(lw_cholesky *c, double tolerance, bool *dependent)
 {
-    double *pivots = c->value + c->n_entry, least = 1;
-    const int *to = c->to;
-    memcpy(c->diag, pivots, (size_t)c->n*sizeof *c->diag);
+    double *value = c->value, *pivots = value + c->n_entry, *diag = c->diag, least = 1;
+    const lw_cholesky_run *run = c->run;
+    memcpy(diag, pivots, (size_t)c->n*sizeof *diag);
     for (int i = 0; i < c->n; i++) {
-        double *row = c->value + c->at[i], pivot = pivots[i], share = pivot/c->diag[i];
-        const int *list = c->list + c->at[i];
-        int m = c->at[i + 1] - c->at[i];
+        double *row = value + c->at[i], pivot = pivots[i], share = pivot/diag[i];
+        const int *list = c->list + c->at[i], m = c->at[i + 1] - c->at[i];
         if (dependent)
             dependent[i] = !(share > tolerance);
         if (dependent && dependent[i]) {
-            c->diag[i] = 0;
+            diag[i] = 0;
             memset(row, 0, (size_t)m*sizeof *row);
-            to += m*(m - 1)/2;
+            for (int left = m*(m - 1)/2; left > 0; run++)
+                left -= run->n;
             continue;
         }
-        least = fmin(least, share);
+        least = share < least ? share : least;
         if (!(pivot > 0))
             return 0;
-        double factor = c->diag[i] = 1/sqrt(pivot);
+        double factor = diag[i] = 1/sqrt(pivot);
         for (int k = 0; k < m; k++)
             row[k] *= factor;
         for (int k = 0; k < m; k++) {
             double x = row[k];
             pivots[list[k]] -= x*x;
-            for (int j = k + 1; j < m; j++)
-                c->value[*to++] -= x*row[j];
+            for (int j = k + 1; j < m; j += run->n, run++)
+                subtract(run->n, x, row + j, value + run->to);
         }
     }
     return least;
@@ -413,6 +429,24 @@ void lw_cholesky_solve_overlapped(const lw_cholesky *c, double *b)
         for (int k = c->at[i + 1] - 1; k >= c->at[i]; k--)
             sum -= c->value[k]*b[c->list[k]];
         b[i] = sum*c->diag[i];
+    }
+}
+
+typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
+
+void lw_cholesky_solve_four(const lw_cholesky *c, double (*b)[4])
+{
+    four *x = (four *)b;
+    for (int i = 0; i < c->n; i++) {
+        four each = x[i] *= c->diag[i];
+        for (int k = c->at[i]; k < c->at[i + 1]; k++)
+            x[c->list[k]] -= c->value[k]*each;
+    }
+    for (int i = c->n - 1; i >= 0; i--) {
+        four sum = x[i];
+        for (int k = c->at[i + 1] - 1; k >= c->at[i]; k--)
+            sum -= c->value[k]*x[c->list[k]];
+        x[i] = sum*c->diag[i];
     }
 }
 

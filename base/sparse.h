@@ -39,11 +39,13 @@ void lw_sparse_solve(const lw_sparse *f, const double *b, double *x);
  * S = U^T U, stored and computed without zeros.  Equations are eliminated in an order of low fill (minimum degree, the first
  * of those with equal degree).  The work of a factorisation is written down as a list of multiplications when the pattern
  * is analysed, so that factoring searches nothing: linear in the number of unknowns for chains and for trees of loops. */
+typedef struct lw_cholesky_run { int to, n; } lw_cholesky_run;      /* products that go to n neighbouring entries, the first one `to` */
+
 typedef struct lw_cholesky {
     int     n, n_entry;          /* unknowns; entries right of the diagonal                               */
     int    *order;               /* (n) order[k] is eliminated k-th                                       */
     int    *at, *list;           /* (n + 1), (n_entry) columns right of the diagonal of row k, ascending  */
-    int    *to;                  /* entry that each product goes to                                       */
+    lw_cholesky_run *run;        /* where the products go, in the order of elimination                    */
     double *value;               /* (n_entry + n) entries of the rows, then the diagonal                  */
     double *diag;                /* (n) the diagonal, then 1/pivot                                        */
 } lw_cholesky;
@@ -67,6 +69,9 @@ void lw_cholesky_solve(const lw_cholesky *c, double *b);
 /* The same but for rounding, up to twice as fast: sums begin with the unknowns that are known longest, so the processor works at
  * several rows at once instead of waiting for the last unknown. */
 void lw_cholesky_solve_overlapped(const lw_cholesky *c, double *b);
+
+/* The same for four right-hand sides, b[k] those of equation k, in little more time than for one. */
+void lw_cholesky_solve_four(const lw_cholesky *c, double (*b)[4]);
 
 /* The same factor of S = A^T A from the rows of A, by Householder's reflections of the rows that meet at each column (George & Liu
  * 1987; Liu 1986): pivots and solutions have the digits of A, where forming S loses twice as many. */

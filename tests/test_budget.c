@@ -31,7 +31,7 @@ static lw_vec3 tool_of(lw_robot *r, const double *q)
 static lw_vec3 strayed(lw_robot *r, const lw_vec3 *off)
 {
     lw_space_rows_set *z = &r->follow.z;
-    double *q = malloc(((size_t)r->space.n_q + (size_t)z->n_row)*sizeof *q), *target = q + r->space.n_q, length;
+    double *q = malloc(((size_t)r->space.n_q + (size_t)z->n_row)*sizeof *q), *target = q + r->space.n_q;
     memcpy(q, r->follow.q, (size_t)r->space.n_q*sizeof *q);
     lw_space_rows_fill(z, q, NULL);
     for (int i = r->space.n_row; i < z->n_row; i++)
@@ -39,7 +39,7 @@ static lw_vec3 strayed(lw_robot *r, const lw_vec3 *off)
     for (int j = 0; j < r->space.n_joint; j++)
         r->space.joint[j].arm[0] = lw_v3_add(r->space.joint[j].arm[0],
                                              lw_m3_unapply(&z->frame[r->space.joint[j].body[0] + 1].turn, off[j]));
-    CHECK_INT(lw_space_rows_close(z, q, target, 0, &length), LW_OK);
+    CHECK_INT(lw_space_rows_close(z, q, target, 0), LW_OK);
     lw_space_place(&r->space, r->follow.q, z->frame);
     for (int j = 0; j < r->space.n_joint; j++)
         r->space.joint[j].arm[0] = lw_v3_sub(r->space.joint[j].arm[0],

@@ -4,7 +4,9 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/linalg.h"
 #include "base/number.h"
+#include "base/vector.h"
 #include "mbs/dynamics/dynamics_equations_internal.h"
 #include "mbs/equations/limits_internal.h"
 #include "mbs/ode/integrate.h"
@@ -342,8 +344,50 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *v, lw_erro
                            c->drive_l, size, NULL, e);
 }
 
-/* The drives of a driven run at velocities v under the forces f = c->drive_f. */
-static lw_status load_drives(lw_dynamics *d, double t, const double *q, const double *v, double *drive, lw_error *e)
+/* c->drive_l from the motions by unit rates of the inputs, where going to q has found them: the drives do the work of f = c->drive_f along these
+ * motions, and the rows of joints and inputs, factored there, carry what is left.  false: not found, or inputs and drives do not go together well. */
+static bool load_by_motions(lw_dynamics *d, const double *q)
+{
+    static const double well = 1e-3, rounding = 1e-15;
+    lw_spatial_scene *c = d->space;
+    lw_space_follow *w = &c->follow;
+    lw_space_rows_set *z = &w->z;
+    const lw_space *s = &c->s;
+    int n = c->model->n_drive, first = s->n_row + c->n_idle, body[2];
+    double jac[LW_SPACE_HELD][LW_SPACE_ROW], a[LW_SPACE_HELD*LW_SPACE_HELD], diag[LW_SPACE_HELD], *l = c->drive_l + first, *rest = c->drive_f + d->n_v;
+    if (!w->has_column || n != w->n_input || w->n_idle != c->n_idle || z->n_kept < z->n_row || z->n_row != d->n_v || c->n_rub > 0)
+        return false;
+    for (int i = 0; i < d->n_q; i++)         /* quaternions of q may have been normalised */
+        if (!(fabs(z->filled[i] - q[i]) < rounding))
+            return false;
+    memset(a, 0, sizeof a);
+    for (int k = 0; k < n; k++) {
+        lw_space_extra drive = { .measure = c->model->drive[k] };
+        lw_space_measure(s, z->frame, drive.measure, 0, jac[k]);
+        lw_space_bodies(s, &drive, body);
+        for (int i = 0; i < n; i++)
+            for (int end = 0; end < 2; end++)
+                a[i + n*k] += body[end] < 0 ? 0 : lw_dot(6, jac[k] + 6*end, w->column + i*d->n_v + 6*body[end]);
+    }
+    if (!(lw_qr_factor(n, n, a, diag) > well))
+        return false;
+    for (int i = 0; i < n; i++)
+        l[i] = lw_dot(d->n_v, w->column + i*d->n_v, c->drive_f);
+    lw_qr_solve(n, n, a, diag, l);
+    memcpy(rest, c->drive_f, (size_t)d->n_v*sizeof *rest);
+    for (int k = 0; k < n; k++) {
+        lw_space_bodies(s, &(lw_space_extra){ .measure = c->model->drive[k] }, body);
+        for (int i = 0; i < LW_SPACE_ROW; i++)
+            if (body[i/6] >= 0)
+                rest[6*body[i/6] + i%6] -= l[k]*jac[k][i];
+    }
+    lw_space_rows_carry(z, rest, w->l);
+    memcpy(c->drive_l, w->l, (size_t)first*sizeof *l);
+    return true;
+}
+
+/* c->drive_l at velocities v. */
+static lw_status load_by_rows(lw_dynamics *d, double t, const double *q, const double *v, lw_error *e)
 {
     lw_spatial_scene *c = d->space;
     lw_space_rows_set *z = &c->drives;
@@ -362,7 +406,16 @@ static lw_status load_drives(lw_dynamics *d, double t, const double *q, const do
     if (left > 1e-7*most + 1e-12)
         return lw_error_set(e, LW_E_ARG, "at t = %.9g s the drives cannot move the model: %.3g of %.3g N m (forces times the size) "
                             "are left; are there as many drives as inputs?", t, left, most);
-    lw_status st = c->n_rub ? add_friction(d, t, v, e) : LW_OK;
+    return c->n_rub ? add_friction(d, t, v, e) : LW_OK;
+}
+
+/* The drives of a driven run at velocities v under the forces c->drive_f.  *jac: the derivatives of the rows of the joints there. */
+static lw_status load_drives(lw_dynamics *d, double t, const double *q, const double *v, double *drive, const double **jac, lw_error *e)
+{
+    lw_spatial_scene *c = d->space;
+    bool by_motions = load_by_motions(d, q);
+    lw_status st = by_motions ? LW_OK : load_by_rows(d, t, q, v, e);
+    *jac = by_motions ? c->follow.z.jac : c->drives.jac;
     for (int i = 0; i < c->model->n_drive; i++)
         drive[i] = -c->drive_l[c->s.n_row + c->n_idle + i]/lw_space_scale(&c->s, c->model->drive[i]);
     return st;
@@ -425,7 +478,7 @@ lw_status lw_dynamics_space_moment(lw_dynamics *d, const lw_moment *m, lw_space_
     bool still = d->o.analysis == LW_ANALYSIS_QUASISTATIC || d->o.analysis == LW_ANALYSIS_STATIC;
     double *input = c->drive_l + c->s.n_row + c->n_idle + model->n_drive + 1, *rate = input + inputs, *drive = rate + inputs;
     double *f = c->drive_f, *none = f + d->n_v;
-    const double *l = m->l;
+    const double *l = m->l, *all = none + c->s.n_row;
     lw_status st = LW_OK;
     *out = (lw_space_moment){ .t = m->t, .q = m->q, .v = m->v, .a = m->a, .frame = c->frame, .input = input, .input_rate = rate,
                               .drive = drive, .joint = c->joint, .coupling = c->pull, .kinetic = m->kinetic, .potential = m->potential,
@@ -438,7 +491,7 @@ lw_status lw_dynamics_space_moment(lw_dynamics *d, const lw_moment *m, lw_space_
         lw_space_forces_apply(&c->f, m->t, c->frame, still ? none : m->v, f, NULL, NULL);
         for (int i = 0; i < d->n_v && !still; i++)
             f[i] -= c->s.mass[i]*m->a[i];
-        st = load_drives(d, m->t, m->q, still ? none : m->v, drive, e);
+        st = load_drives(d, m->t, m->q, still ? none : m->v, drive, &all, e);
         l = c->drive_l;
     }
     for (int i = 0; i < d->n_driven && model->n_drive == 0; i++)
@@ -448,10 +501,7 @@ lw_status lw_dynamics_space_moment(lw_dynamics *d, const lw_moment *m, lw_space_
         lw_space_measured(&c->s, c->frame, of, of.of == LW_OF_TURN ? c->f.turn[of.index] : 0, m->v, &input[i], &rate[i]);
         input[i] += lw_spatial_offset(&model->input[i]);
     }
-    const double *all = none + c->s.n_row;
-    if (c->has_drives)
-        all = c->drives.jac;                 /* filled for the forces of the drives */
-    else
+    if (!c->has_drives)
         lw_space_rows(&c->s, c->frame, none, none + c->s.n_row);
     find_reactions(c, m->v, l, all);
     return st;

@@ -819,8 +819,10 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
                 snprintf(turned, sizeof turned, ", turned by %.6g of %.6g degrees",
                          lw_v3_norm(lw_quaternion_vector(lw_quaternion_times(to, lw_quaternion_inverse(from))))*180/LW_PI, lw_v3_norm(spin)*180/LW_PI);
             const lw_units *units = &r->model->units;
-            first = lw_v3_scale(first, 1/units->metre);
-            return lw_error_set(e, LW_OPEN, "the tool stops at (%.9g, %.9g, %.9g) %s%s: %s", first.x, first.y, first.z, units->length[0] ? units->length : "m",
+            double by[3] = { first.x, first.y, first.z };
+            for (int i = 0; i < 3; i++)                      /* rounding counts as 0 */
+                by[i] = fabs(by[i]) < 1e-13*s->unit ? 0 : by[i]/units->metre;
+            return lw_error_set(e, LW_OPEN, "the tool stops at (%.9g, %.9g, %.9g) %s%s: %s", by[0], by[1], by[2], units->length[0] ? units->length : "m",
                                 turned, r->limit);
         }
     }

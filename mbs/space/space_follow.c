@@ -5,6 +5,7 @@
  * postures, and with it beside the distance to another branch. */
 #include "mbs/space/space_follow.h"
 #include "base/number.h"
+#include "base/vector.h"
 #include "mbs/space/space_idle.h"
 #include "mbs/space/space_mobility.h"
 
@@ -76,7 +77,7 @@ lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *inpu
     size_t q = (size_t)s->n_q, v = (size_t)s->n_v, extras = (size_t)s->n_body + (size_t)n_input + 1;
     size_t rows = (size_t)s->n_row + extras;
     memset(f, 0, sizeof *f);
-    double *at = f->memory = calloc(2*q + 4*v + extras + 2*rows + 6*extras, sizeof *at);
+    double *at = f->memory = calloc(2*q + 7*v + extras + 2*rows + 6*extras, sizeof *at);
     lw_space_extra *x = calloc(extras, sizeof *x);
     if (!at || !x) {
         free(at), free(x);
@@ -88,6 +89,9 @@ lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *inpu
     f->v = at, at += v;
     f->a = at, at += v;
     f->v_try = at, at += v;
+    f->off = at, at += v;
+    f->before = at, at += v;
+    f->again = at, at += v;
     f->target = at, at += extras;
     f->rhs = at, at += rows;
     f->l = at, at += rows;
@@ -150,15 +154,30 @@ static void wanted(lw_space_follow *f, int rate)
         f->rhs[first + i] += f->path[i][rate]/lw_space_scale(f->z.s, f->z.extra[f->n_idle + i].measure);
 }
 
-/* Rates by u at q_try, which is on the rows, filled and factored there. */
-static bool tangent(lw_space_follow *f, double *v)
+/* Rates by u for the rows filled and factored. */
+static bool rates(lw_space_follow *f, double *v)
 {
-    lw_space_rows_fill(&f->z, f->q_try, f->target);
-    if (!lw_space_rows_factor_near(&f->z))
-        return false;
-    wanted(f, 1);
-    return lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l)
-           || (lw_space_rows_factor(&f->z) && lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l));
+    int n_v = f->z.s->n_v;
+    if (!f->column) {
+        wanted(f, 1);
+        return lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l);
+    }
+    memset(v, 0, (size_t)n_v*sizeof *v);
+    f->has_column = lw_space_rows_motions(&f->z, f->n_input, f->z.s->n_row + f->n_idle, f->column);
+    for (int i = 0; i < f->n_input; i++) {
+        double rate = f->path[i][1]/lw_space_scale(f->z.s, f->z.extra[f->n_idle + i].measure);
+        for (int k = 0; k < n_v; k++)
+            v[k] += rate*f->column[i*n_v + k];
+    }
+    return f->has_column;
+}
+
+/* Rates by u at q_try, which is on the rows; factored there, and filled if not yet. */
+static bool tangent(lw_space_follow *f, bool filled, double *v)
+{
+    if (!filled)
+        lw_space_rows_fill(&f->z, f->q_try, f->target);
+    return lw_space_rows_factor_near(&f->z) && (rates(f, v) || (lw_space_rows_factor(&f->z) && rates(f, v)));
 }
 
 void lw_space_follow_second(lw_space_follow *f)
@@ -227,12 +246,57 @@ static bool stays_closed(lw_space_follow *f, double length)
     return true;
 }
 
+/* The cube of the ratio of a step of length h to the last one; 0: too much longer, or there was none. */
+static double cube_of(const lw_space_follow *f, double h)
+{
+    double r = f->off_h != 0 ? h/f->off_h : 0;
+    return fabs(r) < 2 ? r*r*r : 0;
+}
+
+/* f->again: where a step of length h will end beside v and a, extrapolated from the last two steps.  It grows with the cube of the step, by a factor that
+ * changes along the way.  Returns its size; 0: not known, or more than `most`. */
+static double extrapolate(lw_space_follow *f, double h, double most)
+{
+    const lw_space *s = f->z.s;
+    double share = cube_of(f, h), on = f->before_h != 0 ? (h + f->off_h)/(f->before_h + f->off_h) : 0;
+    on = fabs(on) < 2 ? on : 0;
+    for (int i = 0; i < s->n_v; i++)
+        f->again[i] = share*(f->off[i] + on*(f->off[i] - f->before[i]));
+    double size = lw_space_length(s, f->again);
+    if (size < most)
+        return size;
+    memset(f->again, 0, (size_t)s->n_v*sizeof *f->again);
+    return 0;
+}
+
+/* The last step, of length h, has ended z.moved beside the place extrapolated. */
+static void keep_end(lw_space_follow *f, double h)
+{
+    double share = cube_of(f, h);
+    for (int i = 0; i < f->z.s->n_v; i++) {
+        f->before[i] = share*f->off[i];
+        f->off[i] = f->again[i] + f->z.moved[i];
+    }
+    f->before_h = share != 0 ? f->off_h : 0;
+    f->off_h = h;
+}
+
+/* The posture is left along another path with rates v_try instead of v: measure the last steps along this path, or forget them. */
+static void change_path(lw_space_follow *f)
+{
+    int n = f->z.s->n_v;
+    double old = lw_dot(n, f->v, f->v), now = lw_dot(n, f->v_try, f->v_try), both = lw_dot(n, f->v, f->v_try);
+    double r = both*both > 0.9*old*now ? both/now : 0;
+    f->off_h *= r;
+    f->before_h *= r;
+}
+
 /* One step of length h; false: too long. */
 static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context, double h, bool *taken)
 {
     const lw_space *s = f->z.s;
-    double moved = 0, length;
-    *taken = f->opened = false;
+    double length, most;
+    *taken = f->opened = f->has_column = false;
     lw_space_follow_second(f);
     memcpy(f->q_try, f->q, (size_t)s->n_q*sizeof *f->q);
     for (int i = 0; i < s->n_v; i++)
@@ -240,20 +304,27 @@ static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context
     length = lw_space_length(s, f->z.step);
     if (length > longest_step)
         return LW_OK;
+    most = greatest_correction*length + 1e-7;
+    most -= extrapolate(f, h, most/2);
+    for (int i = 0; i < s->n_v; i++)
+        f->z.step[i] += f->again[i];
     lw_space_move(s, f->q_try, f->z.step);
     lw_status st = aim(f, path, context, f->u + h);
     if (st != LW_OK)
         return st;
-    if (lw_space_rows_close(&f->z, f->q_try, f->target, greatest_correction*length + 1e-7, &moved) != LW_OK ||
-        !tangent(f, f->v_try))
+    if (lw_space_rows_close(&f->z, f->q_try, f->target, most) != LW_OK ||
+        !tangent(f, memcmp(f->z.filled, f->q_try, (size_t)s->n_q*sizeof *f->q_try) == 0, f->v_try))
         return LW_OK;
-    if (!same_curve(f, h) || !stays_closed(f, length))
+    if (!same_curve(f, h) || !stays_closed(f, length)) {
+        f->has_column = false;
         return LW_OK;
+    }
     memcpy(f->q, f->q_try, (size_t)s->n_q*sizeof *f->q);
     memcpy(f->v, f->v_try, (size_t)s->n_v*sizeof *f->v);
     memcpy(f->z.near, f->target, (size_t)f->z.n_extra*sizeof *f->z.near);
     if (s->n_coupling)
         lw_space_count_turns(s, f->z.frame, f->z.near + f->z.n_extra);
+    keep_end(f, h);
     f->u += h;
     f->clear = fmax(f->clear, f->z.weak);
     if (f->passed)
@@ -471,6 +542,7 @@ static lw_status go_between(lw_space_follow *f, lw_space_path *path, void *conte
             lw_space_move(s, q, by);
         }
         memcpy(f->q, q, n*sizeof *q);
+        f->has_column = false;
         st = aim(f, path, context, u);
         memcpy(f->z.near, f->target, (size_t)f->z.n_extra*sizeof *f->z.near);
         f->u = u;
@@ -493,9 +565,9 @@ static lw_status close_better(lw_space_follow *f, lw_space_path *path, void *con
     if (st != LW_OK || (st = aim(f, path, context, f->u)) != LW_OK)
         return st;
     memcpy(f->q_try, f->q, bytes);
-    if (lw_space_rows_close(&f->z, f->q_try, f->target, 0, NULL) != LW_OK)
+    if (lw_space_rows_close(&f->z, f->q_try, f->target, 0) != LW_OK)
         memcpy(f->q_try, f->q, bytes);
-    if (!tangent(f, f->v_try))
+    if (!tangent(f, false, f->v_try))
         return LW_OPEN;
     memcpy(f->q, f->q_try, bytes);
     memcpy(f->v, f->v_try, (size_t)f->z.s->n_v*sizeof *f->v);
@@ -513,11 +585,13 @@ static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, doub
     memcpy(f->q_try, f->q, bytes);
     if (!same || !(f->has_second || memcmp(f->z.filled, f->q, bytes) == 0)) {    /* else the rates of the last step still hold */
         f->has_second = false;
-        bool found = st == LW_OK && tangent(f, f->v);
+        bool found = st == LW_OK && tangent(f, false, f->v_try);
         if (st == LW_OK && !found && f->z.n_kept < f->z.n_row)        /* the basis kept may be that of a singular end of another way */
-            found = (st = lw_space_rows_arrange(&f->z, f->q, e)) == LW_OK && tangent(f, f->v);
+            found = (st = lw_space_rows_arrange(&f->z, f->q, e)) == LW_OK && tangent(f, false, f->v_try);
         if (st == LW_OK && !found)
             return cannot(f, path, context, u, e);
+        change_path(f);
+        memcpy(f->v, f->v_try, (size_t)f->z.s->n_v*sizeof *f->v);
         memcpy(f->made, f->path, (size_t)f->n_input*sizeof *f->made);
         f->made_at = NAN;                    /* no step has been made from here */
     }
@@ -582,6 +656,7 @@ void lw_space_follow_rates(lw_space_follow *f, lw_space_path *path, void *contex
     }
     if (!f->between || weak > lost_place) {
         memcpy(f->q, kept, n_q*sizeof *kept);
+        f->has_column = false;
         memcpy(f->z.near, near, n_near*sizeof *near);
     }
     f->u = u;

@@ -15,6 +15,10 @@ typedef struct lw_space_follow {
     double *q, *v, *a;                   /* (n_q) posture there; (n_v) rates by u                          */
     double *q_try, *v_try, *target, *rhs, *l, (*path)[3];
     double  made_at, (*made)[3];         /* the path at u; v is that of this path at made_at               */
+    double *off, *before, *again;        /* (n_v) where steps end beside h v + h^2 a/2: the last one, the one before in proportion, the next one */
+    double  off_h, before_h;             /* lengths of the two along the path; 0: none                     */
+    double *column;                      /* (n_input x n_v) where to keep the motions by a unit rate of one input (over its scale) each; NULL: nowhere */
+    bool    has_column;                  /* they are those at q                                            */
     bool    has_second;                  /* a, too                                                         */
     bool    between;                     /* v and a come from postures beside a singular one               */
     double  clear;                       /* greatest z.weak of the postures gone through: far from singular ones */

@@ -49,19 +49,20 @@ void lw_space_hold_back(lw_space_hold *h)
 bool lw_space_hold_rates(lw_space_hold *h, lw_space_follow *f, const lw_spatial_measure *drive, double *a)
 {
     const lw_space *s = f->z.s;
-    double value;
-    int n = h->n, first = s->n_row + f->n_idle;
-    if (!lw_space_rows_factor_near(&f->z))
+    int n = h->n;
+    bool known = f->column == h->column && f->has_column;
+    if (!known && !(lw_space_rows_factor_near(&f->z) && lw_space_rows_motions(&f->z, n, s->n_row + f->n_idle, h->column)))
         return false;
-    for (int i = 0; i < n; i++) {
-        double *v = h->column + (size_t)i*(size_t)s->n_v;
-        memset(f->rhs, 0, (size_t)f->z.n_row*sizeof *f->rhs);
-        f->rhs[first + i] = 1;
-        if (!lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l))
-            return false;
-        for (int k = 0; k < n; k++) {
-            lw_space_measured(s, f->z.frame, drive[k], 0, v, &value, &a[i*n + k]);
-            a[i*n + k] /= lw_space_scale(s, drive[k]);
+    for (int k = 0; k < n; k++) {
+        int body[2];
+        double jac[LW_SPACE_ROW];
+        lw_space_measure(s, f->z.frame, drive[k], 0, jac);
+        lw_space_bodies(s, &(lw_space_extra){ .measure = drive[k] }, body);
+        for (int i = 0; i < n; i++) {
+            a[i*n + k] = 0;
+            for (int side = 0; side < 2; side++)
+                if (body[side] >= 0)
+                    a[i*n + k] += lw_dot(6, jac + 6*side, h->column + i*s->n_v + 6*body[side]);
         }
     }
     return true;
@@ -162,13 +163,13 @@ lw_status lw_space_watch_begin(lw_space_watch *w, lw_space_follow *f, lw_error *
         w->drive[i] = m->n_drive ? m->drive[i] : f->z.extra[f->n_idle + i].measure;
     lw_status st = lw_space_hold_make(n, s->n_v, &w->hold, e);
     if (st == LW_OK)
-        f->passed = look, f->passed_by = w, w->at = f->u;
+        f->passed = look, f->passed_by = w, w->at = f->u, f->column = w->hold.column;
     return st;
 }
 
 void lw_space_watch_end(lw_space_watch *w)
 {
     if (w->hold.column)
-        w->f->passed = NULL;
+        w->f->passed = NULL, w->f->column = NULL, w->f->has_column = false;
     lw_space_hold_free(&w->hold);
 }

@@ -128,7 +128,7 @@ static lw_status find_clear(search *x, uint64_t seed, lw_space_mobility *m, lw_e
     memcpy(x->q, s->start, (size_t)s->n_q*sizeof *x->q);
     if (free > 0)
         lw_space_move(s, x->q, x->by);
-    if (lw_space_rows_close(&x->z, x->q, NULL, 0, NULL) != LW_OK)
+    if (lw_space_rows_close(&x->z, x->q, NULL, 0) != LW_OK)
         return LW_NOTHING;
     lw_space_rows_fill(&x->z, x->q, NULL);
     double far = distance(x), off = residual(x);

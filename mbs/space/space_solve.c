@@ -92,19 +92,20 @@ lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int
     size_t q_size = (size_t)s->n_q, jac = rows*LW_SPACE_ROW;
     for (int i = 0; i < s->n_coupling; i++)
         jac += 6*(size_t)s->coupling[i].n_side - LW_SPACE_ROW;
-    size_t doubles_all = 2*(jac + rows) + 3*v + near + 2*q_size;
+    size_t doubles_all = 2*(jac + rows) + 4*v + 4*(rows + v) + near + 2*q_size;
     size_t bytes = doubles_all*sizeof(double) + ((size_t)s->n_body + 1)*sizeof *z->frame +
                    x*sizeof *z->extra + (jac/6 + 3*rows)*sizeof(int);
     char *at = z->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    double **const doubles[] = { &z->jac, &z->jac_w, &z->phi, &z->small, &z->weight, &z->full, &z->step,
+    double **const doubles[] = { &z->jac, &z->jac_w, &z->phi, &z->small, &z->weight, &z->full, &z->step, &z->moved,
                                  &z->near, &z->filled, &z->factored };
-    const size_t sizes[] = { jac, jac, rows, rows, v, v, v, near, q_size, q_size };
+    const size_t sizes[] = { jac, jac, rows, rows, v, v, v, v, near, q_size, q_size };
     for (size_t i = 0; i < sizeof doubles/sizeof *doubles; i++) {
         *doubles[i] = (double *)(void *)at;
         at += sizes[i]*sizeof(double);
     }
+    z->four = (double (*)[4])(void *)at, at += (rows + v)*sizeof *z->four;
     z->frame = (lw_space_frame *)(void *)at, at += ((size_t)s->n_body + 1)*sizeof *z->frame;
     z->extra = (lw_space_extra *)(void *)at, at += x*sizeof *z->extra;
     z->body = (int *)(void *)at, at += jac/6*sizeof *z->body;
@@ -180,7 +181,7 @@ bool lw_space_rows_factor(lw_space_rows_set *z)
 
 bool lw_space_rows_factor_near(lw_space_rows_set *z)
 {
-    double most = 1e-8*sqrt(z->weak);        /* factors are wrong by off/sqrt(weak), refined solves by its square */
+    double most = 1e-7*sqrt(z->weak);        /* factors are wrong by off/sqrt(weak), refined solves by its square */
     bool near = z->weak > 1e-14;
     for (int i = 0; near && i < z->s->n_q; i++)
         near = fabs(z->filled[i] - z->factored[i]) <= most;
@@ -437,6 +438,68 @@ bool lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rh
     return refined(first, before, change);
 }
 
+typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
+
+/* As improve, for four systems: the right-hand side of the k-th is 1 in row first + k, else 0. */
+static void improve_four(lw_space_rows_set *z, int first, bool still, four *x, double change[4])
+{
+    four *b = (four *)z->four;
+    for (int i = 0; i < z->n_kept; i++) {
+        int r = z->kept[i], at = r - first;
+        four sum = { -(at == 0), -(at == 1), -(at == 2), -(at == 3) };
+        for (int k = 0; k < lw_space_rows_sides(z, r) && !still; k++) {
+            int body = lw_space_rows_bodies(z, r)[k];
+            const double *jac = z->jac + z->at[r] + 6*k;
+            const four *by = x + 6*body;
+            if (body >= 0)
+                sum += jac[0]*by[0] + jac[1]*by[1] + jac[2]*by[2] + jac[3]*by[3] + jac[4]*by[4] + jac[5]*by[5];
+        }
+        b[i] = sum;
+    }
+    lw_cholesky_solve_four(&z->schur, z->four);
+    memset(change, 0, 4*sizeof *change);
+    for (int i = 0; i < z->n_kept; i++) {
+        int r = z->kept[i];
+        four each = b[i];
+        for (int k = 0; k < lw_space_rows_sides(z, r); k++) {
+            int body = lw_space_rows_bodies(z, r)[k];
+            const double *jac = z->jac_w + z->at[r] + 6*k;
+            for (int j = 0; body >= 0 && j < 6; j++)
+                x[6*body + j] -= jac[j]*each;
+        }
+        for (int k = 0; k < 4; k++)
+            change[k] = lw_greater(change[k], fabs(each[k]));
+    }
+}
+
+bool lw_space_rows_motions(lw_space_rows_set *z, int n, int first, double *x)
+{
+    int n_v = z->s->n_v;
+    double (*at)[4] = z->four + z->n_row;
+    for (int from = 0; from < n; from += 4, x += 4*n_v) {
+        int many = n - from < 4 ? n - from : 4;
+        double whole[4], before[4], change[4];
+        bool good = false;
+        memset(at, 0, (size_t)n_v*sizeof *at);
+        for (int pass = 0; pass <= most_refined && !good; pass++) {
+            if (pass > 0)
+                memcpy(before, change, sizeof before);
+            improve_four(z, first + from, pass == 0, (four *)at, change);
+            if (pass == 0)
+                memcpy(whole, change, sizeof whole);
+            good = pass > 0;
+            for (int k = 0; k < many; k++)
+                good = good && refined(whole[k], before[k], change[k]);
+        }
+        if (!good)
+            return false;
+        for (int k = 0; k < many; k++)
+            for (int i = 0; i < n_v; i++)
+                x[k*n_v + i] = at[i][k];
+    }
+    return true;
+}
+
 void lw_space_rows_carry(lw_space_rows_set *z, const double *f, double *l)
 {
     lw_space_rows_solve(z, f, NULL, true, z->full, l);
@@ -449,9 +512,9 @@ void lw_space_rows_bias(const lw_space_rows_set *z, const double *v, double *out
         out[z->s->n_row + i] = z->extra[i].spin ? 0 : -lw_space_measure_bias(z->s, z->frame, z->extra[i].measure, v);
 }
 
-lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *target, double longest, double *moved)
+lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *target, double longest)
 {
-    static const double rounding = 4e-15, near = 1e-8;
+    static const double rounding = 4e-15, near = 1e-4;
     double before = INFINITY, noise = 1e-12, far = 1;
     bool chord = false;                      /* after a step so short the factors are good for the next one, and for the tangent */
     for (int i = 0; i < z->n_extra; i++)     /* rounding of a turn after many turns */
@@ -459,26 +522,31 @@ lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *tar
     for (int b = 0; b < z->s->n_body; b++)
         for (int i = 0; i < 3; i++)
             far = fmax(far, fabs(q[7*b + i]));
+    memset(z->moved, 0, (size_t)z->s->n_v*sizeof *z->moved);
     for (int round = 0; round < 30; round++) {
+        double open = 0, *b = z->small;
         lw_space_rows_fill(z, q, target);
+        for (int i = 0; i < z->n_kept; i++) {
+            b[i] = z->phi[z->kept[i]];
+            open = lw_greater(open, fabs(b[i]));
+        }
+        if (round > 0 && open <= fmin(2*DBL_EPSILON, rounding*sqrt(z->weak)))        /* one more step would not close them better */
+            return LW_OK;
         if (!chord && !lw_space_rows_factor(z))
             return LW_OPEN;
         noise = fmax(noise, 8*DBL_EPSILON*far/sqrt(z->weak));    /* rounding of the rows, magnified near a singular posture */
         memset(z->step, 0, (size_t)z->s->n_v*sizeof *z->step);
-        double *b = z->small;
-        for (int i = 0; i < z->n_kept; i++)
-            b[i] = z->phi[z->kept[i]];
         if (z->n_kept)
             lw_cholesky_solve_overlapped(&z->schur, b);
         for (int i = 0; i < z->n_kept; i++)
             add_row(z, z->kept[i], z->jac_w, -b[i], z->step);
         double size = lw_space_length(z->s, z->step);
-        if (round == 0 && moved)
-            *moved = size;
         if (!isfinite(size) || (longest > 0 && size > longest) || (round > 3 && size > before && size > noise))
             return LW_OPEN;
         lw_space_move(z->s, q, z->step);
-        bool next_is_rounding = round > 0 && size*size < rounding*before;      /* steps shrink at least as fast as the last two */
+        for (int i = 0; i < z->s->n_v; i++)
+            z->moved[i] += z->step[i];
+        bool next_is_rounding = round > 0 && size*size < (chord ? DBL_EPSILON : rounding)*before;      /* steps shrink as the last two, or faster */
         if (size < rounding || next_is_rounding || (size < noise && size > before/4))
             return LW_OK;
         chord = size < near && (!chord || size < 1e-3*before);

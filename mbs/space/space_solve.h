@@ -39,6 +39,8 @@ typedef struct lw_space_rows_set {
     double   weak;                       /* least pivot over its diagonal when factored last; NAN: never   */
     double  *filled, *factored;          /* (n_q) postures of the rows and of the factors                  */
     double  *small, *full, *step;                /* (n_row) (n_v) (n_v) scratch                            */
+    double (*four)[4];                   /* (n_row + n_v) scratch                                          */
+    double  *moved;                      /* (n_v) sum of the steps of lw_space_rows_close                  */
     void    *memory;
 } lw_space_rows_set;
 
@@ -70,6 +72,9 @@ bool lw_space_rows_factor_near(lw_space_rows_set *z);
  * rounding, once or until little changes.  false: it does not converge, the factors are too inexact. */
 bool lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rhs, bool refine, double *x, double *l);
 
+/* The motions x (n of n_v) that change one of n rows from `first` on, all kept, at the rate 1 and no other row; refined.  false as above. */
+bool lw_space_rows_motions(lw_space_rows_set *z, int n, int first, double *x);
+
 /* l of J^T l = f in the metric of W, for f that the rows can carry. */
 void lw_space_rows_carry(lw_space_rows_set *z, const double *f, double *l);
 
@@ -83,8 +88,8 @@ double lw_space_rows_left_out(const lw_space_rows_set *z, const double *x, const
 void lw_space_rows_bias(const lw_space_rows_set *z, const double *v, double *out);
 
 /* Put q on the rows by Newton's method, the change least in W.  LW_OPEN: it does not converge, or a first step is
- * longer than `longest` (in lengths over the size and radians; 0: no limit).  *moved: length of the first step. */
-lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *target, double longest, double *moved);
+ * longer than `longest` (in lengths over the size and radians; 0: no limit). */
+lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *target, double longest);
 
 /* The greatest displacement of a body in by (n_v): over the size, and in radians. */
 double lw_space_length(const lw_space *s, const double *by);

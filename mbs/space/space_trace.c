@@ -122,7 +122,7 @@ static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, i
 static lw_status step_to_limit(lw_space_follow *f, double *q, double *by)
 {
     const lw_space *s = f->z.s;
-    double vv = lw_dot(s->n_v, f->v, f->v), left = vv/(2*lw_dot(s->n_v, f->v, f->a)), size = 2*fabs(left)*sqrt(vv), before, first, *own = f->q;
+    double vv = lw_dot(s->n_v, f->v, f->v), left = vv/(2*lw_dot(s->n_v, f->v, f->a)), size = 2*fabs(left)*sqrt(vv), before, *own = f->q;
     lw_space_follow joints;
     lw_status st = size < 1e-2 ? lw_space_follow_make(s, NULL, 0, true, &joints, NULL) : LW_OPEN;
     if (st != LW_OK)
@@ -133,7 +133,7 @@ static lw_status step_to_limit(lw_space_follow *f, double *q, double *by)
         joints.v[i] = 2*left*f->v[i];
     lw_space_move(s, q, joints.v);
     if ((st = lw_space_rows_arrange(&joints.z, q, NULL)) == LW_OK)
-        st = lw_space_rows_close(&joints.z, q, joints.target, size, &first);
+        st = lw_space_rows_close(&joints.z, q, joints.target, size);
     lw_space_follow_free(&joints);
     lw_space_follow_values(f, &before);
     f->q = q;
