@@ -778,7 +778,7 @@ typedef struct lw_simulation_report {
     double      energy_error;          /* greatest |E - E(start) - work| [J]                                       */
     double      residual;
     /* Planar models with contacts, unless max_seconds is set: how far places [m] and angles [rad] are from those of a second run at a tolerance
-     * of coarse_tolerance.  0: there was none.  Steppers make none. */
+     * of coarse_tolerance, of a stepper at the ends of its pieces.  0: there was none, or it ended early. */
     double      coarse_tolerance, place_off, turn_off;
 } lw_simulation_report;
 
@@ -817,6 +817,9 @@ LW_API lw_status lw_stepper_advance(lw_stepper *stepper, double t, lw_error *err
 
 /* The present: as of the last lw_stepper_advance.  Holds until the next one.  NULL: the model is spatial. */
 LW_API const lw_simulation_sample *lw_stepper_sample(const lw_stepper *stepper);
+
+/* The report of all pieces of this stepper so far: steps and evaluations are sums; energy_error is the sum of the errors of the pieces. */
+LW_API void lw_stepper_report(const lw_stepper *stepper, lw_simulation_report *out);
 
 /* From now on this load acts on a link, besides all others; set a state.  LW_E_ARG: no such link or state; not
  * finite; a spatial model (lw_spatial_stepper_set_load). */

@@ -215,6 +215,7 @@ struct lw_stepper {
     lw_stepping         *steps;
     double              *state;
     lw_simulation_sample sample;
+    lw_dynamics_report   report;              /* of all pieces                                                    */
 };
 
 static lw_status keep_sample(void *context, const lw_moment *m)
@@ -248,9 +249,8 @@ lw_status lw_stepper_create(const lw_model *model, const lw_simulation_options *
         s->memory->d = (lw_dynamics *)(uintptr_t)lw_stepping_dynamics(s->steps);
         status = reserve_nodes(s->memory, s->memory->d) == LW_OK ? LW_OK : lw_error_set(error, LW_E_MEMORY, "out of memory");
     }
-    if (status == LW_OK) {
-        status = lw_stepping_advance(s->steps, s->memory->o.from, keep_sample, s, NULL, error);
-    }
+    if (status == LW_OK)
+        status = lw_stepper_advance(s, s->memory->o.from, error);
     if (status == LW_OK) {
         s->note = s->memory->note;
         *out = s;
@@ -314,10 +314,20 @@ lw_status lw_stepper_advance(lw_stepper *stepper, double t, lw_error *error)
     stepper->e = error ? error : &own;
     lw_dynamics_report r;
     lw_status s = lw_stepping_advance(stepper->steps, t, stepper->memory ? keep_sample : keep_spatial_sample, stepper, &r, stepper->e);
-    if (s == LW_OK && t == lw_stepping_time(stepper->steps))
+    if (s != LW_OK)
+        return s;
+    if (t == lw_stepping_time(stepper->steps))
         lw_surface_notes(stepper->note, lw_stepping_dynamics(stepper->steps), &r);
-    return s;
+    r.steps += stepper->report.steps;
+    r.refused += stepper->report.refused;
+    r.rates += stepper->report.rates;
+    r.energy_error += stepper->report.energy_error;
+    r.worst_off = fmax(r.worst_off, stepper->report.worst_off);
+    stepper->report = r;
+    return LW_OK;
 }
+
+void lw_stepper_report(const lw_stepper *stepper, lw_simulation_report *out) { lw_surface_report(&stepper->report, out); }
 
 lw_status lw_stepper_set_load(lw_stepper *stepper, int link, lw_link_load load)
 {

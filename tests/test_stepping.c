@@ -282,6 +282,59 @@ TEST(restored_contacts_have_the_same_bits)
     }
 }
 
+/* A coarser run beside the stepper, under the same loads, tells the error of contacts: against a run at 1e-12, which has none beside it. */
+TEST(errors_of_contacts_are_told)
+{
+    static const struct { const char *path, *formulation; double tolerance; int pieces; } run[] = {
+        { "examples/dynamics/rope.json", "capture", 1e-8, 20 }, { "examples/dynamics/rope.json", "capture", 1e-6, 200 },
+        { "examples/dynamics/rope.json", "capture", 1e-6, 3000 },            /* a piece is shorter than a step */
+        { "examples/dynamics/rope.json", "index1", 1e-8, 20 }, { "examples/dynamics/newtons-cradle.json", "auto", 1e-8, 20 } };
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    for (size_t i = 0; i < sizeof run/sizeof *run; i++) {
+        lw_simulation_options fine = lw_simulation_options_default(), o = fine;
+        lw_simulation_report r[2];
+        lw_stepper *steps[2] = { NULL, NULL };
+        last l[2];
+        fine.once = true;
+        fine.tolerance = 1e-12;
+        o.formulation = run[i].formulation;
+        o.tolerance = run[i].tolerance;
+        model = load(run[i].path);
+        for (int k = 0; k < 2; k++) {
+            CHECK_INT(lw_stepper_create(model, k ? &o : &fine, &steps[k], &e), LW_OK);
+            for (int n = 1; n <= run[i].pieces; n++) {
+                if (n == run[i].pieces/2)
+                    CHECK_INT(lw_stepper_set_load(steps[k], 1, (lw_link_load){ { 1, 2 }, 0 }), LW_OK);
+                CHECK_INT(lw_stepper_advance(steps[k], 1.0*n/run[i].pieces, &e), LW_OK);
+            }
+            CHECK_TEXT(e.text, "");
+            keep(&l[k], model, lw_stepper_sample(steps[k]));
+            lw_stepper_report(steps[k], &r[k]);
+        }
+        lw_vec2 a = l[0].link[1].place, b = l[1].link[1].place;
+        double off = hypot(a.x - b.x, a.y - b.y);
+        CHECK(r[0].coarse_tolerance == 0 && r[1].coarse_tolerance > o.tolerance);
+        CHECK(off < 3*r[1].place_off + 1e-9);
+        /* saved and restored, it goes on with the same numbers */
+        lw_stepper *again = NULL;
+        char *bytes = NULL;
+        size_t size;
+        CHECK_INT(lw_stepper_save(steps[1], &bytes, &size), LW_OK);
+        CHECK_INT(lw_stepper_create(model, &o, &again, &e), LW_OK);
+        CHECK_INT(lw_stepper_restore(again, bytes, size, &e), LW_OK);
+        for (int k = 0; k < 2; k++) {
+            CHECK_INT(lw_stepper_advance(k ? again : steps[1], 1.2, &e), LW_OK);
+            lw_stepper_report(k ? again : steps[1], &r[k]);
+        }
+        CHECK(r[0].place_off == r[1].place_off && r[0].turn_off == r[1].turn_off);
+        lw_free(bytes);
+        lw_stepper_destroy(again);
+        lw_stepper_destroy(steps[0]);
+        lw_stepper_destroy(steps[1]);
+        lw_model_destroy(model);
+    }
+}
+
 /* ---- in space ------------------------------------------------------------------------------------------------ */
 
 typedef struct last_in_space { lw_frame_motion link[160]; lw_spatial_reaction joint[40]; double work, energy; } last_in_space;

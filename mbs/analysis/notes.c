@@ -154,8 +154,8 @@ void lw_dynamics_notes(lw_note_sink c, const lw_dynamics *d, const lw_dynamics_r
         note(c, "bounces of up to %.2g m/s count as rest; the error is of first order there", r->captured_rest);
     if (r->coarse.large)
         note(c, "a run with a tolerance of %.2g differs by up to %.2g m (%s, t = %.6g s) and %.2g rad (%s, t = %.6g s); expect errors of about that size",
-             r->coarse.tolerance, r->coarse.place, r->coarse.placed, r->coarse.place_t, r->coarse.turn,
-             r->coarse.turned, r->coarse.turn_t);
+             r->coarse.tolerance, r->coarse.place, lw_dynamics_model(d)->linkage.link_name[r->coarse.placed], r->coarse.place_t, r->coarse.turn,
+             lw_dynamics_model(d)->linkage.link_name[r->coarse.turned], r->coarse.turn_t);
     note_start(c, d, r);
     for (int i = 0; i < r->n_event && i < 10; i++) {
         const lw_run_event *h = &r->event[i];

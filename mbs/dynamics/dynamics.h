@@ -101,7 +101,7 @@ typedef struct lw_coarse_run {
     double tolerance;            /* of the coarse run; 0: there was none, or it ended early */
     double place, place_t;       /* greatest difference of a centre of mass [m], and when [s] */
     double turn, turn_t;         /* of the angle of a link [rad], and when [s] */
-    const char *placed, *turned; /* these links; the model owns the names */
+    int    placed, turned;       /* these links */
     bool   large;                /* contacts were captured, or it is more than 100 times what its tolerance allows in a step */
 } lw_coarse_run;
 

@@ -30,27 +30,37 @@ static lw_status keep(void *context, const lw_moment *m)
 static lw_status compare(void *context, const lw_moment *m)
 {
     comparison *c = context;
-    const lw_system *s = &c->d->s;
-    char (*name)[LW_NAME_SIZE] = c->d->model->linkage.link_name;
-    const double *q = c->q + c->n++*c->stride*(size_t)s->n_q;
-    lw_coarse_run *r = c->coarse;
-    for (int b = 0; b < s->n_body; b++) {
-        double place = s->unit*hypot(m->q[3*b] - q[3*b], m->q[3*b + 1] - q[3*b + 1]), turn = fabs(m->q[3*b + 2] - q[3*b + 2]);
-        if (place > r->place)
-            r->place = place, r->place_t = m->t, r->placed = name[s->link[b]];
-        if (turn > r->turn)
-            r->turn = turn, r->turn_t = m->t, r->turned = name[s->link[b]];
-    }
+    lw_coarse_compare(c->d, m->t, c->q + c->n++*c->stride*(size_t)c->d->n_q, m->q, c->coarse);
     return LW_OK;
 }
 
-/* Can contacts act in a run of this model, and is there memory and time for its postures and another run? */
-static bool suits_comparison(const lw_dynamics *d)
+void lw_coarse_compare(const lw_dynamics *d, double t, const double *q, const double *coarse, lw_coarse_run *r)
+{
+    const lw_system *s = &d->s;
+    double most = looser*r->tolerance;
+    for (int b = 0; b < s->n_body; b++, q += 3, coarse += 3) {
+        double place = s->unit*hypot(coarse[0] - q[0], coarse[1] - q[1]), turn = fabs(coarse[2] - q[2]);
+        if (place > r->place)
+            r->place = place, r->place_t = t, r->placed = s->link[b];
+        if (turn > r->turn)
+            r->turn = turn, r->turn_t = t, r->turned = s->link[b];
+    }
+    r->large = r->large || r->place > most*s->unit || r->turn > most;
+}
+
+bool lw_coarse_suits(const lw_dynamics *d)
 {
     lw_formulation f = d->choice.formulation;
-    bool little = ((double)d->o.intervals + 1)*d->n_q < most_kept;
-    return d->o.compare && little && d->o.until == 0 && d->given && !d->o.pieces && (d->given->n_contact || d->given->n_rope)
+    return d->o.compare && d->o.until == 0 && d->given && (d->given->n_contact || d->given->n_rope)
         && (f == LW_FORMULATION_CAPTURE || f == LW_FORMULATION_INDEX1);
+}
+
+lw_coarse_run lw_coarse_begin(bool captured, lw_dynamics_options *o)
+{
+    o->relative *= captured ? longer : looser;
+    o->absolute *= captured ? longer : looser;
+    o->compare = false;
+    return (lw_coarse_run){ .tolerance = o->relative, .large = captured };
 }
 
 /* Rows of the coarse run lie on every stride-th row of the other.  1 if steps twice as long end within an interval; else the smallest divisor above 1. */
@@ -74,12 +84,11 @@ static lw_status run_coarsely(comparison *c, lw_dynamics_report *r, lw_error *e)
     lw_dynamics *d = NULL;
     lw_error why = { 0 };
     int stride = captured ? find_stride(&o, r->captured_step) : 1;
-    r->coarse = (lw_coarse_run){ .placed = "no link", .turned = "no link" };
+    r->coarse = (lw_coarse_run){ 0 };
     if (!captured && r->n_event_seen == 0)
         return LW_OK;
+    r->coarse = lw_coarse_begin(captured, &o);
     o.formulation = r->formulation;
-    o.relative *= captured ? longer : looser;
-    o.absolute *= captured ? longer : looser;
     o.intervals /= stride;
     c->n = 0;
     c->stride = (size_t)stride;
@@ -87,11 +96,8 @@ static lw_status run_coarsely(comparison *c, lw_dynamics_report *r, lw_error *e)
     lw_status s = lw_dynamics_make(c->d->given, &o, &d, &why);
     if (s == LW_OK)
         s = lw_dynamics_run(d, compare, c, &report, &why);
-    if (s == LW_OK) {
-        double most = looser*o.relative;
-        r->coarse.tolerance = o.relative;
-        r->coarse.large = captured || r->coarse.place > most*c->d->s.unit || r->coarse.turn > most;
-    }
+    if (s != LW_OK)
+        r->coarse = (lw_coarse_run){ 0 };
     lw_dynamics_free(d);
     return s == LW_E_MEMORY ? lw_error_set(e, s, "%s", why.text) : LW_OK;
 }
@@ -111,8 +117,9 @@ static lw_status run_compared(lw_dynamics *d, lw_moment_sink *sink, void *contex
 lw_status lw_dynamics_analyse(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_rest *rest,
                               lw_error *e)
 {
+    bool little = ((double)d->o.intervals + 1)*d->n_q < most_kept;
     if (d->o.analysis != LW_ANALYSIS_STATIC)
-        return suits_comparison(d) ? run_compared(d, sink, context, r, e) : lw_dynamics_run(d, sink, context, r, e);
+        return little && lw_coarse_suits(d) ? run_compared(d, sink, context, r, e) : lw_dynamics_run(d, sink, context, r, e);
     *r = d->choice;
     double *q = calloc((size_t)d->n_q + 1, sizeof *q);
     lw_status s = q ? lw_statics_rest(d, d->o.from, q, rest, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");

@@ -38,4 +38,10 @@ lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment
 lw_status lw_dynamics_analyse(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_rest *rest,
                               lw_error *e);
 
+/* The parts of such a comparison.  Is a run of d to be compared?  The coarser options of the other run, with a comparison that begins; captured: its
+ * contacts are.  Keep how far a posture is from that of the coarse run at t. */
+bool          lw_coarse_suits(const lw_dynamics *d);
+lw_coarse_run lw_coarse_begin(bool captured, lw_dynamics_options *o);
+void          lw_coarse_compare(const lw_dynamics *d, double t, const double *q, const double *coarse, lw_coarse_run *r);
+
 #endif

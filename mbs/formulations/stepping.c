@@ -36,6 +36,9 @@ struct lw_stepping {
     bool            only_start;              /* the piece under way ends with its first sample */
     lw_moment_sink *sink;
     void           *context;
+    lw_stepping    *coarse;                  /* the same run with less accuracy, up to its own present; NULL: none */
+    long            steps;                   /* of this run since then */
+    lw_coarse_run   off;                     /* how far they differ; 0: not known, because the coarse run ended early, or had the same steps */
 };
 
 enum { TOUCHING = 2 };
@@ -95,6 +98,35 @@ static void apply(void *context, double t, const lw_link_motion *link, lw_link_l
     }
 }
 
+/* Begin the coarse run of a model with contacts.  Where it cannot start, there is none. */
+static lw_status begin_coarse(lw_stepping *s, const lw_model *m, const lw_dynamics_options *o, lw_error *e)
+{
+    lw_error why = { 0 };
+    lw_dynamics_options with = *o;
+    with.formulation = s->d->choice.formulation;
+    s->off = lw_coarse_begin(with.formulation == LW_FORMULATION_CAPTURE, &with);
+    lw_status status = lw_stepping_make(m, &with, &s->coarse, &why);
+    if (status != LW_OK)
+        s->off = (lw_coarse_run){ 0 };
+    return status == LW_E_MEMORY ? lw_error_set(e, status, "%s", why.text) : LW_OK;
+}
+
+/* Bring the coarse run to the present.  Captured contacts have an error by the length of their steps, which end with a piece: where a piece is one step of
+ * both runs, they do not differ. */
+static void follow(lw_stepping *s)
+{
+    lw_dynamics_report r;
+    lw_stepping *c = s->coarse;
+    if (s->off.tolerance == 0 || c->t >= s->t)
+        return;
+    bool captured = s->d->choice.formulation == LW_FORMULATION_CAPTURE;
+    if ((captured && s->steps <= 1) || lw_stepping_advance(c, s->t, NULL, NULL, &r, &(lw_error){ 0 }) != LW_OK)
+        s->off = (lw_coarse_run){ 0 };
+    else
+        lw_coarse_compare(s->d, s->t, s->y, c->y, &s->off);
+    s->steps = 0;
+}
+
 /* One of both models is given. */
 static lw_status make(const lw_model *m, const lw_spatial *space, const lw_dynamics_options *o, lw_stepping **out, lw_error *e)
 {
@@ -135,8 +167,12 @@ static lw_status make(const lw_model *m, const lw_spatial *space, const lw_dynam
     s->t = o->from;
     lw_dynamics_start(s->d, s->y, s->y + s->d->n_q);
     memcpy(s->y + s->d->n_q + s->d->n_v, lw_dynamics_start_states(s->d), (size_t)s->d->eq.n_z*sizeof *s->y);
-    *out = s;
-    return LW_OK;
+    status = lw_coarse_suits(s->d) ? begin_coarse(s, m, o, e) : LW_OK;
+    if (status == LW_OK)
+        *out = s;
+    else
+        lw_stepping_free(s);
+    return status;
 }
 
 lw_status lw_stepping_make(const lw_model *m, const lw_dynamics_options *o, lw_stepping **out, lw_error *e)
@@ -158,6 +194,7 @@ void lw_stepping_free(lw_stepping *s)
         free(s->touch);
         free(s->resting);
         free(s->y);
+        lw_stepping_free(s->coarse);
     }
     free(s);
 }
@@ -204,16 +241,20 @@ lw_status lw_stepping_advance(lw_stepping *s, double t, lw_moment_sink *sink, vo
         status = lw_dynamics_run(d, take, s, &report, e);
     if (status == LW_STOPPED && s->only_start && report.samples > 0)
         status = LW_OK;
+    if (status == LW_OK && !s->only_start) { /* a look leaves the state as it is, to the last digit */
+        take_memory(s);
+        s->goes_on = true;
+        s->t = t;
+        s->work = s->next_work;
+        memcpy(s->y, s->next, numbers(s)*sizeof *s->y);
+        s->steps += report.steps;
+        if (report.captured_step == 0 || s->steps >= 4)
+            follow(s);
+    }
+    report.coarse = s->off;
     if (r)
         *r = report;
-    if (status != LW_OK || s->only_start)    /* a look leaves the state as it is, to the last digit */
-        return status;
-    take_memory(s);
-    s->goes_on = true;
-    s->t = t;
-    s->work = s->next_work;
-    memcpy(s->y, s->next, numbers(s)*sizeof *s->y);
-    return LW_OK;
+    return status;
 }
 
 static void find_loaded(lw_stepping *s)
@@ -230,8 +271,11 @@ lw_status lw_stepping_set_load(lw_stepping *s, int link, const double *load)
         good = good && isfinite(load[k]);
     if (!good)
         return LW_E_ARG;
+    follow(s);                               /* the coarse run comes here with the loads of before */
     memcpy(s->load + link*s->width, load, (size_t)s->width*sizeof *load);
     find_loaded(s);
+    if (s->off.tolerance > 0)
+        lw_stepping_set_load(s->coarse, link, load);
     return LW_OK;
 }
 
@@ -239,16 +283,21 @@ lw_status lw_stepping_set_state(lw_stepping *s, int state, double value)
 {
     if (state < 0 || state >= s->d->eq.n_z || !isfinite(value))
         return LW_E_ARG;
+    follow(s);
     s->y[s->d->n_q + s->d->n_v + state] = value;
+    if (s->off.tolerance > 0)
+        lw_stepping_set_state(s->coarse, state, value);
     return LW_OK;
 }
 
 /* ---- save and restore ------------------------------------------------------------------------------------- */
 
-/* check: the hash of all bytes after it. Bytes: head, y, loads, turns, places that touch, and for each rigid stop whether it is rested on. */
-typedef struct head { char magic[8]; uint64_t check, model, numbers, loads, turns, touches, stops; double t, work; } head;
+/* check: the hash of all bytes after it. Bytes: head, y, loads, turns, places that touch, for each rigid stop whether it is rested on, and the coarse
+ * run (coarse bytes; 0: none). */
+typedef struct head { char magic[8]; uint64_t check, model, numbers, loads, turns, touches, stops, coarse; double t, work; int64_t steps;
+                      lw_coarse_run off; } head;
 
-static const char magic[8] = "lwstep3";
+static const char magic[8] = "lwstep4";
 static const size_t checked = offsetof(head, check) + sizeof(uint64_t);
 
 /* FNV-1a */
@@ -283,7 +332,8 @@ static uint64_t fingerprint(const lw_dynamics *d)
 static head head_of(const lw_stepping *s)
 {
     head h = { .model = fingerprint(s->d), .numbers = numbers(s), .loads = (uint64_t)(s->n_link*s->width),
-               .turns = (uint64_t)s->n_turn, .touches = (uint64_t)n_touch(s), .stops = (uint64_t)s->d->n_stop, .t = s->t, .work = s->work };
+               .turns = (uint64_t)s->n_turn, .touches = (uint64_t)n_touch(s), .stops = (uint64_t)s->d->n_stop, .t = s->t, .work = s->work,
+               .steps = s->steps, .off = s->off };
     memcpy(h.magic, magic, sizeof magic);
     return h;
 }
@@ -291,26 +341,33 @@ static head head_of(const lw_stepping *s)
 static size_t size_of(const head *h)
 {
     return sizeof *h + (size_t)(h->numbers + h->loads + h->turns)*sizeof(double)
-         + (size_t)h->touches*sizeof(touch_memory) + (size_t)h->stops;
+         + (size_t)h->touches*sizeof(touch_memory) + (size_t)(h->stops + h->coarse);
 }
 
 lw_status lw_stepping_save(const lw_stepping *s, void **bytes, size_t *size)
 {
     head h = head_of(s);
+    void *coarse = NULL;
+    size_t more = 0;
+    if (s->off.tolerance > 0 && lw_stepping_save(s->coarse, &coarse, &more) != LW_OK)
+        return LW_E_MEMORY;
+    h.coarse = more;
     unsigned char *to = malloc(size_of(&h));
     *bytes = to;
     *size = to ? size_of(&h) : 0;
-    if (!to)
-        return LW_E_MEMORY;
-    memcpy(to, &h, sizeof h);
-    memcpy(to += sizeof h, s->y, numbers(s)*sizeof *s->y);
-    copy(to += numbers(s)*sizeof *s->y, s->load, (size_t)h.loads*sizeof *s->load);
-    copy(to += (size_t)h.loads*sizeof *s->load, s->turn, (size_t)h.turns*sizeof *s->turn);
-    copy(to += (size_t)h.turns*sizeof *s->turn, s->touch, (size_t)h.touches*sizeof *s->touch);
-    copy(to + (size_t)h.touches*sizeof *s->touch, s->resting, (size_t)h.stops);
-    h.check = hash(hash_start, (char *)*bytes + checked, *size - checked);
-    memcpy(*bytes, &h, sizeof h);
-    return LW_OK;
+    if (to) {
+        memcpy(to, &h, sizeof h);
+        memcpy(to += sizeof h, s->y, numbers(s)*sizeof *s->y);
+        copy(to += numbers(s)*sizeof *s->y, s->load, (size_t)h.loads*sizeof *s->load);
+        copy(to += (size_t)h.loads*sizeof *s->load, s->turn, (size_t)h.turns*sizeof *s->turn);
+        copy(to += (size_t)h.turns*sizeof *s->turn, s->touch, (size_t)h.touches*sizeof *s->touch);
+        copy(to += (size_t)h.touches*sizeof *s->touch, s->resting, (size_t)h.stops);
+        copy(to + h.stops, coarse, more);
+        h.check = hash(hash_start, (char *)*bytes + checked, *size - checked);
+        memcpy(*bytes, &h, sizeof h);
+    }
+    free(coarse);
+    return to ? LW_OK : LW_E_MEMORY;
 }
 
 lw_status lw_stepping_restore(lw_stepping *s, const void *bytes, size_t size, lw_error *e)
@@ -319,7 +376,8 @@ lw_status lw_stepping_restore(lw_stepping *s, const void *bytes, size_t size, lw
     if (size < sizeof h || memcmp(bytes, magic, sizeof magic) != 0)
         return lw_error_set(e, LW_E_NOTATION, "these bytes are no saved run");
     memcpy(&h, bytes, sizeof h);
-    if (size != size_of(&own) || h.model != own.model || h.numbers != own.numbers || h.loads != own.loads ||
+    own.coarse = h.coarse;
+    if (h.coarse > size || size != size_of(&own) || h.model != own.model || h.numbers != own.numbers || h.loads != own.loads ||
         h.turns != own.turns || h.touches != own.touches || h.stops != own.stops)
         return lw_error_set(e, LW_E_NOTATION, "this run was saved of another model, or is incomplete");
     if (h.check != hash(hash_start, (const char *)bytes + checked, size - checked))
@@ -329,10 +387,12 @@ lw_status lw_stepping_restore(lw_stepping *s, const void *bytes, size_t size, lw
     copy(s->load, from += numbers(s)*sizeof *s->y, (size_t)h.loads*sizeof *s->load);
     copy(s->turn, from += (size_t)h.loads*sizeof *s->load, (size_t)h.turns*sizeof *s->turn);
     copy(s->touch, from += (size_t)h.turns*sizeof *s->turn, (size_t)h.touches*sizeof *s->touch);
-    copy(s->resting, from + (size_t)h.touches*sizeof *s->touch, (size_t)h.stops);
+    copy(s->resting, from += (size_t)h.touches*sizeof *s->touch, (size_t)h.stops);
     s->goes_on = true;
     s->t = h.t;
     s->work = h.work;
     find_loaded(s);
-    return LW_OK;
+    s->steps = h.steps;
+    s->off = s->coarse && h.coarse ? h.off : (lw_coarse_run){ 0 };
+    return s->off.tolerance > 0 ? lw_stepping_restore(s->coarse, from + h.stops, (size_t)h.coarse, e) : LW_OK;
 }

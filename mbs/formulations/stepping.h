@@ -16,7 +16,9 @@ lw_status lw_stepping_make_spatial(const lw_spatial *m, const lw_dynamics_option
 void      lw_stepping_free(lw_stepping *s);
 
 /* Go on to t, and hand the moment there to sink (NULL: nobody).  A t that is not later than the present: the present
- * moment again.  After a failure s stands where it was before.  r gets the report of this piece, unless NULL. */
+ * moment again.  After a failure s stands where it was before.  r gets the report of this piece, unless NULL; its `coarse` is that of all pieces
+ * so far: with options.compare a planar model with contacts is run a second time beside s with less accuracy (lw_coarse_begin), to the end of each
+ * piece, or of some where captured steps are as long as pieces. */
 lw_status lw_stepping_advance(lw_stepping *s, double t, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_error *e);
 
 double lw_stepping_time(const lw_stepping *s);

@@ -205,15 +205,22 @@ class Stepper:
     def __init__(self, model: Model, **options):
         keep = []
         what = simulation_options(options, keep)
-        self._model, self._names = model, model.states
+        self._model, self._names, self._calls = model, model.states, Calls()
+        what.note.context, what.note.say = self._calls.handle, lib.lw_py_note
         self._links = model.links
         self._handle = ffi.gc(make("stepper", lib.lw_stepper_create, model._handle, what), lib.lw_stepper_destroy)
 
     def advance(self, t: float) -> "Stepper":
         """Go on to t [s]."""
         error = new_error()
+        self._calls.notes.clear()
         check(lib.lw_stepper_advance(self._handle, t, error), error)
         return self
+
+    @property
+    def notes(self) -> list[str]:
+        """What the program would print about the last advance."""
+        return list(self._calls.notes)
 
     @property
     def t(self) -> float:
@@ -227,6 +234,13 @@ class Stepper:
     def state(self) -> dict:
         sample = lib.lw_stepper_sample(self._handle)
         return {name: sample.state[i] for i, name in enumerate(self._names)}
+
+    @property
+    def report(self) -> dict:
+        """The report of all pieces so far, as Simulation.report: place_off and turn_off say how far a coarser run of contacts is."""
+        out = ffi.new("lw_simulation_report *")
+        lib.lw_stepper_report(self._handle, out)
+        return plain(out[0])
 
     def set_load(self, link: int, fx: float = 0.0, fy: float = 0.0, torque: float = 0.0) -> None:
         """From now on this force [N] on the centre of mass and torque [N m] act on a link."""
