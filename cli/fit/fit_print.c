@@ -149,7 +149,7 @@ static void print_searched(const long state[LW_FIT_STATES], FILE *f)
     if (state[LW_FIT_UNABLE] > 0)
         fprintf(f, "; %ld that cannot do this task", state[LW_FIT_UNABLE]);
     if (state[LW_FIT_UNREACHED] > 0)
-        fprintf(f, "; %ld not reached by the budget", state[LW_FIT_UNREACHED]);
+        fprintf(f, "; %ld not reached before the search ended", state[LW_FIT_UNREACHED]);
     fputc('\n', f);
 }
 
