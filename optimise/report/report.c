@@ -232,8 +232,7 @@ static void describe_arc(const lw_plan *plan, const lw_candidate *c, const lw_ar
         lw_fit_report_reversal(r, false, turn[i].joint, plan->input_turns_per_period*turn[i].input);
 }
 
-/* The range of the inputs at the stations. */
-static void covered(const lw_target *t, const lw_candidate *c, double *from, double *to)
+void lw_fit_report_range(const lw_target *t, const lw_candidate *c, double *from, double *to)
 {
     *from = *to = c->input[0];
     for (size_t i = 1; i < t->n; i++) {
@@ -297,7 +296,7 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
 {
     lw_motion m;
     double from, to;
-    covered(t, c, &from, &to);
+    lw_fit_report_range(t, c, &from, &to);
     if (plan->n_higher)
         lw_fit_report_curve(plan, s, c, from, to, limits, r);
     else {
@@ -426,6 +425,20 @@ static void classify(const lw_target *t, const lw_fit_spec *s, const lw_candidat
 
 /* ---- the report ------------------------------------------------------------------------------- */
 
+/* A linkage that rocks from end to end of an open target asks for this range: beyond it transmission angles may be small, and nobody needs
+ * the motion. */
+static void ask_for_range(const lw_target *t, const lw_candidate *c, lw_fit_report *r)
+{
+    lw_input *in = &r->linkage.input[0];
+    double from, to;
+    in->first = in->last = 0;                             /* of the linkage that the search began with            */
+    if (t->closed || r->turns || r->passes_limit || r->linkage.n_input != 1)
+        return;
+    lw_fit_report_range(t, c, &from, &to);
+    in->first = in->value + r->input_turns_per_period*(from - c->input[0]);
+    in->last = in->value + r->input_turns_per_period*(to - c->input[0]);
+}
+
 /* The report on a candidate whose plan is made. */
 static lw_status report_with(const lw_plan *plan, const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
                              lw_fit_report *r, lw_error *e)
@@ -466,6 +479,7 @@ static lw_status report_with(const lw_plan *plan, const lw_target *t, const lw_f
             compare_curves(t, s, c, plan, &cycle, r);
         classify(t, s, c, r);
         lw_fit_report_limits(t, s, c, &limits, r);
+        ask_for_range(t, c, r);
         r->no_memory |= lw_verify(t, s, c, plan, at, r) != LW_OK;
         r->meets = lw_motion_limits_meets(&limits, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);
         r->verified &= r->meets;

@@ -128,6 +128,9 @@ double lw_fit_report_known_miss(const lw_target *t, const lw_fit_report *r);
 /* The active limits with commas between. */
 void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size);
 
+/* The least and greatest input of the candidate at the stations [rad] or [m]. */
+void lw_fit_report_range(const lw_target *t, const lw_candidate *c, double *from, double *to);
+
 /* Make the report.  `verified` is false, and `fault` says why, if the second simulation differs by more than 1e-9 of
  * the path's length (plus the rounding of its coordinates) or the conditions of s are not met.  LW_E_MEMORY. */
 lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r, lw_error *e);

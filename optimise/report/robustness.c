@@ -266,18 +266,15 @@ enum { POSTURES = 64 };
 /* Inputs of a result over the turn or between its stations, from that of its posture on. */
 static lw_status postures_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, double input[POSTURES], lw_error *e)
 {
-    double lo = 0, hi = 0;
+    double lo, hi;
     size_t dyads = (size_t)c->n_dyad;
     for (size_t i = dyads; c->mode_of && i < t->n*dyads; i++)
         if (c->mode_of[i] != c->mode_of[i - dyads])
             return lw_error_set(e, LW_E_KIND, "its motion passes a limit of the input, where the point's place has no "
                                 "derivative by the dimensions");
-    for (size_t i = 1; i < t->n; i++) {
-        lo = fmin(lo, c->input[i] - c->input[0]);
-        hi = fmax(hi, c->input[i] - c->input[0]);
-    }
+    lw_fit_report_range(t, c, &lo, &hi);
     for (int i = 0; i < POSTURES; i++)
-        input[i] = r->turns ? 2*LW_PI*i/POSTURES : lo + (hi - lo)*i/(POSTURES - 1);
+        input[i] = r->turns ? 2*LW_PI*i/POSTURES : lo - c->input[0] + (hi - lo)*i/(POSTURES - 1);
     return LW_OK;
 }
 

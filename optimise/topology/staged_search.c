@@ -50,16 +50,6 @@ typedef struct stage_part {
 
 /* ---- the starts of a stage ------------------------------------------------------------------------ */
 
-/* The range of the inputs at the stations. */
-static void used_range(const lw_target *t, const lw_candidate *c, double *first, double *last)
-{
-    *first = *last = c->input[0];
-    for (size_t i = 1; i < t->n; i++) {
-        *first = fmin(*first, c->input[i]);
-        *last = fmax(*last, c->input[i]);
-    }
-}
-
 /* LW_OK, with a child or without one; a failure of the name; LW_E_MEMORY. */
 static lw_status grow_one(const lw_target *t, const lw_fit_spec *s, const lw_search_stage *stage, const lw_candidate *c,
                           const lw_fit_report *r, lw_rng *rng, starts *to)
@@ -67,7 +57,7 @@ static lw_status grow_one(const lw_target *t, const lw_fit_spec *s, const lw_sea
     double first, last;
     lw_family_made *g = &to->made[to->n];
     char name[sizeof g->name];
-    used_range(t, c, &first, &last);
+    lw_fit_report_range(t, c, &first, &last);
     lw_status st = lw_linkage_grow(&r->linkage, c->intended.turns && r->turns, first, last, s->min_transmission, rng, &g->linkage);
     if (st != LW_OK)
         return st == LW_E_MEMORY ? st : LW_OK;
