@@ -358,7 +358,9 @@ int lw_space_away(const lw_space_follow *f, double *slide, double *left)
     const double *a = f->a + 6*fastest;
     *left = 1.5*most/lw_v3_norm(lw_v3(a[0], a[1], a[2]));    /* x ~ left^-1/2: x' = x/(2 left), x'' = 3 x'/(2 left) */
     *slide = 2*(*left)*most;
-    return (*left < near_end && *slide > far) || *slide > LW_SPACE_FAR ? s->link_of[fastest] : -1;
+    double distance = lw_space_distance(f, s->link_of[fastest]);         /* the slide begins elsewhere; rates that are rounding do not fit */
+    bool fits = distance > far && *slide < 4*distance && distance < 4*(*slide);
+    return fits && (*left < near_end || *slide > LW_SPACE_FAR) ? s->link_of[fastest] : -1;
 }
 
 /* How far the joints stay apart at best with these inputs (SI), found from f->q: the greatest gap [m] or angle [rad],
