@@ -432,21 +432,25 @@ void lw_cholesky_solve_overlapped(const lw_cholesky *c, double *b)
     }
 }
 
-typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
-
+/* Two registers, each named: compilers keep vectors of four in memory where registers hold two. */
 void lw_cholesky_solve_four(const lw_cholesky *c, double (*b)[4])
 {
-    four *x = (four *)b;
+    const int *at = c->at, *list = c->list;
+    const double *value = c->value;
     for (int i = 0; i < c->n; i++) {
-        four each = x[i] *= c->diag[i];
-        for (int k = c->at[i]; k < c->at[i + 1]; k++)
-            x[c->list[k]] -= c->value[k]*each;
+        pair *own = (pair *)b[i], x = own[0] *= c->diag[i], y = own[1] *= c->diag[i];
+        for (int k = at[i]; k < at[i + 1]; k++) {
+            pair *to = (pair *)b[list[k]];
+            to[0] -= value[k]*x, to[1] -= value[k]*y;
+        }
     }
     for (int i = c->n - 1; i >= 0; i--) {
-        four sum = x[i];
-        for (int k = c->at[i + 1] - 1; k >= c->at[i]; k--)
-            sum -= c->value[k]*x[c->list[k]];
-        x[i] = sum*c->diag[i];
+        pair *own = (pair *)b[i], x = own[0], y = own[1];
+        for (int k = at[i + 1] - 1; k >= at[i]; k--) {
+            const pair *by = (const pair *)b[list[k]];
+            x -= value[k]*by[0], y -= value[k]*by[1];
+        }
+        own[0] = x*c->diag[i], own[1] = y*c->diag[i];
     }
 }
 

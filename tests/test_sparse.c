@@ -151,7 +151,7 @@ TEST(factors_of_rows_and_of_their_square_agree)
     lw_rng_seed(&rng, 5, 0);
     for (int trial = 0; trial < 20; trial++) {
         square s;
-        double b[3][COLUMNS], least[2];
+        double b[3][COLUMNS], four[COLUMNS][4], least[2];
         random_square(&s, &rng);
         make_square(&s);
         memset(s.c.value, 0, (size_t)(s.c.n_entry + COLUMNS)*sizeof *s.c.value);
@@ -162,11 +162,15 @@ TEST(factors_of_rows_and_of_their_square_agree)
                     if (i <= j)
                         s.c.value[lw_cholesky_entry(&s.c, i, j)] += s.entry[p]*s.entry[q];
                 }
-        for (int k = 0; k < COLUMNS; k++)
+        for (int k = 0; k < COLUMNS; k++) {
             b[0][k] = b[1][k] = b[2][k] = lw_rng_uniform(&rng);
+            for (int i = 0; i < 4; i++)
+                four[k][i] = (i - 2)*b[0][k];
+        }
         least[0] = lw_cholesky_factor(&s.c, 0, NULL);
         lw_cholesky_solve(&s.c, b[0]);
         lw_cholesky_solve_overlapped(&s.c, b[2]);
+        lw_cholesky_solve_four(&s.c, four);
         least[1] = lw_row_fronts_factor(&s.f, &s.c, s.entry, 0, NULL);
         lw_cholesky_solve(&s.c, b[1]);
         CHECK(least[0] > 0);
@@ -174,6 +178,8 @@ TEST(factors_of_rows_and_of_their_square_agree)
         for (int k = 0; k < COLUMNS; k++) {
             CHECK_NEAR(b[1][k], b[0][k], 1e-9, 1e-9);
             CHECK_NEAR(b[2][k], b[0][k], 1e-9, 1e-9);
+            for (int i = 0; i < 4; i++)
+                CHECK_NEAR(four[k][i], (i - 2)*b[0][k], 1e-9, 1e-9);
         }
         free_square(&s);
     }

@@ -216,15 +216,14 @@ static const char *find_columns(lw_robot *r, double jacobian[6][LW_ROBOT_DRIVES]
 {
     lw_space_follow *f = &r->follow;
     const lw_space *s = &r->space;
-    int first = s->n_row + f->n_idle;
     if (f->z.n_kept < s->n_v || !lw_space_rows_factor_near(&f->z))
         return "the drives do not hold the tool in this posture: it is singular";
+    if (!lw_space_rows_motions(&f->z, r->n_drive, s->n_row + f->n_idle, r->hold.column))
+        return "the posture is too near to a singular one to find how the drives move the tool";
     for (int i = 0; i < r->n_drive; i++) {
-        double *v = r->hold.column + (size_t)i*(size_t)s->n_v;
-        memset(f->rhs, 0, (size_t)f->z.n_row*sizeof *f->rhs);
-        f->rhs[first + i] = 1/lw_space_scale(s, r->measure[i]);
-        if (!lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l))
-            return "the posture is too near to a singular one to find how the drives move the tool";
+        double *v = r->hold.column + (size_t)i*(size_t)s->n_v, scale = lw_space_scale(s, r->measure[i]);
+        for (int k = 0; k < s->n_v; k++)
+            v[k] /= scale;
         lw_vec3 p = lw_space_point_velocity(s, f->z.frame, s->tracer[r->tool], v);
         lw_vec3 w = lw_space_omega(f->z.frame, s->tracer[r->tool].body, v);
         double of[] = { p.x, p.y, p.z, w.x, w.y, w.z };

@@ -438,37 +438,40 @@ bool lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rh
     return refined(first, before, change);
 }
 
-typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
-
 /* As improve, for four systems: the right-hand side of the k-th is 1 in row first + k, else 0. */
-static void improve_four(lw_space_rows_set *z, int first, bool still, four *x, double change[4])
+static void improve_four(lw_space_rows_set *z, int first, bool still, double (*x)[4], double change[4])
 {
-    four *b = (four *)z->four;
     for (int i = 0; i < z->n_kept; i++) {
         int r = z->kept[i], at = r - first;
-        four sum = { -(at == 0), -(at == 1), -(at == 2), -(at == 3) };
+        pair left = { -(at == 0), -(at == 1) }, right = { -(at == 2), -(at == 3) };
         for (int k = 0; k < lw_space_rows_sides(z, r) && !still; k++) {
             int body = lw_space_rows_bodies(z, r)[k];
             const double *jac = z->jac + z->at[r] + 6*k;
-            const four *by = x + 6*body;
-            if (body >= 0)
-                sum += jac[0]*by[0] + jac[1]*by[1] + jac[2]*by[2] + jac[3]*by[3] + jac[4]*by[4] + jac[5]*by[5];
+            if (body < 0)
+                continue;
+            const pair *by = (const pair *)x[6*body];
+            for (int j = 0; j < 6; j++)
+                left += jac[j]*by[2*j], right += jac[j]*by[2*j + 1];
         }
-        b[i] = sum;
+        pair *b = (pair *)z->four[i];
+        b[0] = left, b[1] = right;
     }
     lw_cholesky_solve_four(&z->schur, z->four);
     memset(change, 0, 4*sizeof *change);
     for (int i = 0; i < z->n_kept; i++) {
         int r = z->kept[i];
-        four each = b[i];
+        const pair *b = (const pair *)z->four[i], left = b[0], right = b[1];
         for (int k = 0; k < lw_space_rows_sides(z, r); k++) {
             int body = lw_space_rows_bodies(z, r)[k];
             const double *jac = z->jac_w + z->at[r] + 6*k;
-            for (int j = 0; body >= 0 && j < 6; j++)
-                x[6*body + j] -= jac[j]*each;
+            if (body < 0)
+                continue;
+            pair *to = (pair *)x[6*body];
+            for (int j = 0; j < 6; j++)
+                to[2*j] -= jac[j]*left, to[2*j + 1] -= jac[j]*right;
         }
         for (int k = 0; k < 4; k++)
-            change[k] = lw_greater(change[k], fabs(each[k]));
+            change[k] = lw_greater(change[k], fabs(z->four[i][k]));
     }
 }
 
@@ -484,7 +487,7 @@ bool lw_space_rows_motions(lw_space_rows_set *z, int n, int first, double *x)
         for (int pass = 0; pass <= most_refined && !good; pass++) {
             if (pass > 0)
                 memcpy(before, change, sizeof before);
-            improve_four(z, first + from, pass == 0, (four *)at, change);
+            improve_four(z, first + from, pass == 0, at, change);
             if (pass == 0)
                 memcpy(whole, change, sizeof whole);
             good = pass > 0;
