@@ -4,6 +4,7 @@
  * postures of the loops are passed in the coordinates of the bodies. */
 #include "base/number.h"
 #include "base/real.h"
+#include "base/vector.h"
 #include "mbs/formulations/formulations_internal.h"
 
 #include <stdio.h>
@@ -41,6 +42,7 @@ typedef struct motion {
     lw_space_extra *extra;
     double (*wanted)[3], *near;              /* (extra) */
     double *body, *shown, *free;             /* states of the bodies (run->n), the second after steps; scratch (n_u) */
+    double *dependence;                      /* (n_c) for each row left out: scratch for samples */
     double *turned;                          /* scratch (n_x): coordinates without whole turns */
     double least, first;                     /* least pivot of the loops in the last step, at the start */
     bool open;                               /* the loops were not closed after the last step */
@@ -353,11 +355,51 @@ static bool is_placed(const motion *m, const double *q, const double *v)
     return same;
 }
 
-/* Are all rows those of joints, and independent? */
-static bool rows_are_plain(const motion *m)
+/* Are all rows those of joints, and those left out those that depend on others? */
+static bool rows_are_of_joints(const motion *m)
 {
     const lw_dynamics *d = m->run->d;
-    return m->r.n_extra + m->r.s->n_coupling == 0 && d->rank == d->n_c && d->n_c == m->r.s->n_joint_row;
+    return m->r.n_extra + m->r.s->n_coupling == 0 && d->n_c == m->r.s->n_joint_row && d->n_c - d->rank == m->r.n_row - m->r.rank;
+}
+
+/* Multipliers d->l from those of the loops, r.l, and d->hold, what all joints put on the bodies. */
+static void spread_over_joints(const motion *m)
+{
+    const lw_dynamics *d = m->run->d;
+    for (int i = 0, row = 0; i < m->r.n_cut; i++) {
+        const lw_space_joint *j = &m->r.s->joint[m->r.cut[i]];
+        for (int k = 0; k < lw_spatial_kind_of(j->kind)->rows; k++, row++) {
+            d->l[j->row + k] = m->r.l[row];
+            take_off(d, j->row + k, m->r.l[row], d->hold);
+        }
+    }
+    tree_multipliers(m, d->hold);
+}
+
+/* Take the part along a unit vector off x. */
+static void take_part_along(int n, const double *way, double *x)
+{
+    double part = lw_dot(n, way, x);
+    for (int i = 0; i < n; i++)
+        x[i] -= part*way[i];
+}
+
+/* Multipliers that put nothing on any body, an orthonormal basis of them. */
+static void find_dependences(motion *m)
+{
+    const lw_dynamics *d = m->run->d;
+    for (int i = 0; i < m->r.n_row - m->r.rank; i++) {
+        double *column = m->dependence + i*d->n_c, size;
+        lw_recursive_dependence(&m->r, i);
+        memset(d->hold, 0, (size_t)d->n_v*sizeof *d->hold);
+        spread_over_joints(m);
+        memcpy(column, d->l, (size_t)d->n_c*sizeof *column);
+        for (int k = 0; k < i; k++)
+            take_part_along(d->n_c, m->dependence + k*d->n_c, column);
+        size = sqrt(lw_dot(d->n_c, column, column));
+        for (int r = 0; r < d->n_c; r++)
+            column[r] /= size;
+    }
 }
 
 /* Accelerations and forces of a sample from the joints' coordinates. */
@@ -365,8 +407,7 @@ static lw_status solve_sample(void *solver, double t, const double *q, const dou
 {
     motion *m = ((stepper *)solver)->m;
     lw_dynamics *d = m->run->d;
-    int row = 0;
-    if (!rows_are_plain(m) || !is_placed(m, q, v))
+    if (!rows_are_of_joints(m) || !is_placed(m, q, v))
         return LW_OPEN;
     d->eq.forces(d->eq.context, t, q, v, d->force, NULL);
     for (int i = 0; i < d->n_v; i++)
@@ -376,18 +417,14 @@ static lw_status solve_sample(void *solver, double t, const double *q, const dou
         lw_recursive_rows(&m->r, m->near, (const double (*)[3])m->wanted, d->space->f.turn, v);
     if (lw_recursive_factor(&m->r) != LW_OK || m->r.weak < far_from_singular*m->first)
         return LW_OPEN;
+    find_dependences(m);
     lw_recursive_solve(&m->r, d->force, LW_WANT_MOTION, m->free);
     lw_recursive_accelerations(&m->r, m->free, d->a);
     for (int i = 0; i < d->n_v; i++)
         d->hold[i] = d->force[i] - d->eq.mass[i]*d->a[i];
-    for (int i = 0; i < m->r.n_cut; i++) {
-        const lw_space_joint *j = &m->r.s->joint[m->r.cut[i]];
-        for (int k = 0; k < lw_spatial_kind_of(j->kind)->rows; k++, row++) {
-            d->l[j->row + k] = m->r.l[row];
-            take_off(d, j->row + k, m->r.l[row], d->hold);
-        }
-    }
-    tree_multipliers(m, d->hold);
+    spread_over_joints(m);
+    for (int i = 0; i < m->r.n_row - m->r.rank; i++)     /* those of least norm */
+        take_part_along(d->n_c, m->dependence + i*d->n_c, d->l);
     return LW_OK;
 }
 
@@ -452,7 +489,7 @@ static lw_status whole_sample(void *context, double t, double t_end, lw_moment *
     lw_tree_stages *s = &m->stages;
     const bool begun = w->stages.ode;
     int k = 0;
-    if (!w->staged || !rows_are_plain(m) || (begun ? t_end != time_of(w) : !is_placed(m, m->shown, m->shown + d->n_q)))
+    if (!w->staged || !rows_are_of_joints(m) || m->r.rank < m->r.n_row || (begun ? t_end != time_of(w) : !is_placed(m, m->shown, m->shown + d->n_q)))
         return LW_OPEN;
     while (k < w->n_ready && w->ready[k] != t)
         k++;
@@ -722,7 +759,8 @@ static lw_status run_recursive(lw_run *run)
     lw_status s = make(&m, run->d, run->e);
     if (s == LW_OK) {
         int n = m.r.n_x + m.r.n_u + run->has_work + run->d->eq.n_z;
-        double *y = calloc(2*(size_t)n + work_size(n) + 3*(size_t)run->n + (size_t)(m.r.n_u + m.r.n_x) + 1, sizeof *y);
+        size_t dependence = (size_t)(m.r.n_row - m.r.rank)*(size_t)run->d->n_c;
+        double *y = calloc(2*(size_t)n + work_size(n) + 3*(size_t)run->n + (size_t)(m.r.n_u + m.r.n_x) + dependence + 1, sizeof *y);
         s = y ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
         if (y) {
             m.body = y + 2*n + work_size(n);
@@ -730,6 +768,7 @@ static lw_status run_recursive(lw_run *run)
             run->y = m.shown + run->n;
             m.free = run->y + run->n;
             m.turned = m.free + m.r.n_u;
+            m.dependence = m.turned + m.r.n_x;
             s = run_one(&m, y, y + 2*n);
         }
         free(y);

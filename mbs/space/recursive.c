@@ -736,6 +736,21 @@ static void solve_rows(lw_recursive *r)
         r->l[r->order[i]] = i < rank ? x[i] : 0;
 }
 
+void lw_recursive_dependence(lw_recursive *r, int i)
+{
+    const int n = r->n_row, left = r->rank + i;
+    const double *m = r->schur;
+    double *x = r->sorted;
+    memset(r->l, 0, (size_t)n*sizeof *r->l);
+    r->l[r->order[left]] = 1;
+    for (int k = r->rank - 1; k >= 0; k--) {
+        x[k] = -m[k*n + left];
+        for (int j = k + 1; j < r->rank; j++)
+            x[k] -= m[k*n + j]*x[j];
+        r->l[r->order[k]] = x[k] /= m[k*n + k];
+    }
+}
+
 void lw_recursive_solve(lw_recursive *r, const double *force, lw_recursive_want want, double *du)
 {
     memset(du, 0, (size_t)r->n_u*sizeof *du);

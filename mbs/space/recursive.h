@@ -93,6 +93,9 @@ void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wante
 /* Factor the masses and the rows at the posture placed last.  LW_OPEN: a singular posture; LW_E_ARG: a motion without mass. */
 lw_status lw_recursive_factor(lw_recursive *r);
 
+/* l (n_row) of the i-th row left out by lw_recursive_factor: multipliers of the rows that do nothing to the rates of the tree. */
+void lw_recursive_dependence(lw_recursive *r, int i);
+
 /* Accelerations du (n_u) under forces of the bodies (n_v, NULL: none, and no bias), with J du as the rows say: -phi, the second
  * rate, or what is in r->l (n_row). */
 typedef enum lw_recursive_want { LW_WANT_CLOSED, LW_WANT_MOTION, LW_WANT_GIVEN } lw_recursive_want;
