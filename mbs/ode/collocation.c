@@ -10,7 +10,9 @@
 enum { N = LW_STAGES, MOST_ITERATIONS = 14, PAIRS = N/2 };
 
 static const double exact_enough = 0.03;      /* change that the improvements still promise, over the error allowed */
-static const double best_factor = 0.15;      /* of an improvement: longer steps need more work for their length */
+/* Of an improvement, and of a Newton step, whose derivatives and factors cost something for each step: longer steps need more work for
+ * their length. */
+static const double best_factor = 0.15, best_newton = 0.4;
 static const double least_factor = 0.01;     /* smaller ones are taken as this one */
 static const double first_change = 16;       /* square of how far rates may change in the first step, over their size there */
 static const double fresh_factor = 0.1;      /* above it derivatives are found afresh */
@@ -470,7 +472,7 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
     double old = w->fastest;
     s = iterate(w, h);
     double error = s == LW_OK ? step_error(w, h) : INFINITY, of = h*w->fastest, rising = fmax(1, fmin(3, w->fastest/old));
-    double room = sqrt(sqrt(best_factor/fmax(of, least_factor)/rising));
+    double room = sqrt(sqrt((w->ode->implicit ? best_newton : best_factor)/fmax(of, least_factor)/rising));
     w->stale = of > fresh_factor || s != LW_OK;
     if (s == LW_OPEN) {
         *by = fresh ? shorter : 1;           /* 1: with fresh derivatives */
