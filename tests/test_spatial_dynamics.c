@@ -1519,7 +1519,7 @@ TEST(refuses_what_it_cannot)
         { "'mass': 1, 'centre': [1, 0, 0]", "", ", 'input': {'joint': 'A', 'motion': 'log(t - 1)'}",
           "not a number" },
         { "'mass': 1, 'centre': [1, 0, 0]", "", ", 'inputs': [{'joint': 'A', 'motion': 't'}, {'tracer': 'P', 'coordinate': 'x', 'motion': "
-                                                    "'t'}]", "contradict" },
+                                                    "'t'}]", "the model has 1 freedom and 2 inputs: 1 input is too many" },
         { "'mass': 1, 'centre': [1, 0, 0], 'angular_velocity': [0, 0, 5]", "", ", 'input': {'joint': 'A', 'motion': '2*t'}",
           "contradict" },
     };

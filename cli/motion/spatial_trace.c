@@ -24,7 +24,7 @@ typedef struct rows {
     const lw_spatial *m;
     FILE    *f;
     cli_json json;
-    bool     as_json, in_time;
+    bool     as_json, in_time, begun;
     int      only;                       /* this tracer, -1: all */
     double   speed;                      /* rates are by time at this speed of the input; 0: by the input */
     double  *flat;
@@ -101,44 +101,6 @@ static double *keep(rows *r)
     return r->kept + r->n_kept++*width;
 }
 
-static lw_status put_row(void *context, double u, const double *input, const lw_space_tracer *tracer)
-{
-    rows *r = context;
-    double value[VALUES + GEOMETRY], *to = r->plotted ? keep(r) : NULL;
-    if (r->plotted && !to)
-        return LW_E_MEMORY;
-    if (to)
-        *to++ = r->in_time ? u : input[0]/input_unit(r->m, 0);
-    size_t n = 0;
-    int inputs = r->in_time ? r->m->n_input : 1;
-    if (r->in_time)
-        r->flat[n++] = u;
-    for (int i = 0; i < inputs; i++)
-        r->flat[n++] = input[i]/input_unit(r->m, i);
-    for (int k = 0; k < r->m->n_tracer; k++) {
-        if (r->only >= 0 && r->only != k)
-            continue;
-        fill(r, &tracer[k], value);
-        fill_geometry(r, &tracer[k], value + VALUES);
-        if (to)
-            to = (double *)memcpy(to, value, (size_t)r->values*sizeof *to) + r->values;
-        if (r->as_json) {
-            memcpy(r->flat + n, value, (size_t)r->values*sizeof *value);
-            n += (size_t)r->values;
-            continue;
-        }
-        for (size_t i = 0; i < n; i++)
-            number(r->f, r->flat[i]), fputc(',', r->f);
-        if (r->only < 0 && r->m->n_tracer > 1)
-            cli_csv_text(r->f, r->m->tracer[k].name), fputc(',', r->f);
-        for (int i = 0; i < r->values; i++)
-            number(r->f, value[i]), fputc(i + 1 < r->values ? ',' : '\n', r->f);
-    }
-    if (r->as_json)
-        cli_json_reals(&r->json, NULL, r->flat, n);
-    return LW_OK;
-}
-
 static void name_input(int i, char *text, size_t size)
 {
     if (i)
@@ -147,6 +109,7 @@ static void name_input(int i, char *text, size_t size)
         snprintf(text, size, "input");
 }
 
+/* Before the first row: nothing is printed where there is none. */
 static void put_head(rows *r)
 {
     const lw_spatial *m = r->m;
@@ -154,6 +117,7 @@ static void put_head(rows *r)
     const char *by = r->in_time || r->speed != 0 ? "s" : m->input[0].measure.of == LW_OF_TURN ? "rad" : length;
     char name[LW_NAME_SIZE + 16];
     int inputs = r->in_time ? m->n_input : 1;
+    r->begun = true;
     if (!r->as_json) {
         fputs("# units: ", r->f);
         if (r->in_time)
@@ -199,6 +163,46 @@ static void put_head(rows *r)
         }
     cli_json_end(&r->json);
     cli_json_array(&r->json, "rows");
+}
+
+static lw_status put_row(void *context, double u, const double *input, const lw_space_tracer *tracer)
+{
+    rows *r = context;
+    double value[VALUES + GEOMETRY], *to = r->plotted ? keep(r) : NULL;
+    if (r->plotted && !to)
+        return LW_E_MEMORY;
+    if (to)
+        *to++ = r->in_time ? u : input[0]/input_unit(r->m, 0);
+    size_t n = 0;
+    if (!r->begun)
+        put_head(r);
+    int inputs = r->in_time ? r->m->n_input : 1;
+    if (r->in_time)
+        r->flat[n++] = u;
+    for (int i = 0; i < inputs; i++)
+        r->flat[n++] = input[i]/input_unit(r->m, i);
+    for (int k = 0; k < r->m->n_tracer; k++) {
+        if (r->only >= 0 && r->only != k)
+            continue;
+        fill(r, &tracer[k], value);
+        fill_geometry(r, &tracer[k], value + VALUES);
+        if (to)
+            to = (double *)memcpy(to, value, (size_t)r->values*sizeof *to) + r->values;
+        if (r->as_json) {
+            memcpy(r->flat + n, value, (size_t)r->values*sizeof *value);
+            n += (size_t)r->values;
+            continue;
+        }
+        for (size_t i = 0; i < n; i++)
+            number(r->f, r->flat[i]), fputc(',', r->f);
+        if (r->only < 0 && r->m->n_tracer > 1)
+            cli_csv_text(r->f, r->m->tracer[k].name), fputc(',', r->f);
+        for (int i = 0; i < r->values; i++)
+            number(r->f, value[i]), fputc(i + 1 < r->values ? ',' : '\n', r->f);
+    }
+    if (r->as_json)
+        cli_json_reals(&r->json, NULL, r->flat, n);
+    return LW_OK;
 }
 
 /* Panels of places, velocities, accelerations, and with --geometry of the curvature, over the input or the time. */
@@ -292,10 +296,9 @@ int cli_spatial_trace_run(const cli_call *call, const lw_spatial *m, const cli_s
     if (st != LW_OK)
         return free(r.flat), cli_fail(call, &e);
     r.f = out.f;
-    put_head(&r);
     st = lw_space_trace_run(m, &t, put_row, &r, &e);
     free(r.flat);
-    if (r.as_json) {
+    if (r.as_json && r.begun) {
         cli_json_end(&r.json);
         cli_json_bool(&r.json, "complete", st == LW_OK);
         cli_json_end(&r.json);

@@ -56,6 +56,9 @@ static lw_status count_freedoms(lw_space_follow *f, int rank, bool any, lw_error
     if (freedom == 0 && f->n_input > 0)
         return lw_error_set(e, LW_E_ARG, "the model cannot move in the posture of the file: it has 0 freedoms and %d input%s; linkwright mobility tells "
                             "what holds it", f->n_input, lw_plural(f->n_input));
+    if (f->n_input > freedom)
+        return lw_error_set(e, LW_E_ARG, "the model has %d freedom%s and %d inputs: %d input%s too many",
+                            freedom, lw_plural(freedom), f->n_input, f->n_input - freedom, f->n_input - freedom == 1 ? " is" : "s are");
     if (f->z.n_kept < rank + f->n_input)
         return lw_error_set(e, LW_E_ARG, "%d input%s only %d of %d freedom%s in the posture of the file: %sthe posture is singular for %s",
                             f->n_input, f->n_input == 1 ? " moves" : "s move", f->z.n_kept - rank, freedom, lw_plural(freedom),
@@ -229,18 +232,22 @@ static bool same_curve(lw_space_follow *f, double h)
     return change_of_inputs(f) > greatest_change/2 && lw_space_length(s, off) <= greatest_change*top;
 }
 
+static const double of_second_order = 1e-4;
+
+bool lw_space_follow_opens(const lw_space_follow *f) { return f->yields > of_second_order; }
+
 /* Do the rows left out as dependent hold, too, after a step of this length?  Where the rows kept are singular they have other curves, which are none
  * of the linkage.  One drawn with rounded numbers opens as it moves: how fast shows in the first step.  One that yields to first order only, or in a
  * posture that is singular for its inputs, opens with the square of the step. */
 static bool stays_closed(lw_space_follow *f, double length)
 {
-    static const double exact = 1e-7, faster = 1e4, clear_step = 1e-3, rounded = 1e-3, of_second_order = 1e-4;
+    static const double exact = 1e-7, faster = 1e4, clear_step = 1e-3, rounded = 1e-3;
     if (f->z.n_kept == f->z.n_row)
         return true;
     double open = lw_space_rows_open(&f->z);
-    f->opened = open > rounded || f->yields > of_second_order;
+    f->opened = open > rounded || lw_space_follow_opens(f);
     if (f->open > 0 || f->opened)
-        return open <= f->open && !(f->yields > of_second_order);
+        return open <= f->open && !lw_space_follow_opens(f);
     if (length > clear_step)
         f->open = fmin(fmax(exact, faster*open/length), rounded);
     return true;

@@ -52,6 +52,9 @@ lw_status lw_space_follow_to(lw_space_follow *f, lw_space_path *path, void *cont
 /* f->a, which going fills only where it is needed: the second rates by f->u, just after going there. */
 void lw_space_follow_second(lw_space_follow *f);
 
+/* Once the second rates are known: do rows left out as dependent open with the square of any step from here?  Then no motion has these rates. */
+bool lw_space_follow_opens(const lw_space_follow *f);
+
 /* f->v and f->a for output just after going along the path: within 0.003 of a singular posture, where solving loses digits, they come
  * from the postures before and behind it (f->between), good to LW_SPACE_BETWEEN. */
 #define LW_SPACE_BETWEEN 3e-9

@@ -209,6 +209,12 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
             if (st != LW_OK)
                 break;
             lw_space_follow_rates(&f, path, with);
+            if (k == 0 && lw_space_follow_opens(&f)) {       /* no row: the step out of it tells why */
+                st = lw_space_follow_to(&f, path, with, o->from + (o->to - o->from)/o->intervals, e);
+                if (st != LW_OK || (st = lw_space_follow_to(&f, path, with, u, e)) != LW_OK)
+                    break;
+                lw_space_follow_rates(&f, path, with);
+            }
             int end = k == 0 ? 0 : k == o->intervals ? 1 : -1;
             if ((st = show(&f, end, o, q, &u, tracer)) != LW_OK) {
                 lw_error_set(e, st, "out of memory");
