@@ -64,6 +64,37 @@ TEST(joints_stay_together)
     }
 }
 
+/* A slide is drawn as long as its block moves: on a ground that rests and on a link that moves and turns. */
+TEST(blocks_stay_on_their_guides)
+{
+    OWN(lw_spatial) m = { 0 };
+    read_spatial("{'linkwright': 1, 'links': ['ground', 'bridge', 'arm', 'mast'], 'joints': ["
+                 "{'name': 'X', 'kind': 'prismatic', 'links': ['ground', 'bridge'], 'at': [0, 0, 0], 'axis': [1, 0, 0]}, "
+                 "{'name': 'R', 'kind': 'revolute', 'links': ['bridge', 'arm'], 'at': [0, 0.2, 0], 'axis': [0, 1, 0]}, "
+                 "{'name': 'Z', 'kind': 'prismatic', 'links': ['arm', 'mast'], 'at': [0, 0.2, -0.3], 'axis': [0.6, 0, 0.8]}], 'inputs': ["
+                 "{'joint': 'X', 'motion': '2*sin(t)'}, {'joint': 'R', 'motion': '3*t'}, {'joint': 'Z', 'motion': '-3*t'}], "
+                 "'tracers': [{'name': 'P', 'link': 'mast', 'at': [0, 0.2, -0.5]}]}", "slides", &m);
+    OWN(lw_space_scene) s = make_scene(&m, 1);
+    int guides = 0;
+    for (int i = 0; i < s.n_shape; i++) {
+        if (s.shape[i].kind != LW_SPACE_GUIDE)
+            continue;
+        const lw_spatial_joint *j = &m.joint[s.shape[i].item];
+        double least = INFINITY, most = 0;
+        for (size_t f = 0; f < s.n_frame; f++) {
+            lw_vec3 block = lw_space_scene_at(&s, f, j->link[1], j->at);
+            lw_vec3 a = lw_space_scene_point(&s, f, &s.shape[i], 0), b = lw_space_scene_point(&s, f, &s.shape[i], 1);
+            double past = lw_v3_norm(lw_v3_sub(block, a)) + lw_v3_norm(lw_v3_sub(block, b)) - lw_v3_norm(lw_v3_sub(a, b));
+            CHECK_NEAR(past, 0, 1e-9*s.radius, 0);
+            least = fmin(least, lw_v3_norm(lw_v3_sub(block, a)));
+            most = fmax(most, lw_v3_norm(lw_v3_sub(block, a)));
+        }
+        CHECK(most - least > 1.6);
+        guides++;
+    }
+    CHECK_INT(guides, 2);
+}
+
 /* Between its frames a path is that with four times as many frames, to 1e-3 where it is fastest; chords are 0.03 off. */
 TEST(paths_between_frames)
 {

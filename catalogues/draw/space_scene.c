@@ -344,6 +344,20 @@ static void add_axis(lw_space_scene *s, lw_space_shape_kind kind, const lw_spati
                              .p = { lw_v3_sub(j->at, d), lw_v3_add(j->at, d) } });
 }
 
+/* The line of a slide on its first link: as long as the second link moves along it in all frames, and at least 16 pins. */
+static void add_guide(lw_space_scene *s, const lw_spatial_joint *j, int item, double pin, bool grounded)
+{
+    double least = -8*pin, most = 8*pin;
+    for (size_t f = 0; f < s->n_frame; f++) {
+        lw_vec3 at = lw_space_scene_at(s, f, j->link[0], j->at), ahead = lw_space_scene_at(s, f, j->link[0], lw_v3_add(j->at, j->axis));
+        double along = lw_v3_dot(lw_v3_sub(lw_space_scene_at(s, f, j->link[1], j->at), at), lw_v3_sub(ahead, at));
+        least = fmin(least, along - 2*pin);
+        most = fmax(most, along + 2*pin);
+    }
+    add(s, (lw_space_shape){ .kind = LW_SPACE_GUIDE, .link = j->link[0], .item = item, .grounded = grounded, .n = 2,
+                             .p = { lw_v3_add(j->at, lw_v3_scale(j->axis, least)), lw_v3_add(j->at, lw_v3_scale(j->axis, most)) } });
+}
+
 static void add_joint(const lw_spatial *m, int item, lw_space_scene *s)
 {
     const lw_spatial_joint *j = &m->joint[item];
@@ -354,11 +368,11 @@ static void add_joint(const lw_spatial *m, int item, lw_space_scene *s)
     case LW_SPATIAL_REVOLUTE:    add_axis(s, LW_SPACE_PIN, j, item, first, j->axis, pin, grounded); break;
     case LW_SPATIAL_CYLINDRICAL:
     case LW_SPATIAL_SCREW:
-        add_axis(s, LW_SPACE_GUIDE, j, item, first, j->axis, 8*pin, grounded);
+        add_guide(s, j, item, pin, grounded);
         add_axis(s, LW_SPACE_PIN, j, item, second, j->axis, 1.6*pin, grounded);
         break;
     case LW_SPATIAL_PRISMATIC:
-        add_axis(s, LW_SPACE_GUIDE, j, item, first, j->axis, 8*pin, grounded);
+        add_guide(s, j, item, pin, grounded);
         add_axis(s, LW_SPACE_PIN, j, item, second, j->axis, 1.3*pin, grounded);
         break;
     case LW_SPATIAL_UNIVERSAL:
