@@ -97,26 +97,32 @@ static double part_missed(const lw_target *t, const lw_fit_report *r)
     return t->extent > 0 ? lw_fit_report_known_miss(t, r)/t->extent : r->angle_max/lw_target_swing(t);
 }
 
+/* Must the input be reversed, where that of another linkage could turn on?  That of an open function is reversed anyway. */
+static bool is_reversed(const lw_target *t, const lw_fit_report *r)
+{
+    return !r->turns && (t->closed || t->extent > 0);
+}
+
 /* The front of the candidates that can be results: of each number of links the one with the least error among those with no more links
- * ([1]: and whose input turns), the best in each measure of those that are not rough, and the least part missed ([1] as before). */
+ * ([1]: and whose input is not reversed), the best in each measure of those that are not rough, and the least part missed ([1] as before). */
 typedef struct front {
     int    least[LW_LINK_MAX + 1][2], best[MEASURES];
     double missed[2];
 } front;
 
-/* Is the linkage far from the target, by more than its noise, where another one (whose input turns, if its turns) is near? */
+/* Is the linkage far from the target, by more than its noise, where another one (whose input is not reversed, if its is not) is near? */
 static bool is_lost(const lw_target *t, const front *f, const lw_fit_report *r)
 {
-    return f->missed[r->turns] <= LW_NEAR && part_missed(t, r) > (t->extent > 0 ? fmax(FAR, t->noise/t->extent) : FAR);
+    return f->missed[!is_reversed(t, r)] <= LW_NEAR && part_missed(t, r) > (t->extent > 0 ? fmax(FAR, t->noise/t->extent) : FAR);
 }
 
-/* Is candidate i lost, or so much worse than the one with the least error and no more links (of inputs that turn, if its turns) that
+/* Is candidate i lost, or so much worse than the one with the least error and no more links (and an input that is not reversed, if its is not) that
  * nobody wants it? */
 static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, const front *f, int i)
 {
     const lw_candidate *c = &fit->candidate[i];
     const lw_fit_report *r = &all[i];
-    const int least = f->least[lw_candidate_links(c)][r->turns];
+    const int least = f->least[lw_candidate_links(c)][!is_reversed(t, r)];
     const lw_candidate *first = &fit->candidate[least];
     const lw_fit_report *best = &all[least];
     if (is_lost(t, f, r))
@@ -208,11 +214,11 @@ static void find_front(const lw_target *t, const lw_fit *fit, const lw_fit_repor
         const lw_candidate *c = &fit->candidate[i];
         if (!usable[i] || bits(all[i].broken) > bits(broken))
             continue;
-        for (int turns = 0; turns <= all[i].turns; turns++)
-            f->missed[turns] = fmin(f->missed[turns], part_missed(t, &all[i]));
+        for (int on = 0; on <= !is_reversed(t, &all[i]); on++)
+            f->missed[on] = fmin(f->missed[on], part_missed(t, &all[i]));
         for (int n = lw_candidate_links(c); n <= LW_LINK_MAX; n++)
-            for (int turns = 0; turns <= all[i].turns; turns++) {
-                int *least_of = &f->least[n][turns];
+            for (int on = 0; on <= !is_reversed(t, &all[i]); on++) {
+                int *least_of = &f->least[n][on];
                 *least_of = *least_of < 0 || c->objective < fit->candidate[*least_of].objective ? i : *least_of;
             }
     }
@@ -246,7 +252,7 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 #define PER_MISS     1.5           /* beyond LW_NEAR twice the error counts as 5.7 times                            */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
 #define PER_LINK     0.5           /* for each link more: two links with their three joints count as 2.7 times the error */
-#define ROCKING      0.2           /* an input that has to be reversed; that of an open function is anyway          */
+#define ROCKING      0.2           /* an input that has to be reversed (is_reversed)                                */
 
 static double cost_of_size(const lw_target *t, const lw_fit_report *r)
 {
@@ -265,11 +271,10 @@ static double part_as_made(const lw_target *t, const lw_fit_report *r)
 /* Less is better. */
 static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
-    const bool rocks = !r->turns && (t->closed || t->extent > 0);
     double part = part_as_made(t, r), near = t->extent > 0 ? fmax(LW_NEAR, t->noise/t->extent) : LW_NEAR;
     return log(part) + PER_MISS*log(fmax(1, part/near)) + cost_of_size(t, r)
          + (t->extent > 0 ? PER_RATIO*log(lw_uneven(lw_fit_report_ratio(t, r), 1)) : 0)
-         + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min) + PER_LINK*lw_candidate_links(c) + (rocks ? ROCKING : 0);
+         + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min) + PER_LINK*lw_candidate_links(c) + (is_reversed(t, r) ? ROCKING : 0);
 }
 
 /* Move the first row with each number of links before the others: which linkage is the best with fewer links is the first thing to know
