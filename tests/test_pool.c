@@ -48,6 +48,39 @@ TEST(keeps_the_best_in_order)
     }
 }
 
+/* Of many finds none is lost that is smaller, or was fitted with a greater transmission angle, than all with less error. */
+TEST(keeps_those_that_no_better_one_is_as_small_and_gentle_as)
+{
+    static lw_pool pool;
+    OWN(lw_problem) p = { 0 };
+    lw_found all[300];
+    int front = 0;
+    lw_rng rng = check_rng(2);
+    make_problem(&p);
+    lw_variables v = lw_pool_variables(&p);
+    for (int i = 0; i < 300; i++) {
+        all[i] = find(lw_rng_uniform(&rng), i);
+        all[i].size = exp(3*lw_rng_uniform(&rng));
+        all[i].gentle = 10*(int)(3*lw_rng_uniform(&rng));
+        lw_pool_put(&pool, &all[i], &v);
+    }
+    check_order(&pool);
+    CHECK_INT(pool.n, LW_POOL_MAX);
+    for (int i = 0; i < 300; i++) {
+        bool wanted = true, held = false;
+        for (int k = 0; k < 300; k++)
+            wanted &= all[k].f >= all[i].f || all[k].size > 1.02*all[i].size || all[k].gentle < all[i].gentle;
+        for (int k = 0; k < pool.n; k++)
+            held |= pool.item[k].f == all[i].f;
+        CHECK(held || !wanted);
+        front += wanted;
+    }
+    CHECK(front > 8);
+    double least = pool.item[0].f;
+    lw_pool_shorten(&pool, 1);
+    CHECK(pool.n == 1 && pool.item[0].f == least);
+}
+
 TEST(counts_what_comes_again)
 {
     static lw_pool pool;

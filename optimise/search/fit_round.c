@@ -397,6 +397,7 @@ static void judge(const lw_search *s, const lw_problem *p, lw_work *work, lw_fou
     if (beyond > 0)
         c->beyond += 1 + (int)fmin(10, beyond/STRAY_STEP);
     c->polished = true;
+    c->size = lw_problem_size(p, c->x);
 }
 
 /* Steps of a fit that may cost so many evaluations, each of which counts as `cost`. */
@@ -1083,7 +1084,7 @@ lw_status lw_search_widen(lw_search *s)
         const lw_problem *p = lw_search_made(s, 0, first[0].candidate, false, &made);
         list->largest = !lw_task_has_place(s->o->spec.task) ? LARGEST_RATIO : p ? LARGEST_RUNG*s->t->extent/p->unit : 0;
     }
-    pool->n = pool->n < left ? pool->n : left;
+    lw_pool_shorten(pool, left);
     list->until = lw_search_end(s) + lw_search_widening(s) + 0.5*lw_search_grace(s);
     if (s->o->max_seconds <= 0)
         list->until = lw_search_stopped(s) ? lw_clock_wall() + lw_search_grace(s) : 0;

@@ -16,6 +16,7 @@ lw_variables lw_pool_variables(const lw_problem *p)
 
 #define SAME   1e-4         /* relative difference of variables and f of the same linkage              */
 #define ROUNDING 1e-24      /* of f at an exact fit                                                    */
+#define AS_SMALL 1.02       /* sizes that differ less are alike                                        */
 
 /* Do the variables agree: lengths and coordinates relative to the larger, angles the short way round? */
 static bool alike(const lw_variables *v, const double *a, const double *b)
@@ -47,6 +48,25 @@ static bool before(const lw_found *a, const lw_found *b)
     return a->beyond != b->beyond ? a->beyond < b->beyond : a->f < b->f;
 }
 
+static bool is_covered(const lw_pool *p, int i)
+{
+    const lw_found *c = &p->item[i];
+    bool covered = false;
+    for (int k = 0; k < i && !covered; k++)
+        covered = p->item[k].size <= AS_SMALL*c->size && p->item[k].gentle >= c->gentle;
+    return covered;
+}
+
+void lw_pool_shorten(lw_pool *p, int most)
+{
+    while (p->n > most) {
+        int drop = p->n - 1;
+        while (drop > 0 && !is_covered(p, drop))
+            drop--;
+        take_out(p, drop > 0 ? drop : p->n - 1);
+    }
+}
+
 void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of)
 {
     lw_found put = *c;
@@ -67,12 +87,10 @@ void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of)
     int at = p->n;
     while (at > 0 && before(&put, &p->item[at - 1]))
         at--;
-    if (at == LW_POOL_MAX)
-        return;
-    int move = (p->n < LW_POOL_MAX ? p->n : LW_POOL_MAX - 1) - at;
-    memmove(p->item + at + 1, p->item + at, sizeof p->item[0]*(size_t)move);
+    memmove(p->item + at + 1, p->item + at, sizeof p->item[0]*(size_t)(p->n - at));
     p->item[at] = put;
-    p->n = at + move + 1;
+    p->n++;
+    lw_pool_shorten(p, LW_POOL_MAX);
 }
 
 enum { HEAD = 5 };           /* numbers of a find before its variables */

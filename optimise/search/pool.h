@@ -14,6 +14,7 @@ typedef struct lw_found {
     lw_intended_motion intended;
     bool    polished;
     double  gentle;              /* least transmission angle that it was fitted with beyond that of the problem [deg] */
+    double  size;                /* scaled, of polished finds; else 0                               */
     int     beyond;              /* 0: it keeps all conditions; else how far it is from that, in steps of LW_BEYOND */
     long    evals;
     double  seconds;
@@ -21,15 +22,19 @@ typedef struct lw_found {
     int     hits;                /* how often it was found                                          */
 } lw_found;
 
-typedef struct lw_pool { int n; lw_found item[LW_POOL_MAX]; } lw_pool;
+typedef struct lw_pool { int n; lw_found item[LW_POOL_MAX + 1]; } lw_pool;       /* at most LW_POOL_MAX; one more while a find is put in */
 
 /* How to compare two finds of a problem: the number of variables, and which are angles (bit i%64 of angle[i/64]). */
 typedef struct lw_variables { int n; uint64_t angle[(LW_VAR_MAX + 63)/64]; } lw_variables;
 lw_variables lw_pool_variables(const lw_problem *p);
 
-/* Put a find in, in order of `beyond` and f; a full pool drops its last.  A find is in the pool already if it has the
- * same candidate, and its variables and f agree to 1e-4: then the better one stays and the hit is counted. */
+/* Put a find in, in order of `beyond` and f; a full pool drops one as lw_pool_shorten does.  A find is in the pool already if
+ * it has the same candidate, and its variables and f agree to 1e-4: then the better one stays and the hit is counted. */
 void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of);
+
+/* Drop finds until `most` >= 1 are left: the last one with a better one before it that is as small and as gentle, while there is one, else
+ * the last, so that the smallest linkages are not lost to many with less error. */
+void lw_pool_shorten(lw_pool *p, int most);
 
 /* The best finds of a pool in as little memory as they need. */
 typedef struct lw_best_starts {
