@@ -324,10 +324,12 @@ TEST(friction_in_all_pins_of_nine_dyads)
     CHECK(most > 1 && d.report.energy_error < 1e-9*d.report.energy_scale);
 }
 
-/* Reactions that fall to nearly 0 and rise again hardly add to the error, however the steps lie. */
+/* Reactions that fall to nearly 0 and rise again hardly add to the error, however the steps and panels lie, and cost few evaluations. */
 TEST(reactions_that_fall_to_nearly_0)
 {
-    for (int n = 1; n <= 3; n++) {
+    static const int dyads[] = { 1, 2, 3, 9 };
+    for (int k = 0; k < 4; k++) {
+        const int n = dyads[k];
         double exact[LW_SYSTEM_Q_MAX];
         read_dyads(n);
         for (int j = 0; j < d.model.linkage.n_joint; j++)
@@ -339,7 +341,8 @@ TEST(reactions_that_fall_to_nearly_0)
         for (int p = 11; p >= 7; p -= p > 8 ? 3 : 1) {
             CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, pow(10, -p), 5, 1), LW_OK);
             for (int i = 0; p < 11 && i < d.system.n_q; i++)
-                CHECK_NEAR(d.q[i], exact[i], 200*pow(10, -p), 0);
+                CHECK_NEAR(d.q[i], exact[i], 100*pow(10, -p), 0);
+            CHECK(p > 8 || d.report.rates < 6000);
             if (p == 11)
                 memcpy(exact, d.q, sizeof exact);
         }

@@ -8,11 +8,9 @@
  * motion to s* and back. */
 #include "base/real.h"
 #include "mbs/formulations/formulations_internal.h"
+#include "mbs/formulations/input_panel_internal.h"
 
 #include <stdlib.h>
-#include <string.h>
-#include "mbs/reduced/reduced_internal.h"
-#include "mbs/ode/panel_internal.h"
 
 enum { N = LW_PANEL_NODES };
 
@@ -21,20 +19,6 @@ static const double shortest = 1e-7;         /* panel, in units of the coordinat
 static const double near_end = 0.02;         /* of its range: nearer to it, other coordinates go on */
 static const double end_error = 2;           /* allowed error of K between the outermost node and the end of a panel, over the tolerance */
 static const double rest_error = 1e3;        /* allowed relative error of the force at s*, over the tolerance */
-
-/* A panel.  s = from + sense length x for 0 <= x <= 1.  A turning panel: s = from - sense length x, x = u^2, with u
- * from `begin` (-1; 0 out of rest) to 1. */
-typedef struct panel {
-    bool   turning;
-    double from, sense, length, begin;
-    double t, t_end, kinetic, work;          /* at its beginning */
-    double mass[N], force[N], other[N];      /* M; Q; the part of Q without potential */
-    double rate[N][LW_LINK_MAX];             /* of the links' turns by s */
-    double pace[N];                          /* dt/dx over length, or dt/du */
-    double pace_c[N], time_c[N], force_c[N], other_c[N];      /* coefficients: pace; means of pace, Q, other */
-    bool   ready;                            /* the coefficients are made */
-    bool   still[LW_LINK_MAX];               /* the link turns by less than 2 rad in it */
-} panel;
 
 typedef struct quadrature {
     lw_run        *run;
@@ -48,14 +32,14 @@ typedef struct quadrature {
     double first_rest;
     lw_turn_count count;                     /* at s */
     double top[2];                           /* where it turned last, falling and rising; NaN: not yet */
-    panel  p;
+    lw_input_panel p;
 } quadrature;
 
 /* ---- one panel ------------------------------------------------------------------------------------ */
 
 static lw_status evaluate(quadrature *z, double s, int i)
 {
-    panel *p = &z->p;
+    lw_input_panel *p = &z->p;
     double ds, dp, power;
     lw_status st = lw_run_busy(z->run, z->t);
     if (st == LW_OK)
@@ -67,8 +51,7 @@ static lw_status evaluate(quadrature *z, double s, int i)
     p->mass[i] = 1/(ds*ds);
     p->force[i] = dp/ds;
     p->other[i] = power/ds;
-    for (int b = 0; b < z->run->d->s.n_body; b++)
-        p->rate[i][b] = z->r->reg[z->r->centre[b].dir].d.x;
+    lw_input_panel_note_rates(p, z->r, i);
     return p->mass[i] > LW_REDUCED_TURNING_BACK*z->least_mass ? LW_OPEN : LW_OK;
 }
 
@@ -120,7 +103,7 @@ static double length_factor(const quadrature *z, double tail)
 /* Pace of a turning panel whose values are known; false: K does not rise from s*, or the pace is not resolved. */
 static bool pace_turning(quadrature *z, double *tail)
 {
-    panel *p = &z->p;
+    lw_input_panel *p = &z->p;
     double h[N], k[N];
     for (int i = 0; i < N; i++)
         h[i] = -p->sense*p->force[i];
@@ -145,7 +128,7 @@ static double half_time(const quadrature *z)
 /* Values of the panel between s* = top and `length` from it, reached or left in the direction sense. */
 static lw_status fill_turning(quadrature *z, double top, double sense, double length)
 {
-    panel *p = &z->p;
+    lw_input_panel *p = &z->p;
     p->turning = true;
     p->from = top;
     p->sense = sense;
@@ -156,7 +139,7 @@ static lw_status fill_turning(quadrature *z, double top, double sense, double le
 /* A panel from the present place to s*, which is near `guess`, and back.  LW_NOTHING: one panel does not hold it. */
 static lw_status turning_panel(quadrature *z, double guess)
 {
-    panel *p = &z->p;
+    lw_input_panel *p = &z->p;
     double top = guess, tail, before = z->kinetic, *last = &z->top[z->sense > 0];
     if (fabs(*last - guess) < 0.5*z->length)
         top = *last;                             /* the same place again, but for rounding */
@@ -197,7 +180,7 @@ static double kinetic_at(const quadrature *z, double x)
 /* A panel out of rest, or nearly so: from s*, a little behind the present place, by the force there. */
 static lw_status panel_from_rest(quadrature *z)
 {
-    panel *p = &z->p;
+    lw_input_panel *p = &z->p;
     double force = z->force, sense = force > 0 ? 1 : -1, back = z->kinetic/fabs(force), tail = 1, end, root[N], c[N];
     for (int k = 0; k < 60; k++) {
         lw_status st = fill_turning(z, z->s - sense*back, -sense, z->length);
@@ -235,7 +218,7 @@ static lw_status panel_from_rest(quadrature *z)
  * the panel.  false: not there. */
 static bool guess_turn(const quadrature *z, const double *kinetic, double end, double *guess)
 {
-    const panel *p = &z->p;
+    const lw_input_panel *p = &z->p;
     const double *x = z->rule->at;
     double before = z->kinetic, from = 0;
     for (int i = 0; i < N; i++) {
@@ -265,7 +248,7 @@ static bool guess_turn(const quadrature *z, const double *kinetic, double end, d
 /* Pace of a panel whose values are known; false: not resolved.  *turns: it may turn back, near *guess. */
 static bool pace_on(quadrature *z, double *tail, bool *turns, double *guess)
 {
-    panel *p = &z->p;
+    lw_input_panel *p = &z->p;
     double q[N], kinetic[N], low, end = z->kinetic + z->sense*z->length*lw_panel_sum(z->rule->whole, p->force);
     lw_panel_apply(&z->rule->mean, p->force, q);
     low = end;
@@ -284,7 +267,7 @@ static bool pace_on(quadrature *z, double *tail, bool *turns, double *guess)
 /* The same at both ends of a straight panel. */
 static bool matches_both_ends(quadrature *z)
 {
-    const panel *p = &z->p;
+    const lw_input_panel *p = &z->p;
     double end, kinetic = z->kinetic + p->sense*p->length*lw_panel_sum(z->rule->whole, p->force);
     return matches_force(z, z->rule->begin, z->force, z->kinetic) && force_at(z, p->from + p->sense*p->length, &end) == LW_OK
         && matches_force(z, z->rule->end, end, kinetic);
@@ -292,7 +275,7 @@ static bool matches_both_ends(quadrature *z)
 
 static lw_status straight_panel(quadrature *z)
 {
-    panel *p = &z->p;
+    lw_input_panel *p = &z->p;
     double tail, guess;
     bool turns, tried = false;
     lw_status st = LW_OK;
@@ -328,95 +311,6 @@ static lw_status straight_panel(quadrature *z)
     return LW_OPEN;
 }
 
-/* ---- what lies within a panel ---------------------------------------------------------------------------- */
-
-static void prepare(quadrature *z)
-{
-    panel *p = &z->p;
-    double m[N];
-    lw_panel_apply(&z->rule->coef, p->pace, p->pace_c);
-    lw_panel_apply(p->turning ? &z->rule->root : &z->rule->mean, p->pace, m);
-    lw_panel_apply(&z->rule->coef, m, p->time_c);
-    lw_panel_apply(&z->rule->mean, p->force, m);
-    lw_panel_apply(&z->rule->coef, m, p->force_c);
-    lw_panel_apply(&z->rule->mean, p->other, m);
-    lw_panel_apply(&z->rule->coef, m, p->other_c);
-    for (int b = 0; b < z->run->d->s.n_body; b++) {
-        double most = 0;
-        for (int i = 0; i < N; i++)
-            most = fmax(most, fabs(p->rate[i][b]));
-        p->still[b] = p->length*most < 1;
-    }
-    p->ready = true;
-}
-
-/* Time since x = 0 as a function of x (turning: of u), and its slope */
-static double time_at(const panel *p, double x, double *slope)
-{
-    double v = p->turning ? x*x : x, by = p->turning ? 1 : p->length;
-    *slope = by*lw_panel_value(p->pace_c, v);
-    return by*x*lw_panel_value(p->time_c, v);
-}
-
-/* x (turning: u) at a time, by Newton's method within a bracket */
-static double place_at(const panel *p, double t)
-{
-    double slope, low = p->turning ? p->begin : 0, high = 1, zero = time_at(p, low, &slope);
-    double fraction = (t - p->t)/(p->t_end - p->t), x = low + (high - low)*fraction;
-    for (int k = 0; k < 60; k++) {
-        double off = time_at(p, x, &slope) - zero - (t - p->t), next;
-        *(off > 0 ? &high : &low) = x;
-        next = x - off/slope;
-        if (fabs(next - x) <= 1e-9)          /* the step after it would be of the size of its square */
-            return fmin(fmax(next, low), high);
-        next = next > low && next < high ? next : 0.5*(low + high);
-        if (fabs(next - x) <= 2e-15)
-            return next;
-        x = next;
-    }
-    return x;
-}
-
-/* Turn of body b since the beginning of the panel, accurate enough to tell one revolution from the next. */
-static double turned(const quadrature *z, int b, double v)
-{
-    const panel *p = &z->p;
-    double rate[N], from = 0;
-    int i = 0;
-    for (int k = 0; k < N; k++)
-        rate[k] = p->rate[k][b];
-    while (i < N - 1 && z->rule->at[i + 1] <= v)
-        i++;
-    double sum = z->rule->at[i]*lw_panel_sum(z->rule->mean.row[i], rate) + (v - z->rule->at[i])*rate[i];
-    if (p->turning && p->begin < 0)
-        from = lw_panel_sum(z->rule->whole, rate);
-    return (p->turning ? -1 : 1)*p->sense*p->length*(sum - from);
-}
-
-/* The state of the bodies at a time within the panel. */
-static lw_status state_at(void *context, double t, double *y)
-{
-    quadrature *z = context;
-    panel *p = &z->p;
-    const lw_dynamics *d = z->run->d;
-    if (!p->ready)
-        prepare(z);
-    double x = place_at(p, t), v = p->turning ? x*x : x, along = (p->turning ? -p->sense : p->sense)*p->length, mass;
-    double kinetic = (p->turning ? 0 : p->kinetic) + along*v*lw_panel_value(p->force_c, v);
-    double speed = (p->turning && x > 0 ? -p->sense : p->sense)*sqrt(fmax(2*kinetic, 0));
-    lw_status st = lw_reduced_mass(z->r, p->from + along*v, &mass);
-    if (st != LW_OK)
-        return st;
-    for (int b = 0; b < d->s.n_body; b++)
-        y[3*b + 2] = z->turns[b] + (p->still[b] ? 0 : turned(z, b, v));
-    lw_reduced_state(z->r, d, speed/sqrt(mass), y, y + d->n_q);
-    if (z->run->has_work) {
-        double v0 = p->begin*p->begin;
-        y[2*d->n_q] = p->work + along*(v*lw_panel_value(p->other_c, v) - v0*lw_panel_value(p->other_c, v0));
-    }
-    return LW_OK;
-}
-
 /* ---- the run ------------------------------------------------------------------------------------------ */
 
 /* Check the energy at the end of the panel by the posture there, and note the force there. */
@@ -445,19 +339,15 @@ static lw_status watch(quadrature *z)
     return LW_OK;
 }
 
-/* Integral of the other forces over the part of a panel out of rest that lies before its beginning, over the length */
-static double before_begin(quadrature *z)
+static lw_status state_at(void *context, double t, double *y)
 {
-    double v = z->p.begin*z->p.begin;
-    if (v == 0)
-        return 0;
-    prepare(z);
-    return v*lw_panel_value(z->p.other_c, v);
+    quadrature *z = context;
+    return lw_input_panel_state(&z->p, z->run, z->r, t, z->turns, 1, y);
 }
 
 static lw_status next_panel(quadrature *z)
 {
-    panel *p = &z->p;
+    lw_input_panel *p = &z->p;
     double force = z->force;
     p->t = z->t;
     p->kinetic = z->kinetic;
@@ -471,7 +361,7 @@ static lw_status next_panel(quadrature *z)
     if (!p->turning)
         z->work += p->sense*p->length*lw_panel_sum(z->rule->whole, p->other);
     else if (p->begin >= 0)
-        z->work -= p->sense*p->length*(lw_panel_sum(z->rule->whole, p->other) - before_begin(z));
+        z->work -= p->sense*p->length*(lw_panel_sum(z->rule->whole, p->other) - lw_input_panel_work(p, z->r, p->begin*p->begin));
     z->t = p->t_end;
     return LW_OK;
 }
@@ -479,7 +369,7 @@ static lw_status next_panel(quadrature *z)
 static void advance_turns(quadrature *z)
 {
     for (int b = 0; b < z->run->d->s.n_body && !(z->p.turning && z->p.begin < 0); b++)
-        z->turns[b] += turned(z, b, 1);
+        z->turns[b] += lw_input_panel_turned(&z->p, b, 1);
 }
 
 /* A motion that came to rest goes back the same way and repeats itself.  Leave out whole periods without samples,
@@ -487,7 +377,7 @@ static void advance_turns(quadrature *z)
 static void leave_out_periods(quadrature *z)
 {
     enum { MEASURED = 10 };
-    const panel *p = &z->p;
+    const lw_input_panel *p = &z->p;
     const lw_run *run = z->run;
     if (!p->turning || p->begin >= 0 || p->sense < 0)
         return;
@@ -569,7 +459,7 @@ static lw_status run_quadrature(lw_run *run)
         free(z), free(y);
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     }
-    z->rule = run->d->rule;
+    z->rule = z->p.rule = run->d->rule;
     z->run = run;
     z->r = run->d->reduced;
     z->turns = y + 2*n;
@@ -640,8 +530,7 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_E_KIND, 0, "the law of a spring has kinks, at which its panels do not end");
     if (!have_no_pulse(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "the law of a spring changes too fast for its panels");
-    d->rule = d->rule ? d->rule : malloc(sizeof *d->rule);
-    if (!d->rule || lw_panel_rule_make(d->rule) != LW_OK)
+    if (lw_input_panel_rule(d) != LW_OK)
         return lw_formulation_say(r, LW_E_MEMORY, 0, "out of memory");
     return lw_formulation_say(r, LW_OK, 1, asked ? "asked for"
                               : "one freedom, rigid, forces by the posture alone: time is an integral over one coordinate");

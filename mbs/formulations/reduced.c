@@ -1,17 +1,20 @@
 /* mbs/formulations/reduced.c - a run in one coordinate.  Where the coordinate turns back (a dead point of the
  * input) the run goes on in the coordinates of all bodies.
  *
+ * Where there are losses, loads do not depend on the time, and the kinetic energy does not change fast, the input is the independent variable:
+ * panels of sixteen values (input_panel_internal.h) need about half of the evaluations of steps in time.
+ *
  * With friction the linkage slides one way, slides the other way or sticks.  It slides until p = 0; the side on which
- * a joint's friction acts changes where the joint turns back.  Both are events.  It sticks as long as it would
- * accelerate neither way, against its friction in that way. */
+ * a joint's friction acts changes where the joint turns back.  Both are events; a panel ends where a joint turns back.  It sticks as long as
+ * it would accelerate neither way, against its friction in that way. */
 #include "base/real.h"
 #include "mbs/formulations/formulations_internal.h"
+#include "mbs/formulations/input_panel_internal.h"
 
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "mbs/reduced/reduced_internal.h"
 #include "mbs/ode/integrate.h"
 
 static const int turns_every = 4;
@@ -24,7 +27,12 @@ typedef struct motion {
     lw_integrator *w;
     double kinetic, potential, least_mass;   /* kinetic, potential: at the start */
     double *memory;                            /* of the integrator */
-    double next_reversal;                    /* of a joint with friction, in multiples of scale */
+    double t, s[3], t_old;                   /* at the end of the last step: time and (s over scale, p, work); time where it began */
+    bool   panels, in_panel;                 /* panels suit the loads; the last step was one */
+    double allowed[3];                       /* errors of steps between panels: that of a pin does not grow with its turns */
+    long   wait;                             /* number of steps of the integrator before which no panel is tried */
+    lw_input_panel panel;
+    double next_reversal;                    /* of a joint with friction, in multiples of scale; infinite: there is none */
     bool   slides;                           /* a slide has friction */
     int    turning;                          /* the friction whose slide has the least reaction */
     double x[LW_JOINT_MAX], y[LW_JOINT_MAX]; /* reactions of joints with friction, where the step begins */
@@ -42,6 +50,28 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
     dy[0] /= scale;
     if (m->run->has_work)
         dy[2] = power;
+    return s;
+}
+
+/* Note the end of the last step of the integrator, or its start. */
+static void note_state(motion *m)
+{
+    const lw_dynamics_options *o = &m->run->d->o;
+    m->t = m->w->t;
+    memcpy(m->s, m->w->y, (size_t)m->w->ode->n*sizeof *m->s);
+    for (int i = 0; i < 3; i++)
+        m->allowed[i] = o->absolute + o->relative*(i > 0 ? fabs(m->s[i]) : 1);
+}
+
+/* Start the integrator anew at the state noted, with steps of length h (0: not known). */
+static lw_status start_anew(motion *m, double h)
+{
+    lw_run *run = m->run;
+    lw_ode_options o = m->w->o;
+    run->r->steps += m->w->n_step, run->r->refused += m->w->n_refused, run->r->rates += m->w->n_rate;
+    o.max_step = lw_run_steps_left(run);
+    lw_status s = lw_integrate_start(m->w, m->w->ode, &o, m->memory, m->t, m->s, run->e);
+    m->w->h = h;
     return s;
 }
 
@@ -98,48 +128,50 @@ static void predict_turns(const motion *m, const double *from, double h, double 
 static lw_status state_at(void *context, double t, double *y)
 {
     motion *m = context;
-    lw_integrator *w = m->w;
     double s3[3], mass;
-    memcpy(s3, w->y, (size_t)w->ode->n*sizeof *s3);
-    lw_status s = t == w->t ? LW_OK : lw_integrate_dense(w, t, s3);
+    memcpy(s3, m->s, sizeof s3);
+    if (t != m->t && m->in_panel)
+        return lw_input_panel_state(&m->panel, m->run, m->r, t, m->from + 2, 3, y);
+    lw_status s = t == m->t ? LW_OK : lw_integrate_dense(m->w, t, s3);
     if (s != LW_OK)
         return s;
     lw_reduced_mass(m->r, s3[0]*m->r->scale, &mass);
-    predict_turns(m, m->from, t - w->t_old, s3[1]/sqrt(mass), y);
+    predict_turns(m, m->from, t - m->t_old, s3[1]/sqrt(mass), y);
     return bodies_state(m, s3, y);
 }
 
 /* Energies come from the registers, so that a step costs little more than its evaluations.  The turns of the links
  * are found every few steps only, which is often enough to count revolutions, unless lw_run_jumps looks at them. */
-static lw_status watch(motion *m, const lw_integrator *w, double *y)
+static lw_status watch(motion *m, double *y)
 {
     lw_run *run = m->run;
-    lw_status s = lw_reduced_registers(m->r, w->y[0]*m->r->scale);
-    double potential = lw_reduced_potential(m->r, w->y[0]*m->r->scale), kinetic = 0.5*w->y[1]*w->y[1];
-    double change = potential - m->potential, mass;
-    lw_run_note_energy(run, kinetic, change, run->has_work ? w->y[2] : 0, m->kinetic);
+    double input = m->s[0]*m->r->scale, mass;
+    lw_status s = lw_reduced_registers(m->r, input);
+    double change = lw_reduced_potential(m->r, input) - m->potential, kinetic = 0.5*m->s[1]*m->s[1];
+    lw_run_note_energy(run, kinetic, change, run->has_work ? m->s[2] : 0, m->kinetic);
     if (s != LW_OK)
         return s;
-    lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
+    lw_reduced_mass(m->r, input, &mass);
     lw_reduced_count_turns(m->r);
-    predict_turns(m, y, w->t - w->t_old, w->y[1]/sqrt(mass), y);
-    return w->n_step % turns_every && !run->sides && !run->pulses && !run->kinks ? LW_OK : bodies_state(m, w->y, y);
+    predict_turns(m, y, m->t - m->t_old, m->s[1]/sqrt(mass), y);
+    for (int b = 0; m->in_panel && b < run->d->s.n_body; b++)
+        y[3*b + 2] = m->from[3*b + 2] + lw_input_panel_turned(&m->panel, b, 1);
+    bool unseen = !m->in_panel && m->w->n_step % turns_every && !run->sides && !run->pulses && !run->kinks;
+    return unseen ? LW_OK : bodies_state(m, m->s, y);
 }
 
 /* Near a dead point the links move like the square root of the distance to it, which magnifies rounding and the
- * allowed error of the coordinate.  Take back a step that came near one: y becomes the state before it.  LW_OPEN:
+ * allowed error of the coordinate.  Take back a step that came near one: y becomes the state `before` it.  LW_OPEN:
  * taken back. */
-static lw_status stay_off(motion *m, lw_integrator *w, double *y)
+static lw_status stay_off(motion *m, const double *before, double *y)
 {
-    double mass, s3[3];
-    lw_status s = lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
+    double mass;
+    lw_status s = lw_reduced_mass(m->r, m->s[0]*m->r->scale, &mass);
     m->least_mass = fmin(m->least_mass, mass);
     if (s == LW_OK && mass <= LW_REDUCED_TURNING_BACK*m->least_mass)
         return LW_OK;
-    s = lw_integrate_dense(w, w->t_old, s3);
-    if (s == LW_OK)
-        s = bodies_state(m, s3, y);
-    m->run->r->t = w->t_old;
+    s = bodies_state(m, before, y);
+    m->run->r->t = m->t_old;
     return s == LW_OK ? LW_OPEN : s;
 }
 
@@ -157,7 +189,8 @@ static bool steps_over_dip(const motion *m)
 {
     const lw_reduced_friction *f = m->r->friction;
     lw_integrator *w = m->w;
-    double allowed = w->o.absolute + w->o.relative*fabs(w->y[1]), h = fabs(w->h_done), most = 1;
+    const lw_dynamics_options *o = &m->run->d->o;
+    double allowed = o->absolute + o->relative*fabs(w->y[1]), h = fabs(w->h_done), most = 1;
     for (int i = 0; i < f->n && m->in_step; i++) {
         lw_vec2 before = { m->x[i], m->y[i] }, change = { f->x[i] - m->x[i], f->y[i] - m->y[i] };
         double square = lw_v2_dot(change, change), x = -lw_v2_dot(before, change)/square, side = fmin(x, 1 - x);
@@ -278,9 +311,9 @@ static lw_status state_at_rest(void *context, double t, double *y)
 {
     motion *m = context;
     double sense;
-    lw_status s = leave_rest(m, t, m->w->y[0], &sense);
+    lw_status s = leave_rest(m, t, m->s[0], &sense);
     show_friction(m, true);
-    return s == LW_OK ? bodies_state(m, m->w->y, y) : s;
+    return s == LW_OK ? bodies_state(m, m->s, y) : s;
 }
 
 /* Rates for the steps that look for the end of rest: their error control finds how fast the loads change. */
@@ -290,7 +323,7 @@ static lw_status rest_rate(void *context, double t, const double *y, double *dy)
     (void)y;
     lw_status s = lw_run_busy(m->run, t);
     for (int k = 0; k < 2 && s == LW_OK; k++)
-        s = push_at_rest(m, t, m->w->y[0], k ? 1 : -1, &dy[k]);
+        s = push_at_rest(m, t, m->s[0], k ? 1 : -1, &dy[k]);
     return s;
 }
 
@@ -301,7 +334,7 @@ static lw_status rest_events(void *context, double t, const double *y, double *g
     return s;
 }
 
-/* Rest from w->t until the linkage starts to move in some sense, or to the end of the run; *end: when. */
+/* Rest from m->t until the linkage starts to move in some sense, or to the end of the run; *end: when. */
 static lw_status rest_until(motion *m, double *end, double *sense)
 {
     const lw_dynamics_options *o = &m->run->d->o;
@@ -314,12 +347,12 @@ static lw_status rest_until(motion *m, double *end, double *sense)
     *end = o->to;
     if (m->r->constant_loads)
         return LW_OK;
-    lw_status s = rest_rate(m, m->w->t, NULL, push);
+    lw_status s = rest_rate(m, m->t, NULL, push);
     each.relative = 0;
     each.absolute = fmax(o->relative, 1e-9)*fmax(fmax(fabs(push[0]), fabs(push[1])), 1e-300)*(o->to - o->from);
     each.greatest = 0.01*(o->to - o->from);
     if (s == LW_OK)
-        s = lw_integrate_start(&w, &ode, &each, memory, m->w->t, start, m->run->e);
+        s = lw_integrate_start(&w, &ode, &each, memory, m->t, start, m->run->e);
     lw_timed timed = m->run->timed;
     while (s == LW_OK && w.t < o->to && stop != LW_ODE_EVENT) {
         s = lw_integrate_step(&w, lw_timed_end(&timed, w.t), &stop, m->run->e);
@@ -344,20 +377,17 @@ static lw_status rest_until(motion *m, double *end, double *sense)
  * friction, rounding decides the sign of their difference, so that the event itself tells the sense. */
 static lw_status from_rest(motion *m)
 {
-    lw_integrator *w = m->w;
     double sense, end;
-    lw_status s;
-    w->y[1] = 0;
-    s = leave_rest(m, w->t, w->y[0], &sense);
+    m->s[1] = 0;
+    lw_status s = leave_rest(m, m->t, m->s[0], &sense);
     if (s == LW_OK && sense == 0) {
         s = rest_until(m, &end, &sense);
         if (s == LW_OK)
             s = lw_run_samples(m->run, end, state_at_rest, m);
         m->r->friction->sense = sense;
-        w->t = end;
-        w->t_low = 0;
+        m->t = end;
     }
-    m->run->r->t = w->t;
+    m->run->r->t = m->t;
     show_friction(m, true);
     return s;
 }
@@ -385,12 +415,14 @@ static lw_status change_friction(motion *m, bool rests)
         return lw_integrate_restart(w, w->y, m->run->e);
     }
     lw_status s = rests ? from_rest(m) : LW_OK;
-    if (s == LW_OK && w->t < to)
-        s = slide(m, w->t, w->y);
+    if (s == LW_OK && m->t < to)
+        s = slide(m, m->t, m->s);
     w->events = 0;                           /* the functions are others now, and not near 0 */
-    if (s == LW_OK && w->t < to)
-        s = lw_integrate_restart(w, w->y, m->run->e);
-    return s;
+    if (s != LW_OK || m->t >= to || m->in_panel)
+        return s;
+    if (w->t != m->t)
+        w->t = m->t, w->t_low = 0;
+    return lw_integrate_restart(w, m->s, m->run->e);
 }
 
 static lw_status friction_at_start(motion *m, double t, const double *s)
@@ -455,17 +487,18 @@ static lw_status reach(motion *m, lw_integrator *w, const rests *r, double phase
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = LW_OK;
     if (phase_time < w->t) {
-        lw_ode_options o = w->o;
-        run->r->steps += w->n_step, run->r->refused += w->n_refused, run->r->rates += w->n_rate;
-        o.max_step = lw_run_steps_left(run);
         memcpy(y, base, (size_t)run->n*sizeof *y);
         m->r->count = r->count;
-        s = lw_integrate_start(w, w->ode, &o, m->memory, 0, r->y, run->e);
+        m->t = 0;
+        memcpy(m->s, r->y, sizeof m->s);
+        s = start_anew(m, 0);
     }
     while (s == LW_OK && stop != LW_ODE_END && phase_time > w->t) {
+        m->t_old = w->t;
         s = lw_integrate_step(w, phase_time, &stop, run->e);
+        note_state(m);
         if (s == LW_OK)
-            s = watch(m, w, y);
+            s = watch(m, y);
     }
     return s;
 }
@@ -493,67 +526,136 @@ static lw_status repeat(motion *m, lw_integrator *w, const rests *r, double leng
     return s;
 }
 
-static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *before)
+/* A panel from the state noted on.  LW_OPEN: the motion suits none. */
+static lw_status take_panel(motion *m)
+{
+    lw_input_panel *p = &m->panel;
+    lw_reduced *r = m->r;
+    p->from = m->s[0]*r->scale;
+    p->sense = m->s[1] < 0 ? -1 : 1;
+    p->t = m->t;
+    p->kinetic = 0.5*m->s[1]*m->s[1];
+    p->work = m->s[2];
+    p->count = r->count;
+    p->least_mass = m->least_mass;
+    if (r->friction && !m->in_panel)
+        r->friction->n_past = 0;             /* panels predict reactions by the input */
+    double end = m->next_reversal*r->scale;
+    lw_status s = lw_input_panel_step(p, m->run, r, end);
+    if (s != LW_OK) {
+        r->count = p->count;
+        return s;
+    }
+    m->in_panel = true;
+    m->run->r->steps++;
+    m->t = p->t_end;
+    m->s[0] = p->length == fabs(end - p->from) ? m->next_reversal : (p->from + p->sense*p->length)/r->scale;
+    m->s[1] = p->sense*sqrt(2*p->kinetic_end);
+    m->s[2] = p->work_end;
+    return LW_OK;
+}
+
+/* Is a panel to be tried next?  After steps in time their last rates tell how fast K changes. */
+static bool may_take_panel(const motion *m)
+{
+    const lw_integrator *w = m->w;
+    double p = m->s[1], pace = fabs(w->dy[0])*m->r->scale;
+    if (!m->panels || p == 0)
+        return false;
+    return m->in_panel || (w->n_step >= m->wait && lw_input_panel_suits(m->r, 0.5*p*p, p*w->dy[1]/pace));
+}
+
+/* A panel or a step. */
+static lw_status go_on(motion *m, lw_ode_stop *stop)
+{
+    lw_integrator *w = m->w;
+    lw_status s;
+    const double last = m->in_panel ? m->t - m->panel.t : 0;
+    if (may_take_panel(m)) {
+        s = take_panel(m);
+        w->events = s == LW_OK && m->s[0] == m->next_reversal ? 2 : 0;
+        *stop = w->events ? LW_ODE_EVENT : LW_ODE_STEP;
+        if (s != LW_OPEN)
+            return s;
+        if (m->r->friction)
+            m->r->friction->n_past = 0;
+        s = m->in_panel ? start_anew(m, 0.1*last) : LW_OK;
+        m->in_panel = false;
+        m->wait = w->n_step + 10;
+        if (s != LW_OK)
+            return s;
+    }
+    m->in_step = true;
+    s = lw_integrate_step(w, lw_run_end(m->run, w->t), stop, m->run->e);
+    m->in_step = false;
+    if (s == LW_OK)
+        note_state(m);
+    return s;
+}
+
+static lw_status run_steps(motion *m, double *y, double *before)
 {
     lw_run *run = m->run;
     lw_dynamics *d = run->d;
+    lw_integrator *w = m->w;
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = LW_OK;
     bool taken_back = false;
     rests rest = { .n = 0 };
-    double good[3], t_good = w->t, longest = 0;      /* the last state before steps became short */
-    memcpy(good, w->y, (size_t)w->ode->n*sizeof *good);
-    lw_reduced_mass(m->r, w->y[0]*m->r->scale, &m->least_mass);
-    m->kinetic = 0.5*w->y[1]*w->y[1];
-    lw_reduced_registers(m->r, w->y[0]*m->r->scale);
-    m->potential = lw_reduced_potential(m->r, w->y[0]*m->r->scale);
-    for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
+    double old[3], good[3], t_good = m->t, longest = 0;      /* good: the last state before steps became short */
+    memcpy(good, m->s, sizeof good);
+    lw_reduced_mass(m->r, m->s[0]*m->r->scale, &m->least_mass);
+    m->kinetic = 0.5*m->s[1]*m->s[1];
+    lw_reduced_registers(m->r, m->s[0]*m->r->scale);
+    m->potential = lw_reduced_potential(m->r, m->s[0]*m->r->scale);
+    while (s == LW_OK && stop != LW_ODE_END) {
         if (m->r->friction) {
             memcpy(m->x, m->r->friction->x, sizeof m->x);
             memcpy(m->y, m->r->friction->y, sizeof m->y);
         }
-        m->in_step = true;
-        s = lw_integrate_step(w, lw_run_end(run, w->t), &stop, run->e);
-        m->in_step = false;
+        memcpy(old, m->s, sizeof old);
+        m->t_old = m->t;
+        memcpy(before, y, (size_t)run->n*sizeof *y);
+        s = go_on(m, &stop);
         if (s != LW_OK)
             break;
-        run->r->t = w->t;
-        stop = lw_run_stop(run, w->t, stop);
-        s = stay_off(m, w, y);
+        run->r->t = m->t;
+        stop = lw_run_stop(run, m->t, stop);
+        s = stay_off(m, old, y);
         if (s == LW_OPEN) {
             taken_back = true;
             break;
         }
-        longest = fmax(longest, w->t - w->t_old);
-        if (w->t - w->t_old > 0.1*longest) {
-            memcpy(good, w->y, (size_t)w->ode->n*sizeof *good);
-            t_good = w->t;
+        longest = fmax(longest, m->t - m->t_old);
+        if (m->t - m->t_old > 0.1*longest) {
+            memcpy(good, m->s, sizeof good);
+            t_good = m->t;
         }
-        memcpy(before, y, (size_t)run->n*sizeof *y);
         if (s == LW_OK)
-            s = watch(m, w, y);
+            s = watch(m, y);
         if (s == LW_OK)
-            s = lw_run_jumps(run, w->t, y);
+            s = lw_run_jumps(run, m->t, y);
         if (s == LW_OK)
-            s = lw_run_samples(run, w->t, state_at, m);
+            s = lw_run_samples(run, m->t, state_at, m);
         if (s == LW_OK)
-            s = lw_run_limits(run, w->t, k);
+            s = lw_run_limits(run, m->t, w->n_step);
         unsigned long long kink = run->kinks ? 1ull << (w->ode->n_event - 1) : 0;
-        bool passed = s == LW_OK && lw_run_pass_kinks(run, w->t, y, w->events & kink);
+        bool passed = s == LW_OK && lw_run_pass_kinks(run, m->t, y, w->events & kink);
         w->events &= ~kink;
         if (s == LW_OK && stop == LW_ODE_EVENT && w->events) {
             s = change_friction(m, w->events & 1);
-            stop = lw_run_stop(run, w->t, LW_ODE_STEP);
+            stop = lw_run_stop(run, m->t, LW_ODE_STEP);
             longest = 0;
         } else if (s == LW_OK && passed && stop != LW_ODE_END) {
             s = lw_integrate_restart(w, NULL, run->e);
             longest = 0;
         }
-        if (s == LW_OK && lw_run_at_kink(run, w->t)) {
+        if (s == LW_OK && !m->in_panel && lw_run_at_kink(run, m->t)) {
             s = lw_run_pass_kink(run, &w->t, state_at, m);
-            stop = lw_run_stop(run, w->t, LW_ODE_STEP);
+            m->t = w->t;
+            stop = lw_run_stop(run, m->t, LW_ODE_STEP);
             if (s == LW_OK && m->r->friction)
-                s = find_press(m, w->t, w->y);
+                s = find_press(m, m->t, m->s);
             if (s == LW_OK && stop != LW_ODE_END)
                 s = lw_integrate_restart(w, NULL, run->e);
             longest = 0;
@@ -561,7 +663,7 @@ static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *befor
         if (s == LW_OK && !run->has_work)
             s = note_rest(&rest, w);
         double length = s == LW_OK ? period_of(&rest, d->o.relative) : 0;
-        if (length > 0 && d->o.to - w->t > much_longer*length) {
+        if (length > 0 && d->o.to - m->t > much_longer*length) {
             rest.count = m->r->count;
             s = repeat(m, w, &rest, length, y, before);
             break;
@@ -571,6 +673,7 @@ static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *befor
         bodies_state(m, good, y);
         run->r->t = t_good;
     }
+    run->r->t = fmin(run->r->t, d->o.to);
     run->r->steps += w->n_step;
     run->r->refused += w->n_refused;
     run->r->rates += w->n_rate;
@@ -609,31 +712,44 @@ static lw_status run_one(motion *m, double *y)
         st = friction_at_start(m, d->o.from, s);
     if (st == LW_OK)
         st = lw_run_begin(run, y);
+    m->panels = run->has_work && m->r->constant_loads && !m->slides && !run->kinks && !run->pulses && !run->sides;
+    m->panel.rule = d->rule;
+    m->panel.next = 0.1*m->r->scale;
+    m->next_reversal = m->r->friction ? m->next_reversal : INFINITY;
+    m->allowed[0] = m->allowed[1] = m->allowed[2] = o.absolute + o.relative;
+    if (m->panels)
+        o.absolute_each = m->allowed, o.relative = 0;
     assert(lw_integrate_work(ode.n, ode.n_event) <= sizeof memory/sizeof *memory);
     if (st == LW_OK)
         st = lw_integrate_start(&w, &ode, &o, memory, d->o.from, s, run->e);
+    if (st == LW_OK)
+        note_state(m);
     if (st == LW_OK && m->r->friction && s[1] == 0)
         st = change_friction(m, true);
-    return st == LW_OK && w.t < d->o.to ? run_steps(m, &w, y, before) : st;
+    return st == LW_OK && m->t < d->o.to ? run_steps(m, y, before) : st;
 }
 
 static lw_status run_reduced(lw_run *run)
 {
-    motion m = { .run = run, .r = run->d->reduced };
+    motion *m = calloc(1, sizeof *m);
     double *y = calloc(3*(size_t)run->n, sizeof *y);
-    if (!y)
+    if (!y || !m) {
+        free(y), free(m);
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    }
+    m->run = run;
+    lw_reduced *r = m->r = run->d->reduced;
     run->y = y + 2*run->n;
-    lw_status s = run_one(&m, y);
-    if (m.r->friction)
-        show_friction(&m, false);
-    if ((s == LW_E_NUMERIC || s == LW_OPEN) && m.r->friction && m.r->friction->undetermined)
+    lw_status s = run_one(m, y);
+    if (r->friction)
+        show_friction(m, false);
+    if ((s == LW_E_NUMERIC || s == LW_OPEN) && r->friction && r->friction->undetermined)
         s = lw_error_set(run->e, LW_E_NUMERIC, "friction at joint \"%s\" leaves its reaction undetermined for rigid "
                          "links (Painleve's paradox) at t = %.9g s: the linkage jams; lower the coefficient or give "
-                         "the joint compliance", run->d->model->linkage.joint[m.r->friction->joint[0]].name, run->r->t);
+                         "the joint compliance", run->d->model->linkage.joint[r->friction->joint[0]].name, run->r->t);
     else if (s == LW_E_NUMERIC || s == LW_OPEN)
         s = lw_run_go_on(run, y);
-    free(y);
+    free(y), free(m);
     return s;
 }
 
@@ -642,6 +758,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     if (!asked && lw_mbs_is_damped(d, true))
         return lw_formulation_say(r, LW_E_KIND, 0, "dampers make the equations stiff");
     lw_status s = lw_reduced_able(d);
+    if (s == LW_OK && lw_input_panel_rule(d) != LW_OK)
+        return lw_formulation_say(r, LW_E_MEMORY, 0, "out of memory");
     return s != LW_OK ? lw_formulation_say(r, s, 0, d->not_reduced)
          : lw_formulation_say(r, LW_OK, 2, asked ? "asked for"
                               : "one freedom, rigid, solved in closed form by dyads: one coordinate");

@@ -32,6 +32,23 @@ static void from_values(const lw_panel_rule *r, const lw_panel_matrix *a, lw_pan
         }
 }
 
+/* Weights of the integral up to node i by the polynomial through the values at the nodes last, last - 1 ... and at 0. */
+static void weigh_past(const lw_panel_rule *r, int i, int last, double *weight)
+{
+    double at[LW_PANEL_PAST], from = i > 0 ? r->at[i - 1] : 0, length = r->at[i] - from;
+    int n = last + 2 < LW_PANEL_PAST ? last + 2 : LW_PANEL_PAST;
+    for (int k = 0; k < LW_PANEL_PAST; k++)
+        weight[k] = 0, at[k] = k <= last ? r->at[last - k] : 0;
+    for (int k = 0; k < n; k++)
+        for (int g = 0; g < N; g++) {
+            double x = from + length*r->gauss_at[g], value = length*r->gauss[g];
+            for (int j = 0; j < n; j++)
+                if (j != k)
+                    value *= (x - at[j])/(at[k] - at[j]);
+            weight[k] += value;
+        }
+}
+
 lw_status lw_panel_rule_make(lw_panel_rule *r)
 {
     lw_gsl_begin();
@@ -63,6 +80,10 @@ lw_status lw_panel_rule_make(lw_panel_rule *r)
             for (int k = 0; k < N; k++)
                 root.row[i][k] += w*t[k];
         }
+    }
+    for (int i = 0; i < N; i++) {
+        weigh_past(r, i, i - 1, r->ahead[i]);
+        weigh_past(r, i, i, r->with[i]);
     }
     from_values(r, &mean, &r->mean);
     from_values(r, &root, &r->root);

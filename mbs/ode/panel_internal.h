@@ -11,6 +11,7 @@
 #include "base/status.h"
 
 #define LW_PANEL_NODES 16
+#define LW_PANEL_PAST  6                                  /* values that predict the integral up to the next node */
 
 typedef struct lw_panel_matrix { double row[LW_PANEL_NODES][LW_PANEL_NODES]; } lw_panel_matrix;
 
@@ -21,6 +22,9 @@ typedef struct lw_panel_rule {
     double gauss_at[LW_PANEL_NODES], gauss[LW_PANEL_NODES];   /* points and weights of Gauss: exact to degree 31       */
     lw_panel_matrix coef;                                 /* Chebyshev coefficients of the values                  */
     lw_panel_matrix mean, root;                           /* map values at the nodes to the means                  */
+    /* Weights of the integral up to node i from the node before it, or from 0: ahead of the values at the nodes i - 1, i - 2 ..., those before
+     * the first being the value at 0; and with the value at node i, which then is the first of them. */
+    double ahead[LW_PANEL_NODES][LW_PANEL_PAST], with[LW_PANEL_NODES][LW_PANEL_PAST];
 } lw_panel_rule;
 
 /* LW_E_MEMORY */

@@ -452,6 +452,14 @@ static void keep(lw_reduced_friction *f, double t)
     memcpy(f->past[at].y, f->y, (size_t)f->n*sizeof *f->y);
 }
 
+void lw_reduced_friction_expect(lw_reduced_friction *f, double t, const lw_vec2 *reaction)
+{
+    f->n_past = 1;
+    f->past[f->newest].t = t;
+    for (int i = 0; i < f->n; i++)
+        f->past[f->newest].x[i] = reaction[i].x, f->past[f->newest].y[i] = reaction[i].y;
+}
+
 /* Sizes from predicted reactions on, by Newton's method; *q: force of the friction. */
 static lw_status find_sizes(lw_reduced *r, balance *z, double *q)
 {

@@ -156,6 +156,9 @@ typedef struct lw_reduced_friction {
  * determined. */
 lw_status lw_reduced_friction_add(lw_reduced *r, double t, double ds, double mass, double *q, double *power);
 
+/* Let the next evaluation at t begin with these reactions. */
+void lw_reduced_friction_expect(lw_reduced_friction *f, double t, const lw_vec2 *reaction);
+
 /* Sides of all joints from the rates at an input, with the direction of motion at rates that are 0. */
 lw_status lw_reduced_friction_sides(lw_reduced *r, double input, double direction);
 
