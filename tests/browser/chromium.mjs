@@ -5,11 +5,12 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 
 export async function launch(program) {
-  const folder = mkdtempSync(join(tmpdir(), "linkwright-browser-"));
+  const folder = mkdtempSync(join(tmpdir(), "lw-"));      // short, as the names of sockets in it must be
   const child = spawn(program, ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
     "--disable-extensions", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-breakpad",
     "--disable-background-timer-throttling", "--disable-renderer-backgrounding", "--disable-backgrounding-occluded-windows",
-    "--remote-debugging-pipe", `--user-data-dir=${folder}`, "about:blank"], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
+    "--remote-debugging-pipe", `--user-data-dir=${folder}`, "about:blank"],
+    { env: { ...process.env, TMPDIR: folder }, stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
   const [input, output] = [child.stdio[3], child.stdio[4]];
   const waiting = new Map(), listeners = new Set();
   let id = 0, rest = "";
