@@ -15,6 +15,7 @@ typedef struct writer {
     bool              weighed;                /* the model has masses                                     */
     double            mass, rods, step;       /* of all bodies, of the rods drawn so far [kg]; of time [s] */
     lw_export_tree    tree;
+    lw_mjcf_key       key;
     lw_owners         joints, tracers, springs, forces;          /* by links                              */
     lw_owners         inputs, joint_springs;                     /* by joints                             */
 } writer;
@@ -414,7 +415,7 @@ static void put_drives(writer *w)
         put(w, "\n    <general biastype=\"affine\"");
         put_name(w, "name", k->joint[in->joint].name, " drive");
         put_name(w, "joint", k->joint[in->joint].name, "");
-        lw_mjcf_drive(w->out, drive_inertia(w, in->joint), w->step);
+        lw_mjcf_drive(w->out, &w->key, in->value, drive_inertia(w, in->joint), w->step);
         if (in->first < in->last) {
             put(w, " ctrllimited=\"true\"");
             lw_mjcf_numbers(w->out, "ctrlrange", (double[]){ in->first, in->last }, 2);
@@ -426,16 +427,7 @@ static void put_drives(writer *w)
     for (int t = 0; t < k->n_tracer; t++)
         lw_mjcf_sensor(w->out, k->tracer[t].name);
     put(w, "\n  </sensor>");
-    int n = 0;
-    for (int i = 0; i < lw_assembly_free_inputs(k); i++) {
-        if (!is_driven(w, i))
-            continue;
-        put(w, n++ > 0 ? " " : "\n  <keyframe>\n    <key name=\"posture\" ctrl=\"");
-        lw_bytes_number(w->out, k->input[i].value, LW_MJCF_DIGITS);
-    }
-    for (int i = 0; n > 0 && w->m && i < w->m->n_motor + w->m->n_force; i++)
-        put(w, " 0");
-    put(w, n > 0 ? "\"/>\n  </keyframe>" : "");
+    lw_mjcf_keyframe(w->out, &w->key, w->m ? w->m->n_motor + w->m->n_force : 0, false);
 }
 
 static lw_status check_drives(const writer *w, lw_error *e)
@@ -505,6 +497,7 @@ lw_status lw_export_mjcf(const lw_assembly *linkage, const lw_export_options *o,
         put(&w, "\n</mujoco>\n");
     }
     lw_export_tree_free(&w.tree);
+    lw_mjcf_key_free(&w.key);
     lw_owners *const lists[] = { &w.joints, &w.tracers, &w.springs, &w.forces, &w.inputs, &w.joint_springs };
     for (size_t i = 0; i < sizeof lists/sizeof *lists; i++)
         lw_owners_free(lists[i]);

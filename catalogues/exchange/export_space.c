@@ -2,8 +2,6 @@
 
 #include <stdlib.h>
 #include "catalogues/exchange/export.h"
-#include "mbs/dynamics/dynamics_space.h"
-#include "mbs/formulations/formulations.h"
 
 bool lw_space_weighed(const lw_spatial *m)
 {
@@ -41,57 +39,6 @@ lw_status lw_export_space_loads(const lw_spatial *m, const char *format, bool be
             if (lw_export_varies(m->force[i].force[c]) || lw_export_varies(m->force[i].torque[c]))
                 return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which is not written to %s", m->force[i].name, format);
     return LW_OK;
-}
-
-/* ---- velocities at the start -------------------------------------------------------------------------- */
-
-static bool any(lw_vec3 v) { return lw_v3_norm(v) > 0; }
-
-static lw_status twists(lw_dynamics *d, const lw_spatial *m, lw_space_twist *out, lw_error *e)
-{
-    const lw_space *s = lw_dynamics_space(d);
-    double *q = calloc((size_t)(s->n_q + s->n_v) + 1, sizeof *q), *v = q + s->n_q;
-    lw_space_frame *frame = calloc((size_t)s->n_body + 1, sizeof *frame);
-    if (q && frame) {
-        lw_dynamics_start(d, q, v);
-        lw_space_place(s, q, frame);
-        for (int i = 0; i < m->n_link; i++)
-            if (i != m->ground)
-                out[i] = (lw_space_twist){ lw_space_point_velocity(s, frame, lw_space_point_of(s, i, lw_v3(0, 0, 0)),
-                                                                   v),
-                                           lw_space_omega(frame, s->body_of[i], v) };
-    }
-    bool room = q && frame;
-    free(q);
-    free(frame);
-    return room ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
-}
-
-lw_status lw_export_space_start(const lw_spatial *m, const lw_spatial *expanded, lw_space_twist **out, lw_error *e)
-{
-    bool moves = false, driven = false;
-    for (int i = 0; i < m->n_link; i++)
-        moves |= i != m->ground && ((m->body[i].has_velocity && any(m->body[i].velocity))
-                                    || (m->body[i].has_omega && any(m->body[i].omega)));
-    for (int i = 0; i < m->n_input; i++) {
-        driven |= m->input[i].motion != NULL;
-        moves |= !m->input[i].motion && m->input[i].has_speed && m->input[i].speed != 0;
-    }
-    *out = NULL;
-    if (!moves || !lw_space_weighed(m))
-        return LW_OK;
-    if (driven)
-        return lw_error_set(e, LW_E_KIND, "some inputs have a motion, and other parts a speed at the start; a file for "
-                            "another program holds one or the other");
-    lw_dynamics *d = NULL;
-    lw_dynamics_options o = lw_dynamics_options_default();
-    lw_status s = lw_dynamics_make_spatial(m, &o, &d, e);
-    if (s != LW_OK)
-        return s;
-    *out = calloc((size_t)expanded->n_link, sizeof **out);
-    s = *out ? twists(d, expanded, *out, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_dynamics_free(d);
-    return s;
 }
 
 /* ---- the tree --------------------------------------------------------------------------------------- */

@@ -26,13 +26,6 @@ lw_status lw_export_space_adams_commands(const lw_spatial *m, lw_bytes *out, lw_
  * free joint between two links that move; LW_E_MEMORY. Free it after a failure too. */
 lw_status lw_space_tree_make(const lw_spatial *m, lw_export_tree *t, lw_error *e);
 
-/* Velocities at the start, of each link (n_link) of m with its elastic links expanded (m itself without those): of its point at
- * the origin [m/s] and of its turn [rad/s]. *out: to be
- * freed; NULL: all links start at rest. LW_E_KIND: some input has a motion and another a speed; failures of
- * lw_dynamics_make_spatial. */
-typedef struct lw_space_twist { lw_vec3 velocity, omega; } lw_space_twist;
-lw_status lw_export_space_start(const lw_spatial *m, const lw_spatial *expanded, lw_space_twist **out, lw_error *e);
-
 /* LW_E_KIND, naming it: a law, a force that varies, an elastic link (beams: a superelement). */
 lw_status lw_export_space_loads(const lw_spatial *m, const char *format, bool beams, lw_error *e);
 

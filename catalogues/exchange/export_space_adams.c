@@ -7,6 +7,7 @@
 #include "base/real.h"
 #include "catalogues/exchange/export.h"
 #include "catalogues/exchange/export_space.h"
+#include "catalogues/exchange/start.h"
 #include "mbs/elastic/expand_space.h"
 
 #define DIGITS 15
@@ -20,7 +21,7 @@ typedef struct writer {
     int              *count;                   /* (n_link) markers of a part so far                       */
     int             (*at)[2], *tracer;         /* markers of a joint on its links, of a tracer            */
     int               origin, spring, force;
-    lw_space_twist   *twist;                   /* (n_link) velocities at the start; NULL: all are 0       */
+    lw_export_twist   *twist;                   /* (n_link) velocities at the start; NULL: all are 0       */
 } writer;
 
 static void put(writer *w, const char *text) { lw_bytes_text(w->out, text); }
@@ -100,7 +101,7 @@ static void put_part(writer *w, int link)
         put_id(w, ", CM = ", w->part*(link + 1) + 1);
         put_vec(w, "\n, IP = ", lw_v3(moment[0], moment[1], moment[2]));
         if (w->twist) {
-            lw_space_twist v = w->twist[link];
+            lw_export_twist v = w->twist[link];
             v.velocity = lw_v3_add(v.velocity, lw_v3_cross(v.omega, b->centre));
             put_id(w, "\n, VM = ", w->origin);
             put_id(w, ", WM = ", w->origin);

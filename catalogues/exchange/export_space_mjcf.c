@@ -6,6 +6,7 @@
 #include "catalogues/exchange/export.h"
 #include "catalogues/exchange/export_space.h"
 #include "catalogues/exchange/mjcf.h"
+#include "catalogues/exchange/start.h"
 
 #define STEP   2e-4                            /* of time, unless springs need a smaller one [s]          */
 #define LITTLE 1e-5                            /* mass of a body without mass, over that of all bodies    */
@@ -14,10 +15,11 @@
 
 typedef struct writer {
     const lw_spatial *m;
-    lw_bytes         *out, speeds;             /* speeds: of all coordinates, for the keyframe            */
+    lw_bytes         *out;
+    lw_mjcf_key       key;
     double            size, mass, step;        /* mass: of all bodies                                     */
     bool              weighed;                 /* the model has masses                                    */
-    lw_space_twist   *twist;                   /* (n_link) velocities at the start; NULL: all are 0       */
+    lw_export_twist   *twist;                   /* (n_link) velocities at the start; NULL: all are 0       */
     lw_export_tree    tree;
     lw_owners         joints, tracers, springs, forces;          /* by links                              */
     lw_owners         inputs, joint_springs;                     /* by the joints, or tracers, of their measures */
@@ -99,25 +101,6 @@ static void put_reference(writer *w, lw_spatial_measure of)
     lw_mjcf_coordinate_put(w->out, &c);
 }
 
-static void put_speeds(writer *w, lw_vec3 v, int n)
-{
-    double value[3] = { v.x, v.y, v.z };
-    for (int i = 0; i < n; i++) {
-        lw_bytes_text(&w->speeds, " ");
-        lw_bytes_number(&w->speeds, value[i], LW_MJCF_DIGITS);
-    }
-}
-
-/* Velocity of `link` against `from` at the start: of a point, and of the turn. */
-static lw_space_twist relative(const writer *w, int link, int from, lw_vec3 at)
-{
-    if (!w->twist)
-        return (lw_space_twist){ { 0, 0, 0 }, { 0, 0, 0 } };
-    lw_space_twist a = w->twist[link], b = w->twist[from];
-    lw_vec3 omega = lw_v3_sub(a.omega, b.omega);
-    return (lw_space_twist){ lw_v3_add(lw_v3_sub(a.velocity, b.velocity), lw_v3_cross(omega, at)), omega };
-}
-
 /* The part of omega about the unit vector a, the rest being about b. */
 static double share(lw_vec3 omega, lw_vec3 a, lw_vec3 b)
 {
@@ -138,7 +121,7 @@ static void put_axis(writer *w, int depth, int joint, lw_spatial_of of, lw_vec3 
     if (!more)
         put_reference(w, measure);
     put(w, "/>");
-    put_speeds(w, lw_v3(speed, 0, 0), 1);
+    lw_mjcf_speeds(&w->key, &speed, 1);
 }
 
 /* The coordinates that joint j leaves `child` against its parent; the body's frame begins at the joint. */
@@ -148,8 +131,9 @@ static void put_joint(writer *w, int depth, int j, int child)
     int first = p->link[0] == child ? 1 : 0;              /* the side of the parent */
     lw_vec3 axis = lw_v3_scale(p->axis, first ? -1 : 1), x = lw_v3_across(p->axis), y = lw_v3_cross(p->axis, x);
     lw_vec3 one = first ? p->second : p->axis, two = first ? p->axis : p->second;
-    lw_space_twist speed = relative(w, child, p->link[first], p->at);
+    lw_export_twist speed = lw_export_relative(w->twist, child, p->link[first], p->at);
     double slides = lw_v3_dot(speed.velocity, axis), turns = lw_v3_dot(speed.omega, axis);
+    const double all[] = { speed.velocity.x, speed.velocity.y, speed.velocity.z, speed.omega.x, speed.omega.y, speed.omega.z };
     switch (p->kind) {
     case LW_SPATIAL_CYLINDRICAL:
     case LW_SPATIAL_SCREW:
@@ -176,8 +160,7 @@ static void put_joint(writer *w, int depth, int j, int child)
         put_tag(w, depth, p->kind == LW_SPATIAL_SPHERICAL ? "<joint type=\"ball\"" : "<joint type=\"free\"");
         put_name(w, "name", p->name, "");
         put(w, "/>");
-        put_speeds(w, speed.velocity, p->kind == LW_SPATIAL_FREE ? 3 : 0);
-        put_speeds(w, speed.omega, 3);
+        lw_mjcf_speeds(&w->key, p->kind == LW_SPATIAL_FREE ? all : all + 3, p->kind == LW_SPATIAL_FREE ? 6 : 3);
         break;
     case LW_SPATIAL_FIXED:
         break;
@@ -273,7 +256,7 @@ static void put_runners(writer *w, int depth, int link)
         put_name(w, "name", p->name, " runner");
         put_vec(w, "pos", from_origin(w, link, p->at));
         put(w, ">");
-        lw_space_twist speed = relative(w, p->link[1], p->link[0], p->at);
+        lw_export_twist speed = lw_export_relative(w->twist, p->link[1], p->link[0], p->at);
         double turns = lw_v3_dot(speed.omega, p->axis);
         if (p->kind == LW_SPATIAL_UNIVERSAL)
             put_axis(w, depth + 1, j, LW_OF_TURN, p->axis, " first", share(speed.omega, p->axis, p->second));
@@ -465,7 +448,7 @@ static void put_actuators(writer *w)
         put(w, "\n    <general biastype=\"affine\"");
         put_name(w, "name", m->joint[of.index].name, " drive");
         put_coordinate(w, "joint", of);
-        lw_mjcf_drive(w->out, drive_inertia(w, of), w->step);
+        lw_mjcf_drive(w->out, &w->key, reference_of(w, of), drive_inertia(w, of), w->step);
         put(w, "/>");
     }
     for (int i = 0; i < m->n_motor; i++)
@@ -481,34 +464,6 @@ static void put_actuators(writer *w)
     for (int t = 0; t < m->n_tracer; t++)
         lw_mjcf_sensor(w->out, m->tracer[t].name);
     put(w, "\n  </sensor>");
-}
-
-/* Controls and speeds of the posture, where they are not all 0. */
-static void put_keyframe(writer *w)
-{
-    int driven = 0;
-    for (int i = 0; i < n_actuator(w); i++)
-        driven += is_actuated(w, i);
-    if (driven == 0 && !w->twist)
-        return;
-    put(w, "\n  <keyframe>\n    <key name=\"posture\"");
-    if (driven > 0) {
-        put(w, " ctrl=\"");
-        for (int i = 0, n = 0; i < n_actuator(w); i++)
-            if (is_actuated(w, i)) {
-                put(w, n++ ? " " : "");
-                lw_bytes_number(w->out, reference_of(w, actuated(w, i)), LW_MJCF_DIGITS);
-            }
-        for (int i = 0; i < w->m->n_motor + w->m->n_force; i++)
-            put(w, " 0");
-        put(w, "\"");
-    }
-    if (w->twist) {
-        put(w, " qvel=\"");
-        put(w, w->speeds.data + 1);
-        put(w, "\"");
-    }
-    put(w, "/>\n  </keyframe>");
 }
 
 static bool list_owners(writer *w)
@@ -546,14 +501,13 @@ lw_status lw_export_space_mjcf(const lw_spatial *m, lw_bytes *out, lw_error *e)
         put_closures(&w);
         put_tendons(&w);
         put_actuators(&w);
-        put_keyframe(&w);
+        lw_mjcf_keyframe(out, &w.key, m->n_motor + m->n_force, w.twist != NULL);
         put(&w, "\n</mujoco>\n");
-        out->failed |= w.speeds.failed;
         s = lw_bytes_end(out, e);
     }
     if (s != LW_OK)
         lw_bytes_free(out);
-    lw_bytes_free(&w.speeds);
+    lw_mjcf_key_free(&w.key);
     free(w.twist);
     lw_export_tree_free(&w.tree);
     lw_owners *const lists[] = { &w.joints, &w.tracers, &w.springs, &w.forces, &w.inputs, &w.joint_springs };

@@ -132,9 +132,46 @@ void lw_mjcf_spring(lw_bytes *out, const char *name, double free, double stiffne
     lw_mjcf_tag(out, 2, "</spatial>");
 }
 
-void lw_mjcf_drive(lw_bytes *out, double inertia, double step)
+static void add_numbers(lw_bytes *out, const double *v, int n)
+{
+    for (int i = 0; i < n; i++) {
+        lw_bytes_text(out, out->size > 0 ? " " : "");
+        lw_bytes_number(out, v[i], LW_MJCF_DIGITS);
+    }
+}
+
+void lw_mjcf_speeds(lw_mjcf_key *key, const double *v, int n) { add_numbers(&key->speeds, v, n); }
+
+void lw_mjcf_key_free(lw_mjcf_key *key)
+{
+    lw_bytes_free(&key->controls);
+    lw_bytes_free(&key->speeds);
+}
+
+void lw_mjcf_keyframe(lw_bytes *out, const lw_mjcf_key *key, int loads, bool moves)
+{
+    bool drives = key->controls.size > 0;
+    moves = moves && key->speeds.size > 0;
+    out->failed |= key->controls.failed || key->speeds.failed;
+    if (!drives && !moves)
+        return;
+    lw_bytes_text(out, "\n  <keyframe>\n    <key name=\"posture\"");
+    if (drives) {
+        begin_attribute(out, "ctrl");
+        lw_bytes_text(out, key->controls.data);
+        for (int i = 0; i < loads; i++)
+            lw_bytes_text(out, " 0");
+        lw_bytes_text(out, "\"");
+    }
+    if (moves)
+        lw_mjcf_name(out, "qvel", key->speeds.data, "");
+    lw_bytes_text(out, "/>\n  </keyframe>");
+}
+
+void lw_mjcf_drive(lw_bytes *out, lw_mjcf_key *key, double control, double inertia, double step)
 {
     double omega = DRIVE/step, stiffness = inertia*omega*omega;
+    add_numbers(&key->controls, &control, 1);
     lw_mjcf_number(out, "gainprm", stiffness);
     lw_mjcf_numbers(out, "biasprm", (double[]){ 0, -stiffness, -2*RATIO*stiffness/omega }, 3);
 }

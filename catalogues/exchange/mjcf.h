@@ -41,10 +41,18 @@ void lw_mjcf_bodies(lw_bytes *out, const lw_export_tree *t, int ground, int firs
 /* A spring between the sites "NAME start" and "NAME end": a tendon. */
 void lw_mjcf_spring(lw_bytes *out, const char *name, double free, double stiffness, double damping, double width);
 
+/* The keyframe "posture": controls of the drives, velocities of all coordinates in the order of the file.  { 0 } is empty. */
+typedef struct lw_mjcf_key { lw_bytes controls, speeds; } lw_mjcf_key;
+void lw_mjcf_speeds(lw_mjcf_key *key, const double *v, int n);
+void lw_mjcf_key_free(lw_mjcf_key *key);
+
+/* Write it where it says something.  loads: actuators after the drives, which need no control; moves: not all velocities are 0. */
+void lw_mjcf_keyframe(lw_bytes *out, const lw_mjcf_key *key, int loads, bool moves);
+
 /* Actuators.  A drive of a joint's coordinate is a spring of a frequency that suits the step of time, on the inertia of the drive,
  * with damping; its control is the coordinate.  Motors and constant forces need no control.  A force at the site "NAME force"
  * has three components and three moments, along axes of the site if it follows it, else of the world. */
-void lw_mjcf_drive(lw_bytes *out, double inertia, double step);     /* attributes gainprm and biasprm */
+void lw_mjcf_drive(lw_bytes *out, lw_mjcf_key *key, double control, double inertia, double step);     /* attributes gainprm and biasprm */
 void lw_mjcf_motor(lw_bytes *out, const char *name, const char *joint, double stall, double free_speed);
 void lw_mjcf_force(lw_bytes *out, const char *name, bool follows, const double value[6]);
 
