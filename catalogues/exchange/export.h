@@ -24,8 +24,9 @@ typedef struct lw_export_options {
  * an lw_input does and has the same value in the posture. Tracers are sites with a position sensor.
  *   Without masses the links are steel rods that do not collide, there is no gravity, and every input has a drive. With
  * a model the file holds masses, gravity, springs and dampers, motors, constant forces and stops, and inputs without a
- * motion run freely from rest. Drives, loops and the step of time are chosen so that the file is stable when stepped.
- * LW_E_KIND, naming it: a load that MJCF cannot hold. */
+ * motion run freely. Velocities at the start are in the keyframe. A free body has two slides and a hinge. Drives, loops and the
+ * step of time are chosen so that the file is stable when stepped. LW_E_KIND, naming it: a load that MJCF cannot hold, or a speed
+ * beside a motion; failures of lw_export_start (catalogues/exchange/start.h). */
 lw_status lw_export_mjcf(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* Robot descriptions. URDF: a tree of bodies; joints that close a loop are named in a comment and left out. SDF 1.7: a
@@ -37,8 +38,8 @@ lw_status lw_export_sdf(const lw_assembly *linkage, const lw_export_options *o, 
 /* A dataset of ADAMS/Solver (.adm; catalogues/exchange/adams.h reads it): PART, MARKER, JOINT, JPRIM, COUPLER, MOTION,
  * REQUEST. A MOTION turns its joint once in a second, or moves it there and back over its range. Without masses the
  * file is for kinematics. With a model it holds masses, gravity, springs and dampers, motors at pins and constant
- * forces, and inputs without a motion run freely from rest; LW_E_KIND, naming it: another load. _commands: the command
- * file (.acf) that runs <name>.adm for a second. */
+ * forces, inputs without a motion run freely, and parts have velocities at the start; LW_E_KIND, naming it: another load, or a
+ * speed beside a motion; failures of lw_export_start. _commands: the command file (.acf) that runs <name>.adm for a second. */
 lw_status lw_export_adams(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 lw_status lw_export_adams_commands(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 

@@ -9,6 +9,7 @@
 #include "base/real.h"
 #include "catalogues/exchange/export.h"
 #include "catalogues/exchange/export_space.h"
+#include "catalogues/exchange/start.h"
 #include "catalogues/exchange/tree.h"
 #include "catalogues/draw/scene.h"
 
@@ -17,9 +18,9 @@
 typedef struct writer {
     const lw_assembly *k;
     const lw_model   *m;                       /* NULL: no masses, no loads                              */
-    const lw_model   *given;                   /* the same, or NULL                                      */
     bool              weighed;                 /* the model has masses                                   */
     lw_bytes         *out;
+    lw_export_twist  *twist;                   /* (n_link) velocities at the start; NULL: all are 0      */
     int              *n_marker;                /* (n_link)                                               */
     int             (*at)[2];                  /* (n_joint) markers of a joint on its two links          */
     int              *tracer;                  /* (n_tracer)                                             */
@@ -57,6 +58,9 @@ static void put_name(writer *w, const char *name, const char *more)
     put(w, more);
     put(w, "'\n");
 }
+
+/* Is it a JOINT or JPRIM?  A gear is a COUPLER; a part without a joint is free. */
+static bool has_statement(lw_joint_kind kind) { return !lw_joint_has_ratio(kind) && lw_joint_freedoms(kind) < 3; }
 
 /* ---- parts and markers ---------------------------------------------------------------------------- */
 
@@ -111,12 +115,21 @@ static void put_parts(writer *w)
                 put(w, i ? ", " : ", IP = ");
                 put_number(w, body->inertia);
             }
+            if (w->twist) {                            /* of the centre, along the axes of the ground */
+                lw_export_twist v = lw_export_relative(w->twist, link, k->ground, lw_v3(body->centre.x, body->centre.y, 0));
+                put(w, "\n, VX = ");
+                put_number(w, v.velocity.x);
+                put(w, ", VY = ");
+                put_number(w, v.velocity.y);
+                put(w, ", WZ = ");
+                put_number(w, v.omega.z);
+            }
         }
         put(w, "\n");
         if (body && body->mass > 0)
             put_marker(w, link, body->centre, NULL, 0, "centre of mass");
         for (int at = w->joints.start[link]; at < w->joints.start[link + 1]; at++)
-            if (!lw_joint_has_ratio(k->joint[w->joints.entry[at]/2].kind))
+            if (has_statement(k->joint[w->joints.entry[at]/2].kind))
                 put_joint_marker(w, w->joints.entry[at]/2, w->joints.entry[at]%2);
         for (int at = w->tracers.start[link]; at < w->tracers.start[link + 1]; at++) {
             const lw_tracer *t = &k->tracer[w->tracers.entry[at]];
@@ -136,8 +149,8 @@ static const char *joint_statement(lw_joint_kind kind)
     case LW_JOINT_SLIDER:   return ", TRANSLATIONAL";
     case LW_JOINT_SLOT:     return ", INPLANE";
     case LW_JOINT_FIXED:    return ", FIXED";
-    case LW_JOINT_GEAR:     break;                /* a COUPLER instead */
-    case LW_JOINT_FREE:     break;                /* no statement */
+    case LW_JOINT_GEAR:
+    case LW_JOINT_FREE:     break;
     }
     return "";
 }
@@ -181,7 +194,7 @@ static lw_status put_joints(writer *w, lw_error *e)
     for (int j = 0; s == LW_OK && j < w->k->n_joint; j++)
         if (lw_joint_has_ratio(w->k->joint[j].kind))
             s = put_coupler(w, j, e);
-        else
+        else if (has_statement(w->k->joint[j].kind))
             put_joint(w, j);
     return s;
 }
@@ -358,7 +371,7 @@ static void put_motion(writer *w, int input)
     const lw_input *in = &w->k->input[input];
     bool slider = lw_joint_slides(w->k->joint[in->joint].kind);
     lw_export_law law;
-    w->out->failed |= lw_export_law_of(w->k, w->given, input, &law) != LW_OK;
+    w->out->failed |= lw_export_law_of(w->k, w->m, input, &law) != LW_OK;
     put_name(w, w->k->joint[in->joint].name, " motion");
     put_id(w, "MOTION/", input + 1, 2);
     put_id(w, ", JOINT = ", in->joint + 1, 2);
@@ -412,7 +425,7 @@ lw_status lw_export_adams(const lw_assembly *linkage, const lw_export_options *o
     if (!w)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a dataset");
     w->k = linkage;
-    w->m = w->given = o ? o->model : NULL;
+    w->m = o ? o->model : NULL;
     w->n_marker = calloc((size_t)linkage->n_link + (size_t)linkage->n_tracer + 1, sizeof *w->n_marker);
     w->at = calloc((size_t)linkage->n_joint + 1, sizeof *w->at);
     lw_status s = lw_assembly_check(linkage, e);
@@ -427,6 +440,8 @@ lw_status lw_export_adams(const lw_assembly *linkage, const lw_export_options *o
     w->out = out;
     if (s == LW_OK)
         s = check_loads(w, e);
+    if (s == LW_OK)
+        s = lw_export_start(w->m, &w->twist, e);
     if (s == LW_OK) {
         put(w, "ADAMS/View model name: ");
         put_plain(w, linkage->name[0] ? linkage->name : "linkage");
@@ -449,7 +464,7 @@ lw_status lw_export_adams(const lw_assembly *linkage, const lw_export_options *o
         lw_bytes_free(out);
     }
     lw_owners_free(&w->joints), lw_owners_free(&w->tracers);
-    free(w->n_marker), free(w->at), free(w);
+    free(w->n_marker), free(w->at), free(w->twist), free(w);
     return s;
 }
 

@@ -1,8 +1,11 @@
 /* catalogues/exchange/export_mjcf.c - write a linkage as a model of MuJoCo (XML reference of MuJoCo 2.2). */
+#include <stdlib.h>
+
 #include "base/owners.h"
 #include "base/real.h"
 #include "catalogues/exchange/export.h"
 #include "catalogues/exchange/mjcf.h"
+#include "catalogues/exchange/start.h"
 
 #define STEEL  7850.0                         /* [kg/m^3]                                                 */
 #define STEP   5e-4                           /* of time, unless springs need a smaller one [s]           */
@@ -14,6 +17,7 @@ typedef struct writer {
     double            size;
     bool              weighed;                /* the model has masses                                     */
     double            mass, rods, step;       /* of all bodies, of the rods drawn so far [kg]; of time [s] */
+    lw_export_twist  *twist;                  /* (n_link) velocities at the start; NULL: all are 0       */
     lw_export_tree    tree;
     lw_mjcf_key       key;
     lw_owners         joints, tracers, springs, forces;          /* by links                              */
@@ -67,35 +71,41 @@ static void put_reference(writer *w, int joint)
     lw_mjcf_coordinate_put(w->out, &c);
 }
 
-static void put_slide(writer *w, int depth, int joint, double sign, const char *more)
+/* A coordinate in which `child` moves against the other link of a joint: along a direction of the plane, or about the normal of the plane. */
+static void put_axis(writer *w, int depth, int joint, int child, lw_vec3 axis, const char *more)
 {
-    put_tag(w, depth, "<joint type=\"slide\"");
-    put_name(w, "name", w->k->joint[joint].name, more);
-    put_vec(w, "axis", lw_v2_scale(w->k->joint[joint].along, sign));
+    const lw_joint *p = &w->k->joint[joint];
+    bool turns = axis.z != 0;
+    lw_export_twist v = lw_export_relative(w->twist, child, p->link[p->link[0] == child], lw_v3(p->at.x, p->at.y, 0));
+    double speed = lw_v3_dot(turns ? v.omega : v.velocity, axis);
+    put_tag(w, depth, turns ? "<joint type=\"hinge\"" : "<joint type=\"slide\"");
+    put_name(w, "name", p->name, more);
+    lw_mjcf_vec(w->out, "axis", axis);
     put_reference(w, joint);
     put(w, "/>");
+    lw_mjcf_speeds(&w->key, &speed, 1);
 }
+
+static lw_vec3 slide_axis(const lw_joint *p, double sign) { return lw_v3(sign*p->along.x, sign*p->along.y, 0); }
 
 /* Write the tree joint of a body; the body's frame begins at the joint's point. A slot slides on link[0] and turns at
  * the pin: seen from the pin's link, it turns first. */
 static void put_joint(writer *w, int depth, int child)
 {
-    const lw_assembly *k = w->k;
     int j = w->tree.joint[child];
-    const lw_joint *p = &k->joint[j];
-    double sign = lw_export_count_sign(k, j, child);
-    bool slot = lw_joint_has_slot(p->kind), carries = slot && p->link[0] == child;
-    if (lw_joint_translates(p->kind) || (slot && !carries))
-        put_slide(w, depth, j, sign, slot ? " slide" : "");
-    if (lw_joint_turns(p->kind) || slot) {
-        put_tag(w, depth, "<joint type=\"hinge\"");
-        put_name(w, "name", p->name, slot ? " turn" : "");
-        put(w, sign < 0 ? " axis=\"0 0 -1\"" : " axis=\"0 0 1\"");
-        put_reference(w, j);
-        put(w, "/>");
+    const lw_joint *p = &w->k->joint[j];
+    double sign = lw_export_count_sign(w->k, j, child);
+    bool slot = lw_joint_has_slot(p->kind), carries = slot && p->link[0] == child, free = lw_joint_freedoms(p->kind) == 3;
+    if (free) {
+        put_axis(w, depth, j, child, lw_v3(1, 0, 0), " x");
+        put_axis(w, depth, j, child, lw_v3(0, 1, 0), " y");
     }
+    if (lw_joint_translates(p->kind) || (slot && !carries))
+        put_axis(w, depth, j, child, slide_axis(p, sign), slot ? " slide" : "");
+    if (lw_joint_turns(p->kind) || slot || free)
+        put_axis(w, depth, j, child, lw_v3(0, 0, free ? 1 : sign), slot || free ? " turn" : "");
     if (carries)
-        put_slide(w, depth, j, -1, " slide");
+        put_axis(w, depth, j, child, slide_axis(p, -1), " slide");
 }
 
 /* A rod from the frame's origin, or a ball there. */
@@ -194,7 +204,7 @@ static void put_runners(writer *w, int depth, int link)
         put_name(w, "name", p->name, " runner");
         put_vec(w, "pos", from_origin(w, link, p->at));
         put(w, ">");
-        put_slide(w, depth + 1, j, 1, "");
+        put_axis(w, depth + 1, j, p->link[1], slide_axis(p, 1), "");
         if (w->weighed)
             put_inertia(w, depth + 1, 0, lw_v2(0, 0), 0);
         put_rod(w, depth + 1, lw_v2(0, 0));
@@ -427,7 +437,7 @@ static void put_drives(writer *w)
     for (int t = 0; t < k->n_tracer; t++)
         lw_mjcf_sensor(w->out, k->tracer[t].name);
     put(w, "\n  </sensor>");
-    lw_mjcf_keyframe(w->out, &w->key, w->m ? w->m->n_motor + w->m->n_force : 0, false);
+    lw_mjcf_keyframe(w->out, &w->key, w->m ? w->m->n_motor + w->m->n_force : 0, w->twist != NULL);
 }
 
 static lw_status check_drives(const writer *w, lw_error *e)
@@ -479,13 +489,15 @@ lw_status lw_export_mjcf(const lw_assembly *linkage, const lw_export_options *o,
         s = check_drives(&w, e);
     if (s == LW_OK)
         s = check_loads(&w, e);
+    if (s == LW_OK)
+        s = lw_export_start(w.m, &w.twist, e);
     if (s == LW_OK && !list_owners(&w))
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         w.mass = mass_of(&w);
         w.step = choose_step(&w);
         lw_vec2 g = w.weighed ? w.m->gravity : lw_v2(0, 0);
-        lw_mjcf_head(out, linkage->name[0] ? linkage->name : "linkage", "those of the drawn posture are", lw_v3(g.x, g.y, 0), w.step,
+        lw_mjcf_head(out, linkage->name[0] ? linkage->name : "linkage", lw_v3(g.x, g.y, 0), w.step,
                      w.size, w.m && w.m->n_force > 0);
         put_bodies(&w);
         put(&w, "\n  </worldbody>");
@@ -498,6 +510,7 @@ lw_status lw_export_mjcf(const lw_assembly *linkage, const lw_export_options *o,
     }
     lw_export_tree_free(&w.tree);
     lw_mjcf_key_free(&w.key);
+    free(w.twist);
     lw_owners *const lists[] = { &w.joints, &w.tracers, &w.springs, &w.forces, &w.inputs, &w.joint_springs };
     for (size_t i = 0; i < sizeof lists/sizeof *lists; i++)
         lw_owners_free(lists[i]);

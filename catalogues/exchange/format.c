@@ -118,33 +118,17 @@ lw_status lw_format_parse(const char *text, size_t size, const char *file, const
     return s;
 }
 
-/* What moves at the start, "link 'arm'", for files that are simulated and hold no speeds.  false: nothing. */
-static bool has_speed(const lw_assembly *k, const lw_model *m, char *what, size_t size)
-{
-    for (int i = 0; i < k->n_link; i++)
-        if (m->body[i].has_velocity && (m->body[i].velocity.x != 0 || m->body[i].velocity.y != 0 || m->body[i].omega != 0))
-            return snprintf(what, size, "link '%s'", k->link_name[i]) > 0;
-    for (int i = 0; i < k->n_input; i++)
-        if (!m->motion[i] && m->has_speed[i] && m->speed[i] != 0)
-            return snprintf(what, size, "input '%s'", k->joint[k->input[i].joint].name) > 0;
-    return false;
-}
-
 lw_status lw_format_write(const lw_format *f, const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     const lw_model *m = f->loads && o ? o->model : NULL;
-    for (int j = 0; j < linkage->n_joint && f->write != write_json; j++)
-        if (lw_joint_freedoms(linkage->joint[j].kind) == 3)
-            return lw_error_set(e, LW_E_KIND, "joint '%s' leaves its link free, which has no form in %s", linkage->joint[j].name, f->name);
     const char *what = !m ? NULL : m->n_contact ? "contacts" : m->n_rope ? "ropes" : m->n_elastic ? "elastic links"
                      : m->states.n_state ? "states" : NULL;
     if (what)
         return lw_error_set(e, LW_E_KIND, "the model has %s, which are not written to %s: take them out of a copy of "
                             "the file to export the rest", what, f->name);
-    char moving[LW_NAME_SIZE + 16];
-    if (m && f->write_space && has_speed(linkage, m, moving, sizeof moving))
-        return lw_error_set(e, LW_E_KIND, "%s starts with a speed, which is not written to %s: take it out of a copy of the file, "
-                            "and set it in the other program", moving, f->name);
+    for (int j = 0; j < linkage->n_joint && f->write != write_json && !f->write_space; j++)
+        if (lw_joint_freedoms(linkage->joint[j].kind) == 3)
+            return lw_error_set(e, LW_E_KIND, "joint '%s' leaves its link free, which has no form in %s", linkage->joint[j].name, f->name);
     return f->write(linkage, o, out, e);
 }
 

@@ -202,13 +202,12 @@ void lw_mjcf_sensor(lw_bytes *out, const char *tracer)
     lw_bytes_text(out, "/>");
 }
 
-void lw_mjcf_head(lw_bytes *out, const char *name, const char *controls, lw_vec3 gravity, double step, double size, bool has_forces)
+void lw_mjcf_head(lw_bytes *out, const char *name, lw_vec3 gravity, double step, double size, bool has_forces)
 {
     lw_bytes_text(out, "<mujoco");
     lw_mjcf_name(out, "model", name, "");
-    lw_bytes_text(out, ">\n  <!-- The controls of the drives are coordinates of their joints; ");
-    lw_bytes_text(out, controls);
-    lw_bytes_text(out, " in the keyframe. -->\n  <compiler angle=\"radian\" boundmass=\"1e-12\" boundinertia=\"1e-18\"/>"
+    lw_bytes_text(out, ">\n  <!-- The controls of the drives are coordinates of their joints; those of the posture, and its speeds, are "
+                       "in the keyframe. -->\n  <compiler angle=\"radian\" boundmass=\"1e-12\" boundinertia=\"1e-18\"/>"
                        "\n  <option integrator=\"RK4\"");
     lw_mjcf_vec(out, "gravity", gravity);
     lw_mjcf_number(out, "timestep", step);

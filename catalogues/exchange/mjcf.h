@@ -59,7 +59,7 @@ void lw_mjcf_force(lw_bytes *out, const char *name, bool follows, const double v
 /* A sensor of the place of a tracer. */
 void lw_mjcf_sensor(lw_bytes *out, const char *tracer);
 
-/* From the start of the file to that of the world's body.  controls: what a comment says of them. */
-void lw_mjcf_head(lw_bytes *out, const char *name, const char *controls, lw_vec3 gravity, double step, double size, bool has_forces);
+/* From the start of the file to that of the world's body. */
+void lw_mjcf_head(lw_bytes *out, const char *name, lw_vec3 gravity, double step, double size, bool has_forces);
 
 #endif

@@ -18,12 +18,12 @@ static void mark_loaded(const lw_assembly *linkage, const lw_model *m, bool *loa
         loaded[m->motor[i].joint] = true;
 }
 
-/* Order in which the tree takes the joints: driven and loaded joints, joints of gear wheels, welds, sliders and slots;
- * pins last, because a loop is closed most simply at a pin. -1: never. */
+/* Order in which the tree takes the joints: driven and loaded joints, joints of gear wheels, welds, sliders and slots, then
+ * pins, because a loop is closed most simply at a pin; free joints, which close nothing, last. -1: never. */
 static int rank_of(lw_joint_kind kind, bool loaded, bool at_gear)
 {
     return lw_joint_has_ratio(kind) ? -1 : loaded ? 0 : at_gear ? 1
-         : lw_joint_freedoms(kind) == 0 ? 2 : lw_joint_turns(kind) ? 4 : 3;
+         : lw_joint_freedoms(kind) == 0 ? 2 : lw_joint_freedoms(kind) == 3 ? 5 : lw_joint_turns(kind) ? 4 : 3;
 }
 
 static lw_status mark_gears(const lw_assembly *linkage, bool *at_gear, lw_error *e)
