@@ -339,7 +339,7 @@ static void run_alike(drun *d, double to)
         }
         CHECK(worst < 1e-3*size);
         CHECK(moved > 0.1*size);
-        if (!(worst < 1e-3*size) || getenv("SHOW"))
+        if (!(worst < 1e-3*size))
             fprintf(stderr, "    %g of the size, moved %g: %s\n", worst/size, moved, d->model.linkage.link_name[1]);
         mj.free_data(s);
         mj.free_model(m);
