@@ -251,6 +251,36 @@ TEST(faults)
 }
 
 /* Masses and loads are there with their numbers, and the linkage reads back as without them. */
+/* The centre of mass of a part is a marker of this part, also where markers are numbered one after the other. */
+TEST(masses_of_many_links)
+{
+    OWN(lw_bytes) text = { 0 }, b = { 0 };
+    char part[200];
+    static drun d;
+    lw_bytes_text(&text, "{\"linkwright\": 1, \"ground\": \"b0\", \"links\": [\"b0\"");
+    for (int i = 1; i <= 70; i++) {
+        snprintf(part, sizeof part, ", {\"name\": \"b%d\", \"mass\": 1, \"inertia\": 1, \"centre\": [%d.5, 0]}", i, i);
+        lw_bytes_text(&text, part);
+    }
+    for (int i = 1; i <= 70; i++) {
+        snprintf(part, sizeof part, "%s{\"name\": \"J%d\", \"links\": [\"b%d\", \"b%d\"], \"at\": [%d, 0]}", i == 1 ? "], \"joints\": [" : ", ",
+                 i, i - 1, i, i);
+        lw_bytes_text(&text, part);
+    }
+    lw_bytes_text(&text, "]}");
+    drun_read_json(&d, text.data);
+    lw_export_options o = { .model = &d.model, .clearance = -1 };
+    CHECK_SILENT(lw_export_adams(&d.model.linkage, &o, &b, &check_error));
+    for (int i = 1; i <= 70; i++) {
+        int number = 0;
+        snprintf(part, sizeof part, "PART/%02d, MASS = 1, CM = %%d", i + 1);
+        for (const char *at = b.data; at && sscanf(at, part, &number) != 1; at = strchr(at, '\n') ? strchr(at, '\n') + 1 : NULL) {
+        }
+        snprintf(part, sizeof part, "MARKER/%04d, PART = %02d, QP = %d.5, 0, 0\n", number, i + 1, i);
+        CHECK_HAS(b.data, part);
+    }
+}
+
 TEST(loads_are_written)
 {
     static const char *const has[][12] = {

@@ -64,11 +64,16 @@ static bool has_statement(lw_joint_kind kind) { return !lw_joint_has_ratio(kind)
 
 /* ---- parts and markers ---------------------------------------------------------------------------- */
 
+/* Number of the marker that is written next on a link. */
+static int next_marker(const writer *w, int link) { return w->stride ? w->stride*(link + 1) + w->n_marker[link] + 1 : w->last + 1; }
+
 /* Write a marker with its z axis along a direction of the plane: turn by the direction's angle + 90 degrees about z,
  * then by 90 about x. */
 static int put_marker(writer *w, int link, lw_vec2 at, const lw_vec2 *z, double turn, const char *name)
 {
-    int id = w->stride ? w->stride*(link + 1) + ++w->n_marker[link] : ++w->last;
+    int id = next_marker(w, link);
+    w->n_marker[link]++;
+    w->last = id;
     put_name(w, name, "");
     put_id(w, "MARKER/", id, 4);
     put_id(w, ", PART = ", link + 1, 2);
@@ -110,7 +115,7 @@ static void put_parts(writer *w)
         if (body && body->mass > 0) {                  /* its marker is the first one of the part */
             put(w, ", MASS = ");
             put_number(w, body->mass);
-            put_id(w, ", CM = ", 100*(link + 1) + 1, 4);
+            put_id(w, ", CM = ", next_marker(w, link), 4);
             for (int i = 0; i < 3; i++) {
                 put(w, i ? ", " : ", IP = ");
                 put_number(w, body->inertia);
