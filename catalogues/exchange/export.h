@@ -23,7 +23,7 @@ typedef struct lw_export_options {
  * other joints: connect for pins, weld for sliders and welds, joint for gears. The coordinate of a joint counts as
  * an lw_input does and has the same value in the posture. Tracers are sites with a position sensor.
  *   Without masses the links are steel rods that do not collide, there is no gravity, and every input has a drive. With
- * a model the file holds masses, gravity, springs and dampers, motors, constant forces and stops, and inputs without a
+ * a model the file holds masses, gravity, springs and dampers, motors, constant forces, stops and ropes, and inputs without a
  * motion run freely. Velocities at the start are in the keyframe. A free body has two slides and a hinge. Drives, loops and the
  * step of time are chosen so that the file is stable when stepped. LW_E_KIND, naming it: a load that MJCF cannot hold, or a speed
  * beside a motion; failures of lw_export_start (catalogues/exchange/start.h). */

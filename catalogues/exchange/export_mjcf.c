@@ -20,7 +20,7 @@ typedef struct writer {
     lw_export_twist  *twist;                  /* (n_link) velocities at the start; NULL: all are 0       */
     lw_export_tree    tree;
     lw_mjcf_key       key;
-    lw_owners         joints, tracers, springs, forces;          /* by links                              */
+    lw_owners         joints, tracers, springs, ropes, forces;   /* by links                              */
     lw_owners         inputs, joint_springs;                     /* by joints                             */
 } writer;
 
@@ -185,6 +185,11 @@ static void put_sites(writer *w, int depth, int link)
         int end = w->springs.entry[at]%2;
         put_load_site(w, depth, p->name, end ? " end" : " start", link, p->at[end]);
     }
+    for (int at = w->ropes.start[link]; at < w->ropes.start[link + 1]; at++) {
+        const lw_rope *p = &w->m->rope[w->ropes.entry[at]/2];
+        int end = w->ropes.entry[at]%2;
+        put_load_site(w, depth, p->name, end ? " rope end" : " rope start", link, p->at[end]);
+    }
     for (int at = w->forces.start[link]; at < w->forces.start[link + 1]; at++) {
         const lw_force *f = &w->m->force[w->forces.entry[at]];
         put_load_site(w, depth, f->name, " force", link, f->at);
@@ -315,6 +320,9 @@ static lw_status check_loads(const writer *w, lw_error *e)
     for (int i = 0; m && i < m->n_spring; i++)
         if (m->spring[i].law)
             return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which has no form in MJCF", m->spring[i].name);
+    for (int i = 0; m && i < m->n_rope; i++)
+        if (m->rope[i].surface.stiffness > 0 || m->rope[i].surface.restitution > 0)
+            return lw_error_set(e, LW_E_KIND, "rope '%s' rebounds or gives way, which has no form in MJCF", m->rope[i].name);
     for (int i = 0; m && i < m->n_joint_spring; i++) {
         const lw_joint_spring *p = &m->joint_spring[i];
         if (p->law || lw_joint_has_slot(k->joint[p->joint].kind) || !w->tree.in_tree[p->joint])
@@ -343,15 +351,17 @@ static lw_status check_loads(const writer *w, lw_error *e)
     return LW_OK;
 }
 
-static void put_springs(writer *w)
+static void put_tendons(writer *w)
 {
-    if (!w->m || w->m->n_spring == 0)
+    if (!w->m || w->m->n_spring + w->m->n_rope == 0)
         return;
     put(w, "\n  <tendon>");
     for (int i = 0; i < w->m->n_spring; i++) {
         const lw_spring *p = &w->m->spring[i];
         lw_mjcf_spring(w->out, p->name, p->free, p->stiffness, p->damping, 0.005*w->size);
     }
+    for (int i = 0; i < w->m->n_rope; i++)
+        lw_mjcf_rope(w->out, w->m->rope[i].name, w->m->rope[i].length, w->step, 0.005*w->size);
     put(w, "\n  </tendon>");
 }
 
@@ -387,7 +397,7 @@ static double step_for(double inertia, double stiffness, double damping)
     return fmin(stiffness > 0 ? 0.2*sqrt(inertia/stiffness) : INFINITY, damping > 0 ? 0.5*inertia/damping : INFINITY);
 }
 
-/* The step of time: what all springs, dampers and motors allow, a whole part of STEP.  A stop gives way for some steps. */
+/* The step of time: what all springs, dampers and motors allow, a whole part of STEP.  A stop or a rope gives way for some steps. */
 static double choose_step(const writer *w)
 {
     double least = INFINITY, step = STEP;
@@ -409,6 +419,8 @@ static double choose_step(const writer *w)
     for (int j = 0; j < w->k->n_joint; j++)
         if (w->m->stop[j].has_least || w->m->stop[j].has_greatest)
             step = fmin(step, STEP/5);
+    if (w->m->n_rope > 0)
+        step = fmin(step, STEP/10);
     return STEP/ceil(STEP/fmax(1e-6, step));
 }
 
@@ -474,6 +486,7 @@ static bool list_owners(writer *w)
         && LW_OWNERS(&w->tracers, k->n_link, k->tracer, k->n_tracer, link, 1)
         && LW_OWNERS(&w->inputs, k->n_joint, k->input, k->n_input, joint, 1)
         && LW_OWNERS(&w->springs, k->n_link, m->spring, m->n_spring, link, 2)
+        && LW_OWNERS(&w->ropes, k->n_link, m->rope, m->n_rope, link, 2)
         && LW_OWNERS(&w->forces, k->n_link, m->force, m->n_force, link, 1)
         && LW_OWNERS(&w->joint_springs, k->n_joint, m->joint_spring, m->n_joint_spring, joint, 1);
 }
@@ -504,14 +517,14 @@ lw_status lw_export_mjcf(const lw_assembly *linkage, const lw_export_options *o,
         s = put_closures(&w, e);
     }
     if (s == LW_OK) {
-        put_springs(&w);
+        put_tendons(&w);
         put_drives(&w);
         put(&w, "\n</mujoco>\n");
     }
     lw_export_tree_free(&w.tree);
     lw_mjcf_key_free(&w.key);
     free(w.twist);
-    lw_owners *const lists[] = { &w.joints, &w.tracers, &w.springs, &w.forces, &w.inputs, &w.joint_springs };
+    lw_owners *const lists[] = { &w.joints, &w.tracers, &w.springs, &w.ropes, &w.forces, &w.inputs, &w.joint_springs };
     for (size_t i = 0; i < sizeof lists/sizeof *lists; i++)
         lw_owners_free(lists[i]);
     if (s != LW_OK) {

@@ -121,7 +121,7 @@ lw_status lw_format_parse(const char *text, size_t size, const char *file, const
 lw_status lw_format_write(const lw_format *f, const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     const lw_model *m = f->loads && o ? o->model : NULL;
-    const char *what = !m ? NULL : m->n_contact ? "contacts" : m->n_rope ? "ropes" : m->n_elastic ? "elastic links"
+    const char *what = !m ? NULL : m->n_contact ? "contacts" : m->n_rope && f->write != lw_export_mjcf ? "ropes" : m->n_elastic ? "elastic links"
                      : m->states.n_state ? "states" : NULL;
     if (what)
         return lw_error_set(e, LW_E_KIND, "the model has %s, which are not written to %s: take them out of a copy of "

@@ -115,6 +115,17 @@ void lw_mjcf_bodies(lw_bytes *out, const lw_export_tree *t, int ground, int firs
 
 /* ---- loads --------------------------------------------------------------------------------------- */
 
+static void end_tendon(lw_bytes *out, const char *name, const char *const more[2])
+{
+    lw_bytes_text(out, ">");
+    for (int end = 0; end < 2; end++) {
+        lw_mjcf_tag(out, 3, "<site");
+        lw_mjcf_name(out, "site", name, more[end]);
+        lw_bytes_text(out, "/>");
+    }
+    lw_mjcf_tag(out, 2, "</spatial>");
+}
+
 void lw_mjcf_spring(lw_bytes *out, const char *name, double free, double stiffness, double damping, double width)
 {
     lw_mjcf_tag(out, 2, "<spatial");
@@ -123,13 +134,17 @@ void lw_mjcf_spring(lw_bytes *out, const char *name, double free, double stiffne
     lw_mjcf_number(out, "stiffness", stiffness);
     lw_mjcf_number(out, "damping", damping);
     lw_mjcf_number(out, "width", width);
-    lw_bytes_text(out, ">");
-    for (int end = 0; end < 2; end++) {
-        lw_mjcf_tag(out, 3, "<site");
-        lw_mjcf_name(out, "site", name, end ? " end" : " start");
-        lw_bytes_text(out, "/>");
-    }
-    lw_mjcf_tag(out, 2, "</spatial>");
+    end_tendon(out, name, (const char *[]){ " start", " end" });
+}
+
+void lw_mjcf_rope(lw_bytes *out, const char *name, double length, double step, double width)
+{
+    lw_mjcf_tag(out, 2, "<spatial limited=\"true\" solimplimit=\"0.9999 0.9999 0.001\"");
+    lw_mjcf_name(out, "name", name, " rope");
+    lw_mjcf_numbers(out, "range", (double[]){ 0, length }, 2);
+    lw_mjcf_numbers(out, "solreflimit", (double[]){ 2*step, STOP }, 2);
+    lw_mjcf_number(out, "width", width);
+    end_tendon(out, name, (const char *[]){ " rope start", " rope end" });
 }
 
 static void add_numbers(lw_bytes *out, const double *v, int n)

@@ -41,6 +41,9 @@ void lw_mjcf_bodies(lw_bytes *out, const lw_export_tree *t, int ground, int firs
 /* A spring between the sites "NAME start" and "NAME end": a tendon. */
 void lw_mjcf_spring(lw_bytes *out, const char *name, double free, double stiffness, double damping, double width);
 
+/* A rope between the sites "NAME rope start" and "NAME rope end": a tendon with a greatest length, where nothing rebounds. */
+void lw_mjcf_rope(lw_bytes *out, const char *name, double length, double step, double width);
+
 /* The keyframe "posture": controls of the drives, velocities of all coordinates in the order of the file.  { 0 } is empty. */
 typedef struct lw_mjcf_key { lw_bytes controls, speeds; } lw_mjcf_key;
 void lw_mjcf_speeds(lw_mjcf_key *key, const double *v, int n);
