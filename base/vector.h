@@ -1,7 +1,8 @@
-/* base/vector.h - arrays of n numbers: sums from the first to the last, the greatest, sorting. */
+/* base/vector.h - arrays of n numbers: sums from the first to the last, the greatest, sorting; scratch for vector instructions. */
 #ifndef LW_BASE_VECTOR_H
 #define LW_BASE_VECTOR_H
 
+#include <stdint.h>
 #include <stdlib.h>
 #include "base/real.h"
 
@@ -45,5 +46,12 @@ static inline int lw_compare_numbers(const void *a, const void *b)
 
 /* Sort in ascending order; no NaN. */
 static inline void lw_sort(size_t n, double *x) { qsort(x, n, sizeof *x, lw_compare_numbers); }
+
+/* The first address from p on at which a register of eight numbers begins in memory; [bytes]. */
+#define LW_SCRATCH_ALIGNMENT 64
+static inline void *lw_scratch_align(void *p)
+{
+    return (char *)p + (LW_SCRATCH_ALIGNMENT - (uintptr_t)p%LW_SCRATCH_ALIGNMENT)%LW_SCRATCH_ALIGNMENT;
+}
 
 #endif

@@ -14,7 +14,7 @@ TEST(tables)
     for (int p = 0; p < 15; p++) {
         double sum = 0;
         for (int j = 0; j < 8; j++)
-            sum += weight[j]*pow(node[j], p);
+            sum += stage_column[j][7]*pow(node[j], p);
         CHECK_NEAR(sum, 1.0/(p + 1), 1e-15, 0);
         for (int k = 0; k < 8 && p < 8; k++) {
             double stage = 0;

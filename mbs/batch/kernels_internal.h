@@ -6,6 +6,7 @@
 #define LW_MBS_BATCH_KERNELS_INTERNAL_H
 
 #include <stdint.h>
+#include "base/vector.h"
 #include "mbs/batch/batch.h"
 
 #define LW_BLOCK_LANES 128    /* lanes per pass: the registers of a small plan stay in the first-level cache  */
@@ -50,12 +51,6 @@ size_t lw_continuation_size(const lw_plan *plan);
 
 /* The scratch of lw_kernels.group_posture [byte]: 0.3 to 1 MB, too much for the stack. */
 size_t lw_group_posture_size(const lw_plan *plan);
-
-#define LW_SCRATCH_ALIGNMENT 64
-static inline void *lw_scratch_align(void *p)
-{
-    return (char *)p + (LW_SCRATCH_ALIGNMENT - (uintptr_t)p%LW_SCRATCH_ALIGNMENT)%LW_SCRATCH_ALIGNMENT;
-}
 
 /* Find the posture of the higher groups at one input.  LW_E_MEMORY: there is no scratch.  posture.c */
 lw_status lw_group_posture_find(const lw_plan *plan, const double *dim, const double *mode, double input, lw_group_posture *group_posture);

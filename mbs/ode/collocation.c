@@ -1,5 +1,6 @@
 /* mbs/ode/collocation.c - steps of Radau IIA with eight stages, eight evaluations at once. */
 #include "base/real.h"
+#include "base/vector.h"
 #include "mbs/ode/collocation.h"
 
 #include <float.h>
@@ -40,13 +41,14 @@ static const lw_stage_loops *loops_of(const char *isa)
 
 size_t lw_collocation_work(int n, bool implicit)
 {
-    return (size_t)n*(5*N + 5) + (implicit ? (2 + 2*PAIRS)*LW_IMPLICIT_MAX*LW_IMPLICIT_MAX : 0);
+    return (size_t)n*(5*N + 5) + LW_SCRATCH_ALIGNMENT/sizeof(double) + (implicit ? (2 + 2*PAIRS)*LW_IMPLICIT_MAX*LW_IMPLICIT_MAX : 0);
 }
 
 void lw_collocation_start(lw_collocation *w, const lw_stages_ode *ode, const lw_ode_options *o, double *work, double t, const double *y)
 {
     size_t n = (size_t)ode->n;
     *w = (lw_collocation){ .ode = ode, .loops = loops_of(ode->isa), .o = *o, .t = t, .t_old = t, .fastest = INFINITY, .most = INFINITY, .stale = true };
+    work = lw_scratch_align(work);
     double **part[] = { &w->f, &w->stage, &w->c, &w->d, &w->d_refused };
     for (int i = 0; i < 5; i++, work += N*n)
         *part[i] = work;
@@ -119,7 +121,7 @@ static void continue_polynomials(double of, double later, double h, double colum
 /* By the last step, or by one that was refused and goes farther. */
 static void predict(lw_collocation *w, double h)
 {
-    double column[N][N];
+    _Alignas(LW_SCRATCH_ALIGNMENT) double column[N][N];
     bool refused = w->h_refused > w->passed;
     continue_polynomials(refused ? w->h_refused : w->h_done, refused ? w->passed : w->h_done, h, column);
     for (int m = w->degree + 1; m < N && !refused; m++)
@@ -138,7 +140,8 @@ static void keep_refused(lw_collocation *w, double h)
 /* The degree with which the last polynomial would have met the rates of this step best. */
 static int best_degree(const lw_collocation *w, double h)
 {
-    double column[N][N], off[N];
+    _Alignas(LW_SCRATCH_ALIGNMENT) double column[N][N];
+    double off[N];
     int best = 0;
     continue_polynomials(w->h_done, w->h_done, h, column);
     w->loops->misses(w->ode->n, (const double (*)[N])column, w->d, w->f, w->scale, off);
@@ -168,10 +171,10 @@ static void move(lw_collocation *w)
         memcpy(w->f, w->stage + n, n*sizeof *w->f);
 }
 
-/* Numbers `from` to n at all points from their rates; returns the sum of squares of how far they moved, over the errors allowed. */
-static double improve(lw_collocation *w, double h, int from, int n)
+/* Numbers `from` to n at all points from their rates; off (8): sums of squares of how far they moved, over the errors allowed. */
+static void improve(lw_collocation *w, double h, int from, int n, double *off)
 {
-    return w->loops->improve(n - from, stage_column, h, w->y_old + from, w->scale + from, w->f + N*from, w->stage + N*from);
+    w->loops->improve(n - from, stage_column, h, w->y_old + from, w->scale + from, w->f + N*from, w->stage + N*from, off);
 }
 
 /* The factors of 1 - z D - z^2 K, z = h times an eigenvalue, K and D the derivatives by x and u: lower part, then upper part with
@@ -225,10 +228,10 @@ static void solve(const lw_collocation *w, int p, double *x)
 }
 
 /* A Newton step of u at all points; in the eigenvectors of A they separate. */
-static double newton_step(lw_collocation *w, double h)
+static void newton_step(lw_collocation *w, double h, double off[N])
 {
     const int n = w->ode->n_u, first = n;
-    double x[PAIRS][2*LW_IMPLICIT_MAX], r[N], moved = 0;
+    double x[PAIRS][2*LW_IMPLICIT_MAX], r[N];
     for (int i = 0; i < n; i++) {
         const double *stage = w->stage + N*(first + i);
         w->loops->sums(1, stage_column, w->f + N*(first + i), r);
@@ -241,35 +244,40 @@ static double newton_step(lw_collocation *w, double h)
     for (int p = 0; p < PAIRS; p++)
         solve(w, p, x[p]);
     for (int i = 0; i < n; i++) {
-        double *stage = w->stage + N*(first + i), most = 0;
+        double *stage = w->stage + N*(first + i);
         for (int p = 0; p < PAIRS; p++)
             r[2*p] = x[p][2*i], r[2*p + 1] = -x[p][2*i + 1];
         w->loops->sums(1, vector_column, r, r);
         for (int k = 0; k < N; k++) {
+            double by = r[k]*w->scale[first + i];
             stage[k] += r[k];
-            most = fabs(r[k]) > most ? fabs(r[k]) : most;
+            off[k] += by*by;
         }
-        moved += most*w->scale[first + i]*(most*w->scale[first + i]);
     }
-    return moved;
 }
 
-/* Improve the states at all points from their rates; returns how far they moved, over the error allowed. */
+/* Improve the states at all points from their rates; returns how far the one moved that moved farthest, over the error allowed. */
 static double improve_all(lw_collocation *w, double h, bool implicit)
 {
-    const int n = w->ode->n_x, end = n + w->ode->n_u;
-    double moved = implicit ? newton_step(w, h) : improve(w, h, n, end);
+    const int n = w->ode->n_x;
+    double off[N], by_newton[N] = { 0 }, of_x[N], most = 0;
+    if (implicit)
+        newton_step(w, h, by_newton);
+    improve(w, h, implicit ? n + w->ode->n_u : n, w->ode->n, off);
     move(w);                                 /* u is improved before x */
-    moved += improve(w, h, 0, n) + improve(w, h, end, w->ode->n);
-    return sqrt(moved/w->ode->n);
+    improve(w, h, 0, n, of_x);
+    for (int k = 0; k < N; k++)
+        most = lw_greater(off[k] + of_x[k] + by_newton[k], most);
+    return sqrt(most/w->ode->n);
 }
 
 /* States at all points from the predicted rates. */
 static void start_stages(lw_collocation *w, double h)
 {
+    double off[N];
     predict(w, h);
     if (w->ode->motion)                      /* it needs x */
-        improve(w, h, 0, w->ode->n_x);
+        improve(w, h, 0, w->ode->n_x, off);
     improve_all(w, h, false);
 }
 
@@ -278,10 +286,10 @@ static double rounding(const lw_collocation *w)
 {
     double sum = 0;
     for (int i = 0; i < w->ode->n; i++) {
-        double by = 4*DBL_EPSILON*fmax(fabs(w->y_old[i]), fabs(w->stage[N*i + N - 1]))*w->scale[i];
+        double from = fabs(w->y_old[i]), to = fabs(w->stage[N*i + N - 1]), by = lw_greater(from, to)*w->scale[i];
         sum += by*by;
     }
-    return sqrt(sum/w->ode->n);
+    return 4*DBL_EPSILON*sqrt(sum/w->ode->n);
 }
 
 /* What all improvements after the i-th, of factor `by`, leave: their factors fall as 1/i, since h A is integrals over integrals. */
@@ -407,18 +415,14 @@ static lw_status begin(lw_collocation *w, double span)
 static double step_error(lw_collocation *w, double h)
 {
     const lw_stages_ode *o = w->ode;
-    double size[N] = { 0 }, c[N];
+    double size[N], c[N];
     for (int i = o->n_u; o->implicit && i < 2*o->n_u; i++) {
         for (int k = 0; k < N; k++)
             c[k] = (w->stage[N*i + k] - w->y_old[i])/h;
         w->loops->sums(1, slope_column, c, w->f + N*i);
     }
     w->loops->sums(o->n, legendre_column, w->f, w->c);
-    for (int i = 0; i < o->n; i++)
-        for (int m = 0; m < N; m++) {
-            double by = w->c[N*i + m]*w->scale[i];
-            size[m] += by*by;
-        }
+    w->loops->squares(o->n, w->scale, w->c, size);
     double last = fmax(size[N - 1], 1e-300), fall = eighth_root(last/fmax(size[N - 5], last));
     last = fmax(sqrt(last), sqrt(size[N - 2])*fall);
     return h*last*fall/(2*(2*N + 1)*sqrt((double)o->n));
@@ -429,11 +433,9 @@ static lw_status arrive(lw_collocation *w, double h, double end, double *off)
 {
     int n = w->ode->n;
     double sum_off = 0;
+    w->loops->sums(n, stage_column, w->f, w->stage);
     for (int i = 0; i < n; i++) {
-        double sum = 0;
-        for (int j = 0; j < N; j++)
-            sum += weight[j]*w->f[N*i + j];
-        double add = h*sum + w->low[i];
+        double add = h*w->stage[N*i + N - 1] + w->low[i];
         w->y[i] = w->y_old[i] + add;
         w->lost[i] = add - (w->y[i] - w->y_old[i]);      /* summed with compensation */
     }

@@ -1,17 +1,16 @@
-/* mbs/ode/collocation_table_internal.h - Radau IIA with 8 stages (Hairer & Wanner 1996, section IV.5), to 20 digits from 50: points and
- * weights; A with the integrals of the polynomials that are 1 at one point and 0 at the others, by columns; its inverse; its complex
- * eigenvalues a + ib, and real and imaginary parts of their vectors, T, with the inverse of T.  tests/test_collocation.c checks them. */
+/* mbs/ode/collocation_table_internal.h - Radau IIA with 8 stages (Hairer & Wanner 1996, section IV.5), to 20 digits from 50: points; A with
+ * the integrals of the polynomials that are 1 at one point and 0 at the others, by columns (those of the last stage are the weights); its
+ * inverse; its complex eigenvalues a + ib, and real and imaginary parts of their vectors, T, with the inverse of T.
+ * tests/test_collocation.c checks them. */
 #ifndef LW_MBS_ODE_COLLOCATION_TABLE_INTERNAL_H
 #define LW_MBS_ODE_COLLOCATION_TABLE_INTERNAL_H
 
 static const double node[8] = { 0.022479386438712498109, 0.11467905316090423191, 0.26578982278458946848, 0.452846373669444617,
     0.64737528288683036263, 0.81975930826310763501, 0.94373743946307785353, 1.0 };
-static const double weight[8] = { 0.057254407372128599671, 0.12482395066493248163, 0.17350739781725064011, 0.19578608372624679654,
-    0.18825877269455927829, 0.15206531032339256449, 0.09267907740148963927, 0.015625 };
 static const double eigenvalue[4][2] = { { 0.095813884217223018073, 0.015538351834319615079 }, { 0.083115020474094541738, 0.043908175343951894095 }, { 0.059547189748672072045, 0.064411736066136159108 }, { 0.028190572226677034811, 0.072262399177771703744 } };
 
 /* [j][k]: of stage k by the rate of stage j */
-static const double stage_column[8][8] = {
+_Alignas(64) static const double stage_column[8][8] = {
     { 0.028802823892616741227, 0.061680826212949944669, 0.055285563267234655183, 0.058300686057539361005,
       0.056682008984800836868, 0.057543032017243113193, 0.057146971559234027473, 0.057254407372128599671 },
     { -0.01082169805201563681, 0.063307905435285805126, 0.13457201985444415562, 0.12047766147733864465,
@@ -31,7 +30,7 @@ static const double stage_column[8][8] = {
 };
 
 /* [j][k] of the inverse: of rate k by stage j */
-static const double slope_column[8][8] = {
+_Alignas(64) static const double slope_column[8][8] = {
     { 22.242599964335921151, -16.591130197062396105, 8.1182360178227023815, -5.6397236373899777793,
       4.7359270907952887616, -4.6476082086114543444, 5.5279700241316764369, -13.060996041930575769 },
     { 7.0903116738926013971, 4.3599941420728203209, -8.5451889592396553261, 4.6920195582474718477,
@@ -51,7 +50,7 @@ static const double slope_column[8][8] = {
 };
 
 /* [j][k] of T: column j */
-static const double vector_column[8][8] = {
+_Alignas(64) static const double vector_column[8][8] = {
     { -0.0005633474964232950648, 0.0006738618995091020309, -0.00043636361497672980576, 0.0025581578721094061488,
       0.01957571242809325156, 0.13213286723943831235, 0.48441977127293851675, 0.86234772539992110689 },
     { 0.00080018703812061259191, -0.00068987810471717418771, 0.0011472008953976635957, 0.0020333797764986387614,
@@ -71,7 +70,7 @@ static const double vector_column[8][8] = {
 };
 
 /* [j][k] of its inverse: column j */
-static const double inverse_column[8][8] = {
+_Alignas(64) static const double inverse_column[8][8] = {
     { -223.73503753681048147, 1441.4284493452056887, 347.90400342056913405, -662.10851132870587321,
       -137.90600264698918021, 110.21200088756488099, 13.761108335399491056, -0.22814192092026576264 },
     { 1.1839650233298643575, 1242.279448550987943, 15.954585801725403336, -687.89894787682534047,
@@ -91,7 +90,7 @@ static const double inverse_column[8][8] = {
 };
 
 /* [j][m]: of coefficient m in Legendre polynomials by the value at point j */
-static const double legendre_column[8][8] = {
+_Alignas(64) static const double legendre_column[8][8] = {
     { 0.057254407372128599671, -0.1640409584245605079, 0.24852867715006743956, -0.29865381898530189408,
       0.30624638282668270156, -0.26800091146881074437, 0.18593258669046650733, -0.067266365160672101789 },
     { 0.12482395066493248163, -0.28858369715045016964, 0.24392684047936040948, 0.01028740805792232021,
@@ -111,7 +110,7 @@ static const double legendre_column[8][8] = {
 };
 
 /* [j][m]: of divided difference m, over the last m + 1 points, by the value at point j */
-static const double difference_column[8][8] = {
+_Alignas(64) static const double difference_column[8][8] = {
     { 0.0, 0.0, 0.0, 0.0,
       0.0, 0.0, 0.0, -230.85816523142665334 },
     { 0.0, 0.0, 0.0, 0.0,

@@ -25,23 +25,30 @@ static void sums(int n, const double (*column)[N], const double *in, double *out
         combine(column, in + N*i, out + N*i);
 }
 
-static double improve(int n, const double (*column)[N], double h, const double *y, const double *scale, const double *f, double *stage)
+static void improve(int n, const double (*column)[N], double h, const double *y, const double *scale, const double *f, double *stage, double *off)
 {
-    double moved = 0, sum[N], by[N];
+    double sum[N], all[N] = { 0 };
     for (int i = 0; i < n; i++, stage += N) {
-        const double from = y[i];            /* which stage, for all that the compiler knows, may hold */
+        const double from = y[i], by = scale[i];         /* which stage, for all that the compiler knows, may hold */
         combine(column, f + N*i, sum);
         for (int k = 0; k < N; k++) {
-            double to = from + h*sum[k];
-            by[k] = fabs(to - stage[k]);
+            double to = from + h*sum[k], moved = (to - stage[k])*by;
+            all[k] += moved*moved;
             stage[k] = to;
         }
-        for (int half = N/2; half > 0; half /= 2)
-            for (int k = 0; k < half; k++)
-                by[k] = by[k] > by[k + half] ? by[k] : by[k + half];
-        moved += by[0]*scale[i]*(by[0]*scale[i]);
     }
-    return moved;
+    memcpy(off, all, sizeof all);
+}
+
+static void squares(int n, const double *scale, const double *in, double *size)
+{
+    double all[N] = { 0 };
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < N; k++) {
+            double by = in[N*i + k]*scale[i];
+            all[k] += by*by;
+        }
+    memcpy(size, all, sizeof all);
 }
 
 static void misses(int n, const double (*column)[N], const double *c, const double *f, const double *scale, double *off)
@@ -64,4 +71,4 @@ static void misses(int n, const double (*column)[N], const double *c, const doub
     }
 }
 
-const lw_stage_loops OF_ISA(lw_stage_loops, LW_ISA) = { LW_ISA_NAME, sums, improve, misses };
+const lw_stage_loops OF_ISA(lw_stage_loops, LW_ISA) = { LW_ISA_NAME, sums, improve, squares, misses };

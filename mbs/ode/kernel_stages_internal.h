@@ -10,9 +10,11 @@ typedef struct lw_stage_loops {
     const char *isa;
     /* out: sum of in[row][j] column[j], in each of n rows; out may be in */
     void (*sums)(int n, const double (*column)[LW_STAGES], const double *in, double *out);
-    /* stage = y + h times these sums of f; returns the sum of squares over rows of how far the stages moved at most, times scale */
-    double (*improve)(int n, const double (*column)[LW_STAGES], double h, const double *y, const double *scale, const double *f,
-                      double *stage);
+    /* stage = y + h times these sums of f; off (8): sums of squares over rows of how far each stage moved, times scale */
+    void (*improve)(int n, const double (*column)[LW_STAGES], double h, const double *y, const double *scale, const double *f,
+                    double *stage, double *off);
+    /* size (8): sums of squares of in over its rows, times scale */
+    void (*squares)(int n, const double *scale, const double *in, double *size);
     /* off[m] (8): sum of squares over rows of f minus c[0] column[0] .. c[m] column[m], times scale */
     void (*misses)(int n, const double (*column)[LW_STAGES], const double *c, const double *f, const double *scale, double *off);
 } lw_stage_loops;

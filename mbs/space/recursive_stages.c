@@ -1,5 +1,6 @@
 /* mbs/space/recursive_stages.c - a tree and its loops made ready for the kernels of eight states. */
 #include "base/real.h"
+#include "base/vector.h"
 #include "mbs/space/kernel_tree_internal.h"
 
 #include <stdlib.h>
@@ -329,15 +330,16 @@ lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, b
     if (!at)
         return LW_E_MEMORY;
     s->state = lw_scratch_align(at), at = (char *)s->state + state;
+    s->angle = (double *)(void *)at, s->cosine = s->angle + 8*(u + 1), s->sine = s->cosine + 8*(u + 1);
+    s->factored = s->sine + 8*(u + 1);
+    s->y = s->factored + 8*s->n_x, s->dy = s->y + 8*(s->n_x + s->n_u + 1), s->moment = s->dy + 8*(s->n_x + s->n_u + 1);
+    at += doubles*sizeof(double);
     s->body = (lw_stage_body *)(void *)at, at += bodies*sizeof *s->body;
     s->spring = (lw_stage_spring *)(void *)at, at += springs*sizeof *s->spring;
     s->loop = (lw_stage_loop *)(void *)at, at += loops*sizeof *s->loop;
     s->inner = (lw_stage_loop *)(void *)at, at += bodies*sizeof *s->inner;
     s->leg = (lw_stage_leg *)(void *)at, at += loops*sizeof *s->leg;
-    s->angle = (double *)(void *)at, s->cosine = s->angle + 8*(u + 1), s->sine = s->cosine + 8*(u + 1);
-    s->factored = s->sine + 8*(u + 1);
-    s->y = s->factored + 8*s->n_x, s->dy = s->y + 8*(s->n_x + s->n_u + 1), s->moment = s->dy + 8*(s->n_x + s->n_u + 1);
-    s->turn = (int *)(void *)(s->moment + 8*s->n_moment);
+    s->turn = (int *)(void *)at;
     s->order = s->turn + u + 1;
     for (size_t i = 0; i < loops; i++)
         s->loop[i].path = s->order + bodies + i*bodies;
