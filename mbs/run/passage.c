@@ -256,7 +256,7 @@ bool lw_passage_meets(const lw_passage *z, double tolerance)
  * the product of multiplier and time from the pole is a polynomial too (mbs/formulations/driven.c). */
 static const double longest_window = 0.3, shortest_window = 0.03;    /* half of it, scaled: about radians */
 static const double agreed = 1e-9, disagreed = 1e-5;     /* orders 20 and 18: good, and too far apart, relative */
-static const double improved = 0.1;          /* half a window has less than this part of the error of a polynomial; more: it is rounding */
+static const double improved = 0.1;          /* two orders more, or half a window, leave less than this part of the error; more: it is rounding */
 static const double enough_for_forces = 1e-13;           /* error of the states at the nodes that `agreed` does not notice */
 static const double no_pole = 1e-8;          /* strength of a pole that counts as 0, relative */
 static const double at_pole = 1e-7;          /* distance from a pole, over half the window, without a value */
@@ -297,14 +297,14 @@ static double find_pole(const lw_passage *z, const double *l, int n)
     return sqrt(under) > 1e-6*most*fabs(unit) ? 0.5 + over/under : 0.5;
 }
 
-/* d->a and d->l at the anchor from the states at the nodes.  l (LW_PASSAGE_NODES + 4 rows of n_c) is scratch.  Returns how far two
- * orders are apart, relative; infinite where they cannot be found. */
-static double forces_at_anchor(const lw_passage *z, double *l)
+/* d->a and d->l at the anchor from the states at the nodes.  l (LW_PASSAGE_NODES + 4 rows of n_c) is scratch.  Returns how far orders 20
+ * and 18 are apart, relative; *before: orders 18 and 16.  Infinite where they cannot be found. */
+static double forces_at_anchor(const lw_passage *z, double *l, double *before)
 {
     lw_run *run = z->run;
     lw_dynamics *d = run->d;
     int n = d->n_c, n_v = d->n_v;
-    double off = 0;
+    double off = INFINITY;
     for (int k = 0; k < LW_PASSAGE_NODES; k++) {
         const double *y = z->state + k*run->n;
         lw_moment m;
@@ -315,7 +315,7 @@ static double forces_at_anchor(const lw_passage *z, double *l)
     }
     double pole = find_pole(z, l, n), x = z->anchor - pole, most = lw_greatest(LW_PASSAGE_NODES*n, l);
     double *strength = l + LW_PASSAGE_NODES*n, *plain = strength + n, *product = plain + n, *had = product + n;
-    for (int skip = 1; skip >= 0; skip--) {
+    for (int skip = 2; skip >= 0; skip--) {
         memcpy(had, d->l, (size_t)n*sizeof *had);
         memcpy(z->begun, d->a, (size_t)n_v*sizeof *d->a);
         between_nodes(z, l, n, skip, 0, z->anchor, plain);
@@ -325,11 +325,13 @@ static double forces_at_anchor(const lw_passage *z, double *l)
             d->l[c] = fabs(strength[c]) < no_pole*most ? plain[c] : fabs(x) < at_pole ? NAN : product[c]/x;
         between_nodes(z, z->rate, run->n, skip, 0, z->anchor, run->state);
         memcpy(d->a, run->state, (size_t)n_v*sizeof *d->a);
+        *before = off;
+        off = 0;
+        for (int c = 0; c < n; c++)
+            off = isnan(d->l[c]) ? off : fmax(off, fabs(d->l[c] - had[c])/fmax(most, fabs(d->l[c])));
+        for (int i = 0; i < n_v; i++)
+            off = fmax(off, fabs(d->a[i] - z->begun[i])/fmax(lw_greatest(n_v, d->a), 1e-300));
     }
-    for (int c = 0; c < n; c++)
-        off = isnan(d->l[c]) ? off : fmax(off, fabs(d->l[c] - had[c])/fmax(most, fabs(d->l[c])));
-    for (int i = 0; i < n_v; i++)
-        off = fmax(off, fabs(d->a[i] - z->begun[i])/fmax(lw_greatest(n_v, d->a), 1e-300));
     return off;
 }
 
@@ -373,8 +375,8 @@ lw_status lw_run_singular_forces(lw_run *run, double t, const double *y)
                 if (pass == 0)
                     solved = solved && lw_passage_centre(&z);
             }
-            double off = solved && lw_passage_meets(&z, 10*d->o.absolute) ? forces_at_anchor(&z, l) : INFINITY;
-            by_rounding = best < disagreed && !(off < improved*best);
+            double before = INFINITY, off = solved && lw_passage_meets(&z, 10*d->o.absolute) ? forces_at_anchor(&z, l, &before) : INFINITY;
+            by_rounding = (best < disagreed && !(off < improved*best)) || (off < disagreed && !(off < improved*before));
             if (!(off < best))
                 continue;
             best = off;
