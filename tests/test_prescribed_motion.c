@@ -1,5 +1,6 @@
 /* tests/test_prescribed_motion.c - inputs as functions of time against closed forms. */
 #include "mbs/constraints/prescribed_motion.h"
+#include "grammar/functions/expression.h"
 #include "mbs/kinematics/fourbar.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
@@ -271,6 +272,63 @@ TEST(a_cylinder_between_moving_links)
         CHECK_NEAR(distance(tracer(r, 0), want), 0, 1e-13, 0);
     }
     stop(r);
+}
+
+static int time_alone(void *context, const char *word, const char *name, char *why)
+{
+    (void)context;
+    why[0] = 0;
+    return name || strcmp(word, "t") != 0 ? -1 : 0;
+}
+
+/* The first input moves by t, the second by an expression, the third by 3 t. */
+static void by_expression(void *context, double t, int order, double *u)
+{
+    double at[LW_SERIES_ORDER_MAX + 1] = { t, 1 };
+    memset(u, 0, 3*(size_t)(order + 1)*sizeof *u);
+    lw_expression_series(context, order, at, u + order + 1);
+    for (int k = 0; k <= order && k < 2; k++) {
+        u[k] = at[k];
+        u[2*(order + 1) + k] = 3*at[k];
+    }
+}
+
+/* A flat parallelogram can be driven at both pins of the ground: it has two freedoms there to first order, and one afterwards. */
+TEST(inputs_of_a_flat_parallelogram_that_contradict_each_other)
+{
+    static const struct { const char *motion; double ends; } of[] = {
+        { "t", 2 }, { "-2*atan(3*tan(t/2))", 2 },          /* parallel and crossed */
+        { "2*t", 0 }, { "-t/3", 0 }, { "-3*t", 0 }, { "0*t", 0 },      /* these contradict in the second or third order */
+        { "t + max(0, t - 0.53)^3", 0.53 }, { "t + max(0, t - 0.53)", 0.53 },
+    };
+    lw_linkage l;
+    blank_linkage(&l, 5);
+    add_joints(&l, JOINTS(PIN(0, 1, 0, 0), PIN(1, 2, 1, 0), PIN(2, 3, 3, 0), PIN(3, 0, 2, 0), PIN(0, 4, 5, 1)));
+    add_input(&l, 0, 0);
+    add_input(&l, 3, 0);
+    add_input(&l, 4, 0);
+    for (size_t i = 0; i < sizeof of/sizeof *of; i++) {
+        lw_expression *x;
+        double series[4*12];
+        CHECK_INT(lw_expression_parse(of[i].motion, strlen(of[i].motion), time_alone, NULL, &x, NULL), LW_OK);
+        ride *r = start(&l, by_expression, x, 0);
+        CHECK_INT(r->status, LW_OK);
+        CHECK_INT(lw_prescribed_motion_to(r->d, 0), of[i].ends > 0 ? LW_OK : LW_E_NUMERIC);
+        lw_status s = lw_prescribed_motion_to(r->d, 1.5);
+        CHECK_INT(s, of[i].ends > 1.5 ? LW_OK : LW_E_NUMERIC);
+        CHECK_NEAR(lw_prescribed_motion_time(r->d), fmin(of[i].ends, 1.5), 1e-4, 0);
+        CHECK(residual(r) <= 2e-15);
+        if (s != LW_OK) {
+            lw_prescribed_motion_ended(r->d, s, LW_VIEW(&l), &r->e);
+            CHECK_HAS(r->e.text, "inputs J1 and J4 contradict each other");
+            if (of[i].ends > 0) {                          /* up to there it is a motion like others */
+                CHECK_INT(lw_prescribed_motion_to(r->d, 0.4), LW_OK);
+                CHECK(lw_prescribed_motion_rates(r->d, 3, series));
+            }
+        }
+        stop(r);
+        lw_expression_free(x);
+    }
 }
 
 static void nowhere(void *context, double t, int order, double *u)

@@ -72,10 +72,12 @@ lw_status lw_motion_path_in_time(const lw_linkage *linkage, lw_input_function *m
     if (st != LW_OK)
         return st;
     memcpy(q, lw_prescribed_motion_posture(c->drive), (size_t)c->s.n_q*sizeof *q);
-    if (lw_prescribed_motion_to(c->drive, to) != LW_OK) {
+    st = lw_prescribed_motion_to(c->drive, to);
+    if (st != LW_OK) {
         double last = lw_prescribed_motion_time(c->drive);
         c->to = from + (last - from)*(1 - 1e-9);
-        return lw_error_set(e, LW_OPEN, "the inputs cannot go on beyond t = %.6g s", last);
+        lw_prescribed_motion_ended(c->drive, st, LW_VIEW(linkage), e);
+        return LW_OPEN;
     }
     for (int i = 0; i < c->s.n_q; i++) {
         double d = lw_prescribed_motion_posture(c->drive)[i] - q[i];

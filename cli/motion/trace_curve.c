@@ -496,12 +496,8 @@ lw_status cli_time_print(const cli_call *call, cli_curve_trace *t, const double 
         if (s == LW_OK)
             put_posture(t, d, i == 0);
     }
-    if (s == LW_OPEN)
-        lw_error_set(e, s, "the motions lead beyond a limit of the linkage (a dead point of its inputs) at t = %.12g s;"
-                     " the rows end before it", lw_prescribed_motion_time(d));
-    else if (s != LW_OK)
-        lw_error_set(e, s, "the motion is lost at t = %.12g s: an input jumps or is no number there, or no step is "
-                     "short enough to stay on the branch; the rows end before it", lw_prescribed_motion_time(d));
+    if (s != LW_OK)
+        lw_prescribed_motion_ended(d, s, &t->k, e);
     double last, between[2];
     if (lw_prescribed_motion_lost(d, between))
         lw_note_lost(cli_notes(call), "t", between, 1, "s");

@@ -338,6 +338,30 @@ void lw_continuation_series(lw_continuation *f, int order, const double *value, 
     }
 }
 
+double lw_continuation_misfit(lw_continuation *f, int order, const double *value, const double *q, double *rate)
+{
+    const lw_system *s = f->s;
+    double count[LW_SYSTEM_ORDER_MAX + 1], scale = 1.0, most = 0.0;
+    bool given = *rate > 0.0;
+    for (int k = 1; k <= order && !given; k++) {
+        for (int i = 0; i < f->n; i++)
+            *rate = fmax(*rate, pow(fabs(q[(long)k*f->n + i]), 1.0/k));
+        for (int i = 0; i < f->n_held; i++)
+            *rate = fmax(*rate, pow(fabs(value[i*(order + 1) + k]), 1.0/k));
+    }
+    lw_system_series(s, order, q, f->series);
+    for (int k = 1; k <= order && *rate > 0.0; k++) {
+        scale *= *rate;
+        for (int r = 0; r < s->n_row; r++)
+            most = fmax(most, fabs(f->series[(long)k*s->n_row + r])/scale);
+        for (int i = 0; i < f->n_held; i++) {
+            lw_system_measure_series(s, s->input_joint[f->held[i]], k, q, count);
+            most = fmax(most, fabs(count[k] - value[i*(order + 1) + k])/scale);
+        }
+    }
+    return most;
+}
+
 void lw_continuation_sum(const lw_continuation *f, int order, const double *q, double h, double *out)
 {
     for (int i = 0; i < f->n; i++) {

@@ -83,6 +83,10 @@ double lw_continuation_residual(lw_continuation *f, const double *q);
  * coefficients lie in the plane, so the parameter is the distance along the tangent. */
 void   lw_continuation_series(lw_continuation *f, int order, const double *value, double *q);
 
+/* What a series by least squares leaves in more equations than coordinates: the largest coefficient k of an equation, divided by rate^k.
+ * It is rounding where the equations agree.  *rate: 0 is replaced by the rate at which inputs and coordinates move. */
+double lw_continuation_misfit(lw_continuation *f, int order, const double *value, const double *q, double *rate);
+
 /* out = sum of q[k*n ..] h^k */
 void   lw_continuation_sum(const lw_continuation *f, int order, const double *q, double h, double *out);
 

@@ -4,6 +4,7 @@
  * steps (`place`).  The motion in time leads from value to value.  Several inputs are followed along time itself. */
 #include "mbs/constraints/prescribed_motion.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/linalg.h"
@@ -14,6 +15,7 @@
 
 #define TRACK 64                            /* stored postures, from which branch points are crossed   */
 #define ORDER LW_SYSTEM_ORDER_MAX
+#define SHORT 4                             /* order of the series that predicts a step                 */
 #define N_CURVE 9                           /* postures from which rates near a singular one follow      */
 #define PARTS 12                            /* moments of a step at which the inputs are looked at      */
 
@@ -23,6 +25,8 @@ static const double singular_step = 0.02;     /* change of the values of several
 static const double negligible = 1e-11;     /* last term of a series that has converged, scaled         */
 static const double smooth = 1e-13;         /* the same for rates, which divide by small changes            */
 static const double ample = 1e-14;          /* the same if it converges in half as much again, too       */
+static const double contradiction = 1e-7;   /* more than this is left in the equations where they contradict each other, scaled */
+static const double too_rough = 1e5;        /* kappa, above which rounding may leave as much */
 static const double same_value = 1e-10;     /* values of one input that are no more apart, scaled, are the same */
 
 typedef struct line { double at[LW_INPUT_MAX], direction[LW_INPUT_MAX]; } line;
@@ -46,6 +50,7 @@ struct lw_prescribed_motion {
     double           det[2];                /* several inputs: time and determinant of all rows at the last step; 0: not known */
     bool             lost;                  /* it has changed its sign, first between these times      */
     double           between[2];
+    unsigned         at_odds;               /* inputs whose motions contradict each other here: bit i for input i */
     int              crossings;
     double           crossing;
     bool             leapt;                 /* the last singular step: its series about `from` holds up to `to` */
@@ -119,6 +124,12 @@ static void remember(lw_prescribed_motion *d)
     memcpy(at + 1, d->q, (size_t)d->n*sizeof *at);
 }
 
+/* Is a step h towards `last` too short to go on? */
+static bool too_short(const lw_prescribed_motion *d, double h, double last)
+{
+    return !(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last)));
+}
+
 static void arrive(lw_prescribed_motion *d, double t, const double *q)
 {
     remember(d);
@@ -146,6 +157,29 @@ static bool make_series(lw_prescribed_motion *d, double t, const double *q, int 
     memcpy(d->series, q, (size_t)d->n*sizeof *q);
     lw_continuation_series(&d->f, order, u, d->series);
     return true;
+}
+
+/* With more equations than coordinates: the inputs whose motions the equations cannot follow together from the present posture, none if they
+ * can.  An input takes part if what is left in the equations depends on its rate.  Makes d->series. */
+static void find_contradiction(lw_prescribed_motion *d)
+{
+    double u[LW_INPUT_MAX*(SHORT + 1)], rate = 0;
+    d->at_odds = 0;
+    if (!make_series(d, d->t, d->q, SHORT) || d->f.m <= d->n || !(lw_continuation_bound(&d->f, d->q) < too_rough))
+        return;
+    counts(d, d->t, SHORT, u);
+    double left = lw_continuation_misfit(&d->f, SHORT, u, d->series, &rate);
+    if (!(left > contradiction))
+        return;
+    for (int i = 0; i < d->s->n_input; i++) {
+        double *first = &u[i*(SHORT + 1) + 1], drawn = *first;
+        *first += 0.37*rate;
+        lw_continuation_series(&d->f, SHORT, u, d->series);
+        double other = lw_continuation_misfit(&d->f, SHORT, u, d->series, &rate);
+        *first = drawn;
+        if (fabs(other - left) > contradiction*left)
+            d->at_odds |= 1u << i;
+    }
 }
 
 /* The last stored posture that is farther from here than `away`, otherwise the first one. */
@@ -301,7 +335,7 @@ static lw_status advance_by_value(lw_prescribed_motion *d, double last)
     u[0] = value_at(d, d->t);
     for (int halved = 0; !near; halved++) {
         h *= halved > 0 ? 0.5 : 1;
-        if (halved > 0 && !(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
+        if (halved > 0 && too_short(d, h, last))
             return LW_E_NUMERIC;                          /* the input jumps here, or is not a number */
         near = true;
         end = h == rest ? last : d->t + h;
@@ -444,10 +478,10 @@ static bool go_from_regular(lw_prescribed_motion *d, double last)
             for (int i = 0; i < d->s->n_input; i++)
                 near = near && fabs(to[i] - now[i]) <= singular_step*lw_system_joint_unit(d->s, d->s->input_joint[i]);
         }
-        if (!near && !(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
+        if (!near && too_short(d, h, last))
             return false;
     }
-    if (!reach_from_regular(d, to, negligible, d->next))
+    if (!reach_from_regular(d, to, negligible, d->next) || !hold(d, t) || !(lw_continuation_residual(&d->f, d->next) < 100*negligible))
         return false;
     memcpy(d->q, d->next, (size_t)d->n*sizeof *d->q);
     d->t = t;
@@ -545,14 +579,16 @@ static outcome advance(lw_prescribed_motion *d, double last)
         double speed = change(d, d->t + h);
         if (speed < LW_CONTINUATION_LEAST && 1.0 < d->f.kappa*2.0*LW_CONTINUATION_LEAST)
             return leap(d, d->t + h, last) ? MOVED : LIMIT;
-        if (!(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
+        if (too_short(d, h, last))
             return LOST;                                  /* an input jumps here, or is not a number     */
     }
     double kappa = d->f.kappa;
-    make_series(d, d->t, d->q, 4);
-    for (int try = 0; try < 30; try++, h *= 0.5) {
+    find_contradiction(d);
+    if (d->at_odds)
+        return LOST;
+    for (int try = 0; try == 0 || (try < 30 && !too_short(d, h, last)); try++, h *= 0.5) {
         double t = h == rest ? last : d->t + h;
-        lw_continuation_sum(&d->f, 4, d->series, h, d->next);
+        lw_continuation_sum(&d->f, SHORT, d->series, h, d->next);
         if (!hold(d, t))
             return LOST;
         if (lw_continuation_correct(&d->f, d->next) && lw_continuation_distance(&d->f, d->next, d->q) < 1.0/kappa) {
@@ -586,14 +622,13 @@ static void come_free(lw_prescribed_motion *d)
 
 /* Towards a limit, the distance along the curve and 1/kappa fall to 0 like the square root of the remaining time.  `last` may be the
  * limit itself. */
-static void find_limit(lw_prescribed_motion *d, double last)
+static double limit_towards(const lw_prescribed_motion *d, double last)
 {
     const double *w0 = d->weight[0], *w1 = d->weight[1];
     double ahead = (w1[0] - w0[0])*w1[1]/(w0[1] - w1[1]), most = 1e4*(w1[0] - w0[0]);
-    d->limit = d->t;
     if (w1[0] == d->t && ahead*(last - d->t) > 0.0 && fabs(ahead) < fabs(most))
-        d->limit = fabs(ahead) < fabs(last - d->t) ? d->t + ahead : last;
-    d->stuck = true;
+        return fabs(ahead) < fabs(last - d->t) ? d->t + ahead : last;
+    return d->t;
 }
 
 lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t)
@@ -602,6 +637,9 @@ lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t)
         return LW_E_ARG;
     if (d->place)
         return to_by_value(d, t);
+    if (d->at_odds && d->t == t)
+        return LW_E_NUMERIC;
+    d->at_odds = 0;
     if (d->stuck && d->t != t)
         come_free(d);
     bool several = d->s->n_input > 1 && d->motion != straight && d->motion != on_line;
@@ -609,10 +647,11 @@ lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t)
         if (several && creeps(d) && go_from_regular(d, t))
             continue;
         outcome o = advance(d, t);
-        if (o != MOVED && !(several && go_from_regular(d, t))) {
+        if (o != MOVED && (d->at_odds || !several || !go_from_regular(d, t))) {
             hold(d, d->t);
             tell(d, d->t, d->q);
-            find_limit(d, t);
+            d->limit = o == LIMIT ? limit_towards(d, t) : d->t;
+            d->stuck = true;
             return o == LIMIT ? LW_OPEN : LW_E_NUMERIC;
         }
     }
@@ -700,6 +739,7 @@ static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error
     d->n_track = d->crossings = 0;
     d->leapt = d->has_regular = d->creeping = d->lost = false;
     d->det[1] = 0;
+    find_contradiction(d);
     hold(d, t);
     tell(d, t, d->q);
     return LW_OK;
@@ -853,7 +893,7 @@ bool lw_prescribed_motion_along(lw_prescribed_motion *d, int order, const double
         return false;
     memcpy(q, d->posture, (size_t)d->n*sizeof *q);
     lw_continuation_series(&d->f, order, scaled, q);
-    return true;
+    return d->f.m <= d->n || lw_continuation_misfit(&d->f, order, scaled, q, (double[]){ 0 }) <= contradiction;
 }
 
 bool lw_prescribed_motion_rates(lw_prescribed_motion *d, int order, double *q)
@@ -874,6 +914,28 @@ bool lw_prescribed_motion_rates(lw_prescribed_motion *d, int order, double *q)
     }
     d->motion(d->context, d->asked, order, u);
     return hold(d, d->asked) && lw_prescribed_motion_along(d, order, u, q);
+}
+
+lw_status lw_prescribed_motion_ended(const lw_prescribed_motion *d, lw_status s, const lw_assembly *names, lw_error *e)
+{
+    const lw_prescribed_motion *p = d->place ? d->place : d;
+    double t = lw_prescribed_motion_time(d);
+    char text[LW_INPUT_MAX*(LW_NAME_SIZE + 8)] = "";
+    size_t used = 0;
+    if (s == LW_OPEN)
+        return lw_error_set(e, s, "the motions lead beyond a limit of the linkage (a dead point of its inputs) at t = %.12g s", t);
+    if (!p->at_odds)
+        return lw_error_set(e, s, "the motion is lost at t = %.12g s: an input jumps or is no number there, or no step is short enough to stay on "
+                            "the branch", t);
+    for (unsigned left = p->at_odds, i = 0; left; left >>= 1, i++)
+        if (left & 1)
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", used == 0 ? "" : left == 1 ? " and " : ", ",
+                                     names->joint[d->s->input_joint[i]].name);
+    if ((p->at_odds & (p->at_odds - 1)) == 0)
+        return lw_error_set(e, s, "the linkage cannot follow its input %s from t = %.12g s: its joints would open; it moves there to first order only",
+                            text, t);
+    return lw_error_set(e, s, "the motions of the inputs %s contradict each other from t = %.12g s: the joints would open; leave a motion out, or give "
+                        "motions that the linkage can follow together", text, t);
 }
 
 int lw_prescribed_motion_crossings(const lw_prescribed_motion *d, double *last)

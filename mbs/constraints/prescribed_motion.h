@@ -33,8 +33,13 @@ void      lw_prescribed_motion_free(lw_prescribed_motion *d);
 
 /* Move to time t, later or earlier.  LW_OPEN: the inputs lead beyond a limit (a dead point of the inputs); then
  * lw_prescribed_motion_time is the time of the limit, to 1e-10 of the duration of the motion.  LW_E_NUMERIC: the
- * branch was lost, or a motion jumps or is not a number.  After a failure the posture is the last good one. */
+ * branch was lost, or a motion jumps or is not a number, or the linkage has more equations than coordinates and cannot follow its inputs
+ * together; where this holds from the start, the start fails, too.  After a failure the posture is the last good one. */
 lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t);
+
+/* Write to e where and why the motion ended, with s, the result of lw_prescribed_motion_to, and return s.  names: the linkage, for the
+ * names of its joints. */
+lw_status lw_prescribed_motion_ended(const lw_prescribed_motion *d, lw_status s, const lw_assembly *names, lw_error *e);
 
 /* One input: its postures along its value, from which those in time follow; they may be asked for any value, and d keeps its own
  * posture and time.  d owns them.  NULL unless there is one input. */

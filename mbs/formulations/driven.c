@@ -254,15 +254,10 @@ static bool within(const window *w, double x) { return w->half > 0 && fabs(x - w
 
 /* ---- samples --------------------------------------------------------------------------------------------- */
 
-static lw_status lost(driven *z, lw_status s, double t)
+static lw_status lost(driven *z, lw_status s)
 {
-    lw_error *e = z->run->e;
-    double end = lw_prescribed_motion_time(z->motion);
-    if (s == LW_OPEN)
-        return lw_error_set(e, LW_E_NUMERIC, "the linkage cannot follow its inputs beyond t = %.12g s: it stands at a "
-                            "limit of its motion", end);
-    return lw_error_set(e, LW_E_NUMERIC, "the motion is lost between t = %.12g s and %.12g s: an input jumps or is not "
-                        "a number there, or no step is short enough to stay on the motion curve", end, t);
+    lw_prescribed_motion_ended(z->motion, s, &z->d->model->linkage, z->run->e);
+    return LW_E_NUMERIC;
 }
 
 /* Follow the motion to t, in pieces between which the run can be stopped. */
@@ -272,11 +267,11 @@ static lw_status follow(driven *z, double t)
     lw_status s = LW_OK;
     for (long i = 1; s == LW_OK && from + i*piece < t; i++) {
         if ((s = lw_prescribed_motion_to(z->motion, from + i*piece)) != LW_OK)
-            return lost(z, s, t);
+            return lost(z, s);
         s = lw_limits_check(z->d->o.stop, z->d->o.until, true, from + i*piece, z->run->e);
     }
     if (s == LW_OK && (s = lw_prescribed_motion_to(z->motion, t)) != LW_OK)
-        return lost(z, s, t);
+        return lost(z, s);
     return s;
 }
 
@@ -441,8 +436,11 @@ static lw_status moment_at(driven *z, double t, double *y)
         return LW_OK;
     double series[2*LW_SYSTEM_Q_MAX];
     s = velocities_at(d, t, y, y + n);
-    if (s == LW_OPEN && lw_prescribed_motion_rates(z->motion, 1, series))
-        memcpy(y + n, series + n, (size_t)n*sizeof *y);
+    if (s == LW_OPEN) {
+        bool known = lw_prescribed_motion_rates(z->motion, 1, series);
+        for (int i = 0; i < n; i++)
+            y[n + i] = known ? series[n + i] : NAN;
+    }
     return s == LW_OK ? forces_at(d, t, y, y + n) : s;
 }
 
