@@ -48,6 +48,7 @@ TEST(any_linkage)
     expect("$P draw examples/loader.json -n 4 --to 0.5 -o $D/x.gif", 0, NULL, NULL);
     expect("$P draw examples/geared-five-bar.json --all-modes", 0, "other-curve", NULL);
     expect("$P draw examples/mobility/shaky.json", 0, "Shown without motion", "no input");
+    expect("$P draw examples/space/crane.json", 0, NULL, "3 more inputs are needed to move it by inputs alone; 'linkwright simulate' moves it");
     expect("$P draw examples/loader.json --to -1", 2, NULL, "out of range");
 }
 

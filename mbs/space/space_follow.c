@@ -66,10 +66,14 @@ static lw_status count_freedoms(lw_space_follow *f, int rank, bool any, lw_error
     if (f->freedom > 0 && !any && (lost = lw_space_lost_freedoms(f)) > 0)
         return lw_error_set(e, LW_E_ARG, "the posture of the file is singular: to first order the links have %d freedoms there, but the motion has %d; take "
                             "another posture of the motion", freedom, freedom - lost);
-    if (f->freedom > 0 && !any)
-        return lw_error_set(e, LW_E_ARG, "the model has %d freedom%s and %d input%s: %d more input%s needed", freedom,
-                            lw_plural(freedom), f->n_input, lw_plural(f->n_input), f->freedom,
-                            f->freedom == 1 ? " is" : "s are");
+    if (f->freedom > 0 && !any) {
+        bool heavy = false;
+        for (int b = 0; b < s->n_body; b++)
+            heavy = heavy || s->model->body[s->link_of[b]].mass > 0;
+        return lw_error_set(e, LW_E_ARG, "the model has %d freedom%s and %d input%s: %d more input%s needed to move it by inputs alone%s", freedom,
+                            lw_plural(freedom), f->n_input, lw_plural(f->n_input), f->freedom, f->freedom == 1 ? " is" : "s are",
+                            heavy ? "; 'linkwright simulate' moves it by its forces, too" : "");
+    }
     return LW_OK;
 }
 
