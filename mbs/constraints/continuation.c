@@ -344,10 +344,12 @@ double lw_continuation_misfit(lw_continuation *f, int order, const double *value
     double count[LW_SYSTEM_ORDER_MAX + 1], scale = 1.0, most = 0.0;
     bool given = *rate > 0.0;
     for (int k = 1; k <= order && !given; k++) {
+        double greatest = 0.0;
         for (int i = 0; i < f->n; i++)
-            *rate = fmax(*rate, pow(fabs(q[(long)k*f->n + i]), 1.0/k));
+            greatest = fmax(greatest, fabs(q[(long)k*f->n + i]));
         for (int i = 0; i < f->n_held; i++)
-            *rate = fmax(*rate, pow(fabs(value[i*(order + 1) + k]), 1.0/k));
+            greatest = fmax(greatest, fabs(value[i*(order + 1) + k]));
+        *rate = fmax(*rate, pow(greatest, 1.0/k));
     }
     lw_system_series(s, order, q, f->series);
     for (int k = 1; k <= order && *rate > 0.0; k++) {

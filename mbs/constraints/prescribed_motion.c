@@ -160,12 +160,12 @@ static bool make_series(lw_prescribed_motion *d, double t, const double *q, int 
 }
 
 /* With more equations than coordinates: the inputs whose motions the equations cannot follow together from the present posture, none if they
- * can.  An input takes part if what is left in the equations depends on its rate.  Makes d->series. */
+ * can.  An input takes part if what is left in the equations depends on its rate.  The bound at this posture is known.  Makes d->series. */
 static void find_contradiction(lw_prescribed_motion *d)
 {
     double u[LW_INPUT_MAX*(SHORT + 1)], rate = 0;
     d->at_odds = 0;
-    if (!make_series(d, d->t, d->q, SHORT) || d->f.m <= d->n || !(lw_continuation_bound(&d->f, d->q) < too_rough))
+    if (!make_series(d, d->t, d->q, SHORT) || d->f.m <= d->n || !(d->f.kappa < too_rough))
         return;
     counts(d, d->t, SHORT, u);
     double left = lw_continuation_misfit(&d->f, SHORT, u, d->series, &rate);
@@ -739,7 +739,9 @@ static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error
     d->n_track = d->crossings = 0;
     d->leapt = d->has_regular = d->creeping = d->lost = false;
     d->det[1] = 0;
-    find_contradiction(d);
+    hold(d, t);
+    if (lw_continuation_factor(&d->f, d->q) > 1e-12 && lw_continuation_bound(&d->f, d->q) > 0)
+        find_contradiction(d);
     hold(d, t);
     tell(d, t, d->q);
     return LW_OK;
