@@ -26,11 +26,14 @@ static lw_status forces_at(const lw_input_panel *p, lw_run *run, lw_reduced *r, 
 {
     double ds, dp, power, root = p->sense*sqrt(2*kinetic);
     lw_status st = lw_run_busy(run, p->t);
-    if (st == LW_OK)
-        st = lw_reduced_rate(r, s, s, root, &ds, &dp, &power);      /* no load depends on the time */
+    if (st != LW_OK)
+        return st;
+    st = lw_reduced_rate(r, s, s, root, &ds, &dp, &power);           /* no load depends on the time */
     run->r->rates++;
+    if (st != LW_OK)
+        return st == LW_E_NUMERIC ? LW_OPEN : st;
     *v = (values){ root*dp/ds, power/ds, 2*kinetic/(ds*ds) };
-    return st == LW_E_NUMERIC ? LW_OPEN : st;
+    return LW_OK;
 }
 
 /* Evaluate node i.  again: from the reactions of the last evaluation on. */
