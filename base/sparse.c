@@ -4,7 +4,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/real.h"
+#include "base/vector.h"
 
 void lw_sparse_order(int n, unsigned char *near, int *order)
 {
@@ -206,22 +206,9 @@ static void sort(int n, int *x)
     }
 }
 
-static int place_of(const neighbours *a, int k)
-{
-    int low = 0, high = a->n;
-    while (low < high) {
-        int middle = (low + high)/2;
-        if (a->of[middle] < k)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 static void drop(neighbours *a, int k)
 {
-    int at = place_of(a, k);
+    int at = lw_place_in(a->n, a->of, k);
     memmove(a->of + at, a->of + at + 1, (size_t)(--a->n - at)*sizeof *a->of);
 }
 
@@ -229,7 +216,7 @@ static void drop(neighbours *a, int k)
 static bool is_clique(const neighbours *all, int before, int k)
 {
     const neighbours *a = before < 0 ? NULL : &all[before];
-    int at = a && a->n == all[k].n + 1 ? place_of(a, k) : 0;
+    int at = a && a->n == all[k].n + 1 ? lw_place_in(a->n, a->of, k) : 0;
     return a && a->n == all[k].n + 1 && at < a->n && a->of[at] == k;
 }
 
@@ -343,27 +330,14 @@ void lw_cholesky_free(lw_cholesky *c)
 
 int lw_cholesky_entry(const lw_cholesky *c, int i, int j)
 {
-    int low = c->at[i], high = c->at[i + 1] - 1;
-    if (i == j)
-        return c->n_entry + i;
-    while (low < high) {
-        int middle = (low + high)/2;
-        if (c->list[middle] < j)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
+    return i == j ? c->n_entry + i : c->at[i] + lw_place_in(c->at[i + 1] - c->at[i], c->list + c->at[i], j);
 }
-
-/* Two numbers of a row in a register. */
-typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
 
 /* y -= f x. */
 static inline void subtract(int n, double f, const double *x, double *y)
 {
     for (; n > 1; n -= 2, x += 2, y += 2)
-        *(pair *)y -= f**(const pair *)x;
+        *(lw_pair *)y -= f**(const lw_pair *)x;
     if (n)
         *y -= f**x;
 }
@@ -438,16 +412,16 @@ void lw_cholesky_solve_four(const lw_cholesky *c, double (*b)[4])
     const int *at = c->at, *list = c->list;
     const double *value = c->value;
     for (int i = 0; i < c->n; i++) {
-        pair *own = (pair *)b[i], x = own[0] *= c->diag[i], y = own[1] *= c->diag[i];
+        lw_pair *own = (lw_pair *)b[i], x = own[0] *= c->diag[i], y = own[1] *= c->diag[i];
         for (int k = at[i]; k < at[i + 1]; k++) {
-            pair *to = (pair *)b[list[k]];
+            lw_pair *to = (lw_pair *)b[list[k]];
             to[0] -= value[k]*x, to[1] -= value[k]*y;
         }
     }
     for (int i = c->n - 1; i >= 0; i--) {
-        pair *own = (pair *)b[i], x = own[0], y = own[1];
+        lw_pair *own = (lw_pair *)b[i], x = own[0], y = own[1];
         for (int k = at[i + 1] - 1; k >= at[i]; k--) {
-            const pair *by = (const pair *)b[list[k]];
+            const lw_pair *by = (const lw_pair *)b[list[k]];
             x -= value[k]*by[0], y -= value[k]*by[1];
         }
         own[0] = x*c->diag[i], own[1] = y*c->diag[i];

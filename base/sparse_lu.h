@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include "base/status.h"
+#include "base/vector.h"
 
 /* Entries of column j: rows row[at[j]] .. row[at[j + 1] - 1], ascending. */
 typedef struct lw_columns { int n, *at, *row; } lw_columns;
@@ -18,15 +19,7 @@ void lw_columns_free(lw_columns *c);
 /* Index of an entry that the pattern has. */
 static inline int lw_columns_find(const lw_columns *c, int row, int column)
 {
-    int low = c->at[column], high = c->at[column + 1] - 1;
-    while (low < high) {
-        int middle = (low + high)/2;
-        if (c->row[middle] < row)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
+    return c->at[column] + lw_place_in(c->at[column + 1] - c->at[column], c->row + c->at[column], row);
 }
 
 typedef struct lw_sparse_lu lw_sparse_lu;

@@ -1,4 +1,4 @@
-/* base/vector.h - arrays of n numbers: sums from the first to the last, the greatest, sorting; scratch for vector instructions. */
+/* base/vector.h - arrays of n numbers: sums from the first to the last, the greatest, sorting; registers of vector instructions. */
 #ifndef LW_BASE_VECTOR_H
 #define LW_BASE_VECTOR_H
 
@@ -46,6 +46,23 @@ static inline int lw_compare_numbers(const void *a, const void *b)
 
 /* Sort in ascending order; no NaN. */
 static inline void lw_sort(size_t n, double *x) { qsort(x, n, sizeof *x, lw_compare_numbers); }
+
+/* The place of the first of n ascending numbers that is not below k; n if all are. */
+static inline int lw_place_in(int n, const int *ascending, int k)
+{
+    int low = 0, high = n;
+    while (low < high) {
+        int middle = (low + high)/2;
+        if (ascending[middle] < k)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* Two neighbouring numbers of an array in a register. */
+typedef double lw_pair __attribute__((vector_size(16), aligned(8), may_alias));
 
 /* The first address from p on at which a register of eight numbers begins in memory; [bytes]. */
 #define LW_SCRATCH_ALIGNMENT 64

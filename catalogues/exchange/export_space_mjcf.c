@@ -19,7 +19,7 @@ typedef struct writer {
     lw_mjcf_key       key;
     double            size, mass, step;        /* mass: of all bodies                                     */
     bool              weighed;                 /* the model has masses                                    */
-    lw_export_twist   *twist;                   /* (n_link) velocities at the start; NULL: all are 0       */
+    lw_export_twist  *twist;                   /* (n_link) velocities at the start; NULL: all are 0       */
     lw_export_tree    tree;
     lw_owners         joints, tracers, springs, forces;          /* by links                              */
     lw_owners         inputs, joint_springs;                     /* by the joints, or tracers, of their measures */

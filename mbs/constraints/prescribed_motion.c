@@ -26,6 +26,7 @@ static const double negligible = 1e-11;     /* last term of a series that has co
 static const double smooth = 1e-13;         /* the same for rates, which divide by small changes            */
 static const double ample = 1e-14;          /* the same if it converges in half as much again, too       */
 static const double contradiction = 1e-7;   /* more than this is left in the equations where they contradict each other, scaled */
+static const double other_rate = 0.37;      /* change of an input's rate that shows whether it takes part, over the fastest rate */
 static const double too_rough = 1e5;        /* kappa, above which rounding may leave as much */
 static const double same_value = 1e-10;     /* values of one input that are no more apart, scaled, are the same */
 
@@ -160,7 +161,7 @@ static bool make_series(lw_prescribed_motion *d, double t, const double *q, int 
 }
 
 /* With more equations than coordinates: the inputs whose motions the equations cannot follow together from the present posture, none if they
- * can.  An input takes part if what is left in the equations depends on its rate.  The bound at this posture is known.  Makes d->series. */
+ * can.  An input takes part if what is left in the equations changes when its rate does.  d->f.kappa is that of this posture.  Makes d->series. */
 static void find_contradiction(lw_prescribed_motion *d)
 {
     double u[LW_INPUT_MAX*(SHORT + 1)], rate = 0;
@@ -173,7 +174,7 @@ static void find_contradiction(lw_prescribed_motion *d)
         return;
     for (int i = 0; i < d->s->n_input; i++) {
         double *first = &u[i*(SHORT + 1) + 1], drawn = *first;
-        *first += 0.37*rate;
+        *first += other_rate*rate;
         lw_continuation_series(&d->f, SHORT, u, d->series);
         double other = lw_continuation_misfit(&d->f, SHORT, u, d->series, &rate);
         *first = drawn;

@@ -503,10 +503,11 @@ static lw_status whole_sample(void *context, double t, double t_end, lw_moment *
         }
         if (begun)
             lw_collocation_dense_eight(&w->stages, at, s->y);
-        for (int i = 0; i < 8*w->ode.n && !begun; i++)
-            s->y[i] = w->start[i/8];
-        if (!begun)
+        else {
+            for (int i = 0; i < 8*w->ode.n; i++)
+                s->y[i] = w->start[i/8];
             lw_tree_stages_keep_rows(s, &m->r);
+        }
         w->n_ready = 0, k = 0;
         if (lw_tree_stages_moments(s, begun, n) != LW_OK || s->weak < far_from_singular*m->first)
             return LW_OPEN;

@@ -383,16 +383,20 @@ lw_status lw_stepping_restore(lw_stepping *s, const void *bytes, size_t size, lw
     if (h.check != hash(hash_start, (const char *)bytes + checked, size - checked))
         return lw_error_set(e, LW_E_NOTATION, "this saved run is damaged");
     const unsigned char *from = (const unsigned char *)bytes + sizeof h;
+    const bool compared = s->coarse && h.coarse > 0;
+    lw_status status = compared ? lw_stepping_restore(s->coarse, (const unsigned char *)bytes + size - h.coarse, (size_t)h.coarse, e) : LW_OK;
+    if (status != LW_OK)
+        return status;
     memcpy(s->y, from, numbers(s)*sizeof *s->y);
     copy(s->load, from += numbers(s)*sizeof *s->y, (size_t)h.loads*sizeof *s->load);
     copy(s->turn, from += (size_t)h.loads*sizeof *s->load, (size_t)h.turns*sizeof *s->turn);
     copy(s->touch, from += (size_t)h.turns*sizeof *s->turn, (size_t)h.touches*sizeof *s->touch);
-    copy(s->resting, from += (size_t)h.touches*sizeof *s->touch, (size_t)h.stops);
+    copy(s->resting, from + (size_t)h.touches*sizeof *s->touch, (size_t)h.stops);
     s->goes_on = true;
     s->t = h.t;
     s->work = h.work;
     find_loaded(s);
     s->steps = h.steps;
-    s->off = s->coarse && h.coarse ? h.off : (lw_coarse_run){ 0 };
-    return s->off.tolerance > 0 ? lw_stepping_restore(s->coarse, from + h.stops, (size_t)h.coarse, e) : LW_OK;
+    s->off = compared ? h.off : (lw_coarse_run){ 0 };
+    return LW_OK;
 }

@@ -142,7 +142,8 @@ lw_status lw_run_touch_crossed(lw_run *run, double t, double by)
     for (int i = 0; i < d->touch->list.n; i++)
         if (is_rigid(&d->touch->list.touch[i]) && lw_touch_crosses(&d->touch->list.touch[i], d->frames, by))
             return lw_error_set(run->e, LW_E_NUMERIC, "\"%s\": a corner has passed the other shape unseen before t = %.9g s; "
-                                "sharp corners that meet end on need round ends, as those of a segment with a \"radius\"", lw_touch_name(d->model, &d->touch->list.touch[i]), t);
+                                "sharp corners that meet end on need round ends, as those of a segment with a \"radius\"",
+                                lw_touch_name(d->model, &d->touch->list.touch[i]), t);
     return LW_OK;
 }
 

@@ -49,13 +49,10 @@ static void find_bodies(lw_space_rows_set *z)
         lw_space_bodies(s, &z->extra[i], lw_space_rows_bodies(z, s->n_row + i));
 }
 
-/* The six numbers of a body, two in a register. */
-typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
-
 static inline double dot6(const double *a, const double *b)
 {
-    const pair *p = (const pair *)a, *q = (const pair *)b;
-    pair sum = p[0]*q[0] + p[1]*q[1] + p[2]*q[2];
+    const lw_pair *p = (const lw_pair *)a, *q = (const lw_pair *)b;
+    lw_pair sum = p[0]*q[0] + p[1]*q[1] + p[2]*q[2];
     return sum[0] + sum[1];
 }
 
@@ -63,9 +60,9 @@ static inline double dot6(const double *a, const double *b)
 static inline void add_row(const lw_space_rows_set *z, int r, const double *jac, double f, double *x)
 {
     const int *body = lw_space_rows_bodies(z, r), n = lw_space_rows_sides(z, r);
-    const pair *from = (const pair *)(jac + z->at[r]);
+    const lw_pair *from = (const lw_pair *)(jac + z->at[r]);
     for (int k = 0; k < n; k++, from += 3) {
-        pair *to = (pair *)(x + 6*body[k]);
+        lw_pair *to = (lw_pair *)(x + 6*body[k]);
         if (body[k] >= 0)
             to[0] += f*from[0], to[1] += f*from[1], to[2] += f*from[2];
     }
@@ -443,30 +440,30 @@ static void improve_four(lw_space_rows_set *z, int first, bool still, double (*x
 {
     for (int i = 0; i < z->n_kept; i++) {
         int r = z->kept[i], at = r - first;
-        pair left = { -(at == 0), -(at == 1) }, right = { -(at == 2), -(at == 3) };
+        lw_pair left = { -(at == 0), -(at == 1) }, right = { -(at == 2), -(at == 3) };
         for (int k = 0; k < lw_space_rows_sides(z, r) && !still; k++) {
             int body = lw_space_rows_bodies(z, r)[k];
             const double *jac = z->jac + z->at[r] + 6*k;
             if (body < 0)
                 continue;
-            const pair *by = (const pair *)x[6*body];
+            const lw_pair *by = (const lw_pair *)x[6*body];
             for (int j = 0; j < 6; j++)
                 left += jac[j]*by[2*j], right += jac[j]*by[2*j + 1];
         }
-        pair *b = (pair *)z->four[i];
+        lw_pair *b = (lw_pair *)z->four[i];
         b[0] = left, b[1] = right;
     }
     lw_cholesky_solve_four(&z->schur, z->four);
     memset(change, 0, 4*sizeof *change);
     for (int i = 0; i < z->n_kept; i++) {
         int r = z->kept[i];
-        const pair *b = (const pair *)z->four[i], left = b[0], right = b[1];
+        const lw_pair *b = (const lw_pair *)z->four[i], left = b[0], right = b[1];
         for (int k = 0; k < lw_space_rows_sides(z, r); k++) {
             int body = lw_space_rows_bodies(z, r)[k];
             const double *jac = z->jac_w + z->at[r] + 6*k;
             if (body < 0)
                 continue;
-            pair *to = (pair *)x[6*body];
+            lw_pair *to = (lw_pair *)x[6*body];
             for (int j = 0; j < 6; j++)
                 to[2*j] -= jac[j]*left, to[2*j + 1] -= jac[j]*right;
         }

@@ -425,9 +425,9 @@ static void classify(const lw_target *t, const lw_fit_spec *s, const lw_candidat
 
 /* ---- the report ------------------------------------------------------------------------------- */
 
-/* A linkage that rocks from end to end of an open target asks for this range: beyond it transmission angles may be small, and nobody needs
- * the motion. */
-static void ask_for_range(const lw_target *t, const lw_candidate *c, lw_fit_report *r)
+/* The input of a linkage that rocks along an open target gets limits at the ends of the target: beyond them transmission angles may be small,
+ * and nobody needs the motion. */
+static void limit_input(const lw_target *t, const lw_candidate *c, lw_fit_report *r)
 {
     lw_input *in = &r->linkage.input[0];
     double from, to;
@@ -479,7 +479,7 @@ static lw_status report_with(const lw_plan *plan, const lw_target *t, const lw_f
             compare_curves(t, s, c, plan, &cycle, r);
         classify(t, s, c, r);
         lw_fit_report_limits(t, s, c, &limits, r);
-        ask_for_range(t, c, r);
+        limit_input(t, c, r);
         r->no_memory |= lw_verify(t, s, c, plan, at, r) != LW_OK;
         r->meets = lw_motion_limits_meets(&limits, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);
         r->verified &= r->meets;
