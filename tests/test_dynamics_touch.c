@@ -808,6 +808,12 @@ static fallen falling_chain(int n, const char *law, double to, lw_formulation fo
     o.intervals = 4;
     fallen f = { .d = NULL };
     read_planar(text, "text", &m);
+    for (int k = LW_FORMULATION_ALPHA; k <= LW_FORMULATION_GGL; k++)      /* implicit methods refuse contacts, whatever the size */
+        if (k != LW_FORMULATION_CAPTURE && k != LW_FORMULATION_RECURSIVE && k != LW_FORMULATION_INDEX1) {
+            o.formulation = (lw_formulation)k;
+            CHECK_INT(lw_dynamics_make(&m, &o, &run, &e), LW_E_KIND);
+        }
+    o.formulation = formulation;
     CHECK_INT(lw_dynamics_make(&m, &o, &run, &e), LW_OK);
     f.d = run;
     CHECK_INT(lw_dynamics_run(run, keep_fallen, &f, &r, &e), LW_OK);

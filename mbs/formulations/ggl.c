@@ -536,6 +536,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
     if (d->space && (!asked || d->n_friction || d->eq.next_piece))
         return lw_formulation_say(r, LW_E_KIND, 0, "in space it is taken where it is asked for, and knows no friction or contacts");
+    if (d->touch)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
     if (d->large && !lw_mbs_has_derivatives(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "a model of this size with gears, friction, tied inputs, driven sliders or "
                                   "forces of the caller's has no sparse derivatives");
@@ -547,8 +549,6 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     if (!asked)
         return lw_formulation_say(r, LW_OK, d->n_q + d->n_v + 2*d->n_kept,
                                   "dampers make the equations stiff: an implicit method with exact derivatives");
-    if (d->touch)
-        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
     return d->n_stop ? lw_formulation_say(r, LW_E_KIND, 0, "it knows no rigid stops; give them a \"stiffness\"")
                      : lw_formulation_say(r, LW_OK, d->n_q + d->n_v + 2*d->n_kept, "asked for");
 }
