@@ -248,3 +248,34 @@ TEST(rounding_is_zero)
         CHECK((fabs(marker_at(&d, 0).y - marker_at(&d, 1).y) > 100) == k);
     }
 }
+
+/* Panels in columns: the same point of each lies one column further, then one row below; the legend is right of all. */
+TEST(panels_in_columns)
+{
+    enum { PANELS = 5, COLUMNS = 3 };
+    lines l;
+    lw_plot p[PANELS];
+    lw_vec2 first[PANELS], legend = { 0, 0 };
+    OWN(lw_drawing) d = { 0 };
+    int n = 0;
+    make(&l, true, true);
+    lw_series unnamed = l.s;
+    unnamed.name = "";
+    for (int i = 0; i < PANELS; i++) {
+        p[i] = l.p;
+        p[i].series = i == 1 ? &l.s : &unnamed;
+        p[i].columns = COLUMNS, p[i].width = 1000, p[i].height = 500;
+    }
+    CHECK_OK(lw_plot_draw_stack(PANELS, p, &d, &check_error));
+    for (size_t i = 0; i < d.n_shape; i++) {
+        if (d.shape[i].role == LW_ROLE_MARKER && d.shape[i].item == 0 && n < PANELS)
+            first[n++] = d.shape[i].at;
+        if (d.shape[i].role == LW_ROLE_LEGEND && d.shape[i].kind == LW_SHAPE_CIRCLE)
+            legend = d.shape[i].at;
+    }
+    CHECK_INT(n, PANELS);
+    double column = first[1].x - first[0].x;
+    CHECK(column > 250 && column < 333 && legend.x > 3*column && legend.x < 1000 && legend.y < 250);
+    for (int i = 0; i < PANELS; i++)
+        CHECK_POINT(first[i], first[0].x + column*(i % COLUMNS), first[0].y + 250*(i/COLUMNS), 1e-9, 0);
+}

@@ -24,7 +24,7 @@ typedef struct lw_axis {
 typedef struct lw_chart {
     const lw_plot *p;
     lw_drawing *d;
-    double  top, height;            /* its part of the page [px]                                   */
+    double  begin, width, top, height, legend;      /* its part of the page; where legends begin   [px] */
     lw_axis x, y;
     double  rounding;               /* greatest |y| where all of them are rounding, else 0         */
 } lw_chart;
@@ -70,17 +70,20 @@ static void even_ticks(lw_axis *a, double n)
         add_tick(a, i*step);
 }
 
-/* Ticks at whole decades, or every k-th if there are many; at 1, 2, 5 within a few decades; even ticks within less than
- * one. */
+/* About n ticks: at whole decades, or every k-th if there are many; at 1, 2, 5 within a few decades if there is room, or only one
+ * whole decade. */
 static void decade_ticks(lw_axis *a, double n)
 {
     int step = (int)fmax(1, ceil((a->hi - a->lo)/n)), first = (int)floor(a->lo), last = (int)ceil(a->hi);
-    bool fine = a->hi - a->lo < 2.2;
     a->digits = 1;
-    for (int k = first; k <= last; k++)
-        for (int digit = 1; digit <= 5; digit += digit == 1 ? 1 : 3)
-            if ((digit == 1 && (k - first) % step == 0) || fine)
-                add_tick(a, digit*pow(10, k));
+    for (bool fine = a->hi - a->lo < fmin(2.2, 0.5*n), again = true; again; fine = true) {
+        a->n_tick = 0;
+        for (int k = first; k <= last; k++)
+            for (int digit = 1; digit <= 5; digit += digit == 1 ? 1 : 3)
+                if ((digit == 1 && (k - first) % step == 0) || fine)
+                    add_tick(a, digit*pow(10, k));
+        again = a->n_tick < 2 && !fine;
+    }
 }
 
 /* Widen an empty range and choose ticks. */
@@ -162,7 +165,7 @@ static void draw_axes(lw_chart *c)
     if (c->p->x_label)
         text(c, LW_ROLE_AXIS, c->p->x_label, (x->from + x->to)/2, y->from + 38, 0.5);
     if (c->p->y_label)
-        text(c, LW_ROLE_AXIS, c->p->y_label, 20, middle, 0.5)->turn = -LW_PI/2;
+        text(c, LW_ROLE_AXIS, c->p->y_label, c->begin + 20, middle, 0.5)->turn = -LW_PI/2;
     if (c->p->title) {
         s = lw_drawing_text(c->d, LW_ROLE_TITLE, c->p->title, lw_v2(x->from, c->top + 24), 16, 0);
         s->bold = true;
@@ -265,10 +268,11 @@ static double legend_width(const lw_plot *p)
 
 static void draw_legend(lw_chart *c)
 {
+    int row = 0;
     for (int i = 0; i < c->p->n_series; i++) {
         if (!*c->p->series[i].name)
             continue;
-        double x = c->x.to + 14, y = c->y.to + 8 + ROW*i;
+        double x = c->legend, y = c->y.to + 8 + ROW*row++;
         lw_vec2 sample[2] = { { x, y }, { x + 22, y } };
         if (c->p->series[i].style != LW_SERIES_POINTS)
             line(c, LW_ROLE_LEGEND, i, sample, 2);
@@ -310,10 +314,10 @@ static double settle_y(lw_chart *c)
     return (c->p->y_label ? 38 : 14) + tick_width(&c->y);
 }
 
-static void draw_chart(lw_chart *c, double left, double right)
+static void draw_chart(lw_chart *c, double left)
 {
-    c->x.from = left;
-    c->x.to = c->d->width - 8 - right;
+    c->x.from = c->begin + left;
+    c->x.to = c->begin + c->width - 8;
     settle(&c->x, fmax((c->x.to - c->x.from)/TICKS_APART, 1));
     if (c->p->equal)
         make_equal(&c->x, &c->y);
@@ -332,7 +336,8 @@ static void draw_chart(lw_chart *c, double left, double right)
 
 lw_status lw_plot_draw_stack(int n, const lw_plot *p, lw_drawing *d, lw_error *e)
 {
-    *d = (lw_drawing){ .width = p->width > 0 ? p->width : 800, .height = p->height > 0 ? p->height : n > 1 ? 220*n
+    int columns = p->columns > 0 ? p->columns : 1, rows = (n + columns - 1)/columns;
+    *d = (lw_drawing){ .width = p->width > 0 ? p->width : 800, .height = p->height > 0 ? p->height : n > 1 ? 220*rows
                        : 560 };
     if (!(d->width >= 64 && d->width <= 8192 && d->height >= 64 && d->height <= 8192))
         return lw_error_set(e, LW_E_ARG, "a plot of %g by %g px: sizes are 64 to 8192", d->width, d->height);
@@ -350,7 +355,7 @@ lw_status lw_plot_draw_stack(int n, const lw_plot *p, lw_drawing *d, lw_error *e
     snprintf(d->about, sizeof d->about, "%d series", p->n_series);
     lw_drawing_path(d, LW_ROLE_PAPER, page, 4, true)->fill = LW_INK_PAPER;
     for (int i = 0; i < n; i++) {                              /* all in one width */
-        chart[i] = (lw_chart){ .p = &p[i], .d = d, .top = d->height*i/n, .height = d->height/n };
+        chart[i] = (lw_chart){ .p = &p[i], .d = d, .top = d->height*(i/columns)/rows, .height = d->height/rows };
         any[i] = find_ranges(&chart[i]);
         some = some || any[i];
         if (any[i]) {
@@ -358,13 +363,18 @@ lw_status lw_plot_draw_stack(int n, const lw_plot *p, lw_drawing *d, lw_error *e
             right = fmax(right, fmin(legend_width(&p[i]), 0.4*d->width));
         }
     }
-    for (int i = n - 2; i >= 0; i--)                          /* without a label of its own: that below */
-        chart[i].x.degrees = p[i].x_label ? chart[i].x.degrees : chart[i + 1].x.degrees;
-    for (int i = 0; i < n; i++)
+    for (int i = n - 1 - columns; i >= 0; i--)                /* without a label of its own: that below */
+        chart[i].x.degrees = p[i].x_label ? chart[i].x.degrees : chart[i + columns].x.degrees;
+    for (int i = 0; i < n; i++) {
+        lw_chart *c = &chart[i];
+        c->width = (d->width - right)/columns;
+        c->begin = c->width*(i % columns);
+        c->legend = d->width - right + 6;
         if (any[i])
-            draw_chart(&chart[i], left, right);
+            draw_chart(c, left);
         else
-            text(&chart[i], LW_ROLE_NOTE, "no point to show", d->width/2, chart[i].top + chart[i].height/2, 0.5);
+            text(c, LW_ROLE_NOTE, "no point to show", c->begin + c->width/2, c->top + c->height/2, 0.5);
+    }
     lw_status st = lw_drawing_end(d, e);
     return st == LW_OK && !some ? LW_NOTHING : st;
 }

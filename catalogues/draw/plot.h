@@ -6,7 +6,7 @@
 
 #define LW_SERIES_MAX 32
 #define LW_LEVEL_MAX   8
-#define LW_PANEL_MAX  12
+#define LW_PANEL_MAX  24
 
 /* LINE joins the points, STEPS holds y until the next x (best so far), POINTS shows markers only. */
 typedef enum lw_series_style { LW_SERIES_LINE, LW_SERIES_STEPS, LW_SERIES_POINTS } lw_series_style;
@@ -29,6 +29,7 @@ typedef struct lw_plot {
     const lw_series *series;
     const lw_level  *level;
     bool          equal;                       /* both axes in one scale: circles stay round         */
+    int           columns;                     /* of several plots on a page, said by the first; 0: 1 */
 } lw_plot;
 
 /* Write the result with svg.h or picture.h.  LW_E_ARG: too many series, sizes outside 64 .. 8192;
@@ -36,8 +37,8 @@ typedef struct lw_plot {
  * drawing says so. */
 lw_status lw_plot_draw(const lw_plot *p, lw_drawing *d, lw_error *e);
 
-/* n plots, one above the other, their x axes in one place: one for each unit.  The first says the size of the page,
- * 0: 220 px each. */
+/* n plots, row by row, in columns of equal width; legends stand at the right end of their row.  The first says the size of the
+ * page, height 0: 220 px a row. */
 lw_status lw_plot_draw_stack(int n, const lw_plot *p, lw_drawing *d, lw_error *e);
 
 #endif

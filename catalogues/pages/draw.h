@@ -31,7 +31,7 @@ lw_status lw_draw_drawing(const lw_drawing *d, const char *path, lw_error *e);
 /* Write a plot as SVG, PNG or PDF, by the end of the file's name. */
 lw_status lw_draw_plot(const lw_plot *p, const char *path, lw_error *e);
 
-/* Several plots, one above the other (lw_plot_draw_stack). */
+/* Several plots on a page (lw_plot_draw_stack). */
 lw_status lw_draw_plots(int n, const lw_plot *p, const char *path, lw_error *e);
 
 #endif
