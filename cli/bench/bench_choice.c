@@ -27,7 +27,8 @@ typedef struct subject {
     double speed;                        /* of all inputs at the start [rad/s]; 0: what the file says */
     void (*make)(FILE *f, int n);
     int    n;
-    bool   hard;                         /* a hard case: one line of its own in the plot */
+    double exact;                        /* tolerance of the first reference; 0: 1e-12 */
+    bool   hard;                         /* a hard case: a panel in the plot, smaller errors, `capture` too */
 } subject;
 
 /* ---- models made here ------------------------------------------------------------------------------------------- */
@@ -88,6 +89,41 @@ static void massless(FILE *f, int n)
             "{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]}, {'name': 'B', 'links': ['crank', 'coupler'], 'at': [0, 1]},"
             "{'name': 'C', 'links': ['coupler', 'rocker'], 'at': [2.5, 2]},"
             "{'name': 'D', 'links': ['rocker', 'ground'], 'at': [2.5, 0]}], 'input': {'joint': 'A', 'speed': -1}", n);
+}
+
+/* A parallelogram whose sides are equal, flat twice in each turn, on a base that swings. */
+static void on_a_swing(FILE *f, int n)
+{
+    fprintf(f, "'gravity': [0, -9.81], 'links': ['ground', {'name': 'base', 'mass': %d, 'centre': [0.5, 0]}, 'c0', 'c1', 'r0'], 'input': "
+            "{'joint': 'A0', 'speed': -5}, 'joints': [{'name': 'P', 'links': ['ground', 'base'], 'at': [0.5, 1]}, {'name': 'A0', 'links': ['base', "
+            "'c0'], 'at': [0, 0]}, {'name': 'A1', 'links': ['base', 'c1'], 'at': [1, 0]}, {'name': 'B', 'links': ['c0', 'r0'], 'at': [0, 1]}, "
+            "{'name': 'C', 'links': ['r0', 'c1'], 'at': [1, 1]}]", n);
+}
+
+/* A cart that rolls n metres a second, with a pendulum. */
+static void cart(FILE *f, int n)
+{
+    fprintf(f, "'gravity': [0, -9.81], 'links': ['ground', {'name': 'cart', 'mass': 1, 'centre': [0, 0]}, {'name': 'bob', 'mass': 1, 'centre': "
+            "[1, 0], 'inertia': 0.1}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'cart'], 'at': [0, 0], 'along': [1, 0]}, {'name': 'A', "
+            "'links': ['cart', 'bob'], 'at': [0, 0]}], 'input': {'joint': 'S', 'speed': %d}", n);
+}
+
+/* A wavy rope of n links falls on a compliant floor. */
+static void falling(FILE *f, int n)
+{
+    fputs("'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [{'line': [[0, 0], [1, 0]]}]}", f);
+    for (int i = 0; i < n; i++) {
+        double x = 0.1*i, y = 0.2 + 0.05*sin(0.6*i), next = 0.2 + 0.05*sin(0.6*(i + 1));
+        fprintf(f, ",{'name': 'b%d', 'mass': 0.1, 'centre': [%.17g, %.17g], 'inertia': 1e-4, 'shapes': [{'segment': [[%.17g, %.17g], [%.17g, %.17g]], "
+                "'radius': 0.005}]}", i, x + 0.05, 0.5*(y + next), x, y, x + 0.1, next);
+    }
+    fputs("], 'joints': [{'name': 'F', 'kind': 'n', 'links': ['ground', 'b0']}", f);
+    for (int i = 1; i < n; i++)
+        fprintf(f, ",{'name': 'J%d', 'links': ['b%d', 'b%d'], 'at': [%.17g, %.17g]}", i, i - 1, i, 0.1*i, 0.2 + 0.05*sin(0.6*i));
+    fputs("], 'contacts': [", f);
+    for (int i = 0; i < n; i++)
+        fprintf(f, "%s{'links': ['ground', 'b%d'], 'stiffness': 2000, 'damping': 0.5, 'friction': 0.5, 'friction_speed': 0.05}", i ? "," : "", i);
+    fputs("]", f);
 }
 
 /* A block on a slope that its friction stops; n: speed below which the friction is smoothed, 10^-n m/s, 0: set-valued. */
@@ -163,6 +199,10 @@ static const subject subjects[] = {
     { "massless loop", NULL, .to = 0.4, .make = massless, .n = 1, .hard = true },
     { "block stops, set-valued", NULL, .to = 2, .make = block, .hard = true },
     { "block stops, smoothed", NULL, .to = 2, .make = block, .n = 3, .hard = true },
+    { "rhombus on a swing", NULL, .to = 2, .make = on_a_swing, .n = 1, .hard = true },
+    { "cart at 100 m/s", NULL, .to = 30, .make = cart, .n = 100, .hard = true },
+    { "1000 links fall", NULL, .to = 0.25, .make = falling, .n = 1000, .exact = 1e-8, .hard = true },
+    { "N-four-bar, 1000 s", "two-four-bars.json", .to = 1000, .hard = true },
     { "a million periods", "pendulum.json", .to = 2e6, .hard = true },
     { "Painleve's rod", NULL, .to = 0.3, .make = rod, .n = 5, .hard = true },
     { "Newton's cradle", "dynamics/newtons-cradle.json", .to = 2, .hard = true },
@@ -316,7 +356,7 @@ static lw_status run_once(const scene *s, const lw_dynamics_options *o, motion *
     }
     k->by = r.formulation;
     lw_dynamics_free(d);
-    return st;
+    return st == LW_OK ? cli_mbs_own(&r, o, e) : st;
 }
 
 /* Greatest difference of a coordinate.  In space a body has a place and a quaternion, which stands for the same turn with either
@@ -376,7 +416,7 @@ static lw_status look(study *y, lw_error *e)
         lw_dynamics_options o = options(y, (lw_formulation)f, 1e-6);
         lw_dynamics_report r = { 0 };
         o.to *= 1e-6;                        /* a run tells whether it smooths friction that is set-valued */
-        if (f == LW_FORMULATION_CAPTURE || make(&y->scene, &o, &d, &why) != LW_OK)
+        if ((f == LW_FORMULATION_CAPTURE && !y->s->hard) || make(&y->scene, &o, &d, &why) != LW_OK)
             continue;
         lw_dynamics_run(d, NULL, NULL, &r, &why);
         lw_dynamics_free(d);
@@ -392,38 +432,51 @@ static lw_status look(study *y, lw_error *e)
     return st;
 }
 
-/* References by two formulations, as accurate as they are: the first that are known at 1e-13, or 1e-12. */
+/* References by two formulations, as accurate as they are.  Where the second is by a multistep method, it is the one that agrees best
+ * with the first. */
 static void find_exact(study *y)
 {
-    static const lw_formulation order[] = { LW_FORMULATION_INDEX1, LW_FORMULATION_REDUCED, LW_FORMULATION_RECURSIVE, LW_FORMULATION_RADAU,
-                                            LW_FORMULATION_QUADRATURE, LW_FORMULATION_GGL, LW_FORMULATION_CVODE };
-    for (int i = 0; i < 7 && y->n_exact < 2 && !cli_interrupted(); i++)
-        for (int k = 0; k < y->n_formulation; k++)
-            if (y->formulation[k] == order[i]) {
-                lw_error e = { 0 };
-                bool low = i >= 5;
-                lw_dynamics_options o = options(y, order[i], low ? 1e-11 : 1e-12);
-                o.until += give_up;
-                if (run_once(&y->scene, &o, &y->exact[y->n_exact], NULL, &e) == LW_OK)
-                    y->by[y->n_exact++] = order[i];
+    static const struct { lw_formulation by; double tolerance; bool multistep; } order[] = {
+        { LW_FORMULATION_INDEX1, 1e-12, false }, { LW_FORMULATION_REDUCED, 1e-12, false }, { LW_FORMULATION_RECURSIVE, 1e-12, false },
+        { LW_FORMULATION_RADAU, 1e-12, false }, { LW_FORMULATION_QUADRATURE, 1e-12, false }, { LW_FORMULATION_GGL, 1e-11, true },
+        { LW_FORMULATION_CVODE, 1e-11, true }, { LW_FORMULATION_CVODE, 1e-13, true } };
+    bool rough = true;
+    for (size_t i = 0; i < sizeof order/sizeof *order && rough && !cli_interrupted(); i++)
+        for (int k = 0; k < y->n_formulation; k++) {
+            lw_error e = { 0 };
+            bool second = y->n_exact > 0;
+            lw_dynamics_options o = options(y, order[i].by, second || y->s->exact == 0 ? order[i].tolerance : y->s->exact);
+            motion *got = second ? &y->got : &y->exact[0];
+            o.until += 9*give_up, o.max_step *= 10;
+            if (y->formulation[k] != order[i].by || (second && y->by[0] == order[i].by) || run_once(&y->scene, &o, got, NULL, &e) != LW_OK)
+                continue;
+            double off = second ? apart(got, &y->exact[0], y->scene.in_space) : 0;
+            rough = !second || order[i].multistep;
+            if (second && y->n_exact == 2 && off >= y->known)
+                continue;
+            if (second) {
+                motion swap = y->exact[1];
+                y->exact[1] = y->got, y->got = swap, y->known = off;
             }
-    y->known = y->n_exact == 2 ? apart(&y->exact[0], &y->exact[1], y->scene.in_space) : 0;
+            y->by[second] = order[i].by, y->n_exact = 1 + second;
+        }
 }
 
 /* The rows of one formulation. */
 static lw_status run_formulation(cli_mbs *b, study *y, lw_formulation f, lw_error *e)
 {
     int failed = 0;
-    const motion *exact = &y->exact[y->n_exact > 1 && y->by[0] == f];
-    for (int k = b->loosest; k <= b->tightest && failed < 2 && !cli_interrupted(); k++) {
+    double least = y->n_exact > 1 ? 0 : y->s->exact > 0 ? 10*y->s->exact : 1e-11;      /* of a run that may be compared with itself */
+    double enough = y->s->hard ? 1e-11 : 0.5*level[LEVELS - 1];
+    for (int k = b->loosest; k <= b->tightest && pow(10, -k) > 0.9*least && failed < 2 && !cli_interrupted(); k++) {
         lw_error why = { 0 };
         cli_mbs_row *row = cli_mbs_add(b, y->s->name, lw_formulation_name(f), pow(10, -k));
         if (!row)
             return lw_error_set(e, LW_E_MEMORY, "out of memory");
         lw_dynamics_options o = options(y, f, row->tolerance);
         lw_status st = run_once(&y->scene, &o, &y->got, NULL, &why);
-        row->error = st == LW_OK && y->n_exact > 0 ? apart(&y->got, exact, y->scene.in_space) : NAN;
-        row->hard = y->s->hard && f == LW_FORMULATION_AUTO;
+        row->error = st == LW_OK && y->n_exact > 0 ? apart(&y->got, &y->exact[y->n_exact > 1 && y->by[0] == y->got.by], y->scene.in_space) : NAN;
+        row->known = y->s->hard ? y->known : NAN;
         if (f == LW_FORMULATION_AUTO)
             y->chosen[k] = y->got.by;
         double until = lw_clock_wall() + b->time;
@@ -433,7 +486,7 @@ static lw_status run_formulation(cli_mbs *b, study *y, lw_formulation f, lw_erro
         failed = st == LW_OK ? 0 : failed + 1;
         if (st != LW_OK)
             snprintf(row->note, sizeof row->note, "%.*s", (int)strcspn(why.text, "\n"), why.text);
-        if (row->seconds > too_slow || row->error < 0.5*level[LEVELS - 1])
+        if (row->seconds > (y->s->hard ? 4 : 1)*too_slow || row->error < enough)
             break;
     }
     return LW_OK;
@@ -470,6 +523,8 @@ static void compare(const cli_mbs *b, const study *y, double *worst)
         bool own_is_one = strchr(took, ',') == NULL;     /* then the rows of that formulation are the same runs, measured again */
         for (int k = 0; k < y->n_formulation; k++) {
             double t = time_for(b, y, y->formulation[k], level[i]);
+            if (y->formulation[k] == LW_FORMULATION_CAPTURE)
+                continue;
             if (own_is_one && y->formulation[k] == y->chosen[b->loosest]) {
                 own = fmin(own, t);
                 continue;
@@ -490,44 +545,61 @@ static void compare(const cli_mbs *b, const study *y, double *worst)
     printf(" %.0e |\n", y->known);
 }
 
-/* Save the plot of the hard cases: error over time of the formulation that `auto` takes. */
+/* Save the plot of the hard cases: a panel for each, with error over time of every formulation that can do it. */
 static lw_status save_hard(const cli_mbs *b, const char *folder, lw_error *e)
 {
+    enum { COLUMNS = 3, FORMULATIONS = LW_FORMULATION_GGL + 1 };
     char path[CLI_PATH_SIZE];
-    lw_series series[LW_SERIES_MAX];
+    lw_series (*series)[FORMULATIONS] = calloc(LW_PANEL_MAX, sizeof *series);
     double *numbers = malloc(sizeof *numbers*(2*(size_t)b->n + 1));
-    lw_plot plot = { .title = "hard cases, each by the formulation of auto", .x_label = "processor time [s]", .log_x = true, .log_y = true,
-                     .y_label = "greatest error: coordinates over the size of the model, angles [rad]", .series = series };
-    if (!numbers)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    for (int i = 0; i < b->n; i++) {
+    lw_plot plot[LW_PANEL_MAX] = { { .width = 1100, .columns = COLUMNS } };
+    lw_level known[LW_PANEL_MAX];
+    bool taken[FORMULATIONS] = { false };
+    int n = 0;
+    for (int i = 0; i < b->n && series && numbers; i++) {
         const cli_mbs_row *r = &b->row[i];
-        if (!r->hard)
+        int f = 0;
+        if (isnan(r->known))
             continue;
-        if (plot.n_series == 0 || strcmp(series[plot.n_series - 1].name, r->problem)) {
-            if (plot.n_series == LW_SERIES_MAX)
+        if (n == 0 || strcmp(plot[n - 1].title, r->problem)) {
+            if (n == LW_PANEL_MAX)
                 break;
-            series[plot.n_series++] = (lw_series){ r->problem, 0, numbers + i, numbers + b->n + i, LW_SERIES_LINE };
+            plot[n].title = r->problem, plot[n].log_x = plot[n].log_y = true;
+            plot[n].series = series[n], plot[n].n_series = FORMULATIONS;
+            plot[n].y_label = n % COLUMNS == 0 ? "greatest error" : NULL;
+            known[n] = (lw_level){ "", r->known };
+            plot[n].level = &known[n], plot[n].n_level = r->known > 0;
+            for (int k = 0; k < FORMULATIONS; k++)
+                series[n][k] = (lw_series){ .name = "", .style = k ? LW_SERIES_LINE : LW_SERIES_POINTS };
+            n++;
         }
-        lw_series *to = &series[plot.n_series - 1];
-        numbers[(to->x - numbers) + (ptrdiff_t)to->n] = r->seconds;
-        numbers[(to->y - numbers) + (ptrdiff_t)to->n++] = fmax(r->error, 1e-16);
+        while (f < FORMULATIONS - 1 && strcmp(r->solver, lw_formulation_name((lw_formulation)f)))
+            f++;
+        lw_series *to = &series[n - 1][f];
+        to->x = to->n ? to->x : numbers + i, to->y = to->n ? to->y : numbers + b->n + i;
+        to->n++, taken[f] = true;
+        numbers[i] = r->seconds, numbers[b->n + i] = r->error < 1e-16 ? 1e-16 : r->error;
     }
+    for (int i = n > COLUMNS ? n - COLUMNS : 0; i < n; i++)
+        plot[i].x_label = "processor time [s]";
+    for (int f = 0; f < FORMULATIONS && n > 0; f++)          /* one legend for all */
+        if (taken[f])
+            series[n > COLUMNS ? COLUMNS - 1 : n - 1][f].name = lw_formulation_name((lw_formulation)f);
     snprintf(path, sizeof path, "%s/mbs-choice.svg", folder);
-    lw_status st = lw_draw_plot(&plot, path, e);
-    free(numbers);
+    lw_status st = !series || !numbers ? lw_error_set(e, LW_E_MEMORY, "out of memory") : n ? lw_draw_plots(n, plot, path, e) : LW_OK;
+    free(series), free(numbers);
     return st == LW_NOTHING ? LW_OK : st;
 }
 
 /* Does an entry of the list take the model? */
-static bool is_asked(const char *cases, const char *name)
+static bool is_asked(const char *cases, const subject *s)
 {
     bool asked = false;
     for (; *cases && !asked; cases += strcspn(cases, ","), cases += *cases == ',') {
         char text[64];
         int length = (int)strcspn(cases, ",");
         snprintf(text, sizeof text, "%.*s", length > 7 ? length - 7 : 0, cases + 7);
-        asked = strncmp(cases, "choice", 6) == 0 && (length == 6 || strstr(name, text));
+        asked = strncmp(cases, "choice", 6) == 0 && (length == 6 || strstr(s->name, text) || (s->hard && strcmp(text, "hard") == 0));
     }
     return asked;
 }
@@ -538,13 +610,13 @@ lw_status cli_mbs_choice(cli_mbs *b, const char *cases, const char *folder, lw_e
     double worst = 1;
     int n = 0;
     for (size_t i = 0; i < sizeof subjects/sizeof *subjects; i++)
-        n += is_asked(cases, subjects[i].name);
+        n += is_asked(cases, &subjects[i]);
     if (n == 0)
         return lw_error_set(e, LW_E_ARG, "no model of choice has this text in its name");
     fputs("Time of `auto` [ms] for an error of, and how many times that of the fastest where that is another one:\n\n"
           "| model | `auto` takes | 0.001 | 0.0001 | 1e-06 | 1e-08 | references differ |\n|---|---|---|---|---|---|---|\n", stdout);
     for (size_t i = 0; i < sizeof subjects/sizeof *subjects && st == LW_OK && !cli_interrupted(); i++) {
-        if (!is_asked(cases, subjects[i].name))
+        if (!is_asked(cases, &subjects[i]))
             continue;
         study *y = calloc(1, sizeof *y);
         if (!y)

@@ -138,6 +138,7 @@ static lw_status run_once(const lw_model *m, const lw_dynamics_options *o, keepe
         return st;
     k->system = timed ? NULL : lw_dynamics_system(d);
     st = lw_dynamics_run(d, keep, k, report, e);
+    st = st == LW_OK ? cli_mbs_own(report, o, e) : st;
     if (timed) {
         row->make = fmin(row->make, made - start);           /* fmin ignores NAN                             */
         row->seconds = fmin(row->seconds, lw_clock_cpu() - made);

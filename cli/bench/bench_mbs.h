@@ -7,6 +7,8 @@
 
 struct lw_model;
 struct lw_spatial;
+struct lw_dynamics_report;
+struct lw_dynamics_options;
 
 /* Result of one solver at one tolerance (other programs: accuracy, or step size in s). */
 typedef struct cli_mbs_row {
@@ -17,7 +19,7 @@ typedef struct cli_mbs_row {
     double      error;                   /* greatest error against the reference; NAN: none            */
     double      off;                     /* distance from the right assembly mode [m]; NAN: none       */
     double      energy;                  /* greatest error of the energy over its scale; NAN: unknown   */
-    bool        hard;                    /* of a hard case, by the formulation that `auto` takes       */
+    double      known;                   /* of a hard case: what its two references differ by, 0: one; NAN: no hard case */
     long        steps, rates;
     char        note[160];               /* why it failed; "": it did not                              */
 } cli_mbs_row;
@@ -59,6 +61,9 @@ typedef struct cli_mbs {
 /* Add a row without results. NULL: out of memory. */
 cli_mbs_row *cli_mbs_add(cli_mbs *b, const char *problem, const char *solver, double tolerance);
 
+/* LW_STOPPED: the formulation that was asked for gave up, and another one went on. */
+lw_status cli_mbs_own(const struct lw_dynamics_report *r, const struct lw_dynamics_options *o, lw_error *e);
+
 /* The text of NAME.ENDING in catalogues/data/mbs, to be freed, and its path (CLI_PATH_SIZE). */
 lw_status cli_mbs_read(const char *name, const char *ending, char *path, char **text, size_t *size, lw_error *e);
 
@@ -82,7 +87,8 @@ lw_status cli_mbs_peers_space(cli_mbs *b, const cli_mbs_problem *p, const struct
 lw_status cli_mbs_space(cli_mbs *b, const cli_mbs_problem *p, lw_error *e);
 
 /* Add rows of models of every kind by every formulation, print how much slower than the fastest `auto` is, and save the plot of the
- * hard cases.  `choice:TEXT` in cases takes the models with TEXT in their name, `choice` all.  LW_E_ARG: no model has the text. */
+ * hard cases.  `choice:TEXT` in cases takes the models with TEXT in their name, `choice:hard`
+ * also the hard cases, `choice` all.  LW_E_ARG: no model has the text. */
 lw_status cli_mbs_choice(cli_mbs *b, const char *cases, const char *folder, lw_error *e);
 
 /* Run the whole benchmark. folder NULL: write no files. cases NULL: all problems. LW_E_ARG: unknown problem in

@@ -7,6 +7,7 @@
 #include "base/real.h"
 #include "base/vec2.h"
 #include "cli/program/data.h"
+#include "mbs/dynamics/dynamics.h"
 
 /* ---- errors ------------------------------------------------------------------------------------------------ */
 
@@ -108,7 +109,7 @@ const cli_mbs_problem cli_mbs_problems[] = {
     { "clearance", "four-bar with clearance, 80 r/min, seated, 1.25 s", "pin in its bush at 1.25 s [m]", NULL, 1.25, 13,
       NULL, 0 },
     { "clearance-250", "four-bar with clearance, 250 r/min, 1.25 s (chaotic: no error)", "", NULL, 1.25, 13, NULL, 0 },
-    { "choice", "61 models by every formulation, and by auto", "", NULL, 0, 13, NULL, 0 },
+    { "choice", "65 models by every formulation, and by auto", "", NULL, 0, 13, NULL, 0 },
     { .name = NULL }
 };
 
@@ -132,7 +133,13 @@ cli_mbs_row *cli_mbs_add(cli_mbs *b, const char *problem, const char *solver, do
     }
     cli_mbs_row *r = &b->row[b->n++];
     *r = (cli_mbs_row){ .problem = problem, .tolerance = tolerance, .make = NAN, .seconds = NAN, .error = NAN,
-                        .off = NAN, .energy = NAN };
+                        .off = NAN, .energy = NAN, .known = NAN };
     snprintf(r->solver, sizeof r->solver, "%s", solver);
     return r;
+}
+
+lw_status cli_mbs_own(const lw_dynamics_report *r, const lw_dynamics_options *o, lw_error *e)
+{
+    return o->formulation == LW_FORMULATION_AUTO || r->gave_up == LW_FORMULATION_AUTO ? LW_OK
+         : lw_error_set(e, LW_STOPPED, "%s gave up at t = %.6g s", lw_formulation_name(o->formulation), r->gave_up_t);
 }

@@ -76,6 +76,7 @@ static lw_status run_once(const lw_spatial *m, const lw_dynamics_options *o, pla
     p->d = row ? NULL : d;
     p->n = 0;
     st = lw_dynamics_run(d, keep, p, &q, e);
+    st = st == LW_OK ? cli_mbs_own(&q, o, e) : st;
     if (row) {
         row->make = fmin(row->make, made - start);
         row->seconds = fmin(row->seconds, lw_clock_cpu() - made);
