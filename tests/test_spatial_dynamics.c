@@ -720,7 +720,7 @@ static void repeat_calls(lw_tree_stages *s, lw_rng *rng, const double *y)
     const size_t bytes = 8*sizeof *y*(size_t)(s->n_u + 1);
     double near[8*64], at_y[8*64], exact[8*64], found[8*64], other[8*64];
     CHECK_INT(lw_tree_stages_rates(s, false, y, at_y), LW_OK);
-    const double little = 0.01*fmin(1, 100*s->weak);         /* near singular postures the factors change fast */
+    const double little = 0.07/s->n_x*fmin(1, 100*s->weak);  /* all coordinates together; near singular postures the factors change fast */
     for (int far = 0; far < 2; far++) {
         for (int j = 0; j < 8*n; j++)
             near[j] = y[j] + (far ? 0.3 : little)*lw_rng_range(rng, -1, 1);

@@ -855,17 +855,35 @@ static double rates_of(const lw_tree_stages *t, bool again, const double *y, dou
     return weak;
 }
 
+/* At most how far a body's coordinates and those of all bodies inwards have moved since they were factored, summed: the farthest body of each ring. */
+LW_INLINE pack farthest(const lw_tree_stages *t, int lane, const double *y)
+{
+    pack far = { 0 }, ring = { 0 };
+    for (int i = 0, first = 0; i < t->n_body; i++) {
+        const lw_stage_body *p = &t->body[i];
+        pack own = { 0 };
+        if (p->parent >= first)              /* one ring farther out */
+            far += ring, ring = all_lanes(0), first = i;
+        for (int k = 8*p->x; k < 8*(p->x + p->n_x); k += 8) {
+            pack off = pick(y + k) - pick(t->factored + lane + k);
+            own += choose((mask)(off < 0), -off, off);
+        }
+        ring = choose((mask)(own > ring), own, ring);
+    }
+    return far + ring;
+}
+
 static double prepare(const lw_tree_stages *t, bool again, const double *y)
 {
-    pack far = { 0 };
+    double far = 0;
     for (int i = 0; i < t->n_angle; i++)
         for (int k = 0; k < 8; k += WIDTH)
             keep(t->angle + 8*i + k, 0.5*pick(y + 8*t->turn[i] + k));
-    for (int i = 0; again && i < 8*t->n_x; i += WIDTH) {
-        pack off = pick(y + i) - pick(t->factored + i), size = choose((mask)(off < 0), -off, off);
-        far = choose((mask)(size > far), size, far);
+    for (int lane = 0; again && lane < 8; lane += WIDTH) {
+        double here = -least_lane(-farthest(t, lane, y + lane));
+        far = here > far ? here : far;
     }
-    return -least_lane(-far);
+    return far;
 }
 
 /* ---- rows of output ------------------------------------------------------------------------------------------------- */

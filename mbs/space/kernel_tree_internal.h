@@ -9,7 +9,7 @@
 typedef struct lw_tree_kernel {
     const char *isa;
     int width;                               /* lanes at a time */
-    /* the halves of the angles; how far coordinates are from those of the factors, at most, if again */
+    /* the halves of the angles; if again, how far the coordinates of a body and of all bodies inwards are from those of the factors, summed, at most */
     double (*prepare)(const lw_tree_stages *s, bool again, const double *y);
     /* least pivot of the loops over the first, 1 without loops or `again`; 0: a motion without mass, or a singular posture; -1: a leg that is nearly
      * stretched is to be solved with all loops */

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double near = 0.03;             /* coordinates [rad, sizes] that states move while the factors serve, */
+static const double near = 0.08;             /* sum over a body's path to the ground of how far coordinates [rad, sizes] move while the factors serve, */
 static const double weak_loops = 0.01;       /* less where the least pivot of the loops is below this */
 static const double firm_leg = 0.01;         /* least pivot of a leg over its first, from which on legs are solved apart in a step */
 
