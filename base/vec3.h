@@ -64,6 +64,12 @@ static inline lw_quaternion lw_quaternion_unit(lw_quaternion a)
     double n = sqrt(a.w*a.w + a.x*a.x + a.y*a.y + a.z*a.z);
     return (lw_quaternion){ a.w/n, a.x/n, a.y/n, a.z/n };
 }
+/* a or -a, which are the same rotation: the one nearer to `before`; beside no or an opposite quaternion the one with w >= 0 */
+static inline lw_quaternion lw_quaternion_beside(lw_quaternion before, lw_quaternion a)
+{
+    double same = before.w*a.w + before.x*a.x + before.y*a.y + before.z*a.z;
+    return (same != 0 ? same : a.w) < 0 ? (lw_quaternion){ -a.w, -a.x, -a.y, -a.z } : a;
+}
 /* the matrix of a quaternion of any length but 0 */
 static inline lw_mat3 lw_quaternion_matrix(lw_quaternion a)
 {

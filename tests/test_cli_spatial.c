@@ -55,6 +55,23 @@ TEST(traces)
     expect("$P trace $D/deep.json --time-range 0:1:0.1", 4, NULL, "open");
 }
 
+/* A hundred turns about a slanted axis: the quaternion is (cos(a/2), axis sin(a/2)) in every row, with no change of sign at half turns. */
+TEST(quaternions_go_on)
+{
+    static const char check[] = " | awk -F, '/^(t|input),/ {for (i = 1; i <= NF; i++) at[$i] = i; next} /^[0-9]/ {n++; a = $(at[from])/2; p = of; "
+        "e = ($(at[p \"qw\"]) - cos(a))^2 + $(at[p \"qx\"])^2 + ($(at[p \"qy\"]) - 0.6*sin(a))^2 + ($(at[p \"qz\"]) - 0.8*sin(a))^2; if (e > 1e-20) print a} "
+        "END {print n}'";
+    char command[1024];
+    expect("echo '{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [1, 0, 0], \"inertia\": [1, 1, 1]}], "
+           "\"joints\": [{\"name\": \"A\", \"kind\": \"revolute\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0.6, 0.8]}], "
+           "\"input\": {\"joint\": \"A\", \"motion\": \"200*pi*t\"}, \"tracers\": [{\"name\": \"P\", \"link\": \"a\", \"at\": [1, 0, 0]}]}' "
+           "> $D/turns.json", 0, NULL, NULL);
+    snprintf(command, sizeof command, "$P simulate $D/turns.json -n 997 -q%s from=A.input of=P.", check);
+    expect(command, 0, "998\n", NULL);
+    snprintf(command, sizeof command, "$P trace $D/turns.json --input-range 0:628 -n 997 -q%s from=input", check);
+    expect(command, 0, "998\n", NULL);
+}
+
 /* Rounded numbers: an overconstrained linkage is adjusted, and it is said by how much. */
 TEST(rounded)
 {

@@ -203,11 +203,12 @@ static double *put(double *to, lw_vec3 a)
     return to + 3;
 }
 
+/* `to` holds the row before, which decides the sign of the quaternion. */
 static double *put_body(double *to, const lw_frame_motion *m)
 {
-    double sign = m->turn.w < 0 ? -1 : 1;
     to = put(to, m->place);
-    *to++ = sign*m->turn.w, *to++ = sign*m->turn.x, *to++ = sign*m->turn.y, *to++ = sign*m->turn.z;
+    lw_quaternion q = lw_quaternion_beside((lw_quaternion){ to[0], to[1], to[2], to[3] }, m->turn);
+    *to++ = q.w, *to++ = q.x, *to++ = q.y, *to++ = q.z;
     return put(put(put(put(to, m->velocity), m->omega), m->acceleration), m->alpha);
 }
 
@@ -383,7 +384,7 @@ static lw_status prepare(run *r, lw_spatial *m, const lw_dynamics_options *o, co
     r->report = *lw_dynamics_choice(r->d);
     take_scene(r);
     make_columns(r);
-    r->row = malloc((size_t)r->n_column*sizeof *r->row);
+    r->row = calloc((size_t)r->n_column, sizeof *r->row);
     r->tracer = malloc(((size_t)m->n_tracer + 1)*sizeof *r->tracer);
     r->link = malloc((size_t)r->m->n_link*sizeof *r->link);
     if (r->no_memory || !r->row || !r->tracer || !r->link)

@@ -28,6 +28,7 @@ typedef struct rows {
     int      only;                       /* this tracer, -1: all */
     double   speed;                      /* rates are by time at this speed of the input; 0: by the input */
     double  *flat;
+    lw_quaternion *turn;                 /* (tracers) of the last row */
     int      values;                     /* of a tracer: VALUES, or VALUES + GEOMETRY */
     bool     plotted;
     size_t   n_kept, room;               /* rows kept for a plot: NaN where it is interrupted */
@@ -44,16 +45,15 @@ int cli_spatial_refuse(const cli_call *call, const char *const *names)
 
 static void put_vector(double *to, lw_vec3 a, double unit) { to[0] = a.x/unit, to[1] = a.y/unit, to[2] = a.z/unit; }
 
-/* The numbers of a tracer in the units of the file. */
-static void fill(const rows *r, const lw_space_tracer *t, double *out)
+/* The numbers of a tracer in the units of the file.  *before: the quaternion of its last row, which decides the sign of the next one. */
+static void fill(const rows *r, const lw_space_tracer *t, lw_quaternion *before, double *out)
 {
     double metre = r->m->units.metre, w = r->speed != 0 ? r->speed : 1;
-    double quaternion[] = { t->turn.w, t->turn.x, t->turn.y, t->turn.z };
+    lw_quaternion q = *before = lw_quaternion_beside(*before, t->turn);
     put_vector(out, t->place, metre);
     put_vector(out + 3, lw_v3_scale(t->velocity, w), metre);
     put_vector(out + 6, lw_v3_scale(t->acceleration, w*w), metre);
-    for (int i = 0; i < 4; i++)
-        out[9 + i] = quaternion[0] < 0 ? -quaternion[i] : quaternion[i];
+    out[9] = q.w, out[10] = q.x, out[11] = q.y, out[12] = q.z;
     put_vector(out + 13, lw_quaternion_vector(t->turn), r->m->units.radian);
     put_vector(out + 16, lw_v3_scale(t->omega, w), 1);
     put_vector(out + 19, lw_v3_scale(t->alpha, w*w), 1);
@@ -184,7 +184,7 @@ static lw_status put_row(void *context, double u, const double *input, const lw_
     for (int k = 0; k < r->m->n_tracer; k++) {
         if (r->only >= 0 && r->only != k)
             continue;
-        fill(r, &tracer[k], value);
+        fill(r, &tracer[k], &r->turn[k], value);
         fill_geometry(r, &tracer[k], value + VALUES);
         if (to)
             to = (double *)memcpy(to, value, (size_t)r->values*sizeof *to) + r->values;
@@ -292,12 +292,13 @@ int cli_spatial_trace_run(const cli_call *call, const lw_spatial *m, const cli_s
         t.to = t.from + t.intervals*o->time_range[2];
     }
     r.flat = malloc(((size_t)m->n_input + 1 + (size_t)(r.values*m->n_tracer))*sizeof *r.flat);
-    st = r.flat ? cli_open(call, &out, &e) : lw_error_set(&e, LW_E_MEMORY, "out of memory");
+    r.turn = calloc((size_t)m->n_tracer + 1, sizeof *r.turn);
+    st = r.flat && r.turn ? cli_open(call, &out, &e) : lw_error_set(&e, LW_E_MEMORY, "out of memory");
     if (st != LW_OK)
-        return free(r.flat), cli_fail(call, &e);
+        return free(r.flat), free(r.turn), cli_fail(call, &e);
     r.f = out.f;
     st = lw_space_trace_run(m, &t, put_row, &r, &e);
-    free(r.flat);
+    free(r.flat), free(r.turn);
     if (r.as_json && r.begun) {
         cli_json_end(&r.json);
         cli_json_bool(&r.json, "complete", st == LW_OK);
