@@ -220,9 +220,11 @@ TEST(poses_of_simpler_machines_are_named)
     json_decref(root);
     expect("cat $D/said", 0, "a parallelogram, with two parallel cranks of 200 mm, moves it so", NULL);
     expect("printf 'x [mm],y [mm],theta [deg]\n400,100,0\n308.730670,300.621778,30\n129.378222,428.730670,60\n' > $D/door.csv; "
-           "$P fit $D/door.csv --links 4 --unlimited --rounds 1", 0, NULL, "a link that turns about (-20, 30) moves the body so alone");
+           "$P fit $D/door.csv --links 4 --unlimited --rounds 1", 0, NULL, "a body on one pin, at (-20, 30), moves so");
     expect("printf 'x [mm],y [mm],theta [deg]\n0,0,0\n200,0,90\n' | $P fit - --links 4 --unlimited --rounds 1", 0, NULL,
-           "a link that turns about (100, 100) moves the body so alone");
+           "a body on one pin, at (100, 100), moves so");
+    expect("printf 'x [mm],y [mm],theta [deg]\n600,0,0\n-80,60,178\n' > $D/fold.csv; $P fit $D/fold.csv --rounds 1 --starts 4 -o $D/fold.json --quiet; "
+           "grep -c '\"topologies\"' $D/fold.json", 1, "0\n", NULL);           /* no six links */
     expect("printf 'x [mm],y [mm],theta [deg]\n0,0,0\n12,0,0\n24,0,0\n36,0,0\n' | $P fit - --links 4 --unlimited --rounds 1 --starts 4", 0, NULL,
            "a slide alone, such as the slider of a slider-crank, moves it so");
 }

@@ -20,7 +20,7 @@ static const cli_option options[] = {
       "if the first row of the four-bars whose crank turns fully counts as missing the target by more than 2.5 % (above), or "
       "leaves it by more than --tolerance: with a third of the budget, and with the rest "
       "if that finds none that is enough. If a rocking four-bar is enough, only "
-      "cranks are searched", 4, 10,
+      "cranks are searched, and if a body on one pin does the task, no six links", 4, 10,
       NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(cli_fit_settings, dof), "F", "1",
       "degree of freedom, 1 to 3: the number of driven joints at the ground. 2 gives mechanisms of 5, 7 and 9 links, 3 "
@@ -358,6 +358,8 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_side_by_sid
     }
     if (st != LW_OK)
         return st;
+    if (!s->exact)
+        cli_fit_note_simpler(call, set);
     why = search(call, set, together, e);
     if (why == LW_NOTHING && s->exact)
         lw_error_set(e, why, set->exact.complete

@@ -2,16 +2,20 @@
 #include "cli/fit/fit_settings.h"
 
 #include <string.h>
+#include "base/number.h"
 #include "base/real.h"
 
 /* If a candidate fails the second simulation, it has a defect or the program has a fault: report it. */
 static void note_left_out(const cli_call *call, const cli_fit_set *set)
 {
-    for (int i = 0; i < set->search.results.n_left_out; i++) {
-        const lw_left_out *l = &set->search.results.left_out[i];
-        const lw_candidate *c = &set->search.found.fit.candidate[l->candidate];
-        cli_note(call, "%s: a candidate (%s, objective %.6g) is left out: %s", set->path, c->family->name, c->objective, l->fault);
-    }
+    const int n = set->search.results.n_left_out;
+    if (n == 0)
+        return;
+    const lw_left_out *first = set->search.results.left_out;
+    const lw_candidate *c = &set->search.found.fit.candidate[first->candidate];
+    cli_note(call, "%s: %d linkage%s found %s not listed, because the check that every result has to pass refused %s%s (%s, objective %.6g): %s",
+             set->path, n, lw_plural(n), n == 1 ? "is" : "are", n == 1 ? "it" : "them", n == 1 ? "" : "; the first", c->family->name, c->objective,
+             first->fault);
 }
 
 #define STRAIGHT 1e-6                  /* of the diagonal: a path that leaves a line by no more is straight                   */
@@ -25,17 +29,16 @@ static bool keeps_angle(const lw_target *t)
     return t->theta && most <= STRAIGHT;
 }
 
-/* A single link draws a circle, or turns a body about a point; a parallelogram moves it without turning; a slider moves straight. */
-static void note_simpler(const cli_call *call, const cli_fit_set *set)
+void cli_fit_note_simpler(const cli_call *call, const cli_fit_set *set)
 {
     const lw_target *t = &set->target;
     const char *unit = t->units.length[0] ? t->units.length : "units";
     lw_vec2 c, p;
-    double r, off = lw_target_circle(t, &c, &r), m = t->units.metre;
-    double from_pivot = lw_target_pivot(t, &p), grain = m*pow(10, floor(log10(STRAIGHT*t->extent/m + 1e-300)));
+    double r, from_pivot, off = lw_target_circle(t, &c, &r), m = t->units.metre;
+    double grain = m*pow(10, floor(log10(STRAIGHT*t->extent/m + 1e-300)));
     const bool path = set->spec.task == LW_TASK_PATH && t->n_also == 0;
     bool alone = path && set->spec.timing != LW_TIMING_PRESCRIBED;
-    bool pins = !cli_given(&call->parsed, "type") && !cli_given(&call->parsed, "joints") && !set->is_exact;
+    bool pins = !cli_given(&call->parsed, "type") && !cli_given(&call->parsed, "joints");
     bool motion = set->spec.task == LW_TASK_MOTION && t->n_also == 0, straight = lw_target_straight(t) <= STRAIGHT*t->extent;
     if (path && pins && t->n >= 3 && straight)
         cli_note(call, "%s: this path is straight: with '--type slidercrank' a slider moves exactly along it", set->path);
@@ -45,9 +48,10 @@ static void note_simpler(const cli_call *call, const cli_fit_set *set)
     if (motion && circle && keeps_angle(t))
         cli_note(call, "%s: the body keeps its angle and moves on a circle: a parallelogram, with two parallel cranks of %.6g %s, moves it so "
                  "within %.2g %s", set->path, r/m, unit, fmax(off, grain)/m, unit);
-    if (motion && from_pivot <= LW_EXACT_ENOUGH*t->extent && hypot(p.x - t->x[0], p.y - t->y[0]) < LW_DEFAULT_MAX_SIZE*t->extent)
-        cli_note(call, "%s: a link that turns about (%.6g, %.6g) moves the body so alone, within %.2g %s", set->path,
-                 (grain*round(p.x/grain) + 0.0)/m, (grain*round(p.y/grain) + 0.0)/m, fmax(from_pivot, grain)/m, unit);
+    if (lw_pin_does(t, &set->spec, &p, &from_pivot))
+        cli_note(call, "%s: a body on one pin, at (%.6g, %.6g), moves so, within %.2g %s; if no pin can be there, '--links 6' also searches "
+                 "linkages that turn it about that point", set->path, (grain*round(p.x/grain) + 0.0)/m, (grain*round(p.y/grain) + 0.0)/m,
+                 fmax(from_pivot, grain)/m, unit);
     if (alone && circle)
         cli_note(call, "%s: a link of %.6g %s that turns about (%.6g, %.6g) draws this path alone, within %.2g %s", set->path,
                  r/m, unit, c.x/m, c.y/m, fmax(off, grain)/m, unit);
@@ -77,7 +81,6 @@ void cli_fit_notes(const cli_call *call, const cli_fit_set *set)
     for (int i = 0; i < found->n; i++)
         least = fmin(least, lw_fit_report_stray(&found->report[i]));
     note_left_out(call, set);
-    note_simpler(call, set);
     if (set->search.found.fit.skipped[0])
         cli_note(call, "%s: skipped %s", set->path, set->search.found.fit.skipped);
     if (found->n == 0 && found->n_left_out == 0)

@@ -24,7 +24,9 @@ lw_status cli_fit_check_conditions(const cli_call *call, lw_error *e);
 lw_status cli_fit_make_spec(const cli_call *call, const cli_fit_set *set, lw_fit_spec *spec, lw_error *e);
 lw_status cli_fit_read_tolerances(const char *text, const lw_units *u, lw_tolerances *of, lw_error *e);
 
-/* fit_notes.c: notes on the results for a target, on standard error. */
+/* fit_notes.c: what would do with less than a linkage: a single link draws a circle, or turns a body about a point; a parallelogram moves it
+ * without turning; a slider moves straight.  Then notes on the results for a target.  On standard error. */
+void cli_fit_note_simpler(const cli_call *call, const cli_fit_set *set);
 void cli_fit_notes(const cli_call *call, const cli_fit_set *set);
 
 #endif

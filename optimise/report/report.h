@@ -7,9 +7,6 @@
 #include "optimise/search/fit.h"
 #include "optimise/report/likeness.h"
 
-/* An error of this part of the diagonal, 1 mm of a metre, is as good as none: play and tolerances are as much. */
-#define LW_EXACT_ENOUGH 1e-3
-
 /* Errors of a further point at the stations. */
 typedef struct lw_also_error {
     double mean, rms, max;         /* distances [m]; NaN when its place is not asked for            */

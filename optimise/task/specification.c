@@ -21,6 +21,14 @@ lw_fit_spec lw_fit_spec_default(void)
                           .a = 1, .b = 1 };
 }
 
+bool lw_pin_does(const lw_target *t, const lw_fit_spec *s, lw_vec2 *pivot, double *off)
+{
+    if (s->task != LW_TASK_MOTION || s->timing == LW_TIMING_PRESCRIBED || t->n_also > 0)
+        return false;
+    *off = lw_target_pivot(t, pivot);
+    return *off <= LW_EXACT_ENOUGH*t->extent && hypot(pivot->x - t->x[0], pivot->y - t->y[0]) < LW_DEFAULT_MAX_SIZE*t->extent;
+}
+
 void lw_fit_spec_weigh_angles(lw_fit_spec *s, const lw_target *t, double length)
 {
     bool place = lw_task_has_place(s->task) && t->extent > 0;

@@ -128,6 +128,13 @@ void lw_fit_spec_set_limits(lw_fit_spec *s, const lw_target *t, unsigned given);
  * station: between few stations, and where the body turns much from one to the next, the target is not known. */
 static inline double lw_stray_allowed(const lw_target *t, size_t n) { return 0.02 + fmax(0.5/(double)n, lw_target_arc(t)/t->size); }
 
+/* An error of this part of the diagonal, 1 mm of a metre, is as good as none: play and tolerances are as much. */
+#define LW_EXACT_ENOUGH 1e-3
+
+/* Does a body on a single pin do the task, a motion without prescribed timing, to LW_EXACT_ENOUGH?  *pivot: where the pin is, within the
+ * default sizes; *off: the greatest distance of a place from the one that the body then has [m]. */
+bool lw_pin_does(const lw_target *t, const lw_fit_spec *s, lw_vec2 *pivot, double *off);
+
 /* The objective that the columns of a target suggest: a function without x and y, a motion with theta, else a path. */
 lw_task lw_task_suggested(const lw_target *t);
 

@@ -168,11 +168,13 @@ static lw_status make_set(const lw_topology_search_options *o, int links, double
     return LW_OK;
 }
 
-/* Are six links searched if four do not stay near the target? */
-static bool may_go_on(const lw_topology_search_options *o)
+/* Are six links searched if four do not stay near the target?  Not where a pin alone moves the body so. */
+static bool may_go_on(const lw_target *t, const lw_topology_search_options *o)
 {
     const lw_fit_spec *s = &o->fit.spec;
-    return o->more && o->links == 0 && o->freedoms == 1 && s->by_default
+    lw_vec2 pivot;
+    double off;
+    return o->more && !lw_pin_does(t, s, &pivot, &off) && o->links == 0 && o->freedoms == 1 && s->by_default
         && strcmp(o->joints, "r") == 0 && strcmp(o->topologies, "all") == 0 && strcmp(o->fit.types, "fourbar") == 0;
 }
 
@@ -180,7 +182,7 @@ static lw_status make_plan(const lw_target *t, const lw_topology_search_options 
 {
     if (o->freedoms < 1 || o->freedoms > LW_PACKED_INPUT_MAX)
         return lw_error_set(e, LW_E_ARG, "mechanisms have 1 to %d degrees of freedom, not %d", LW_PACKED_INPUT_MAX, o->freedoms);
-    int least = lw_mechanism_least_links(o->freedoms), links = o->links > 0 ? o->links : may_go_on(o) ? 6 : least;
+    int least = lw_mechanism_least_links(o->freedoms), links = o->links > 0 ? o->links : may_go_on(t, o) ? 6 : least;
     if (links < least || links > LINKS_MAX)
         return lw_error_set(e, LW_E_ARG, "with %d degrees of freedom mechanisms have %d to %d links, not %d",
                             o->freedoms, least, LINKS_MAX, links);
@@ -192,7 +194,7 @@ static lw_status make_plan(const lw_target *t, const lw_topology_search_options 
     make_stages(o, p);
     if (p->n_stage == 0 && p->set.uncounted > 0)
         return lw_error_set(e, LW_NOTHING, "the time ended while mechanisms were still counted: none was searched; give it longer, or fewer links");
-    for (int i = 1; i < p->n_stage && may_go_on(o); i++)
+    for (int i = 1; i < p->n_stage && may_go_on(t, o); i++)
         p->stage[i].unless = LW_ENOUGH;
     return choose_point_links(t, &o->fit.spec, p, e);
 }
