@@ -104,7 +104,7 @@ void cli_fit_notes(const cli_call *call, const cli_fit_set *set)
                 nearest = i;
         double least_miss = lw_fit_report_misses(&set->target, &found->report[nearest]);
         const bool meets = r->error_max <= 1e-6*set->target.extent;
-        if (meets || lw_fit_report_known_miss(&set->target, r) <= LW_NEAR*set->target.extent)
+        if (meets || lw_fit_report_known_miss(&set->target, r, 0) <= LW_NEAR*set->target.extent)
             cli_note(call, "%s: the first row meets every point%s; between them it leaves a smooth line through them (straight at corners) "
                      "by %.3g %s, %.2g %% of the target's diagonal. If that matters, add points", set->path, meets ? "" : " nearly", misses/m,
                      unit, 100*misses/set->target.extent);

@@ -119,8 +119,8 @@ double lw_fit_report_misses(const lw_target *t, const lw_fit_report *r);
 double lw_fit_report_distance(const lw_target *t, const lw_fit_report *r);
 
 /* What the linkage surely misses the target by [m]: as above, but between a few stations any linkage may leave the interpolation so far,
- * whether it meets them or not; a twentieth of that distance counts. */
-double lw_fit_report_known_miss(const lw_target *t, const lw_fit_report *r);
+ * whether it meets them or not; this part of that distance counts. */
+double lw_fit_report_known_miss(const lw_target *t, const lw_fit_report *r, double doubt);
 
 /* The active limits with commas between. */
 void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size);

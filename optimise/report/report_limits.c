@@ -177,7 +177,6 @@ double lw_fit_report_misses(const lw_target *t, const lw_fit_report *r)
 }
 
 #define FEW        16              /* stations                                                              */
-#define DOUBT      0.05            /* part of the distance from an interpolation of a few stations that counts                   */
 #define SAME_CURVE 1e-5            /* stations met so well, by a linkage with few dimensions, were drawn by that linkage   */
 
 double lw_fit_report_distance(const lw_target *t, const lw_fit_report *r)
@@ -189,11 +188,11 @@ double lw_fit_report_distance(const lw_target *t, const lw_fit_report *r)
     return (drawn_by_it ? r->stray.to_curve : fmax(r->error_max, lw_fit_report_stray(r))) + turned(t, r);
 }
 
-double lw_fit_report_known_miss(const lw_target *t, const lw_fit_report *r)
+double lw_fit_report_known_miss(const lw_target *t, const lw_fit_report *r, double doubt)
 {
     if (t->n >= FEW)
         return lw_fit_report_distance(t, r);
-    return fmax(fmax(r->error_max, DOUBT*r->stray.to_target), r->stray.to_target - r->stray.unsure) + turned(t, r);
+    return fmax(fmax(r->error_max, doubt*r->stray.to_target), r->stray.to_target - r->stray.unsure) + turned(t, r);
 }
 
 void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size)

@@ -94,7 +94,7 @@ enum { ERROR, STRAY, CHAMFER, ANGLE, BULK, TRANSMISSION, SPREAD, MEASURES };
 /* How far the linkage is from the target, as a part of its diagonal, or of the swing of the output. */
 static double part_missed(const lw_target *t, const lw_fit_report *r)
 {
-    return t->extent > 0 ? lw_fit_report_known_miss(t, r)/t->extent : r->angle_max/lw_target_swing(t);
+    return t->extent > 0 ? lw_fit_report_known_miss(t, r, 0)/t->extent : r->angle_max/lw_target_swing(t);
 }
 
 /* Must the input be reversed, where that of another linkage could turn on?  That of an open function is reversed anyway. */
@@ -252,6 +252,7 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 #define PER_MISS     1.5           /* beyond LW_NEAR twice the error counts as 5.7 times                            */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
 #define PER_LINK     0.5           /* for each link more: two links with their three joints count as 2.7 times the error */
+#define DOUBT        0.05          /* part of the distance from a smooth line through a few stations that counts as error */
 #define ROCKING      0.2           /* an input that has to be reversed (is_reversed)                                */
 
 static double cost_of_size(const lw_target *t, const lw_fit_report *r)
@@ -265,7 +266,7 @@ static double part_as_made(const lw_target *t, const lw_fit_report *r)
 {
     const bool function = !(t->extent > 0);
     const double whole = function ? fmax(1, lw_target_swing(t)) : t->extent, made = isnan(r->as_made) ? LW_EXACT_ENOUGH*whole : r->as_made;
-    return hypot(hypot(function ? r->angle_max : lw_fit_report_known_miss(t, r), made)/whole, fmax(LW_EXACT_ENOUGH, t->noise/whole));
+    return hypot(hypot(function ? r->angle_max : lw_fit_report_known_miss(t, r, DOUBT), made)/whole, fmax(LW_EXACT_ENOUGH, t->noise/whole));
 }
 
 /* Less is better. */
