@@ -84,9 +84,6 @@ static lw_status run_coarsely(comparison *c, lw_dynamics_report *r, lw_error *e)
     lw_dynamics *d = NULL;
     lw_error why = { 0 };
     int stride = captured ? find_stride(&o, r->captured_step) : 1;
-    r->coarse = (lw_coarse_run){ 0 };
-    if (!captured && r->n_event_seen == 0)
-        return LW_OK;
     r->coarse = lw_coarse_begin(captured, &o);
     o.formulation = r->formulation;
     o.intervals /= stride;
