@@ -112,6 +112,8 @@ typedef struct lw_signal {
 typedef struct lw_rotor {                /* of a motor: inertia that moves with a link             */
     int    joint, link;                  /* the link has no other place to go than the joint's      */
     double inertia;                      /* seen at the joint [kg m^2], at a slider [kg]           */
+    double ratio;                        /* while a file is read, of one that is a link of its own: its turns over the joint's, */
+    char   name[LW_NAME_SIZE];           /* and its name; link is -1, inertia its own.  Otherwise 0 */
 } lw_rotor;
 
 /* The parts with first-order states, of planar and of spatial models. */

@@ -4,6 +4,7 @@
 
 #include "grammar/linkage/read_internal.h"
 #include "grammar/model/model.h"
+#include "grammar/model/spatial.h"
 
 /* Zeroed arrays for the links, joints and inputs of m->linkage.  After LW_E_MEMORY too, m needs lw_model_free. */
 lw_status lw_model_reserve(lw_model *m);
@@ -94,6 +95,17 @@ lw_status lw_states_read(const lw_json_node *root, const lw_reading *r, lw_error
 /* One of "motors" with a "resistance", or with a "torque"; or false: it has neither. */
 bool lw_is_driven_motor(const lw_json_node *object);
 lw_status lw_states_read_motor(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e);
+
+/* ---- model_rotor.c: rotors that turn between moving links ------------------------------------------------------ */
+
+/* Names of the link and its joint on the carrier, of its gear or coupling: that of the motor with these behind it. */
+#define LW_ROTOR_LINK ".rotor"
+#define LW_ROTOR_GEAR ".gear"
+
+/* At the end of reading: add the links of these rotors, and take them from the list of states.  LW_E_NOTATION: a name is taken; the link that is
+ * driven is elastic. */
+lw_status lw_model_add_rotors(const lw_json_node *root, lw_model *m, lw_error *e);
+lw_status lw_spatial_add_rotors(const lw_json_node *root, lw_spatial *m, lw_error *e);
 
 /* ---- model_elastic.c ------------------------------------------------------------------------------------- */
 

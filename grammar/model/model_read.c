@@ -479,6 +479,8 @@ lw_status lw_model_read_result(const char *text, size_t size, const char *file, 
         s = read_loads(root, (load)kind, m, e);
     if (s == LW_OK)
         s = lw_states_read(root, &r, e);
+    if (s == LW_OK)
+        s = lw_model_add_rotors(root, m, e);
     lw_json_close(&json);
     if (s != LW_OK)
         lw_model_free(m);

@@ -515,16 +515,20 @@ bool lw_is_driven_motor(const lw_json_node *object)
     return is_electrical(object) || (lw_json_kind_of(object) == LW_JSON_OBJECT && lw_json_member(object, "torque", &n));
 }
 
-/* The link that a rotor's inertia moves with: that of a joint to ground, or without a gear the joint's second. */
-static lw_status add_rotor(const lw_json_node *object, lw_states *z, const lw_motor_joint *j, double inertia, double ratio, lw_error *e)
+/* The stator is on the ground at a joint to ground, else on the joint's first link.  A rotor turns ratio times as far as the joint on the link of
+ * its stator: with the moving link or, between moving links, with the second one where the ratio is 1 and as a link of its own where it is not. */
+static lw_status add_rotor(const lw_json_node *object, const char *name, lw_states *z, const lw_motor_joint *j, double inertia, double ratio, lw_error *e)
 {
     int link = j->link[0] == j->ground ? j->link[1] : j->link[1] == j->ground ? j->link[0] : -1;
-    if (link < 0 && j->turns && fabs(ratio) == 1)
+    lw_rotor *r = &z->rotor[z->n_rotor++];
+    if (link < 0 && j->turns && ratio == 1)
         link = j->link[1];
+    *r = (lw_rotor){ j->joint, link, link < 0 ? inertia : inertia*ratio*ratio, link < 0 ? ratio : 0, "" };
+    if (link < 0 && strlen(name) + strlen(LW_ROTOR_LINK) >= sizeof r->name)
+        return lw_json_fault(object, e, "the rotor of this motor is a link \"NAME" LW_ROTOR_LINK "\": give it a name of at most %d bytes",
+                             (int)(sizeof r->name - sizeof LW_ROTOR_LINK));
     if (link < 0)
-        return lw_json_fault(object, e, "joint \"%s\" is not on the ground: the rotor of a motor with a gear there moves with no "
-                             "link; make it a link with a gear joint, or leave \"inertia\" out", j->name);
-    z->rotor[z->n_rotor++] = (lw_rotor){ j->joint, link, inertia*ratio*ratio };
+        snprintf(r->name, sizeof r->name, "%s", name);
     return LW_OK;
 }
 
@@ -549,7 +553,7 @@ static lw_status read_circuit(const lw_json_node *object, const char *name, cons
     if (s == LW_OK && ratio == 0)
         s = lw_json_fault(object, e, "\"ratio\" of a motor is its speed over that of the joint, and not 0");
     if (s == LW_OK && inertia > 0)
-        s = add_rotor(object, r->states, j, inertia, ratio, e);
+        s = add_rotor(object, name, r->states, j, inertia, ratio, e);
     if (s == LW_OK)
         s = lw_read_expression(object, "voltage", r, LW_OF_STATE, &voltage, e);
     if (s != LW_OK)

@@ -1008,6 +1008,8 @@ lw_status lw_spatial_read(const char *text, size_t size, const char *file, lw_sp
         return s;
     lw_json_node root = lw_json_root(&json);
     s = read_root(&root, m, e);
+    if (s == LW_OK)
+        s = lw_spatial_add_rotors(&root, m, e);
     m->files = json.beside;
     json.beside = NULL;
     lw_json_close(&json);

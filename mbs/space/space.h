@@ -96,11 +96,11 @@ void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double 
 void lw_space_joint_rows(const lw_space *s, int joint, const lw_space_frame *frame, double *phi, double *jac);
 void lw_space_joint_bias(const lw_space *s, int joint, const lw_space_frame *frame, const double *v, double *out);
 
-/* The row of a coupling and its derivatives (6*n_side), with turns (n_joint) near which angles count. */
+/* The row of a coupling and its derivatives (6*n_side), with turns (n_joint) near which angles count, but of its fastest term, which the sum tells. */
 void lw_space_coupling_row(const lw_space *s, int coupling, const lw_space_frame *frame, const double *turn, double *phi, double *jac);
 double lw_space_coupling_bias(const lw_space *s, int coupling, const lw_space_frame *frame, const double *v);
 
-/* Count turns (n_joint) on to a posture that is less than half a turn away. */
+/* Count turns (n_joint) on to a posture that is less than half a turn of each joint away, but of the fastest one of each coupling. */
 void lw_space_count_turns(const lw_space *s, const lw_space_frame *frame, double *turn);
 
 /* A measure over its unit (lw_space_scale), its derivatives (12; may be NULL).  Angles are the ones nearest to

@@ -345,11 +345,14 @@ void lw_space_measured(const lw_space *s, const lw_space_frame *frame, lw_spatia
 
 /* ---- couplings -------------------------------------------------------------------------------------------- */
 
-void lw_space_coupling_row(const lw_space *s, int coupling, const lw_space_frame *frame, const double *turn, double *phi, double *jac)
+/* The sum, and its derivatives unless NULL.  Angles are known but for whole turns, here those near `turn`.  The term of least factor turns fastest, more than
+ * half a turn in a step where it is geared up; its turns are those that bring the sum nearest to 0: *more than by `turn`, of joint *fastest (-1: none turns). */
+static double coupling_sum(const lw_space *s, const lw_space_coupling *c, const lw_space_frame *frame, const double *turn, double *jac, int *fastest,
+                           double *more)
 {
-    const lw_space_coupling *c = &s->coupling[coupling];
-    memset(jac, 0, 6*(size_t)c->n_side*sizeof *jac);
-    *phi = 0;
+    double sum = 0, least = INFINITY;
+    *fastest = -1;
+    *more = 0;
     for (int i = 0; i < c->n; i++) {
         const lw_space_term *t = &c->term[i];
         ends n = ends_of(s, &t->joint, frame);
@@ -358,11 +361,25 @@ void lw_space_coupling_row(const lw_space *s, int coupling, const lw_space_frame
             value = angle_of(&t->joint, &n, turn[t->index], row);
         else
             line_row(&n, lw_m3_apply(n.turn[0], t->joint.z[0]), 1/s->unit, &value, row);
-        *phi += t->factor*(value - t->start);
-        for (int k = 0; k < LW_SPACE_ROW; k++)
+        if (t->turn && fabs(t->factor) < fabs(least))
+            least = t->factor, *fastest = t->index;
+        sum += t->factor*(value - t->start);
+        for (int k = 0; jac && k < LW_SPACE_ROW; k++)
             if (t->side[k/6] >= 0)
                 jac[6*t->side[k/6] + k%6] += t->factor*row[k];
     }
+    if (*fastest >= 0)
+        *more = -2*LW_PI*round(sum/(2*LW_PI*least));
+    return *fastest >= 0 ? sum + least**more : sum;
+}
+
+void lw_space_coupling_row(const lw_space *s, int coupling, const lw_space_frame *frame, const double *turn, double *phi, double *jac)
+{
+    const lw_space_coupling *c = &s->coupling[coupling];
+    int fastest;
+    double more;
+    memset(jac, 0, 6*(size_t)c->n_side*sizeof *jac);
+    *phi = coupling_sum(s, c, frame, turn, jac, &fastest, &more);
 }
 
 void lw_space_count_turns(const lw_space *s, const lw_space_frame *frame, double *turn)
@@ -370,6 +387,13 @@ void lw_space_count_turns(const lw_space *s, const lw_space_frame *frame, double
     for (int j = 0; j < s->n_joint; j++)
         if (lw_spatial_kind_of(s->joint[j].kind)->turns)
             turn[j] = lw_space_measure(s, frame, (lw_spatial_measure){ LW_OF_TURN, j }, turn[j], NULL);
+    for (int i = 0; i < s->n_coupling; i++) {
+        int fastest;
+        double more;
+        coupling_sum(s, &s->coupling[i], frame, turn, NULL, &fastest, &more);
+        if (more != 0)
+            turn[fastest] += more;
+    }
 }
 
 /* ---- second derivatives ------------------------------------------------------------------------------------- */
