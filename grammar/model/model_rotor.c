@@ -3,10 +3,10 @@
  * The file gives a rotor's inertia about its axis alone; its mass, and its inertia across the axis, are part of those of the carrier.  A small part of them is
  * put on the rotor, so that no formulation meets a massless link: the rotor's centre is that of the carrier, and across its axis it turns with the
  * carrier, so that both together are the body of the file in any motion. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "grammar/model/model_internal.h"
 
 static const double share = 1e-3;                /* of the carrier's mass and inertia */
