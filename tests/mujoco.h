@@ -40,17 +40,17 @@ static inline bool have_mujoco(void)
 }
 
 /* A model from text; NULL after a message. */
-static inline mjModel *mujoco_load(const char *end, const char *text, size_t size)
+static inline mjModel *mujoco_load(const char *end, const char *xml, size_t size)
 {
     char path[220], why[1000] = "";
     snprintf(path, sizeof path, "%s/model.%s", temporary_folder(), end);
     FILE *f = fopen(path, "w");
-    CHECK(f && fwrite(text, 1, size, f) == size);
+    CHECK(f && fwrite(xml, 1, size, f) == size);
     if (f)
         fclose(f);
     mjModel *m = mj.load(path, NULL, why, sizeof why);
     if (!m)
-        fprintf(stderr, "    %s\n%s", why, text);
+        fprintf(stderr, "    %s\n%s", why, xml);
     return m;
 }
 #else

@@ -5,6 +5,7 @@
 #include "mbs/constraints/newton.h"
 #include "tests/dynamics_run.h"
 #include "tests/example_linkage.h"
+#include "tests/large_models.h"
 #include "tests/loaded_models.h"
 #include "tests/mujoco.h"
 
@@ -346,10 +347,10 @@ static void run_alike(drun *d, double to)
     }
 }
 
-static void runs_alike(const char *text, double to)
+static void runs_alike(const char *model, double to)
 {
     static drun d;
-    drun_read_format(&d, text, 0, 0);
+    drun_read_format(&d, model, 0, 0);
     run_alike(&d, to);
 }
 
@@ -455,6 +456,24 @@ static void welds(void)
     k.tracer[0].link = link;
     CHECK_NEAR(apart(&k, 2*LW_PI, 60), 0, 1e-8, 0);
 }
+
+/* MuJoCo has room for the rows of all loops, in a model of any size. */
+static void many_loops(void)
+{
+    OWN(lw_model) row = { 0 };
+    OWN(lw_bytes) b = { 0 };
+    read_row(170, &row);
+    CHECK_OK(lw_export_mjcf(&row.linkage, NULL, &b, &check_error));
+    mjModel *m = mujoco_load("xml", b.data, b.size);
+    mjData *d = m ? mj.make(m) : NULL;
+    if (!d)
+        return;
+    mj.step(m, d);
+    CHECK_INT(d->warning[mjWARN_CNSTRFULL].number, 0);
+    CHECK_INT(d->nefc, 3*170);
+    mj.free_data(d);
+    mj.free_model(m);
+}
 #else
 static void examples_move_alike(void) { }
 static void examples_are_stable(void) { }
@@ -463,6 +482,7 @@ static void speeds_start_alike(void) { }
 static void urdf_moves_alike(void) { }
 static void loops_closed_by_sliders(void) { }
 static void welds(void) { }
+static void many_loops(void) { }
 #endif
 
 int main(void)
@@ -479,6 +499,7 @@ int main(void)
         RUN(urdf_moves_alike);
         RUN(loops_closed_by_sliders);
         RUN(welds);
+        RUN(many_loops);
     } else {
         puts("skipped: MuJoCo is not installed (libmujoco-dev)");
     }

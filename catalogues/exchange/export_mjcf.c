@@ -511,7 +511,7 @@ lw_status lw_export_mjcf(const lw_assembly *linkage, const lw_export_options *o,
         w.step = choose_step(&w);
         lw_vec2 g = w.weighed ? w.m->gravity : lw_v2(0, 0);
         lw_mjcf_head(out, linkage->name[0] ? linkage->name : "linkage", lw_v3(g.x, g.y, 0), w.step,
-                     w.size, w.m && w.m->n_force > 0);
+                     w.size, 8*linkage->n_joint + (w.m ? w.m->n_rope : 0), w.m && w.m->n_force > 0);
         put_bodies(&w);
         put(&w, "\n  </worldbody>");
         s = put_closures(&w, e);

@@ -62,7 +62,8 @@ void lw_mjcf_force(lw_bytes *out, const char *name, bool follows, const double v
 /* A sensor of the place of a tracer. */
 void lw_mjcf_sensor(lw_bytes *out, const char *tracer);
 
-/* From the start of the file to that of the world's body. */
-void lw_mjcf_head(lw_bytes *out, const char *name, lw_vec3 gravity, double step, double size, bool has_forces);
+/* From the start of the file to that of the world's body.  rows: not fewer than equalities and limits have, for
+ * which MuJoCo 2 asks for room where they are more than 500. */
+void lw_mjcf_head(lw_bytes *out, const char *name, lw_vec3 gravity, double step, double size, int rows, bool has_forces);
 
 #endif
