@@ -66,6 +66,8 @@ typedef struct stepper {
     double       *each;                      /* absolute tolerances, NULL: all the same */
     bool          open;                      /* a planar model without loops, which has no singular postures */
     int           n_aimed;                   /* steps that ended at samples, or could have */
+    double       *before;                    /* state (n) before the last step of the implicit method */
+    int           n_cut;                     /* times in a row that this method began a step again */
     bool          may_leave;                 /* for the implicit method */
     long          look, looked;              /* steps after which to see whether equations became stiff, and at the last time */
     double        looked_t;
@@ -78,12 +80,29 @@ static int n_event(const stepper *w)
     return d->touch ? LW_TOUCH_EVENTS : w->sticks ? d->n_friction : d->n_stop + (d->eq.piece_left != NULL);
 }
 
+/* Errors of velocities that are greater than the speeds at which regularised friction changes its sign would let a joint at rest rattle: the least
+ * of these speeds is so many times as great. */
+static const double within_speed = 10;
+
+static double slowest_friction(const lw_dynamics *d)
+{
+    double least = INFINITY;
+    for (int j = 0; j < d->n_friction; j++) {
+        const lw_friction_joint *f = &d->friction[j];
+        bool slides = !d->space && !lw_joint_turns(d->s.joint[f->joint].kind);
+        least = fmin(least, f->speed/(slides ? d->eq.unit : f->lever_arm));
+    }
+    return least;
+}
+
 static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
 {
     const lw_dynamics_options *o = &run->d->o;
     lw_ode_options each = lw_ode_options_default();
     each.relative = w->implicit ? lw_run_bdf_tolerance(o->relative) : o->relative;
     each.absolute = w->implicit ? lw_run_bdf_tolerance(o->absolute) : o->absolute;
+    if (w->implicit || w->may_leave)
+        each.absolute = fmin(each.absolute, slowest_friction(run->d)/within_speed);
     each.max_step = lw_run_steps_left(run);
     each.smooth = run->d->eq.smooth;
     lw_status s = LW_OK;
@@ -281,21 +300,34 @@ static lw_status take_back(lw_run *run, stepper *w, double *y, int *taken)
     return s;
 }
 
-/* Newton's method of cvode takes a jump for a steep slope, and then a step in which nothing moves for a solution.  Do the equations
- * hold behind the step?  y: scratch. */
-static const double most_unsolved = 100;         /* change of a velocity in the step, over its tolerance */
+/* Newton's method of cvode takes a jump for a steep slope, and then a step in which nothing moves, or in which friction pushes on, for a solution.  Do the
+ * equations hold behind the step?  If not, the jump is in an expression, or the step begins again, shorter, from the state y before it: LW_NOTHING. */
+static const double most_unsolved = 10;          /* change of a velocity in the step, over its tolerance */
+static const double cut = 0.1;
+enum { CUTS = 12 };                              /* times in a row */
 
-static lw_status check_solved(lw_run *run, stepper *w, double *y)
+static lw_status check_solved(lw_run *run, stepper *w, const double *y, double *slope)
 {
     const lw_dynamics *d = run->d;
-    const lw_sundials *c = &w->implicit_one;
-    lw_status s = lw_sundials_slope(&w->implicit_one, y);
+    lw_sundials *c = &w->implicit_one;
+    double length = c->t - c->t_old;
+    bool solved = true;
+    lw_status s = lw_sundials_slope(c, slope);
     if (s == LW_OK)
         s = lw_run_rate(run, c->t, c->y, run->y);
     for (int i = d->n_q; s == LW_OK && i < d->n_q + d->n_v; i++)
-        if (fabs(y[i] - run->y[i])*(c->t - c->t_old) > most_unsolved*(d->o.absolute + d->o.relative*fabs(c->y[i])))
-            s = lw_run_slides(run, c->t);
-    return s;
+        solved = solved && fabs(slope[i] - run->y[i])*length <= most_unsolved*(d->o.absolute + d->o.relative*fabs(c->y[i]));
+    w->n_cut = solved ? 0 : w->n_cut + 1;
+    if (s != LW_OK || solved)
+        return s;
+    if (run->sides)
+        return lw_run_slides(run, c->t);
+    if (w->n_cut > CUTS)
+        return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s no step is short enough for the friction, whose \"speed\" is far below the tolerance of the "
+                            "velocities; ask for a smaller tolerance or give a greater speed", c->t_old);
+    c->t = c->t_old;
+    s = lw_cvode_restart(c, y, cut*length, run->e);
+    return s == LW_OK ? LW_NOTHING : s;
 }
 
 /* A kink that is passed in the last step: begin again.  *stop: LW_ODE_STEP if it was the only event. */
@@ -330,10 +362,16 @@ static lw_status decide(stepper *w, double *y, unsigned long long events)
  * as many each time. */
 enum { LOOK = 64 };
 
+/* Joints that rest by regularised friction make them stiff, too: after so many steps as long as stability allows, where more than `worth` of them are left. */
+enum { LIMITED = 15 };
+static const double worth = 200;
+
 static bool became_stiff(lw_run *run, stepper *w, const double *y)
 {
     long n = w->explicit_one.n_step;
     double t = time_of(w);
+    if (w->may_leave && run->d->n_friction)  /* its decay is not among the derivatives, and comes and goes with the slip */
+        return w->explicit_one.n_limited >= LIMITED && run->d->o.to - t > worth*(t - w->explicit_one.t_old);
     if (!w->may_leave || n < w->look)
         return false;
     double mean = (t - w->looked_t)/(double)(n - w->looked);
@@ -365,7 +403,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     bool has_stops = !d->touch && !w->sticks;
     if (has_stops)
         lw_run_stop_passed(run, y, true);
-    good_state f = { t, 0, 1, calloc((size_t)run->n, sizeof *y) };
+    good_state f = { t, 0, 1, calloc(2*(size_t)run->n, sizeof *y) };
+    w->before = f.y ? f.y + run->n : NULL;
     lw_status s = f.y ? begin_steps(w, run, t, y) : LW_E_MEMORY;
     if (s == LW_OK && d->touch)
         s = watch_touch(w, y);
@@ -373,6 +412,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         memset(w->explicit_one.side, 1, (size_t)d->n_friction);
     for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
         double from = time_of(w);
+        if (w->implicit)
+            memcpy(w->before, state(w), (size_t)run->n*sizeof *y);
         s = step(w, step_end(run, w), &stop, run->e);
         s = w->implicit ? s : step_over_singular(run, w, &f, s, &stop);
         if (d->touch && s != LW_OK && s != LW_STOPPED && time_of(w) > redecided) {
@@ -392,6 +433,11 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         run->r->t = time_of(w);
         if (s != LW_OK)
             break;
+        if (w->implicit && (run->sides || d->n_friction) && (s = check_solved(run, w, w->before, y)) != LW_OK) {
+            stop = LW_ODE_STEP;
+            s = s == LW_NOTHING ? LW_OK : s;
+            continue;
+        }
         double weak = d->weak;
         if (!w->implicit && !d->touch && (s = take_back(run, w, y, &taken)) != LW_NOTHING) {
             stop = LW_ODE_STEP;
@@ -402,8 +448,6 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         watch_within(run, w, from, y);
         lw_run_watch(run, state(w));
         s = lw_run_jumps(run, time_of(w), state(w));
-        if (s == LW_OK && w->implicit && run->sides)
-            s = check_solved(run, w, y);
         if (s == LW_OK && has_stops && lw_run_stop_passed(run, state(w), false))
             s = lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s a joint has passed its rigid stop unseen, which it was pushed against from rest: "
                              "let it begin a little away from the stop, or press on it from the start", time_of(w));
@@ -455,13 +499,18 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     return s;
 }
 
+static bool may_leave(lw_dynamics *d)
+{
+    return !(d->n_friction && lw_stick_suits(d)) && !d->touch && !d->eq.next_piece && !d->large && !d->has_zero_mass && !d->eq.more_inertia && !d->elastic
+        && !lw_mbs_is_stiff(d);
+}
+
 static lw_status run_bodies(lw_run *run, bool implicit)
 {
     lw_dynamics *d = run->d;
     stepper w = { .run = run, .implicit = implicit, .look = LOOK, .looked_t = d->o.from };
     bool changed = false;
-    w.may_leave = !implicit && d->o.formulation == LW_FORMULATION_AUTO && !d->n_friction && !d->touch && !d->eq.next_piece && !d->large && !d->has_zero_mass
-               && !d->eq.more_inertia && !d->elastic && !lw_mbs_is_stiff(d);
+    w.may_leave = !implicit && d->o.formulation == LW_FORMULATION_AUTO && may_leave(d);
     w.open = !implicit && !d->space && !d->touch && d->s.n_joint <= d->s.n_body && d->n_driven == 0;
     double *y = calloc(2*(size_t)run->n, sizeof *y);
     if (!y)
@@ -547,7 +596,7 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, "bodies' coordinates; contacts and ropes by complementarity");
     if (asked)
         return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, "asked for");
-    if (lw_mbs_is_stiff(d) || (d->n_friction && !lw_stick_suits(d) && lw_mbs_friction_is_stiff(d)))
+    if (lw_mbs_is_stiff(d) || (d->n_friction && !lw_stick_suits(d) && !may_leave(d) && lw_mbs_friction_is_stiff(d)))
         return lw_formulation_say(r, LW_E_KIND, 0, "the equations are stiff");
     if (lw_mbs_states_decay(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "first-order states decay fast");

@@ -140,9 +140,19 @@ static lw_status project(lw_integrator *w)
     return LW_OK;
 }
 
+/* Sum of (a_i - b_i)^2. */
+static double apart_squared(size_t n, const double *a, const double *b)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += (a[i] - b[i])*(a[i] - b[i]);
+    return sum;
+}
+
 /* After the step: project w->y at t_old + h_done and evaluate f there into dy and k[12]. */
 static lw_status arrive(lw_integrator *w)
 {
+    double moved = apart_squared((size_t)w->ode->n, w->y, w->stage);
     double add = w->h_done + w->t_step;                  /* time is summed with compensation too */
     w->t = w->t_old + add;
     w->t_low = add - (w->t - w->t_old);
@@ -153,6 +163,7 @@ static lw_status arrive(lw_integrator *w)
     memcpy(w->dy, w->k[12], sizeof(double)*(size_t)w->ode->n);
     w->dense = false;
     w->in_halves = 0;
+    w->reach = s == LW_OK && moved > 0.0 ? fabs(w->h_done)*sqrt(apart_squared((size_t)w->ode->n, w->k[12], w->k[11])/moved) : 0.0;
     return s;
 }
 
@@ -909,6 +920,18 @@ static double growth(const lw_integrator *w, double err, double before)
     return before > 0.0 ? 0.85*fabs(w->h_done)/before*pow(err, -1.2/8)*pow(w->err_old, 0.7/8) : 0.9*pow(err, -1.0/8);
 }
 
+/* Is the step as long as stability allows?  Between the last stage and the end of a step, f changes by the fastest rate times what the state
+ * changes by (Hairer & Wanner 1996, section IV.2). */
+static const double at_limit = 6.1;
+enum { FORGETS = 6 };                        /* other steps in a row, after which the count begins anew */
+
+static void note_limit(lw_integrator *w)
+{
+    bool at = w->reach > at_limit;
+    w->n_free = at ? 0 : w->n_free + 1;
+    w->n_limited = at ? w->n_limited + 1 : w->n_free < FORGETS ? w->n_limited : 0;
+}
+
 /* Try steps from t_old until one is accepted; *last is set if it reached t_end. */
 static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_error *e)
 {
@@ -949,6 +972,7 @@ static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_erro
             w->err_old = fmax(err, 1e-4);
             w->h_old = full ? proposed : 0.0;
             w->n_step++;
+            note_limit(w);
             return LW_OK;
         }
         if (s != LW_OK && s != LW_OPEN)

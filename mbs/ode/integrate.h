@@ -67,10 +67,13 @@ typedef struct lw_integrator {
     unsigned long long events;       /* bit i: event i happened at t                                */
     double  retry;                   /* an event function that says LW_OPEN: length of a step that suits it; 0: a quarter */
     long    n_step, n_refused, n_rate;
+    int     n_limited;               /* recent steps whose length stability limits, and not the error allowed */
     /* private to the integrator */
     double *k[16], *stage, *c[8], *low, *y_step, *g_try, *g_old, *inner, *halves;
     double  t_low, t_step, h_done, h_old, err_old, moved, rounding, asked;
     signed char side[LW_EVENT_MAX];
+    double  reach;                   /* length of the last step times the fastest rate of f, as far as the step shows it */
+    int     n_free;                  /* steps in a row that stability did not limit */
     bool    dense;                   /* the continuous solution is known */
     double  rough;                   /* its error over that allowed in a step, if it is not accurate enough; else 0 */
     int     in_halves;               /* continuous solutions of its halves: 1 known, -1 not accurate either, 0 not yet tried */
