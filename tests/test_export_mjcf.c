@@ -84,6 +84,27 @@ static void refusals(void)
     CHECK(b.data == NULL);
 }
 
+/* The slide of the trammel has 100 mm to each side of the middle; the crank of the inversor, without a drive, turns by +-2 acos((5 - 3)/3). */
+static void limits_are_told(void)
+{
+    static const char *const file[] = { "examples/trammel.json", "examples/dynamics/inversor.json" };
+    for (int i = 0; i < 2; i++) {
+        static drun d;
+        lw_bytes b = { 0 };
+        drun_read(&d, file[i]);
+        lw_export_options o = { .model = &d.model, .clearance = -1 };
+        CHECK_SILENT(lw_export_mjcf(&d.model.linkage, &o, &b, &check_error));
+        double limit[2] = { 0, 0 };
+        const char *at = strstr(b.data, i ? "limit of the linkage at " : "ctrlrange=\"");
+        CHECK(at != NULL);
+        if (at)
+            CHECK_INT(sscanf(at, i ? "limit of the linkage at %lf and %lf" : "ctrlrange=\"%lf %lf", &limit[0], &limit[1]), 2);
+        for (int k = 0; k < 2; k++)
+            CHECK_NEAR(fabs(limit[k]), i ? 2*acos(2.0/3) : 0.099, i ? 2e-4 : 7e-4, 0);
+        lw_bytes_free(&b);
+    }
+}
+
 /* ---- by MuJoCo ------------------------------------------------------------------------------------- */
 
 #if __has_include(<mujoco/mujoco.h>)
@@ -491,6 +512,7 @@ int main(void)
     RUN(names_are_escaped);
     RUN(refusals);
     RUN(sdf_has_all_joints);
+    RUN(limits_are_told);
     if (have_mujoco()) {
         RUN(examples_move_alike);
         RUN(examples_are_stable);

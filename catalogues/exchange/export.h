@@ -43,10 +43,13 @@ lw_status lw_export_sdf(const lw_assembly *linkage, const lw_export_options *o, 
 lw_status lw_export_adams(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 lw_status lw_export_adams_commands(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
+/* How far input `input` can move to either side of the posture [rad] or [m]: over its range; without one, as far as the linkage goes. *turns: a full turn;
+ * *ends: limits of the linkage are known on both sides. m: the model of a linkage too large for an lw_linkage; else it may be NULL. LW_E_MEMORY. */
+lw_status lw_export_way(const lw_assembly *linkage, const lw_model *m, int input, double *down, double *up, bool *turns, bool *ends);
+
 /* The motion in time that a dataset gives an input: one turn in a second, or once there and back within 0.99 of its
  * range; it starts from the posture, where time and displacement u are 0.
  *     u = 2 pi t    or    u = half (sin(2 pi t + phase) - sin(phase))     [rad] or [m], t in [s] */
-/* m: the model of a linkage too large for an lw_linkage; else it may be NULL. */
 typedef struct lw_export_law { bool turns; double half, phase; } lw_export_law;
 lw_status lw_export_law_of(const lw_assembly *linkage, const lw_model *m, int input, lw_export_law *law);     /* LW_E_MEMORY */
 

@@ -325,13 +325,12 @@ static void put_loads(writer *w)
 
 /* ---- motion ---------------------------------------------------------------------------------------- */
 
-/* How far the input can move to either side of the posture; *turns: a full turn. LW_OK or LW_E_MEMORY. */
-static lw_status input_way(const lw_assembly *linkage, const lw_model *m, int input, double *down, double *up, bool *turns)
+lw_status lw_export_way(const lw_assembly *linkage, const lw_model *m, int input, double *down, double *up, bool *turns, bool *ends)
 {
     const lw_input *in = &linkage->input[input];
     bool slider = lw_joint_slides(linkage->joint[in->joint].kind);
     lw_scene scene;
-    *turns = false;
+    *turns = *ends = false;
     if (in->first < in->last) {
         *down = in->value - in->first;
         *up = in->last - in->value;
@@ -353,6 +352,7 @@ static lw_status input_way(const lw_assembly *linkage, const lw_model *m, int in
     if (scene.n_frame > 1) {
         *down = here - least;
         *up = most - here;
+        *ends = !*turns && (scene.loops || (!slider && most - least < 2*LW_PI));
     }
     lw_scene_free(&scene);
     return LW_OK;
@@ -361,8 +361,9 @@ static lw_status input_way(const lw_assembly *linkage, const lw_model *m, int in
 lw_status lw_export_law_of(const lw_assembly *linkage, const lw_model *m, int input, lw_export_law *law)
 {
     double down, up;
+    bool ends;
     *law = (lw_export_law){ .turns = false };
-    lw_status s = input_way(linkage, m, input, &down, &up, &law->turns);
+    lw_status s = lw_export_way(linkage, m, input, &down, &up, &law->turns, &ends);
     if (s != LW_OK || law->turns)
         return s;
     double middle = 0.5*(up - down), half = 0.99*0.5*(up + down);

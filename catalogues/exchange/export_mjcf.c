@@ -426,9 +426,39 @@ static double choose_step(const writer *w)
 
 /* ---- the whole ------------------------------------------------------------------------------------ */
 
+/* At a limit of the linkage an input comes into a singular posture, from which the motion could go on in several ways:
+ * between these values it does not. */
+static bool find_limits(writer *w, const lw_input *in, double limit[2])
+{
+    double down, up;
+    bool turns, ends = false;
+    w->out->failed |= lw_export_way(w->k, w->m, (int)(in - w->k->input), &down, &up, &turns, &ends) != LW_OK;
+    limit[0] = in->value - 0.99*down, limit[1] = in->value + 0.99*up;
+    return ends;
+}
+
+static void put_limits(writer *w)
+{
+    double limit[2];
+    for (int i = 0; i < lw_assembly_free_inputs(w->k); i++) {
+        const lw_input *in = &w->k->input[i];
+        if (is_driven(w, i) || !find_limits(w, in, limit))
+            continue;
+        put(w, "\n  <!-- Joint ");
+        lw_bytes_xml(w->out, w->k->joint[in->joint].name);
+        put(w, " comes to a limit of the linkage at ");
+        lw_bytes_number(w->out, in->value + (limit[0] - in->value)/0.99, 6);
+        put(w, " and ");
+        lw_bytes_number(w->out, in->value + (limit[1] - in->value)/0.99, 6);
+        put(w, ": a singular posture, which MuJoCo may leave in another way than a rigid linkage. -->");
+    }
+}
+
 static void put_drives(writer *w)
 {
     const lw_assembly *k = w->k;
+    double limit[2];
+    put_limits(w);
     put(w, "\n  <actuator>");
     for (int i = 0; i < lw_assembly_free_inputs(k); i++) {
         const lw_input *in = &k->input[i];
@@ -438,9 +468,12 @@ static void put_drives(writer *w)
         put_name(w, "name", k->joint[in->joint].name, " drive");
         put_name(w, "joint", k->joint[in->joint].name, "");
         lw_mjcf_drive(w->out, &w->key, in->value, drive_inertia(w, in->joint), w->step);
-        if (in->first < in->last) {
+        bool range = in->first < in->last;
+        if (range)
+            limit[0] = in->first, limit[1] = in->last;
+        if (range || find_limits(w, in, limit)) {
             put(w, " ctrllimited=\"true\"");
-            lw_mjcf_numbers(w->out, "ctrlrange", (double[]){ in->first, in->last }, 2);
+            lw_mjcf_numbers(w->out, "ctrlrange", limit, 2);
         }
         put(w, "/>");
     }
