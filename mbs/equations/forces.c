@@ -62,7 +62,8 @@ lw_status lw_forces_system(const lw_model *m, bool any_size, lw_system *s, lw_er
         return lw_error_set(e, LW_E_KIND, "this analysis takes no elastic links, and the model has %d; \"linkwright simulate\" "
                             "does, or make them rigid", m->n_elastic);
     if (!any_size && (m->n_contact || m->n_rope))
-        return lw_error_set(e, LW_E_KIND, "contacts and ropes take part in dynamic runs of \"linkwright simulate\" only");
+        return lw_error_set(e, LW_E_KIND, "contacts and ropes take part in runs in time, in prescribed motion and in statics of \"linkwright simulate\"; "
+                            "this analysis knows none");
     if (!any_size && (linkage->n_link > LW_LINK_MAX || linkage->n_joint > LW_JOINT_MAX || linkage->n_input > LW_INPUT_MAX
                       || linkage->n_tracer > LW_TRACER_MAX))
         return lw_error_set(e, LW_E_KIND, "%d links and %d joints are too many for this analysis: at most %d and %d; only "
