@@ -95,6 +95,39 @@ TEST(blocks_stay_on_their_guides)
     CHECK_INT(guides, 2);
 }
 
+/* Ties lead from link to link; a cylinder is no shorter than its tube on its stroke, and the links reach to the ends of both. */
+TEST(ties)
+{
+    OWN(lw_spatial) m = { 0 };
+    read_spatial("{'linkwright': 1, 'links': ['ground', {'name': 'boom', 'mass': 1, 'centre': [2, 0, 0], 'inertia': [1, 1, 1]}], 'joints': ["
+                 "{'name': 'A', 'kind': 'revolute', 'links': ['ground', 'boom'], 'at': [0, 0, 0], 'axis': [0, -1, 0]}], 'input': {'joint': 'A', 'first': 0, "
+                 "'last': 0.5}, 'cylinders': [{'name': 'C', 'links': ['ground', 'boom'], 'at': [[0.4, 0, -0.8], [1, 0, 0]], 'bore': 0.1, 'retracted': 0.9, "
+                 "'stroke': 0.6, 'dead_volume': 1e-3}], 'springs': [{'name': 'S', 'links': ['boom', 'ground'], 'at': [[1.5, 0, -0.2], [2, 0, 2]], "
+                 "'stiffness': 100}], 'tracers': [{'name': 'tip', 'link': 'boom', 'at': [3, 0, 0]}]}", "ties", &m);
+    OWN(lw_space_scene) s = make_scene(&m, 0);
+    int ties = 0, corners = 0;
+    for (int i = 0; i < s.n_shape; i++) {
+        const lw_space_shape *t = &s.shape[i];
+        if (t->kind == LW_SPACE_PLATE && t->link == 1)
+            corners = t->n;
+        if (t->kind != LW_SPACE_TIE)
+            continue;
+        const lw_spatial_spring *of = &m.spring[t->item];
+        for (size_t f = 0; f < s.n_frame; f++) {
+            lw_vec3 end[2];
+            for (int k = 0; k < 2; k++) {
+                end[k] = lw_space_scene_point(&s, f, t, k);
+                CHECK(lw_v3_norm(lw_v3_sub(end[k], lw_space_scene_at(&s, f, of->link[k], of->at[k]))) < 1e-12);
+            }
+            CHECK(t->tube == 0 || lw_v3_norm(lw_v3_sub(end[1], end[0])) > t->tube);
+        }
+        CHECK((t->tube > 0) == (strcmp(of->name, "C") == 0));
+        ties++;
+    }
+    CHECK_INT(ties, 2);
+    CHECK_INT(corners, 3);                   /* the pin and the tip, with the cylinder's pin between them, and the spring below */
+}
+
 /* Between its frames a path is that with four times as many frames, to 1e-3 where it is fastest; chords are 0.03 off. */
 TEST(paths_between_frames)
 {

@@ -16,7 +16,7 @@
 #define MARGIN 36                /* [px]                                                               */
 
 /* A piece of a shape (or of a path, shape NULL) on the page. */
-typedef struct piece { const lw_space_shape *shape; double depth; int n; lw_vec2 p[LW_SPACE_POINTS]; } piece;
+typedef struct piece { const lw_space_shape *shape; double depth; bool tube; int n; lw_vec2 p[LW_SPACE_POINTS]; } piece;
 
 typedef struct page {
     const lw_space_scene *s;
@@ -84,13 +84,53 @@ static void put_line(page *g, const lw_space_shape *shape, lw_vec3 a, lw_vec3 b)
     }
 }
 
+/* A line from u to v of the way from a to b, its ends so far across it on the page [px]. */
+static piece *put_part(page *g, const lw_space_shape *shape, lw_vec3 a, lw_vec3 b, const double u[2], const double across[2])
+{
+    lw_vec3 way = lw_v3_sub(b, a);
+    double depth[2];
+    lw_vec2 along = lw_v2_sub(on_page(g, b, &depth[1]), on_page(g, a, &depth[0]));
+    lw_vec2 side = lw_v2_scale(lw_v2_perp(along), 1/fmax(lw_v2_norm(along), 1e-9));
+    piece *q = new_piece(g, shape, 2);
+    if (!q)
+        return NULL;
+    for (int k = 0; k < 2; k++)
+        q->p[k] = lw_v2_add(on_page(g, lw_v3_add(a, lw_v3_scale(way, u[k])), &depth[k]), lw_v2_scale(side, across[k]));
+    q->depth = 0.5*(depth[0] + depth[1]);
+    return q;
+}
+
+/* A zigzag as catalogues/draw/diagram.c draws it; of a cylinder the rod and, over it, the tube. */
+static void put_tie(page *g, const lw_space_shape *shape, lw_vec3 a, lw_vec3 b)
+{
+    enum { TEETH = 9 };
+    static const double straight[2] = { 0, 0 };
+    if (shape->tube > 0) {
+        double tube = fmin(shape->tube/fmax(lw_v3_norm(lw_v3_sub(b, a)), 1e-300), 1);
+        put_part(g, shape, a, b, (double[]){ tube, 1 }, straight);
+        piece *q = put_part(g, shape, a, b, (double[]){ 0, tube }, straight);
+        if (q)
+            q->tube = true;
+        return;
+    }
+    for (int i = -1; i <= TEETH; i++) {
+        double u[2], across[2];
+        for (int k = 0; k < 2; k++) {
+            int at = i + k;
+            u[k] = at < 0 ? 0 : at > TEETH ? 1 : 0.2 + 0.6*at/TEETH;
+            across[k] = at <= 0 || at >= TEETH ? 0 : at % 2 ? 7 : -7;
+        }
+        put_part(g, shape, a, b, u, across);
+    }
+}
+
 static void put_shape(page *g, const lw_space_shape *shape)
 {
     lw_vec3 p[LW_SPACE_POINTS];
     for (int i = 0; i < shape->n; i++)
         p[i] = lw_space_scene_point(g->s, g->frame, shape, i);
     if (shape->n == 2) {
-        put_line(g, shape, p[0], p[1]);
+        (shape->kind == LW_SPACE_TIE ? put_tie : put_line)(g, shape, p[0], p[1]);
         return;
     }
     piece *q = new_piece(g, shape, shape->n);
@@ -169,6 +209,13 @@ static void ink(lw_drawing *d, const piece *q)
     case LW_SPACE_PIN:
         line(d, LW_ROLE_JOINT, q, dark, 12);
         line(d, LW_ROLE_JOINT, q, q->shape->grounded ? LW_INK_FAINT : LW_INK_PAPER, 8);
+        break;
+    case LW_SPACE_TIE:
+        if (q->tube) {
+            line(d, LW_ROLE_LINK, q, LW_INK_LINK, 11);
+            line(d, LW_ROLE_LINK, q, LW_INK_PAPER, 7);
+        } else
+            line(d, LW_ROLE_LINK, q, q->shape->tube > 0 ? LW_INK_LINK : LW_INK_ORANGE, q->shape->tube > 0 ? 3 : 1.6);
         break;
     case LW_SPACE_PLATE:
         s = lw_drawing_path(d, LW_ROLE_LINK, q->p, (size_t)q->n, true);

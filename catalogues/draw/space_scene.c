@@ -190,25 +190,31 @@ static void add(lw_space_scene *s, lw_space_shape shape)
     s->shape[s->n_shape++] = shape;
 }
 
-/* Points of a link, each once: its joints, then its tracers. */
+/* Add a point, unless it is there. */
+static void add_point(lw_vec3 at, double near, lw_vec3 p[LW_SPACE_POINTS], int *n)
+{
+    for (int k = 0; k < *n; k++)
+        if (lw_v3_norm(lw_v3_sub(p[k], at)) < near)
+            return;
+    if (*n < LW_SPACE_POINTS)
+        p[(*n)++] = at;
+}
+
+/* Points of a link, each once: its joints, its tracers, its centre of mass beside a single one, the ends of springs and cylinders. */
 static int points_of(const lw_spatial *m, int link, double near, lw_vec3 p[LW_SPACE_POINTS])
 {
     int n = 0;
-    for (int i = 0; i < m->n_joint + m->n_tracer; i++) {
-        bool joint = i < m->n_joint;
-        const lw_spatial_joint *j = joint ? &m->joint[i] : NULL;
-        const lw_spatial_tracer *t = joint ? NULL : &m->tracer[i - m->n_joint];
-        if (joint ? j->link[0] != link && j->link[1] != link : t->link != link)
-            continue;
-        lw_vec3 at = joint ? j->at : t->at;
-        bool there = false;
-        for (int k = 0; k < n; k++)
-            there = there || lw_v3_norm(lw_v3_sub(p[k], at)) < near;
-        if (!there && n < LW_SPACE_POINTS)
-            p[n++] = at;
-    }
-    if (n == 1 && m->body[link].given && lw_v3_norm(lw_v3_sub(p[0], m->body[link].centre)) > near)
-        p[n++] = m->body[link].centre;
+    for (int i = 0; i < m->n_joint; i++)
+        if (m->joint[i].link[0] == link || m->joint[i].link[1] == link)
+            add_point(m->joint[i].at, near, p, &n);
+    for (int i = 0; i < m->n_tracer; i++)
+        if (m->tracer[i].link == link)
+            add_point(m->tracer[i].at, near, p, &n);
+    if (n == 1 && m->body[link].given)
+        add_point(m->body[link].centre, near, p, &n);
+    for (int i = 0; i < 2*m->n_spring; i++)
+        if (m->spring[i/2].link[i%2] == link)
+            add_point(m->spring[i/2].at[i%2], near, p, &n);
     return n;
 }
 
@@ -407,6 +413,11 @@ static void make_shapes(const lw_spatial *m, lw_space_scene *s)
     }
     for (int i = 0; i < m->n_joint; i++)
         add_joint(m, i, s);
+    for (int i = 0; i < m->n_spring; i++) {
+        const lw_spatial_spring *t = &m->spring[i];
+        add(s, (lw_space_shape){ .kind = LW_SPACE_TIE, .link = t->link[0], .item = i, .n = 2, .p = { t->at[0], t->at[1] }, .tube = 0.95*t->retracted });
+        s->shape[s->n_shape - 1].to = t->link[1];
+    }
     for (int i = 0; i < m->n_tracer; i++)
         add(s, (lw_space_shape){ .kind = LW_SPACE_TRACER, .link = m->tracer[i].link, .item = i, .n = 1,
                                  .p = { m->tracer[i].at } });
@@ -442,7 +453,7 @@ static void measure(lw_space_scene *s)
 lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options *o, lw_space_scene *s, lw_error *e)
 {
     size_t n_frame = o->n_frame + 1, n_link = (size_t)m->n_link, n_tracer = (size_t)m->n_tracer;
-    size_t n_shape = LW_SPACE_POINTS*n_link + 2*(size_t)m->n_joint + n_tracer + (size_t)m->n_beam;
+    size_t n_shape = LW_SPACE_POINTS*n_link + 2*(size_t)m->n_joint + n_tracer + (size_t)m->n_beam + (size_t)m->n_spring;
     for (int i = 0; m->elastic && i < m->n_link; i++)
         n_shape += (size_t)m->elastic[i].n_axis;
     *s = (lw_space_scene){ .model = m, .n_link = m->n_link, .n_tracer = m->n_tracer, .up = { 0, 0, 1 }, .stop = o->stop };

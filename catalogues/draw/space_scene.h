@@ -16,15 +16,17 @@ typedef enum lw_space_shape_kind {
     LW_SPACE_PIN,                /* an axis from point 0 to 1: hinge, cylinder or screw                */
     LW_SPACE_BALL,               /* at point 0                                                         */
     LW_SPACE_GUIDE,              /* the line of a slide from point 0 to 1                              */
-    LW_SPACE_TRACER              /* at point 0                                                         */
+    LW_SPACE_TRACER,             /* at point 0                                                         */
+    LW_SPACE_TIE                 /* a spring, a damper or a hydraulic cylinder from point 0 to 1       */
 } lw_space_shape_kind;
 
 #define LW_SPACE_POINTS 16
 
 typedef struct lw_space_shape {
     lw_space_shape_kind kind;
-    int     link, item;          /* it moves with; number of its link, joint or tracer                 */
-    int     to;                  /* an elastic element: the link that its last point moves with; else -1 */
+    int     link, item;          /* it moves with; number of its link, joint, tracer or spring         */
+    int     to;                  /* an elastic element or a tie: the link that its last point moves with; else -1 */
+    double  tube;                /* of a cylinder: length of its tube from point 0 on [m]; 0           */
     bool    grounded;            /* a joint at the ground                                              */
     int     n;
     lw_vec3 p[LW_SPACE_POINTS];  /* in the posture of the file [m]                                     */

@@ -9,7 +9,7 @@
 
 static const char *const kind_name[] = { [LW_SPACE_BAR] = "bar", [LW_SPACE_PLATE] = "plate", [LW_SPACE_PIN] = "pin",
                                          [LW_SPACE_BALL] = "ball", [LW_SPACE_GUIDE] = "guide",
-                                         [LW_SPACE_TRACER] = "tracer" };
+                                         [LW_SPACE_TRACER] = "tracer", [LW_SPACE_TIE] = "tie" };
 
 static void number(lw_bytes *b, double v) { lw_bytes_number(b, v, 6); }
 
@@ -42,6 +42,14 @@ static void put_shapes(lw_bytes *b, const lw_space_scene *s)
         lw_bytes_text(b, kind_name[shape->kind]);
         lw_bytes_text(b, shape->grounded ? "\",\"grounded\":true,\"link\":" : "\",\"link\":");
         lw_bytes_integer(b, shape->link);
+        if (shape->to >= 0) {
+            lw_bytes_text(b, ",\"to\":");
+            lw_bytes_integer(b, shape->to);
+        }
+        if (shape->tube > 0) {
+            lw_bytes_text(b, ",\"tube\":");
+            number(b, shape->tube/s->radius);
+        }
         lw_bytes_text(b, ",\"p\":[");
         for (int k = 0; k < shape->n; k++) {
             lw_bytes_text(b, k ? "," : "");

@@ -1,12 +1,12 @@
 "use strict";
 (function () {
-  // data: { up, right, front, loops, seconds, radius, unit, origins, shapes: [{ kind, link, grounded, p }], paths, frames }
+  // data: { up, right, front, loops, seconds, radius, unit, origins, shapes: [{ kind, link, to, tube, grounded, p }], paths, frames }
   // lengths in radii of the scene from its middle, the radius in the unit; a frame holds x, y, z and a quaternion w, x, y, z for each link
   const data = JSON.parse(document.getElementById("data").textContent);
   const canvas = document.getElementById("view"), pen = canvas.getContext("2d");
   const [play, time, clock, speed] = ["play", "time", "clock", "speed"].map((id) => document.getElementById(id));
   const still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
-  const PIECES = 12, FRONT = 0.02, BEHIND = 1 / PIECES;       // as in space_drawing.c
+  const PIECES = 12, FRONT = 0.02, BEHIND = 1 / PIECES, TEETH = 9;       // as in space_drawing.c
   const there = data.loops ? data.frames.length : data.frames.length - 1;      // [frames], and back unless it loops
   const round = Math.max(data.loops ? there : 2 * there, 1);
   const SECONDS_A_ROUND = data.seconds ? (data.seconds * round) / there : 6;
@@ -51,13 +51,17 @@
     });
   }
 
-  const place = (s, pose) => s.p.map((x) => add(pose.at, rotate(pose.turn, add(x, origins[s.link], -1)), 1));
+  // The points of a shape, the last of them on the link `to` if there is one.
+  const place = (s, placed) => s.p.map((x, i) => {
+    const link = s.to !== undefined && i === s.p.length - 1 ? s.to : s.link, pose = placed[link];
+    return add(pose.at, rotate(pose.turn, add(x, origins[link], -1)), 1);
+  });
 
   // ---- scale: every frame is on the canvas, from whichever side it is seen ----
   const MARGIN = 40, FOOT = 28;
   const everywhere = data.frames.flatMap((_, f) => {
     const placed = poses(f);
-    return shapes.flatMap((s) => place(s, placed[s.link]));
+    return shapes.flatMap((s) => place(s, placed));
   });
 
   // Scale, and the middle of all points to the right and up.
@@ -117,6 +121,12 @@
       stroke(piece, dark, 12);
       stroke(piece, piece.grounded ? inks.faint : inks.paper, 8);
     }
+    if (piece.kind === "tie") stroke(piece, inks.orange, 1.6);
+    if (piece.kind === "rod") stroke(piece, inks.link, 3);
+    if (piece.kind === "tube") {
+      stroke(piece, inks.link, 11);
+      stroke(piece, inks.paper, 7);
+    }
     if (piece.kind === "plate") {
       stroke(piece, inks.link, 3);
       pen.globalAlpha = 0.25;
@@ -143,7 +153,7 @@
     pen.clearRect(0, 0, width, height);
     pen.lineCap = "round";
     pen.lineJoin = "round";
-    const inks = Object.fromEntries(["paper", "text", "link", "ground", "faint", "blue", "red", "green"].map((n) => [n, ink(n)]));
+    const inks = Object.fromEntries(["paper", "text", "link", "ground", "faint", "blue", "red", "green", "orange"].map((n) => [n, ink(n)]));
     const [right, up, front] = axes(), [fitted, x, y] = fit(right, up, width, height), scale = fitted * view.zoom, pieces = [];
     const project = (p) => [width / 2 + scale * (dot(p, right) - x), (height - FOOT) / 2 - scale * (dot(p, up) - y), dot(p, front)];
     const offset = { ball: FRONT, tracer: FRONT, guide: -BEHIND, path: -BEHIND };
@@ -151,14 +161,35 @@
       const p = list.map(project), depth = p.reduce((sum, q) => sum + q[2], 0) / p.length;
       pieces.push({ kind, p, depth: depth + (offset[kind] || 0), closed: kind === "plate", ...rest });
     };
+    const putZigzag = (from, way) => {
+      const [x0, y0] = project(from), [x1, y1] = project(add(from, way, 1)), long = Math.max(Math.hypot(x1 - x0, y1 - y0), 1e-9);
+      const part = (i) => (i < 0 ? 0 : i > TEETH ? 1 : 0.2 + (0.6 * i) / TEETH);
+      const corner = (i) => {
+        const [px, py] = project(add(from, way, part(i))), across = i <= 0 || i >= TEETH ? 0 : i % 2 ? 7 : -7;
+        return [px - (across * (y1 - y0)) / long, py + (across * (x1 - x0)) / long];
+      };
+      for (let i = -1; i <= TEETH; i++) {
+        const depth = dot(add(from, way, (part(i) + part(i + 1)) / 2), front);
+        pieces.push({ kind: "tie", p: [corner(i), corner(i + 1)], depth });
+      }
+    };
     const placed = poses(now);
     for (const s of shapes) {
-      const p = place(s, placed[s.link]);
+      const p = place(s, placed);
       if (p.length !== 2) {
         put(s.kind, p, { grounded: s.grounded });
         continue;
       }
-      const way = add(p[1], p[0], -1), length = Math.hypot(...way), n = Math.max(1, Math.min(PIECES, Math.ceil((PIECES * length) / 2)));
+      const way = add(p[1], p[0], -1), length = Math.hypot(...way);
+      if (s.kind === "tie") {
+        const tube = Math.min(s.tube / length, 1), at = (u) => add(p[0], way, u);
+        if (s.tube) {
+          put("rod", [at(tube), at(1)], {});
+          put("tube", [at(0), at(tube)], {});
+        } else putZigzag(p[0], way);
+        continue;
+      }
+      const n = Math.max(1, Math.min(PIECES, Math.ceil((PIECES * length) / 2)));
       const bar = s.kind === "bar", end = bar ? Math.min((2 * FRONT) / length, 1 / 3) : 0;
       const cut = (i) => add(p[0], way, i < 0 ? 0 : i > n ? 1 : end + ((1 - 2 * end) * i) / n);
       for (let i = bar ? -1 : 0; i < n + (bar ? 1 : 0); i++) put(s.kind, [cut(i), cut(i + 1)], { grounded: s.grounded });

@@ -248,8 +248,9 @@ static lw_status read_cylinder_ends(const lw_json_node *object, const char *name
     return s;
 }
 
-static lw_expression **find_cylinder(void *model, lw_json *json, const char *name, int *spring, double *length)
+static lw_expression **find_cylinder(void *model, lw_json *json, const char *name, double retracted, int *spring, double *length)
 {
+    (void)retracted;
     lw_model *m = model;
     int i = lw_read_find(json, name, m->spring->name, sizeof *m->spring, m->n_spring);
     *spring = i;

@@ -762,7 +762,7 @@ static lw_status read_cylinder(const lw_json_node *object, size_t index, const l
         return s;
     int spring, p = find_state(r->states, name, "p1");
     double length;
-    lw_expression **law = r->cylinder(r->model, object->json, name, &spring, &length);
+    lw_expression **law = r->cylinder(r->model, object->json, name, c.retracted, &spring, &length);
     if (length < c.retracted || length > c.retracted + c.stroke)
         s = lw_json_fault(object, e, "the cylinder is %.6g m long in the posture, which is not within %.6g .. %.6g m", length,
                           c.retracted, c.retracted + c.stroke);
