@@ -37,6 +37,25 @@ TEST(robots)
     expect("$P convert examples/space/superelement.json --format acf", 3, NULL, "is a superelement, which is not written to ADAMS");
 }
 
+/* A five-bar goes down through the posture with its rods on one level line: one of them turns about its fixed pin there (-0.3, 0, 0.4). */
+TEST(free_motions)
+{
+    expect("echo '{@linkwright@: 1, @links@: [@ground@, @a@, @b@, @c@, @d@], @joints@: ["
+           "{@name@: @A@, @kind@: @r@, @links@: [@ground@, @a@], @at@: [0, 0, 0], @axis@: [0, 1, 0]}, "
+           "{@name@: @B@, @kind@: @r@, @links@: [@a@, @b@], @at@: [0, 0, 0.5], @axis@: [0, 1, 0]}, "
+           "{@name@: @P@, @kind@: @r@, @links@: [@b@, @c@], @at@: [0.5, 0, 1.12449979983984], @axis@: [0, 1, 0]}, "
+           "{@name@: @C@, @kind@: @r@, @links@: [@c@, @d@], @at@: [1, 0, 0.5], @axis@: [0, 1, 0]}, "
+           "{@name@: @D@, @kind@: @r@, @links@: [@ground@, @d@], @at@: [1, 0, 0], @axis@: [0, 1, 0]}], @drives@: [{@joint@: @A@}, {@joint@: @D@}], "
+           "@inputs@: [{@tracer@: @T@, @coordinate@: @x@, @motion@: 0.5}, {@tracer@: @T@, @coordinate@: @z@, @motion@: @1.12449979983984 - t@}], "
+           "@tracers@: [{@name@: @T@, @link@: @b@, @at@: [0.5, 0, 1.12449979983984]}]}' | tr @ '\"' > $D/five.json", 0, NULL, NULL);
+    expect("$P trace $D/five.json --time-range 0:0.8:0.1", 0, NULL, "between t = 0.7 and 0.8 s the motion passes a parallel singularity");
+    expect("$P trace $D/five.json --time-range 0:0.8:0.1", 0, NULL, "(link \"b\" turns about the axis (0.00, 1.00, 0.00) through (-0.3, 0, 0.4) m)");
+    expect("$P robot jacobian $D/five.json --tool-at 0.5,0,0.3", 4, NULL,
+           "stand still, link \"b\" turns about the axis (0.00, 1.00, 0.00) through (-0.3, 0, 0.4) m");
+    expect("$P robot jacobian examples/space/stewart.json --tool-turn 0,0,100", 4, NULL,
+           "link \"platform\" turns about the axis (0.00, 0.00, 1.00) through (0, 0, ");
+}
+
 TEST(traces)
 {
     expect("$P trace examples/space/slider-crank.json -n 4 --tracer P", 0, "\n0,0.1999", NULL);
@@ -120,7 +139,7 @@ TEST(flat_parallelogram)
     expect("$P trace $D/rest.json", 4, NULL, "joints open beyond A = 0 rad, D = 0 rad");
     expect("$P trace $D/rest.json 2>&1 | wc -l", 0, "1\n", NULL);                    /* no posture is printed with rates that none can have */
     expect("sed 's/\\[1, 0, 0\\]/[1, 1, 0]/; s/\\[5, 0, 0\\]/[5, 1, 0]/' $D/rest.json > $D/up.json; $P trace $D/up.json --json", 3, NULL,
-           "the model has 1 freedom and 2 inputs: 1 input is too many");
+           "the model has 1 freedom and 2 inputs: 1 input is too many; A and D cannot all be inputs");
     expect("$P trace $D/up.json 2>&1 | wc -l", 0, "1\n", NULL);
     expect("$P trace $D/two.json --time-range 0:1:1 | cut -d, -f4,5", 0, "\n2.58385316345285", NULL);        /* 3 + cos 2 */
     expect("$P simulate $D/two.json", 0, NULL, NULL);

@@ -1519,7 +1519,7 @@ TEST(refuses_what_it_cannot)
         { "'mass': 1, 'centre': [1, 0, 0]", "", ", 'input': {'joint': 'A', 'motion': 'log(t - 1)'}",
           "not a number" },
         { "'mass': 1, 'centre': [1, 0, 0]", "", ", 'inputs': [{'joint': 'A', 'motion': 't'}, {'tracer': 'P', 'coordinate': 'x', 'motion': "
-                                                    "'t'}]", "the model has 1 freedom and 2 inputs: 1 input is too many" },
+                                                    "'t'}]", "the model has 1 freedom and 2 inputs: 1 input is too many; A and x of P cannot all be inputs" },
         { "'mass': 1, 'centre': [1, 0, 0], 'angular_velocity': [0, 0, 5]", "", ", 'input': {'joint': 'A', 'motion': '2*t'}",
           "contradict" },
     };

@@ -315,7 +315,7 @@ int cli_spatial_trace_run(const cli_call *call, const lw_spatial *m, const cli_s
     bool turns = m->input[0].measure.of == LW_OF_TURN;
     if (st == LW_OK && t.lost)
         lw_note_lost(cli_notes(call), t.in_time ? "t" : "the input", t.lost_at, t.in_time ? 1 : input_unit(m, 0),
-                     t.in_time ? "s" : turns ? m->units.angle : m->units.length);
+                     t.in_time ? "s" : turns ? m->units.angle : m->units.length, t.lost_how);
     if (st == LW_OK && t.moved > 0)
         lw_note_adjusted(cli_notes(call), t.moved, t.turned);
     if (st == LW_OK && t.open > 1e-9)

@@ -500,7 +500,7 @@ lw_status cli_time_print(const cli_call *call, cli_curve_trace *t, const double 
         lw_prescribed_motion_ended(d, s, &t->k, e);
     double last, between[2];
     if (lw_prescribed_motion_lost(d, between))
-        lw_note_lost(cli_notes(call), "t", between, 1, "s");
+        lw_note_lost(cli_notes(call), "t", between, 1, "s", "");
     int crossings = lw_prescribed_motion_crossings(d, &last);
     if (crossings > 0 && !t->rows.json)
         fprintf(t->rows.f, "# branch points passed straight on: %d, the last at time %.12g\n", crossings, last);

@@ -26,11 +26,11 @@ void lw_note_adjusted(lw_note_sink c, double moved, double turned)
          "by least squares", moved, axes);
 }
 
-void lw_note_lost(lw_note_sink c, const char *what, const double between[2], double unit, const char *name)
+void lw_note_lost(lw_note_sink c, const char *what, const double between[2], double unit, const char *name, const char *how)
 {
     note(c, "between %s = %.9g and %.9g %s the motion passes a parallel singularity, where the drives lose control of the links: links can move there "
-         "while all drives stand still, drive forces grow without limit near it, and a machine may leave it on another branch (robot reachability, "
-         "workspace)", what, between[0]/unit, between[1]/unit, name);
+         "while all drives stand still%s%s%s, drive forces grow without limit near it, and a machine may leave it on another branch (robot reachability, "
+         "workspace)", what, between[0]/unit, between[1]/unit, name, *how ? " (" : "", how, *how ? ")" : "");
 }
 
 /* In a run in time the mass of an elastic link is lumped at its nodes; say where these are so few that its inertia is wrong.  The name of
@@ -130,7 +130,7 @@ void lw_dynamics_notes(lw_note_sink c, const lw_dynamics *d, const lw_dynamics_r
         note(c, "%ld row%s in a singular posture, the first at t = %.12g s: forces without a limit there are left "
              "empty", r->without_forces, r->without_forces == 1 ? " is" : "s are", r->without_forces_t);
     if (r->lost)
-        lw_note_lost(c, "t", r->lost_t, 1, "s");
+        lw_note_lost(c, "t", r->lost_t, 1, "s", r->lost_how);
     if (r->smooth_friction)
         note(c, "friction without a \"speed\" sticks only in planar linkages of one freedom that are solved in closed form, and at pins and sliders "
              "in space; here it is regularised by 0.001 m/s, and a joint at rest under load creeps");

@@ -148,6 +148,7 @@ typedef struct lw_dynamics_report {
     double without_forces_t;     /* and the time of the first */
     bool   lost;                 /* the inputs move every freedom: between these times, the first time, the drives lose control of the links */
     double lost_t[2];            /* (mbs/space/space_hold.h, mbs/constraints/prescribed_motion.h) */
+    char   lost_how[240];        /* "link ... turns about ...": what moves there while they stand still; empty: not known */
 } lw_dynamics_report;
 
 typedef struct lw_dynamics lw_dynamics;

@@ -105,6 +105,7 @@ lw_status lw_run_driven_spatial(lw_run *run)
     }
     run->r->lost = w.lost;
     memcpy(run->r->lost_t, w.between, sizeof w.between);
+    memcpy(run->r->lost_how, w.how, sizeof w.how);
     lw_space_watch_end(&w);
     free(y);
     return st;

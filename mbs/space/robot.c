@@ -604,6 +604,20 @@ static bool fill_rates_pulled(lw_robot *r, double *a)
     return false;
 }
 
+/* What moves in the posture reached while the drives stand still, which do not hold the tool there. */
+static void tell_free_motion(lw_robot *r, char how[LW_SPACE_MOTION_TEXT])
+{
+    double a[LW_ROBOT_DRIVES*LW_ROBOT_DRIVES];
+    int n = r->n_drive, n_v = r->space.n_v;
+    if (!r->by_tool.memory)
+        return;
+    begin_to_pull(r);
+    if (fill_rates_pulled(r, a) && lw_space_unheld(n, n_v, a, r->hold.column, r->hold.motions[1])) {
+        lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
+        lw_space_motion_text(&r->space, r->follow.z.frame, r->hold.motions[1], how);
+    }
+}
+
 /* lw_space_hold_now.  0: not known; an open chain, whose drives lose nothing. */
 static double drives_hold(lw_robot *r)
 {
@@ -821,8 +835,11 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
             double by[3] = { first.x, first.y, first.z };
             for (int i = 0; i < 3; i++)                      /* rounding counts as 0 */
                 by[i] = fabs(by[i]) < 1e-13*s->unit ? 0 : by[i]/units->metre;
-            return lw_error_set(e, LW_OPEN, "the tool stops at (%.9g, %.9g, %.9g) %s%s: %s", by[0], by[1], by[2], units->length[0] ? units->length : "m",
-                                turned, r->limit);
+            char how[LW_SPACE_MOTION_TEXT] = "";
+            if (e && strcmp(r->limit, not_held) == 0)
+                tell_free_motion(r, how);
+            return lw_error_set(e, LW_OPEN, "the tool stops at (%.9g, %.9g, %.9g) %s%s: %s%s%s", by[0], by[1], by[2], units->length[0] ? units->length : "m",
+                                turned, r->limit, *how ? "; while they stand still, " : "", how);
         }
     }
     free(kept);

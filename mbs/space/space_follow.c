@@ -47,8 +47,35 @@ int lw_space_lost_freedoms(const lw_space_follow *f)
     return lost;
 }
 
-static lw_status count_freedoms(lw_space_follow *f, int rank, bool any, lw_error *e)
+/* The *n inputs whose rows depend on those of the joints and of the other inputs, "A, B and C": without one of them the rank is the same. */
+static lw_status name_dependent(const lw_space_follow *f, const double *metric, int *n, char *text, size_t size, lw_error *e)
 {
+    const lw_space *s = f->z.s;
+    int *of = calloc((size_t)f->n_input + 1, sizeof *of), rank;
+    lw_space_extra *x = calloc((size_t)(f->n_idle + f->n_input), sizeof *x);
+    lw_status st = of && x ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; st == LW_OK && i < f->n_input; i++) {
+        size_t before = (size_t)(f->n_idle + i), after = (size_t)(f->n_input - 1 - i);
+        memcpy(x, f->z.extra, before*sizeof *x);
+        memcpy(x + before, f->z.extra + before + 1, after*sizeof *x);
+        if ((st = rank_of_joints(s, x, f->n_idle + f->n_input - 1, metric, &rank, e)) == LW_OK && rank == f->z.n_kept)
+            of[(*n)++] = i;
+    }
+    size_t used = 0;
+    text[0] = 0;
+    for (int i = 0; st == LW_OK && i < *n; i++) {
+        char name[64];
+        lw_spatial_measure_name(s->model, f->z.extra[f->n_idle + of[i]].measure, name, sizeof name);
+        used += (size_t)snprintf(text + used, size - used, "%s%s", i == 0 ? "" : i + 1 == *n ? " and " : ", ", name);
+        used = used < size ? used : size - 1;
+    }
+    free(of), free(x);
+    return st;
+}
+
+static lw_status count_freedoms(lw_space_follow *f, int rank, const double *metric, bool any, lw_error *e)
+{
+    char names[200];
     const lw_space *s = f->z.s;
     int freedom = s->n_v - rank, lost;
     f->freedom = s->n_v - f->z.n_kept;
@@ -56,13 +83,18 @@ static lw_status count_freedoms(lw_space_follow *f, int rank, bool any, lw_error
     if (freedom == 0 && f->n_input > 0)
         return lw_error_set(e, LW_E_ARG, "the model cannot move in the posture of the file: it has 0 freedoms and %d input%s; linkwright mobility tells "
                             "what holds it", f->n_input, lw_plural(f->n_input));
+    int n = 0;
+    lw_status st = f->z.n_kept < rank + f->n_input ? name_dependent(f, metric, &n, names, sizeof names, e) : LW_OK;
+    if (st != LW_OK)
+        return st;
     if (f->n_input > freedom)
-        return lw_error_set(e, LW_E_ARG, "the model has %d freedom%s and %d inputs: %d input%s too many",
-                            freedom, lw_plural(freedom), f->n_input, f->n_input - freedom, f->n_input - freedom == 1 ? " is" : "s are");
+        return lw_error_set(e, LW_E_ARG, "the model has %d freedom%s and %d inputs: %d input%s too many; %s cannot %s",
+                            freedom, lw_plural(freedom), f->n_input, f->n_input - freedom, f->n_input - freedom == 1 ? " is" : "s are", names,
+                            n == 1 ? "be an input" : "all be inputs");
     if (f->z.n_kept < rank + f->n_input)
-        return lw_error_set(e, LW_E_ARG, "%d input%s only %d of %d freedom%s in the posture of the file: %sthe posture is singular for %s",
+        return lw_error_set(e, LW_E_ARG, "%d input%s only %d of %d freedom%s in the posture of the file: %s%s the posture is singular for %s",
                             f->n_input, f->n_input == 1 ? " moves" : "s move", f->z.n_kept - rank, freedom, lw_plural(freedom),
-                            f->n_input == 1 ? "" : "they contradict each other, or ", f->n_input == 1 ? "it" : "them");
+                            names, n == 1 ? " is held by the joints, or" : " contradict each other, or", n == 1 ? "it" : "them");
     if (f->freedom > 0 && !any && (lost = lw_space_lost_freedoms(f)) > 0)
         return lw_error_set(e, LW_E_ARG, "the posture of the file is singular: to first order the links have %d freedoms there, but the motion has %d; take "
                             "another posture of the motion", freedom, freedom - lost);
@@ -118,7 +150,7 @@ lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *inpu
     if (st == LW_OK)
         st = lw_space_rows_make(s, x, f->n_idle + n_input, metric, s->start, &f->z, e);
     if (st == LW_OK)
-        st = count_freedoms(f, n_input > 0 ? rank : f->z.n_kept, any, e);
+        st = count_freedoms(f, n_input > 0 ? rank : f->z.n_kept, metric, any, e);
     free(x);
     if (st != LW_OK)
         lw_space_follow_free(f);

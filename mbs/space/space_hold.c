@@ -1,6 +1,7 @@
 /* mbs/space/space_hold.c - how well drives hold a spatial model along a motion. */
 #include "mbs/space/space_hold.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/linalg.h"
@@ -135,20 +136,126 @@ bool lw_space_hold_lost(lw_space_hold *h, double holds)
     return false;
 }
 
+/* ---- motions that the drives do not hold ------------------------------------------------------------------ */
+
+/* Solve A x = b (n x n), or its transpose, in place. */
+static void solve(int n, const double *a, bool transposed, double *b)
+{
+    double of[LW_SPACE_HELD*LW_SPACE_HELD], diag[LW_SPACE_HELD];
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++)
+            of[i*n + k] = transposed ? a[k*n + i] : a[i*n + k];
+    lw_qr_factor(n, n, of, diag);
+    lw_qr_solve(n, n, of, diag, b);
+}
+
+/* Inverse iteration for c with |A c| least beside |V c|. */
+bool lw_space_unheld(int n, int n_v, const double *a, const double *column, double *v)
+{
+    enum { ROUNDS = 4 };
+    double by[LW_SPACE_HELD*LW_SPACE_HELD], c[LW_SPACE_HELD], w[LW_SPACE_HELD], most = 0;
+    for (int i = 0; i < n*n; i++)
+        most = fmax(most, fabs(a[i]));
+    memcpy(by, a, (size_t)(n*n)*sizeof *by);
+    for (int i = 0; i < n; i++)
+        by[i*n + i] += 1e-15*most, c[i] = 1 + 0.1*i;     /* never quite singular */
+    for (int round = 0; round < ROUNDS; round++) {
+        memset(v, 0, (size_t)n_v*sizeof *v);
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n_v; j++)
+                v[j] += c[i]*column[i*n_v + j];
+        double length = lw_norm(n_v, v);
+        if (!(length > 0 && isfinite(length)))
+            return false;
+        for (int j = 0; j < n_v; j++)
+            v[j] /= length;
+        for (int i = 0; i < n; i++)
+            w[i] = lw_dot(n_v, column + (size_t)i*(size_t)n_v, v);
+        solve(n, by, true, w);
+        solve(n, by, false, w);
+        memcpy(c, w, (size_t)n*sizeof *c);
+    }
+    return true;
+}
+
+static double rounded(double x, double step) { return step*round(x/step) + 0.0; }
+
+/* Speed of a body over the size of the model, and angular velocity. */
+static double moves(const lw_space *s, const double *v, int body) { return lw_norm(3, v + 6*body)/s->unit + lw_norm(3, v + 6*body + 3); }
+
+void lw_space_motion_text(const lw_space *s, const lw_space_frame *frame, const double *v, char text[LW_SPACE_MOTION_TEXT])
+{
+    static const double none = 1e-3;
+    const lw_units *units = &s->model->units;
+    int best = 0, tool = s->model->n_tracer > 0 ? s->body_of[s->model->tracer[0].link] : -1;
+    for (int b = 1; b < s->n_body; b++)
+        best = moves(s, v, b) > moves(s, v, best) ? b : best;
+    if (tool >= 0 && moves(s, v, tool) > 0.1*moves(s, v, best))
+        best = tool;
+    lw_space_point centre = { best, { 0, 0, 0 } };
+    lw_vec3 at = lw_space_point_at(frame, centre), speed = lw_space_point_velocity(s, frame, centre, v), turn = lw_space_omega(frame, best, v);
+    double w = lw_v3_norm(turn);
+    bool turns = w*s->unit > none*lw_v3_norm(speed);
+    lw_vec3 along = lw_v3_scale(turns ? turn : speed, 1/(turns ? w : lw_v3_norm(speed)));
+    double sum = along.x + along.y + along.z;                /* of the two directions */
+    along = lw_v3_scale(along, sum < 0 ? -1 : 1);
+    int used = snprintf(text, LW_SPACE_MOTION_TEXT, "link \"%.40s\" %s (%.2f, %.2f, %.2f)", s->model->body[s->link_of[best]].name,
+                        turns ? "turns about the axis" : "slides along", rounded(along.x, 0.01), rounded(along.y, 0.01), rounded(along.z, 0.01));
+    if (!turns)
+        return;
+    double step = pow(10, floor(log10(0.02*s->unit/units->metre)));
+    bool slides = fabs(lw_v3_dot(turn, speed)) > 0.01*s->unit*w*w;
+    at = lw_v3_add(at, lw_v3_scale(lw_v3_cross(turn, speed), 1/(w*w)));
+    snprintf(text + used, LW_SPACE_MOTION_TEXT - (size_t)used, " through (%.9g, %.9g, %.9g) %s%s", rounded(at.x/units->metre, step),
+             rounded(at.y/units->metre, step), rounded(at.z/units->metre, step), units->length[0] ? units->length : "m", slides ? " and slides along it" : "");
+}
+
 /* ---- along a path ---------------------------------------------------------------------------------------- */
+
+/* Between the last posture and this one, at such a part of the way. */
+static void tell_free_motion(lw_space_watch *w, const double *rates, double part)
+{
+    lw_space_follow *f = w->f;
+    const lw_space *s = f->z.s;
+    int n = w->hold.n, n_v = w->hold.n_v;
+    double *v = w->motion, *now = v + n_v, *q = now + n_v, *before = w->last + (size_t)n*(size_t)n_v;
+    if (!lw_space_unheld(n, n_v, w->rates, w->last, v) || !lw_space_unheld(n, n_v, rates, w->hold.column, now))
+        return;
+    double same = lw_dot(n_v, v, now) < 0 ? -1 : 1;
+    for (int i = 0; i < n_v; i++)
+        v[i] = (1 - part)*v[i] + part*same*now[i];
+    for (int i = 0; i < s->n_q; i++)
+        q[i] = (1 - part)*before[i] + part*f->q[i];
+    lw_space_normalise(s, q);
+    lw_space_place(s, q, f->z.frame);
+    lw_space_motion_text(s, f->z.frame, v, w->how);
+    lw_space_place(s, f->q, f->z.frame);
+}
 
 static void look(void *context, const double *q)
 {
     (void)q;                                 /* that of f */
     lw_space_watch *w = context;
-    double a[LW_SPACE_HELD*LW_SPACE_HELD];
-    double holds = lw_space_hold_rates(&w->hold, w->f, w->drive, a) ? lw_space_hold_now(&w->hold, a) : 0;
+    double a[LW_SPACE_HELD*LW_SPACE_HELD], rates[LW_SPACE_HELD*LW_SPACE_HELD], before = w->hold.holds, holds = 0;
+    size_t n = (size_t)w->hold.n, columns = n*(size_t)w->hold.n_v;
+    bool known = lw_space_hold_rates(&w->hold, w->f, w->drive, rates);
+    if (known) {
+        memcpy(a, rates, n*n*sizeof *a);
+        holds = lw_space_hold_now(&w->hold, a);
+    }
     if (lw_space_hold_lost(&w->hold, holds)) {
-        if (!w->lost && !w->hold.unsure)
+        if (!w->lost && !w->hold.unsure) {
             w->lost = true, w->between[0] = fmin(w->at, w->f->u), w->between[1] = fmax(w->at, w->f->u);
+            tell_free_motion(w, rates, before/(before - holds));
+        }
         take(&w->hold, holds);
     }
     w->at = w->f->u;
+    if (known) {
+        memcpy(w->rates, rates, n*n*sizeof *rates);
+        memcpy(w->last, w->hold.column, columns*sizeof *w->last);
+        memcpy(w->last + columns, w->f->q, (size_t)w->f->z.s->n_q*sizeof *w->last);
+    }
 }
 
 lw_status lw_space_watch_begin(lw_space_watch *w, lw_space_follow *f, lw_error *e)
@@ -162,6 +269,10 @@ lw_status lw_space_watch_begin(lw_space_watch *w, lw_space_follow *f, lw_error *
     for (int i = 0; i < n; i++)
         w->drive[i] = m->n_drive ? m->drive[i] : f->z.extra[f->n_idle + i].measure;
     lw_status st = lw_space_hold_make(n, s->n_v, &w->hold, e);
+    size_t columns = (size_t)n*(size_t)s->n_v;
+    if (st == LW_OK && !(w->last = calloc(columns + 2*(size_t)(s->n_q + s->n_v), sizeof *w->last)))
+        st = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    w->motion = w->last ? w->last + columns + s->n_q : NULL;
     if (st == LW_OK)
         f->passed = look, f->passed_by = w, w->at = f->u, f->column = w->hold.column;
     return st;
@@ -172,4 +283,6 @@ void lw_space_watch_end(lw_space_watch *w)
     if (w->hold.column)
         w->f->passed = NULL, w->f->column = NULL, w->f->has_column = false;
     lw_space_hold_free(&w->hold);
+    free(w->last);
+    w->last = NULL;
 }

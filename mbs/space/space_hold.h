@@ -38,6 +38,15 @@ double lw_space_hold_now(lw_space_hold *h, double *a);
  * now on. */
 bool lw_space_hold_lost(lw_space_hold *h, double holds);
 
+/* The motion v (n_v, of length 1) that moves the drives least, from their rates a and the motions `column` as above: where the drives lose the model, it
+ * is that of the links while the drives stand still.  false: not known. */
+bool lw_space_unheld(int n, int n_v, const double *a, const double *column, double *v);
+
+/* Write how the link of the first tracer moves, or the one that moves most if that moves ten times as much, rounded to hundredths of the size of the
+ * model: `link "plate" turns about the axis (0.00, 0.00, 1.00) through (0.1, 0, 1) m`. */
+#define LW_SPACE_MOTION_TEXT 240
+void lw_space_motion_text(const lw_space *s, const lw_space_frame *frame, const double *v, char text[LW_SPACE_MOTION_TEXT]);
+
 /* The same along the path of a follow, at every posture that it passes. */
 typedef struct lw_space_watch {
     lw_space_hold hold;
@@ -46,6 +55,9 @@ typedef struct lw_space_watch {
     double  at;                                  /* parameter of the last posture                       */
     bool    lost;                                /* the drives lose the model between these parameters: the first time */
     double  between[2];
+    char    how[LW_SPACE_MOTION_TEXT];           /* the links move there while they stand still         */
+    double  rates[LW_SPACE_HELD*LW_SPACE_HELD];  /* at the last posture: of the drives                  */
+    double *last, *motion;                       /* the same: column (n x n_v), posture (n_q); scratch (2 n_v + n_q) */
 } lw_space_watch;
 
 /* Watch f from its present posture on with the drives of its model, or its inputs.  Nothing is watched, and column is NULL, where nothing can be

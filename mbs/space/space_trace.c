@@ -233,6 +233,7 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
             o->from = ends[0], o->to = ends[1];
         o->lost = w.lost;
         memcpy(o->lost_at, w.between, sizeof w.between);
+        memcpy(o->lost_how, w.how, sizeof w.how);
         lw_space_watch_end(&w);
     }
     lw_space_follow_free(&f);

@@ -22,6 +22,7 @@ typedef struct lw_space_trace {
     double moved, turned;                        /* out: joints were adjusted by so much (mbs/space/space_adjust.h) */
     bool   lost;                                 /* out: between these values of u, the first time, the drives lose the model: it can move there while */
     double lost_at[2];                           /* they stand still (mbs/space/space_hold.h) */
+    char   lost_how[240];                        /* in this way, if it is not empty */
     double open;                                 /* out: greatest residual of a joint, lengths over the size of the model, radians */
 } lw_space_trace;
 
