@@ -319,6 +319,17 @@ TEST(controllers)
            "2*(sin($1) - 2*atan2($(at[\"b.qy\"]), $(at[\"b.qw\"]))); if (d*d > 1e-18) print; } END { print n }'", 0, "5\n", NULL);
 }
 
+/* The motion of an arm ends with a jump of its acceleration at a row: this has the one behind the jump, as docs/notation.md says; 6*1.2/0.3^2 = 80. */
+TEST(rows_at_kinks)
+{
+    expect("echo '{@linkwright@: 1, @links@: [@ground@, {@name@: @hub@, @mass@: 1, @centre@: [0, 0, 0], @inertia@: [0.01, 0.01, 0.01]}, "
+           "{@name@: @arm@, @elastic@: {@section@: {@shape@: @round@, @diameter@: 0.01}, @material@: @steel@, @axis@: [[0, 0, 0], [0.3, 0, 0]], "
+           "@segments@: 2, @damping@: {@ratio@: 0.01, @at@: 30}}}], @joints@: [{@name@: @A@, @kind@: @r@, @links@: [@ground@, @hub@], @at@: [0, 0, 0], "
+           "@axis@: [0, 0, 1]}, {@name@: @W@, @kind@: @f@, @links@: [@hub@, @arm@], @at@: [0, 0, 0]}], "
+           "@input@: {@joint@: @A@, @motion@: @step(t, 0, 0, 0.3, 1.2)@}}' | tr @ '\"' > $D/kink.json; for f in radau alpha; do $P simulate $D/kink.json "
+           "--to 0.4 -n 4 --formulation $f -q | awk -F, '/^[0-9]/ {printf \"%.0f \", sqrt($4^2)}'; done", 0, "80 27 27 0 0 80 27 27 0 0 ", NULL);
+}
+
 /* A gear pair of a linkage with more links than a plan has: its carrier is found among the links around it. */
 TEST(gears_of_large_linkages)
 {

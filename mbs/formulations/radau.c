@@ -954,11 +954,14 @@ static lw_status end_step(stages *g)
         s = lw_run_pass_kink(run, &g->t, g->dense ? state_at : NULL, g);
     else if (g->dense)
         s = lw_run_samples(run, g->t, state_at, g);
-    if (s == LW_OK && !g->dense && run->next <= run->d->o.intervals && g->t >= lw_run_time(run->d, run->next))
+    bool sample = !g->dense && run->next <= run->d->o.intervals && g->t >= lw_run_time(run->d, run->next), goes_on = g->t < run->d->o.to;
+    if (s == LW_OK && sample && !kink)
         s = show(g);
-    if (s == LW_OK && kink && g->t < run->d->o.to)       /* motions that change their speed at once push */
+    if (s == LW_OK && kink && goes_on)                   /* motions that change their speed at once push */
         s = lw_mbs_settle(run->d, g->t, g->q, g->v);
-    return s == LW_OK && kink && g->t < run->d->o.to ? begin_again(g) : s;
+    if (s == LW_OK && sample && kink)                    /* stages have the accelerations before it */
+        s = lw_run_show(run, lw_run_time(run->d, run->next++), state(g, run->y));
+    return s == LW_OK && kink && goes_on ? begin_again(g) : s;
 }
 
 /* A step to the end of a piece may end so far beyond it (equations.h, piece_left), and is not shorter than this part of an
