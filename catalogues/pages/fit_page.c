@@ -26,6 +26,14 @@ double lw_fitted_value(const lw_units *u, const lw_fit_report *r, int dim, doubl
     return frame && fabs(si) > LW_PI ? remainder(si, 2*LW_PI) : si;
 }
 
+const char *lw_fitted_order(lw_task task)
+{
+    return lw_task_has_place(task)
+         ? "the error, in percent of the target's diagonal, of a four-bar of the target's size with transmission angles of 45 degrees that is as good"
+         : "the error, in percent of the output's swing (at least 57 degrees), of a four-bar with lengths within a factor of 4 and transmission "
+           "angles of 45 degrees that is as good";
+}
+
 bool lw_fitted_near_change_point(const lw_fit_report *r)
 {
     return lw_fit_report_may_change(r, LW_NEAR_CHANGE_POINT);
@@ -200,7 +208,7 @@ typedef struct sheet {
     lw_page_result *result;
     char          (*limits)[256], (*dimensions)[512];   /* "": those of the scene                              */
     lw_drawing     curves;                         /* wanted and reached                               */
-    char          (*class_name)[128], (*file)[NAME_SIZE + 24], about[160];
+    char          (*class_name)[128], (*file)[NAME_SIZE + 24], about[384];
     int             n;
 } sheet;
 
@@ -261,8 +269,10 @@ static lw_status fill_sheet(const lw_fitted *f, sheet *h, lw_page_target *t, lw_
     }
     if (st == LW_OK)
         st = lw_fitted_curves(f, &h->curves, e);
-    snprintf(h->about, sizeof h->about, "%zu point%s, %s; %ld local fit%s in %.1f s.", f->target->n, lw_plural((long long)f->target->n),
-             f->target->closed ? "closed" : "open", f->fit->improved, lw_plural(f->fit->improved), f->fit->seconds);
+    const bool ordered = f->results->n > 0 && !isnan(f->results->report[0].counts_as);
+    snprintf(h->about, sizeof h->about, "%zu point%s, %s; %ld local fit%s in %.1f s.%s%s%s", f->target->n, lw_plural((long long)f->target->n),
+             f->target->closed ? "closed" : "open", f->fit->improved, lw_plural(f->fit->improved), f->fit->seconds,
+             ordered ? " Results are ordered by what they count as: " : "", ordered ? lw_fitted_order(f->task) : "", ordered ? "." : "");
     *t = (lw_page_target){ .name = f->name, .about = h->about, .n_result = h->n,
                            .result = h->result, .curves = st == LW_OK && !lw_task_has_place(f->task) ? &h->curves : NULL };
     return st;

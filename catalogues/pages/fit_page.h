@@ -24,6 +24,9 @@ double lw_fitted_value(const lw_units *u, const lw_fit_report *r, int d, double 
 /* The dimensions of result i as " r1=12 ...": of a function those that it has, and the angles from which the target counts, in degrees. */
 void lw_fitted_dimensions(const lw_fitted *f, int i, FILE *to);
 
+/* What the column 'counts as' means, by which results with default limits are ordered. */
+const char *lw_fitted_order(lw_task task);
+
 /* Is the four-bar nearer than this to a change point, in perimeters, and its motion too (lw_fit_report_may_change)?  false without a class. */
 #define LW_NEAR_CHANGE_POINT 1e-3
 bool lw_fitted_near_change_point(const lw_fit_report *r);

@@ -107,7 +107,7 @@ static void print_stages(const cli_fit_set *s, FILE *f)
         const lw_links_summary *l = &s->search.by_links[k];
         if (l->n_stage == 0)
             continue;
-        fprintf(f, "best row with up to %d links: ", l->links);
+        fprintf(f, "least squared error with up to %d links: ", l->links);
         if (l->best < 0)
             fputs(s->spec.by_default ? "none near the target and within the limits" : "none", f);
         else if (!lw_task_has_place(s->spec.task))
@@ -197,9 +197,7 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
         table_row(s, i, width, f);
     print_marks(s, f);
     if (has_order(s) && s->search.results.n > 0)
-        fprintf(f, "counts as: the error, in percent of the %s with transmission angles of 45 degrees that is as good\n",
-                lw_task_has_place(s->spec.task) ? "target's diagonal, of a four-bar of the target's size"
-                : "output's swing (at least 57 degrees), of a four-bar with lengths within a factor of 4");
+        fprintf(f, "counts as: %s\n", lw_fitted_order(s->spec.task));
     if (s->has_tolerances)
         print_robustness(s, f);
     if (s->spec.angle_length > 0 && (s->target.theta || s->target.n_also > 0))
