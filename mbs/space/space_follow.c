@@ -114,9 +114,9 @@ lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *inpu
                                lw_error *e)
 {
     size_t q = (size_t)s->n_q, v = (size_t)s->n_v, extras = (size_t)s->n_body + (size_t)n_input + 1;
-    size_t rows = (size_t)s->n_row + extras;
+    size_t rows = (size_t)s->n_row + extras, near = extras + (size_t)s->n_joint;
     memset(f, 0, sizeof *f);
-    double *at = f->memory = calloc(2*q + 7*v + extras + 2*rows + 6*extras, sizeof *at);
+    double *at = f->memory = calloc(10*q + 10*v + 7*extras + 2*rows + near, sizeof *at);
     lw_space_extra *x = calloc(extras, sizeof *x);
     if (!at || !x) {
         free(at), free(x);
@@ -138,6 +138,8 @@ lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *inpu
     f->made = (double (*)[3])(void *)at, at += 3*extras;
     f->made_at = NAN;
     f->least = 1e-10;
+    f->seen = at, at += 7*q + v;
+    f->kept = at, at += q + 2*v + near;
     double *metric = at;
     memcpy(f->q, s->start, q*sizeof *f->q);
     lw_space_metric(s, metric);
@@ -560,13 +562,10 @@ static lw_status go_between(lw_space_follow *f, lw_space_path *path, void *conte
     static const int side[6] = { -3, -2, -1, 1, 2, 3 };
     const lw_space *s = f->z.s;
     size_t n = (size_t)s->n_q;
-    double rate = lw_space_length(s, f->v), h = copysign(apart/rate, u - f->u), *seen, *q, *by;
+    double rate = lw_space_length(s, f->v), h = copysign(apart/rate, u - f->u), *seen = f->seen, *q = seen + 6*n, *by = q + n;
     *taken = false;
     if (!isfinite(h))
         return LW_OK;
-    if (!(seen = malloc((7*n + (size_t)s->n_v)*sizeof *seen)))
-        return LW_E_MEMORY;
-    q = seen + 6*n, by = q + n;
     lw_status st = LW_OK;
     memset(f->a, 0, (size_t)s->n_v*sizeof *f->a);            /* second rates here are rounding */
     f->has_second = true;
@@ -593,7 +592,6 @@ static lw_status go_between(lw_space_follow *f, lw_space_path *path, void *conte
         f->u = u;
         f->has_second = f->between = true;
     }
-    free(seen);
     return st;
 }
 
@@ -684,9 +682,9 @@ void lw_space_follow_rates(lw_space_follow *f, lw_space_path *path, void *contex
     static const double lost_place = 1e-8;                   /* places by rounding/lost^(1/2) */
     const lw_space *s = f->z.s;
     size_t n_q = (size_t)s->n_q, n_v = (size_t)s->n_v, n_near = (size_t)f->z.n_near;
-    double weak = f->z.weak, u = f->u, *kept = NULL;
+    double weak = f->z.weak, u = f->u, *kept = f->kept;
     lw_space_follow_second(f);
-    if (f->between || !(weak < lost && weak < beside*f->clear) || !(kept = malloc((n_q + 2*n_v + n_near)*sizeof *kept)))
+    if (f->between || !(weak < lost && weak < beside*f->clear))
         return;
     double *v = kept + n_q, *a = v + n_v, *near = a + n_v;
     bool between;
@@ -706,7 +704,6 @@ void lw_space_follow_rates(lw_space_follow *f, lw_space_path *path, void *contex
     }
     f->u = u;
     f->has_second = true;
-    free(kept);
 }
 
 typedef struct straight { lw_space_follow *f; const double *from; double (*to)[3]; } straight;

@@ -14,6 +14,7 @@ typedef struct lw_space_follow {
     double  u;                           /* parameter reached                                              */
     double *q, *v, *a;                   /* (n_q) posture there; (n_v) rates by u                          */
     double *q_try, *v_try, *target, *rhs, *l, (*path)[3];
+    double *seen, *kept;                 /* room for postures beside a singular one, and for what holds in it */
     double  made_at, (*made)[3];         /* the path at u; v is that of this path at made_at               */
     double *off, *before, *again;        /* (n_v) where steps end beside h v + h^2 a/2: the last one, the one before in proportion, the next one */
     double  off_h, before_h;             /* lengths of the two along the path; 0: none                     */
