@@ -13,6 +13,12 @@
 #define LIMIT " --time 0.1"
 #define SHORT " --rounds 1"              /* all that a next command needs, on a machine of any speed */
 
+/* Commands that would measure or compute for seconds, and what makes them short. */
+static const struct { const char *begins, *add; } coarse[] = {
+    { "linkwright bench mbs ", " --tolerance-range 1e-4:1e-4 --peers none --time 0.001" },
+    { "linkwright family sweep ", " -n 20" },
+};
+
 /* Commands that search or draw samples until they are told to stop. */
 static bool is_long(const char *command)
 {
@@ -43,10 +49,12 @@ static void run_one(const char *page, int number, const char *command, bool whol
 {
     bool shortened = is_long(command) && (whole || (strncmp(command, "linkwright fit ", 15) == 0 && strstr(command, " -o ")));
     bool limited = is_long(command) && !shortened;
-    const char *pipe = strpbrk(command, "|>");
-    size_t first = pipe && (limited || shortened) ? (size_t)(pipe - command) : strlen(command);
-    ran r = run_with("cd $D/w && PATH=$D/bin:$PATH && %.*s%s %s", (int)first, command, limited ? LIMIT : shortened ? SHORT : "",
-                     command + first);
+    const char *pipe = strpbrk(command, "|>"), *add = limited ? LIMIT : shortened ? SHORT : "";
+    for (size_t i = 0; i < sizeof coarse/sizeof *coarse; i++)
+        if (strncmp(command, coarse[i].begins, strlen(coarse[i].begins)) == 0)
+            add = coarse[i].add;
+    size_t first = pipe && add[0] ? (size_t)(pipe - command) : strlen(command);
+    ran r = run_with("cd $D/w && PATH=$D/bin:$PATH && %.*s%s %s", (int)first, command, add, command + first);
     bool asks = strstr(command, "catalogue query") || strstr(command, "catalogue nearest");
     bool good = r.code == 0 || (limited && r.code == 5) || (asks && r.code == 1);
     CHECK(good);
