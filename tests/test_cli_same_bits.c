@@ -11,7 +11,7 @@ static const char *const rows[] = {
     "$C fit $D/five.csv --exact --json | grep -v seconds",
     "$C trace examples/klann.json -n 24",
     "$C trace examples/jansen.json -n 24 --json",
-    "$C fit examples/film-advance.csv --starts 5 --rounds 1 --json | grep -v seconds",
+    "$C fit examples/film-advance.csv --crank-only --starts 5 --rounds 1 --json | grep -v seconds",
     "$C fit examples/function-log.csv --links 4 --starts 5 --rounds 1 --json | grep -v seconds",
     "$C fit examples/jobs/noisy-oval.csv --smooth auto --crank-only --starts 5 --rounds 1 --tolerances 0.1,0.05 --json | grep -v seconds",
     "$C trace examples/trammel.json -n 12 --geometry",
@@ -69,14 +69,17 @@ static const char *const rows[] = {
 
 /* Variants of the C library are chosen by the processor's features, which this variable takes away. */
 static const char *const machines[] = {
-    "LW_LESSER=1 LOCPATH=$D/locale LC_ALL=de_DE.UTF-8",
-    "LW_LESSER=2 GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F,-AVX LOCPATH=$D/locale LC_ALL=tr_TR.UTF-8",
+    "LW_LESSER=1 LOCPATH=$D/locale LC_ALL=de_DE",
+    "LW_LESSER=2 GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F,-AVX LOCPATH=$D/locale LC_ALL=tr_TR",
 };
 
+/* In characters of one byte, of which tables are compiled in a tenth of the time of those of UTF-8. */
 TEST(prepare)
 {
-    expect("mkdir $D/locale; for l in de_DE tr_TR; do localedef -i $l -f UTF-8 $D/locale/$l.UTF-8 || exit 1; done; "
-           "LOCPATH=$D/locale LC_ALL=de_DE.UTF-8 bash -c 'printf \"%.1f\\n\" 1,5'", 0, "1,5", NULL);
+    expect("mkdir $D/locale; for l in de_DE:1 tr_TR:9; do i=${l%:*}; for c in CTYPE:$i NUMERIC:$i COLLATE:POSIX MONETARY:POSIX TIME:POSIX MESSAGES:POSIX; do "
+           "printf 'LC_%s\ncopy \"%s\"\nEND LC_%s\n' ${c%:*} ${c#*:} ${c%:*}; done > $D/$i; localedef -c -i $D/$i -f ISO-8859-${l#*:} $D/locale/$i; done; "
+           "export LOCPATH=$D/locale; LC_ALL=de_DE bash -c 'printf \"%.1f\\n\" 1,5' && LC_ALL=tr_TR bash -c 'x=I; test ${x,,} = $(printf \"\\375\")'",
+           0, "1,5", NULL);
     expect("printf 'x,y\\n0,0\\n30,11\\n61,14\\n90,9\\n120,-6\\n' > $D/five.csv && "
            "printf 'x,y,angle\\n0,0,0\\n30,11,0.3\\n61,14,0.6\\n90,9,0.9\\n120,-6,1.2\\n' > $D/timed.csv && $P chains --links 4 -f lam -o $D/four.lam", 0, NULL, NULL);
 }
