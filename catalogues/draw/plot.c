@@ -76,7 +76,7 @@ static void decade_ticks(lw_axis *a, double n)
 {
     int step = (int)fmax(1, ceil((a->hi - a->lo)/n)), first = (int)floor(a->lo), last = (int)ceil(a->hi);
     a->digits = 1;
-    for (bool fine = a->hi - a->lo < fmin(2.2, 0.5*n), again = true; again; fine = true) {
+    for (bool fine = a->hi - a->lo < fmin(2.2, 0.4*n), again = true; again; fine = true) {
         a->n_tick = 0;
         for (int k = first; k <= last; k++)
             for (int digit = 1; digit <= 5; digit += digit == 1 ? 1 : 3)

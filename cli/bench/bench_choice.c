@@ -348,7 +348,7 @@ static lw_status run_once(const scene *s, const lw_dynamics_options *o, motion *
         return st;
     k->n_moment = 0;
     st = lw_dynamics_run(d, keep, k, &r, e);
-    if (row) {
+    if (row && st == LW_OK) {
         row->make = fmin(row->make, made - start);
         row->seconds = fmin(row->seconds, lw_clock_cpu() - made);
         row->energy = r.energy_error/r.energy_scale;
@@ -447,7 +447,7 @@ static void find_exact(study *y)
             bool second = y->n_exact > 0;
             lw_dynamics_options o = options(y, order[i].by, second || y->s->exact == 0 ? order[i].tolerance : y->s->exact);
             motion *got = second ? &y->got : &y->exact[0];
-            o.until += 9*give_up, o.max_step *= 10;
+            o.until += 3*give_up;
             if (y->formulation[k] != order[i].by || (second && y->by[0] == order[i].by) || run_once(&y->scene, &o, got, NULL, &e) != LW_OK)
                 continue;
             double off = second ? apart(got, &y->exact[0], y->scene.in_space) : 0;
@@ -482,7 +482,7 @@ static lw_status run_formulation(cli_mbs *b, study *y, lw_formulation f, lw_erro
         double until = lw_clock_wall() + b->time;
         motion none = { 0 };
         for (int i = 0; i < REPEAT_MAX && st == LW_OK && (i == 0 || lw_clock_wall() < until) && !cli_interrupted(); i++)
-            st = run_once(&y->scene, &o, &none, row, &why);
+            o.until = lw_clock_wall() + give_up, st = run_once(&y->scene, &o, &none, row, &why);
         failed = st == LW_OK ? 0 : failed + 1;
         if (st != LW_OK)
             snprintf(row->note, sizeof row->note, "%.*s", (int)strcspn(why.text, "\n"), why.text);

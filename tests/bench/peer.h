@@ -39,7 +39,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { PEER_MAX = 128, PEER_NAME = 128, PEER_XML = 1 << 20, PEER_REPEAT = 50, PEER_POSTURES = 256 };
+enum { PEER_MAX = 2048, PEER_NAME = 128, PEER_XML = 1 << 20, PEER_REPEAT = 50, PEER_POSTURES = 256 };
 
 typedef struct peer_body { double mass, inertia, x, y, omega; char name[PEER_NAME]; } peer_body;
 typedef struct peer_pin { int a, b; double x, y; } peer_pin;
