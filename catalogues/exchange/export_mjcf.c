@@ -524,6 +524,16 @@ static bool list_owners(writer *w)
         && LW_OWNERS(&w->joint_springs, k->n_joint, m->joint_spring, m->n_joint_spring, joint, 1);
 }
 
+/* Not fewer than the rows of loops, stops and ropes. */
+static int rows_of(const lw_assembly *k, const lw_model *m)
+{
+    int rows = 3*(k->n_joint - k->n_link + 1) + (m ? m->n_rope : 0);
+    for (int j = 0; j < k->n_joint; j++)
+        rows += (k->joint[j].kind == LW_JOINT_SLIDER || k->joint[j].kind == LW_JOINT_FIXED ? 3 : 0)
+              + (m && (m->stop[j].has_least || m->stop[j].has_greatest));
+    return rows;
+}
+
 lw_status lw_export_mjcf(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     writer w = { .k = linkage, .m = o ? o->model : NULL, .out = out, .size = lw_export_size(linkage) };
@@ -544,7 +554,7 @@ lw_status lw_export_mjcf(const lw_assembly *linkage, const lw_export_options *o,
         w.step = choose_step(&w);
         lw_vec2 g = w.weighed ? w.m->gravity : lw_v2(0, 0);
         lw_mjcf_head(out, linkage->name[0] ? linkage->name : "linkage", lw_v3(g.x, g.y, 0), w.step,
-                     w.size, 8*linkage->n_joint + (w.m ? w.m->n_rope : 0), w.m && w.m->n_force > 0);
+                     w.size, rows_of(linkage, w.m), w.m && w.m->n_force > 0);
         put_bodies(&w);
         put(&w, "\n  </worldbody>");
         s = put_closures(&w, e);
