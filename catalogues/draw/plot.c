@@ -70,16 +70,17 @@ static void even_ticks(lw_axis *a, double n)
         add_tick(a, i*step);
 }
 
-/* About n ticks: at whole decades, or every k-th if there are many; at 1, 2, 5 within a few decades if there is room, or only one
- * whole decade. */
+/* About n ticks: at whole decades, or every k-th if there are many; at 1, 2, 5 within a few decades if there is room; at 1, 3 where there is
+ * only one whole decade. */
 static void decade_ticks(lw_axis *a, double n)
 {
     int step = (int)fmax(1, ceil((a->hi - a->lo)/n)), first = (int)floor(a->lo), last = (int)ceil(a->hi);
     a->digits = 1;
-    for (bool fine = a->hi - a->lo < fmin(2.2, 0.4*n), again = true; again; fine = true) {
+    bool room = a->hi - a->lo < fmin(2.2, 0.4*n);
+    for (bool fine = room, again = true; again; fine = true) {
         a->n_tick = 0;
         for (int k = first; k <= last; k++)
-            for (int digit = 1; digit <= 5; digit += digit == 1 ? 1 : 3)
+            for (int digit = 1; digit <= 5; digit += digit > 1 ? 3 : room ? 1 : 2)
                 if ((digit == 1 && (k - first) % step == 0) || fine)
                     add_tick(a, digit*pow(10, k));
         again = a->n_tick < 2 && !fine;
