@@ -474,14 +474,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
             if (s == LW_OK && stop != LW_ODE_END)        /* loads that jump lift what rests, and move what sticks */
                 s = decide(w, y, 0);
         }
-        if (s == LW_OK && d->touch) {
+        if (s == LW_OK && d->touch)
             s = watch_touch(w, y);
-            if (s == LW_OK && stop == LW_ODE_EVENT && d->o.to - time_of(w) < 1e-14*fabs(d->o.to)) {
-                w->explicit_one.t = d->o.to;             /* nothing is left of the run */
-                s = lw_run_samples(run, d->o.to, state_at, w);
-                stop = LW_ODE_END;
-            }
-        }
         if (s == LW_OK)
             s = lw_run_limits(run, time_of(w), n);
         if (s == LW_OK && stop != LW_ODE_END) {

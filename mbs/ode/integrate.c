@@ -994,8 +994,10 @@ lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, l
     size_t bytes = sizeof(double)*(size_t)w->ode->n;
     *stop = LW_ODE_END;
     w->events = 0;
-    if (t_end == w->t)
+    if (lw_ode_at_end(w->t, t_end)) {
+        w->t = t_end, w->t_low = 0.0;
         return LW_OK;
+    }
     if (w->h == 0.0 && w->o.fixed <= 0.0) {
         w->h = w->o.first;
         lw_status s = w->h > 0.0 ? LW_OK : first_step(w, t_end < w->t ? -1.0 : 1.0);

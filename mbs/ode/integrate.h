@@ -57,6 +57,13 @@ typedef enum lw_ode_stop {
     LW_ODE_END                       /* t is t_end                                                 */
 } lw_ode_stop;
 
+/* Is nothing left of the way from t to t_end but rounding, as where an event happens at t_end itself?  No solver steps over that. */
+static inline bool lw_ode_at_end(double t, double t_end)
+{
+    double size = t_end < 0 ? -t_end : t_end, left = t_end < t ? t - t_end : t_end - t;
+    return left <= 1e-14*size;
+}
+
 typedef struct lw_integrator {
     const lw_ode  *ode;
     lw_ode_options o;

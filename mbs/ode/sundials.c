@@ -393,8 +393,10 @@ lw_status lw_sundials_step(lw_sundials *w, double t_end, lw_ode_stop *stop, lw_e
     double reached = w->t, ahead = w->t;
     *stop = LW_ODE_END;
     w->events = 0;
-    if (t_end == w->t)
+    if (lw_ode_at_end(w->t, t_end)) {
+        w->t = t_end;
         return LW_OK;
+    }
     if (t_end < w->t)
         return lw_error_set(e, LW_E_ARG, "%s runs forward only", call->name);
     w->t_old = w->t;
