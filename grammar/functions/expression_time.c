@@ -395,10 +395,11 @@ double lw_expression_calm(const lw_expression *x, int variable, bool with_kinks,
                     }
             }
             for (int i = 0; i < x->n_node && calm; i++) {
-                if (!of[i].is || !may_pulse(x->node[i].op, with_kinks))
+                /* a part that grows beyond all numbers, as the cosh(x) of 1/cosh(x), shows in the whole */
+                if (!of[i].is || !may_pulse(x->node[i].op, with_kinks) || (peak[i] == INFINITY && i < x->n_node - 1))
                     continue;
                 double shown = pass ? high[i] - low[i] : of[i].f.hi - of[i].f.lo, change = fabs(h)*most(of[i].d);
-                bool small = isfinite(peak[i]) && change <= nothing*peak[i];
+                bool small = isfinite(peak[i]) && fmin(change, of[i].f.hi - of[i].f.lo) <= nothing*peak[i];
                 calm = small || change <= changes*shown + even*most(of[i].f);
             }
         }
