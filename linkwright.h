@@ -660,7 +660,8 @@ LW_API lw_status lw_model_create(const lw_linkage *linkage, lw_model **out);
 LW_API lw_status lw_model_parse(const char *text, size_t size, const char *file, lw_model **out, lw_error *error);
 LW_API lw_status lw_model_load(const char *path, lw_model **out, lw_error *error);
 LW_API void      lw_model_destroy(lw_model *model);
-/* Belongs to the model.  NULL: it has more than 32 links, 64 joints, 8 inputs or 16 tracers; its parts are below. */
+/* Belongs to the model.  NULL: it has more than 32 links, 64 joints, 8 inputs or 16 tracers; its parts are below.  Rotors of motors that are links of
+ * their own (docs/notation.md, "States") are links of the model alone, behind the others, with their joints. */
 LW_API const lw_linkage *lw_model_linkage(const lw_model *model);
 
 /* The parts of a model of any size, as those of a linkage.  Indices are those of samples. */

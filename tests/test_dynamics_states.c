@@ -421,6 +421,25 @@ TEST(a_rotor_between_moving_links)
         }
 }
 
+TEST(rotors_that_are_refused)
+{
+    static const struct { const char *link, *rotor, *part; } wrong[] = {
+        { "'mass': 1, 'centre': [0.1, 0], 'inertia': 1", "M.rotor", "rename one of them" },
+        { "'elastic': {'section': {'shape': 'round', 'diameter': 0.01}, 'material': 'steel'}", "c", "elastic link \"a\"" } };
+    for (int k = 0; k < 2; k++) {
+        char text[2000];
+        lw_error e = { 0 };
+        lw_model m;
+        json_format(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', %s}, {'name': 'b', 'mass': 1, 'centre': [1, 0], 'inertia': 1}, {'name': "
+                    "'%s', 'mass': 1, 'centre': [1, 0], 'inertia': 1}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': "
+                    "['a', 'b'], 'at': [1, 0]}, {'name': 'C', 'links': ['b', '%s'], 'at': [2, 0]}], 'motors': [{'name': 'M', 'joint': 'B', 'voltage': 1, "
+                    "'resistance': 1, 'inductance': 1, 'torque_constant': 1, 'inertia': 1, 'ratio': 3}]}", wrong[k].link, wrong[k].rotor, wrong[k].rotor);
+        CHECK_INT(lw_model_read(text, strlen(text), "text", &m, &e), LW_E_NOTATION);
+        CHECK_HAS(e.text, wrong[k].part);
+        CHECK(e.line > 0);
+    }
+}
+
 /* A rotor whose carrier turns about another axis than its own is a gyroscope.  Numbers: Lagrange's equations of the two angles, the kinetic energy of the
  * rotor J (n . omega + 20 E')^2/2, by the method of Dormand and Prince of order 8. */
 TEST(a_rotor_as_a_gyroscope)

@@ -52,6 +52,13 @@ static lw_status put_name(const lw_json_node *root, const lw_rotor *r, const cha
          : lw_json_fault(root, e, "the rotor of motor \"%s\" gets a part \"%s\", and the file has one of that name; rename one of them", r->name, name);
 }
 
+/* An elastic link has no mass of its own to share, and carries no gear. */
+static lw_status refuse_elastic(const lw_json_node *root, const lw_rotor *r, const char *link, const char *joint, lw_error *e)
+{
+    return lw_json_fault(root, e, "the rotor of motor \"%s\" is geared at joint \"%s\" of the elastic link \"%s\", which is not supported: weld a rigid link "
+                         "to it for this joint", r->name, joint, link);
+}
+
 /* A place for a pin where no other is: links on one pin could all carry the gear. */
 static lw_vec2 free_place(const lw_assembly *a, lw_vec2 at)
 {
@@ -69,9 +76,9 @@ static lw_status add_planar(const lw_json_node *root, lw_model *m, const lw_roto
     const lw_joint driven = a->joint[r->joint];
     lw_joint *pin = &a->joint[a->n_joint], *gear = pin + 1;
     int link = a->n_link;
-    if (m->elastic[driven.link[1]].given)
-        return lw_json_fault(root, e, "the rotor of motor \"%s\" is geared to the elastic link \"%s\", which is not supported; weld a rigid link to it "
-                            "for the joint \"%s\"", r->name, a->link_name[driven.link[1]], driven.name);
+    for (int end = 0; end < 2; end++)
+        if (m->elastic[driven.link[end]].given)
+            return refuse_elastic(root, r, a->link_name[driven.link[end]], driven.name, e);
     lw_status s = put_name(root, r, LW_ROTOR_LINK, a->link_name[link], (const char *)a->link_name, sizeof *a->link_name, link, e);
     if (s == LW_OK)
         s = put_name(root, r, LW_ROTOR_LINK, pin->name, a->joint->name, sizeof *a->joint, a->n_joint, e);
@@ -124,6 +131,8 @@ static lw_status add_spatial(const lw_json_node *root, lw_spatial *m, const lw_r
     int link = m->n_link;
     lw_vec3 n = driven.axis;
     const double along[6] = { n.x*n.x, n.y*n.y, n.z*n.z, n.x*n.y, n.x*n.z, n.y*n.z };
+    if (m->elastic[driven.link[0]].given)
+        return refuse_elastic(root, r, m->body[driven.link[0]].name, driven.name, e);
     lw_status s = put_name(root, r, LW_ROTOR_LINK, m->body[link].name, m->body->name, sizeof *m->body, link, e);
     if (s == LW_OK)
         s = put_name(root, r, LW_ROTOR_LINK, shaft->name, m->joint->name, sizeof *m->joint, m->n_joint, e);
