@@ -396,13 +396,14 @@ TEST(a_rotor_between_moving_links)
             double all = a*turn_a*turn_a + b*turn_b*turn_b + j*(turn_a + n)*(turn_a + n);
             double root = sqrt(r*r/(4*l*l) - k*k/(l*all)), x = -r/(2*l) + root, y = -r/(2*l) - root;
             double turn = volt/k*(t - (y/x*expm1(x*t) - x/y*expm1(y*t))/(y - x));
+            const char *more = space ? ", 0" : "", *inertia = space ? "[0.02, 0.02, 0.02]" : "0.02";
+            const char *axis = space ? ", 0], 'axis': [0, 0, 1], 'kind': 'r'" : "]";
             char text[2000];
             json_format(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0.1, 0%s], 'inertia': %s}, {'name': 'b', "
                         "'mass': 2, 'centre': [0, 0%s], 'inertia': %s}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0%s}, {'name': 'B', "
                         "'links': ['a', 'b'], 'at': [0, 0%s}], 'input': {'joint': 'B'}, 'motors': [{'name': 'M', 'joint': 'B', 'voltage': 24, 'resistance': 1, "
-                        "'inductance': 1e-3, 'torque_constant': %.17g, 'inertia': %.17g, 'ratio': %.17g}]}", space ? ", 0" : "", space ?
-                        "[0.02, 0.02, 0.02]" : "0.02", space ? ", 0" : "", space ? "[0.02, 0.02, 0.02]" : "0.02", space ? ", 0], 'axis': [0, 0, 1], 'kind': 'r'" :
-                        "]", space ? ", 0], 'axis': [0, 0, 1], 'kind': 'r'" : "]", part[p].constant, j, n);
+                        "'inductance': 1e-3, 'torque_constant': %.17g, 'inertia': %.17g, 'ratio': %.17g}]}", more, inertia, more, inertia, axis, axis,
+                        part[p].constant, j, n);
             for (int f = 0; f < 4; f++) {
                 double tolerance = f < 3 ? 1e-10 : 1e-4;
                 if (space) {
@@ -430,10 +431,11 @@ TEST(rotors_that_are_refused)
         char text[2000];
         lw_error e = { 0 };
         lw_model m;
-        json_format(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', %s}, {'name': 'b', 'mass': 1, 'centre': [1, 0], 'inertia': 1}, {'name': "
-                    "'%s', 'mass': 1, 'centre': [1, 0], 'inertia': 1}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': "
-                    "['a', 'b'], 'at': [1, 0]}, {'name': 'C', 'links': ['b', '%s'], 'at': [2, 0]}], 'motors': [{'name': 'M', 'joint': 'B', 'voltage': 1, "
-                    "'resistance': 1, 'inductance': 1, 'torque_constant': 1, 'inertia': 1, 'ratio': 3}]}", wrong[k].link, wrong[k].rotor, wrong[k].rotor);
+        json_format(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', %s}, {'name': 'b', 'mass': 1, 'centre': [1, 0], 'inertia': 1}, "
+                    "{'name': '%s', 'mass': 1, 'centre': [1, 0], 'inertia': 1}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': "
+                    "'B', 'links': ['a', 'b'], 'at': [1, 0]}, {'name': 'C', 'links': ['b', '%s'], 'at': [2, 0]}], 'motors': [{'name': 'M', 'joint': 'B', "
+                    "'voltage': 1, 'resistance': 1, 'inductance': 1, 'torque_constant': 1, 'inertia': 1, 'ratio': 3}]}",
+                    wrong[k].link, wrong[k].rotor, wrong[k].rotor);
         CHECK_INT(lw_model_read(text, strlen(text), "text", &m, &e), LW_E_NOTATION);
         CHECK_HAS(e.text, wrong[k].part);
         CHECK(e.line > 0);
@@ -447,11 +449,11 @@ TEST(a_rotor_as_a_gyroscope)
     static const lw_formulation way[] = { LW_FORMULATION_AUTO, LW_FORMULATION_RADAU };
     for (int f = 0; f < 2; f++) {
         space_end s;
-        read_spatial("{'linkwright': 1, 'gravity': [0, -3, -9.81], 'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.25, 0, 0], 'inertia': [0.02, 0.05, "
-                     "0.06]}, {'name': 'b', 'mass': 1, 'centre': [0.7, 0.1, 0], 'inertia': [0.01, 0.03, 0.025]}], 'joints': [{'name': 'S', 'kind': 'r', 'links': "
-                     "['ground', 'a'], 'at': [0, 0, 0], 'axis': [0, 0, 1]}, {'name': 'E', 'kind': 'r', 'links': ['a', 'b'], 'at': [0.5, 0, 0], 'axis': [0, "
-                     "0.644217687237691, 0.764842187284489]}], 'input': {'joint': 'S'}, 'motors': [{'name': 'M', 'joint': 'E', 'voltage': '6*cos(2*t)', "
-                     "'resistance': 1, 'inductance': 1e-2, 'torque_constant': 0.02, 'inertia': 2e-3, 'ratio': 20}]}", "text", &in_space);
+        read_spatial("{'linkwright': 1, 'gravity': [0, -3, -9.81], 'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.25, 0, 0], 'inertia': [0.02, "
+                     "0.05, 0.06]}, {'name': 'b', 'mass': 1, 'centre': [0.7, 0.1, 0], 'inertia': [0.01, 0.03, 0.025]}], 'joints': [{'name': 'S', 'kind': "
+                     "'r', 'links': ['ground', 'a'], 'at': [0, 0, 0], 'axis': [0, 0, 1]}, {'name': 'E', 'kind': 'r', 'links': ['a', 'b'], 'at': [0.5, 0, 0], "
+                     "'axis': [0, 0.644217687237691, 0.764842187284489]}], 'input': {'joint': 'S'}, 'motors': [{'name': 'M', 'joint': 'E', 'voltage': "
+                     "'6*cos(2*t)', 'resistance': 1, 'inductance': 1e-2, 'torque_constant': 0.02, 'inertia': 2e-3, 'ratio': 20}]}", "text", &in_space);
         run_in_space(1.5, way[f], 1e-10, &s);
         CHECK_NEAR(s.q, -3.952696357365929, 1e-8, 0);
         CHECK_NEAR(s.v, -0.7005466323420043, 1e-8, 0);
