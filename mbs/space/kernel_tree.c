@@ -352,6 +352,15 @@ LW_INLINE void add_shifted(articulated *to, bool first, double mass, const artic
         to->m[k] += m[k];
 }
 
+LW_INLINE articulated with_shifted(const articulated *own, double mass, const articulated *i, vec d)
+{
+    articulated to;
+    for (int k = 0; k < 6; k++)
+        to.j[k] = own->j[k];
+    add_shifted(&to, true, mass, i, d);
+    return to;
+}
+
 /* ---- loops --------------------------------------------------------------------------------------------------- */
 
 typedef struct ends { vec arm[2], d, dd, rest; } ends;       /* of a joint: as in mbs/space/space_rows.c */
@@ -709,19 +718,22 @@ static void place_ground(body *ground)       /* its inertia and its place from a
 }
 
 /* Factors of the masses, again: those of an earlier call, and the rates that are free under the loads, for bodies from `at` to `end`, inwards.
- * False: a motion without mass. */
+ * What a chain passes on to its next body goes through no memory.  False: a motion without mass. */
 LW_INLINE bool go_inwards(const lw_tree_stages *t, const bool again, const int *at, const int *end, pack *greatest, body *all, rate *rates)
 {
     mask massless = { 0 };
     pack most = *greatest;
-    for (; at < end; at++) {
+    articulated inertia;
+    screw load = { none, none };
+    for (bool passed = false; at < end; at++) {
         const lw_stage_body *p = &t->body[*at];
         const body *b = &all[*at];
         body *to = &all[p->parent];
-        articulated inertia;
-        if (!again)
+        if (!again && !passed)
             inertia = p->leaf ? alone(&b->inertia, p->mass[0]) : b->inertia;
-        screw load = b->load;
+        if (!passed)
+            load = b->load;
+        passed = p->passes;
         for (rate *r = rates + p->u + p->n_u - 1; r >= rates + p->u; r--) {
             if (!again) {
                 r->push = inertia_times(&inertia, r->axis);
@@ -737,9 +749,13 @@ LW_INLINE bool go_inwards(const lw_tree_stages *t, const bool again, const int *
         }
         if (p->parent < 0)
             continue;
-        to->load.turn = add(to->load.turn, add(load.turn, cross(b->from_parent, load.move)));
-        to->load.move = add(to->load.move, load.move);
-        if (!again)
+        load.turn = add(to->load.turn, add(load.turn, cross(b->from_parent, load.move)));
+        load.move = add(to->load.move, load.move);
+        if (!passed)
+            to->load = load;
+        if (!again && passed)
+            inertia = with_shifted(&to->inertia, t->body[p->parent].mass[0], &inertia, b->from_parent);
+        else if (!again)
             add_shifted(&to->inertia, p->last_child, t->body[p->parent].mass[0], &inertia, b->from_parent);
     }
     *greatest = most;
@@ -766,9 +782,11 @@ LW_INLINE double go_through_legs(const lw_tree_stages *t, const bool again, body
 /* The accelerations of the rates, added to those of the trial if they had some, for bodies from those before `at` to `end`, outwards. */
 LW_INLINE void go_outwards(const lw_tree_stages *t, const bool again, const int *at, const int *end, body *all, const rate *rates, double *du)
 {
-    while (at-- > end) {
+    screw a = { none, none };
+    for (bool first = true; at-- > end; first = false) {
         const lw_stage_body *p = &t->body[*at];
-        screw a = all[p->parent].load;
+        if (first || !p->passes)             /* else that of the last body */
+            a = all[p->parent].load;
         a.move = add(a.move, cross(a.turn, all[*at].from_parent));
         for (int k = p->u; k < p->u + p->n_u; k++) {
             const rate *r = &rates[k];

@@ -300,6 +300,10 @@ static void arrange(lw_tree_stages *s, const int *row)
     for (int i = s->n_body - 1, n = s->n_hanging; i >= 0; i--)
         if (!apart || leg_of(s, i) < 0)
             s->order[n++] = i;
+    for (int i = 0; i + 1 < s->n_body; i++) {
+        lw_stage_body *b = &s->body[s->order[i]];
+        b->passes = b->last_child && s->order[i + 1] == b->parent;
+    }
 }
 
 void lw_tree_stages_keep_rows(lw_tree_stages *s, const lw_recursive *r)

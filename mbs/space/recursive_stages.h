@@ -16,6 +16,7 @@ typedef struct lw_stage_body {
     int  body;                               /* of the model */
     bool back;                               /* the body is link 0 of the joint */
     bool carried, leaf, last_child;          /* legs end at it; no child and no leg does; its inertia is the first that its parent's gets */
+    bool passes;                             /* its parent comes next inwards, and has no other child */
     int  root, onto, ending;                 /* the first body of its part; of that: the only body of another part where loops of this one end,
                                               * -1: none do, -2: there are more, -3: no loops; how many parts end in this one alone */
     int  x, u, n_x, n_u, angle;              /* its first coordinate, rate, half angle */
