@@ -294,9 +294,11 @@ static void arrange(lw_tree_stages *s, const int *row)
         lw_stage_body *b = &s->body[i];
         if (b->parent >= 0)
             b->last_child = s->body[b->parent].leaf, s->body[b->parent].leaf = false;
-        if (apart && leg_of(s, i) >= 0)
-            s->order[s->n_hanging++] = i;
     }
+    for (int g = 0; apart && g < s->n_leg; g++)
+        for (int i = s->n_body - 1; i >= s->leg[g].root; i--)
+            if (s->body[i].root == s->leg[g].root)
+                s->order[s->n_hanging++] = i;
     for (int i = s->n_body - 1, n = s->n_hanging; i >= 0; i--)
         if (!apart || leg_of(s, i) < 0)
             s->order[n++] = i;
