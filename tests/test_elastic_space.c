@@ -13,7 +13,7 @@
 
 /* ---- runs -------------------------------------------------------------------------------------------------- */
 
-typedef struct record { const lw_space *s; lw_dynamics *d; int n; double energy[401]; lw_vec3 at[401], linear[401], angular[401]; int nodes; lw_space_inner inner[64]; lw_rest rest; } record;
+typedef struct record { const lw_space *s; lw_dynamics *d; int n; double strain, energy[401]; lw_vec3 at[401], linear[401], angular[401]; int nodes; lw_space_inner inner[64]; lw_rest rest; } record;
 
 static lw_status keep(void *context, const lw_moment *moment)
 {
@@ -24,6 +24,7 @@ static lw_status keep(void *context, const lw_moment *moment)
         return st;
     r->at[r->n] = lw_space_point_at(o.frame, r->s->tracer[0]);
     r->energy[r->n] = o.kinetic + o.potential;
+    r->strain = lw_dynamics_space_strain(r->d, &o);
     lw_dynamics_space_momentum(r->d, &o, &r->linear[r->n], &r->angular[r->n]);
     if (lw_dynamics_spatial_elastic(r->d)) {
         lw_dynamics_space_inner(r->d, &o, 0, r->inner);
@@ -630,6 +631,15 @@ static double sag(const char *elastic, double gravity, double force)
     return sagged.at[0].z;
 }
 
+/* Clapeyron: half the work of a load is strain energy, of a weight what the whole potential loses. */
+static void check_strain(const char *elastic)
+{
+    double w = sag(elastic, 0, -1);
+    CHECK_NEAR(sagged.strain, -w/2, 0, 1e-6);
+    sag(elastic, -0.1, 0);
+    CHECK_NEAR(sagged.strain, -sagged.energy[0], 0, 1e-6);
+}
+
 static void write_matrix(const char *path, int n, const double *a)
 {
     FILE *f = fopen(path, "w");
@@ -647,6 +657,7 @@ TEST(condensed)
     double whole = sag(BAR ", 'segments': 20", -0.1, -1), f[3][4], before = INFINITY;
     lw_spatial m;
     CHECK(whole < -1e-6);
+    check_strain(BAR ", 'segments': 20");
     read_bar(&m, BAR ", 'segments': 20", 0, 0);
     frequencies(&m, false, 4, f[0]);
     for (int pieces = 1; pieces <= 5; pieces = 2*pieces + pieces/2) {        /* 1, 2, 5 */
@@ -660,6 +671,7 @@ TEST(condensed)
             CHECK_NEAR(sagged.inner[i].bending[1], -line*beyond*beyond/2 - beyond, 1e-5, 0);
             CHECK_NEAR(sagged.inner[i].normal, 0, 1e-4, 0);
         }
+        check_strain(text);
         read_bar(&m, text, 0, 0);
         frequencies(&m, false, 4, f[1]);
         double error = f[1][0]/f[0][0] - 1;                          /* of a cubic: 0.5 % */
@@ -693,6 +705,7 @@ TEST(condensed)
     frequencies(&m, false, 4, f[1]);
     snprintf(text, sizeof text, "'nodes': [[0, 0, 0], [2, 0, 0]], 'stiffness': '%s', 'mass': '%s'", path[0], path[1]);
     CHECK_NEAR(sag(text, -0.1, -1)/whole, 1, 1e-9, 0);
+    check_strain(text);
     read_bar(&m, text, 0, 0);
     frequencies(&m, false, 4, f[2]);
     for (int i = 0; i < 4; i++)

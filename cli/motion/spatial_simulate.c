@@ -166,6 +166,8 @@ static void make_columns(run *r)
     add_vector(r, "momentum", "l", "kg m^2/s", 1);
     add(r, "kinetic", "", "J", 1);
     add(r, "potential", "", "J", 1);
+    if (lw_dynamics_spatial_elastic(r->d))
+        add(r, "strain", "", "J", 1);
     add(r, "work", "", "J", 1);
     add(r, "residual", "", "1", 1);
     add(r, "residual_rate", "", "1/s", 1);
@@ -304,7 +306,10 @@ static lw_status put_row(void *context, const lw_moment *moment)
         *to++ = lw_dynamics_space_signal(r->d, i, o);
     lw_dynamics_space_momentum(r->d, o, &linear, &angular);
     to = put(put(to, linear), angular);
-    *to++ = o->kinetic, *to++ = o->potential, *to++ = o->work, *to++ = o->off, *to++ = o->off_rate;
+    *to++ = o->kinetic, *to++ = o->potential;
+    if (lw_dynamics_spatial_elastic(r->d))
+        *to++ = lw_dynamics_space_strain(r->d, o);
+    *to++ = o->work, *to++ = o->off, *to++ = o->off_rate;
     for (int i = 0; i < r->n_column; i++)
         r->row[i] *= r->column[i].scale;
     lw_status kept = r->table ? keep_row(r) : LW_OK;

@@ -601,6 +601,8 @@ void lw_space_links(const lw_space *s, const lw_space_moment *m, lw_frame_motion
     }
 }
 
+double lw_dynamics_space_strain(const lw_dynamics *d, const lw_space_moment *m) { return lw_space_strain(&d->space->f, m->frame); }
+
 double lw_dynamics_space_signal(const lw_dynamics *d, int i, const lw_space_moment *m)
 {
     return lw_space_signal(&d->space->f, i, m->t, m->frame, m->v);

@@ -51,6 +51,7 @@ const lw_space_contact *lw_dynamics_space_contact(const lw_dynamics *d, int i);
 
 /* Signal i of the model: the output of a controller, the voltage of a motor, the opening of a valve. */
 double lw_dynamics_space_signal(const lw_dynamics *d, int i, const lw_space_moment *m);
+double lw_dynamics_space_strain(const lw_dynamics *d, const lw_space_moment *m);       /* of elastic links [J] */
 
 /* Motion of all links (n_link) at a moment. */
 void lw_space_links(const lw_space *s, const lw_space_moment *m, lw_frame_motion *out);

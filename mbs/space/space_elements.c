@@ -170,6 +170,21 @@ double lw_space_elements_energy(const lw_space_forces *f, const lw_space_frame *
     return energy;
 }
 
+double lw_space_strain(const lw_space_forces *f, const lw_space_frame *frame)
+{
+    double energy = lw_space_elements_energy(f, frame, 0);
+    for (int i = 0; i < f->s->model->n_super; i++) {
+        const lw_super *p = &f->super[i];
+        const lw_superelement *given = &f->s->model->super[i];
+        const lw_beam_node *node = super_nodes(f, frame, NULL, i);
+        double mass = 0;
+        for (int k = 0; k < given->n; k++)
+            mass += given->lump[k];
+        energy += lw_v3_dot(p->gravity, lw_v3_add(lw_v3_scale(node[p->a].at, mass), lw_super_moment(p, node)));
+    }
+    return energy;
+}
+
 /* Entries of the mass matrix m (6n x 6n), by displacements and turns of n nodes in the axes of a frame. */
 static void add_mass(const lw_space *s, const lw_space_frame *frame, const lw_mat3 *axes, int n, const int *link, const double *m,
                      const lw_space_sink *sink)

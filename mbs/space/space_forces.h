@@ -141,6 +141,7 @@ double lw_space_more_inertia(const lw_space_forces *f, const lw_space_frame *fra
 bool lw_space_more_mass(const lw_space_forces *f, const lw_space_frame *frame, const lw_space_sink *sink);
 
 double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame);
+double lw_space_strain(const lw_space_forces *f, const lw_space_frame *frame);      /* the part of elastic links, without their weight */
 double lw_space_kinetic(const lw_space *s, const double *v);
 
 /* What superelement i has beyond the masses at its nodes: first moment, linear momentum, angular momentum and inertia (as
