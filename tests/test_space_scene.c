@@ -128,6 +128,40 @@ TEST(ties)
     CHECK_INT(corners, 3);                   /* the pin and the tip, with the cylinder's pin between them, and the spring below */
 }
 
+/* A body with nodes shows its mesh: where its matrix is full, the shortest tree between the nodes, in the order that they lie in; else the edges that
+ * the matrix has.  In an animation each end moves with its node. */
+TEST(meshes)
+{
+    enum { N = 4 };
+    static const lw_vec3 at[N] = { { 0, 0, 0 }, { 2, 0, 0 }, { 1, 0, 0 }, { 3, 0, 0.5 } };
+    static const int ring[N][2] = { { 0, 1 }, { 0, 2 }, { 1, 3 }, { 2, 3 } }, row[N - 1][2] = { { 0, 2 }, { 2, 1 }, { 1, 3 } };
+    for (int full = 0; full < 2; full++) {
+        double k[36*N*N] = { 0 };
+        for (int e = 0; e < N*(N - 1)/2; e++) {
+            static const int all[N*(N - 1)/2][2] = { { 0, 1 }, { 0, 2 }, { 1, 3 }, { 2, 3 }, { 0, 3 }, { 1, 2 } };
+            for (int a = 0; a < 3 && (full || e < N); a++)
+                for (int side = 0; side < 2; side++) {
+                    int i = all[e][side], j = all[e][!side];
+                    k[(6*i + a)*6*N + 6*i + a] += 1;
+                    k[(6*i + a)*6*N + 6*j + a] = -1;
+                }
+        }
+        int link[N] = { 1, 2, 3, 4 };
+        lw_superelement body = { .n = N, .n_bound = N, .link = link, .at = (lw_vec3 *)(uintptr_t)at, .stiffness = k };
+        lw_spatial_body node[N + 1] = { { .name = "ground" } };
+        for (int i = 0; i < N; i++)
+            node[i + 1] = (lw_spatial_body){ .given = true, .mass = 1, .centre = at[i] };
+        lw_spatial m = { .n_link = N + 1, .body = node, .n_super = 1, .super = &body };
+        OWN(lw_space_scene) s = make_scene(&m, 0);
+        const int (*edge)[2] = full ? row : ring;
+        CHECK_INT(s.n_shape, full ? N - 1 : N);
+        for (int i = 0; i < s.n_shape; i++) {
+            CHECK_INT(s.shape[i].link, link[edge[i][0]]);
+            CHECK_INT(s.shape[i].to, link[edge[i][1]]);
+        }
+    }
+}
+
 /* Between its frames a path is that with four times as many frames, to 1e-3 where it is fastest; chords are 0.03 off. */
 TEST(paths_between_frames)
 {

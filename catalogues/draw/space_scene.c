@@ -6,6 +6,7 @@
 
 #include "base/vec3.h"
 #include "catalogues/draw/motion_path.h"
+#include "mbs/elastic/superelement.h"
 #include "mbs/space/space_trace.h"
 
 lw_vec3 lw_space_scene_at(const lw_space_scene *s, size_t frame, int link, lw_vec3 p)
@@ -312,7 +313,62 @@ static bool is_node(const lw_spatial *m, int link)
     for (int i = 0; i < m->n_beam; i++)
         if (m->beam[i].link[0] == link || m->beam[i].link[1] == link)
             return true;
+    for (int i = 0; i < m->n_super; i++)
+        for (int k = 0; k < m->super[i].n; k++)
+            if (m->super[i].link[k] == link)
+                return true;
     return false;
+}
+
+/* Do displacements of nodes i and k of n cause forces at each other?  stiffness (6n x 6n). */
+static bool are_coupled(int n, const double *stiffness, int i, int k)
+{
+    static const double rounding = 1e-12;
+    double between = 0, own = 0;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+            between = fmax(between, fabs(stiffness[(6*i + a)*6*n + 6*k + b]));
+            own = fmax(own, fabs(stiffness[(6*i + a)*6*n + 6*i + b]));
+        }
+    return between > rounding*own;
+}
+
+/* Bars of a body with given stiffness: the edges of its mesh.  Where it is condensed, so that all nodes are coupled, the shortest tree between them
+ * (Prim 1957).  node (n): the links that nodes are; NULL: all belong to `link`. */
+static void add_mesh(lw_space_scene *s, int link, const int *node, int n, int n_matrix, const lw_vec3 *at, const double *stiffness)
+{
+    bool whole = true, reached[LW_SUPER_NODES] = { true };
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < n; i++)
+            for (int k = i + 1; k < n; k++) {
+                bool coupled = are_coupled(n_matrix, stiffness, i, k);
+                whole = whole && coupled;
+                if (pass == 0 || whole || !coupled)
+                    continue;
+                add_bar(s, node ? node[i] : link, at[i], at[k]);
+                s->shape[s->n_shape - 1].to = node ? node[k] : -1;
+            }
+    for (int round = 1; whole && round < n; round++) {
+        int a = -1, b = -1;
+        for (int i = 0; i < n; i++)
+            for (int k = 0; k < n; k++)
+                if (reached[i] && !reached[k] && (a < 0 || lw_v3_norm(lw_v3_sub(at[k], at[i])) < lw_v3_norm(lw_v3_sub(at[b], at[a]))))
+                    a = i, b = k;
+        reached[b] = true;
+        add_bar(s, node ? node[a] : link, at[a], at[b]);
+        s->shape[s->n_shape - 1].to = node ? node[b] : -1;
+    }
+}
+
+/* Arms from the nearest node to what acts on a body with nodes. */
+static void add_arms_from_nodes(lw_space_scene *s, int link, const lw_elastic *body, const lw_vec3 *p, int n)
+{
+    for (int i = 0; i < n; i++) {
+        int near = 0;
+        for (int k = 1; k < body->n_node; k++)
+            near = lw_v3_norm(lw_v3_sub(p[i], body->node[k])) < lw_v3_norm(lw_v3_sub(p[i], body->node[near])) ? k : near;
+        add_arms(s, link, &body->node[near], 1, &p[i], 1);
+    }
 }
 
 static void add_link(const lw_spatial *m, int link, lw_space_scene *s)
@@ -320,9 +376,12 @@ static void add_link(const lw_spatial *m, int link, lw_space_scene *s)
     lw_vec3 p[LW_SPACE_POINTS], normal;
     double near = 1e-6*s->radius;
     int n = points_of(m, link, near, p);
-    const lw_elastic *bent = m->elastic && m->elastic[link].n_axis > 0 ? &m->elastic[link] : NULL;
+    const lw_elastic *own = m->elastic ? &m->elastic[link] : NULL, *bent = own && own->n_axis > 0 ? own : NULL;
     if (is_node(m, link)) {
         add_arms(s, link, &m->body[link].centre, 1, p, n);
+    } else if (own && own->n_node > 0) {
+        add_mesh(s, link, NULL, own->n_node, own->n_node, own->node, own->stiffness);
+        add_arms_from_nodes(s, link, own, p, n);
     } else if (bent) {
         for (int i = 0; i + 1 < bent->n_axis; i++)
             add_bar(s, link, bent->axis[i], bent->axis[i + 1]);
@@ -411,6 +470,8 @@ static void make_shapes(const lw_spatial *m, lw_space_scene *s)
         add_bar(s, end[0], m->body[end[0]].centre, m->body[end[1]].centre);
         s->shape[s->n_shape - 1].to = end[1];
     }
+    for (int i = 0; i < m->n_super; i++)
+        add_mesh(s, -1, m->super[i].link, m->super[i].n_bound, m->super[i].n, m->super[i].at, m->super[i].stiffness);
     for (int i = 0; i < m->n_joint; i++)
         add_joint(m, i, s);
     for (int i = 0; i < m->n_spring; i++) {
@@ -450,12 +511,16 @@ static void measure(lw_space_scene *s)
     s->radius = fmax(0.5*lw_v3_norm(lw_v3_sub(most, least)), 1e-9);
 }
 
+static size_t pairs_of(int n) { return (size_t)n*(size_t)n/2; }
+
 lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options *o, lw_space_scene *s, lw_error *e)
 {
     size_t n_frame = o->n_frame + 1, n_link = (size_t)m->n_link, n_tracer = (size_t)m->n_tracer;
     size_t n_shape = LW_SPACE_POINTS*n_link + 2*(size_t)m->n_joint + n_tracer + (size_t)m->n_beam + (size_t)m->n_spring;
     for (int i = 0; m->elastic && i < m->n_link; i++)
-        n_shape += (size_t)m->elastic[i].n_axis;
+        n_shape += (size_t)m->elastic[i].n_axis + pairs_of(m->elastic[i].n_node);
+    for (int i = 0; i < m->n_super; i++)
+        n_shape += pairs_of(m->super[i].n);
     *s = (lw_space_scene){ .model = m, .n_link = m->n_link, .n_tracer = m->n_tracer, .up = { 0, 0, 1 }, .stop = o->stop };
     snprintf(s->title, sizeof s->title, "%s", o->title ? o->title : m->name);
     s->shape = calloc(n_shape + 1, sizeof *s->shape);
