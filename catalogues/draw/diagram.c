@@ -14,6 +14,7 @@
 #include "catalogues/draw/symbols.h"
 #include "catalogues/draw/views.h"
 #include "grammar/model/model.h"
+#include "mbs/elastic/superelement.h"
 
 typedef struct sketch {
     const lw_scene *s;
@@ -259,9 +260,38 @@ static void draw_elastic(sketch *k, int link, const lw_elastic *e)
     }
 }
 
+/* The edges of the mesh of a superelement, and arms from its nearest nodes to the points beside them.  false: no memory. */
+static bool draw_mesh(sketch *k, int link, const lw_elastic *e)
+{
+    int (*edge)[2] = malloc((size_t)e->n_node*(size_t)e->n_node/2*sizeof *edge + 1);
+    if (!edge)
+        return false;
+    lw_bearer b = bearer(linkage(k), link, link);
+    int n_edge = lw_super_edges(e->n_node, e->n_node, e->node, e->stiffness, edge), n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
+    for (int i = 0; i < n_edge; i++) {
+        const lw_vec3 *p = &e->node[edge[i][0]], *q = &e->node[edge[i][1]];
+        lw_vec2 end[] = { pixel_of(k, 0, lw_v2(p->x, p->y)), pixel_of(k, 0, lw_v2(q->x, q->y)) };
+        lw_label_map_line(&k->map, end[0], end[1], 1);
+        lw_symbol_frame(k->d, b, end, 2, link_ink(linkage(k), link), k->u);
+    }
+    free(edge);
+    for (int i = 0; i < n; i++) {
+        lw_vec2 at = pixel_of(k, 0, k->node[i]), best = { INFINITY, INFINITY };
+        for (int j = 0; j < e->n_node; j++) {
+            lw_vec2 p = pixel_of(k, 0, lw_v2(e->node[j].x, e->node[j].y));
+            best = lw_v2_norm(lw_v2_sub(at, p)) < lw_v2_norm(lw_v2_sub(at, best)) ? p : best;
+        }
+        if (lw_v2_norm(lw_v2_sub(at, best)) > k->u)
+            lw_symbol_frame(k->d, b, (lw_vec2[]){ best, at }, 2, link_ink(linkage(k), link), 0.6*k->u);
+    }
+    return true;
+}
+
 static void draw_link(sketch *k, int link)
 {
-    const lw_elastic *e = elastic_of(k, link);
+    const lw_elastic *e = elastic_of(k, link), *mesh = k->s->model && k->s->model->elastic ? &k->s->model->elastic[link] : NULL;
+    if (mesh && mesh->n_node > 0 && draw_mesh(k, link, mesh))
+        return;
     if (e) {
         draw_elastic(k, link, e);
         return;

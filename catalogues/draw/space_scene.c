@@ -320,44 +320,20 @@ static bool is_node(const lw_spatial *m, int link)
     return false;
 }
 
-/* Do displacements of nodes i and k of n cause forces at each other?  stiffness (6n x 6n). */
-static bool are_coupled(int n, const double *stiffness, int i, int k)
+/* Bars of a body with given stiffness.  node (n): the links that nodes are; NULL: all belong to `link`.  LW_E_MEMORY. */
+static lw_status add_mesh(lw_space_scene *s, int link, const int *node, int n, int n_matrix, const lw_vec3 *at, const double *stiffness)
 {
-    static const double rounding = 1e-12;
-    double between = 0, own = 0;
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++) {
-            between = fmax(between, fabs(stiffness[(6*i + a)*6*n + 6*k + b]));
-            own = fmax(own, fabs(stiffness[(6*i + a)*6*n + 6*i + b]));
-        }
-    return between > rounding*own;
-}
-
-/* Bars of a body with given stiffness: the edges of its mesh.  Where it is condensed, so that all nodes are coupled, the shortest tree between them
- * (Prim 1957).  node (n): the links that nodes are; NULL: all belong to `link`. */
-static void add_mesh(lw_space_scene *s, int link, const int *node, int n, int n_matrix, const lw_vec3 *at, const double *stiffness)
-{
-    bool whole = true, reached[LW_SUPER_NODES] = { true };
-    for (int pass = 0; pass < 2; pass++)
-        for (int i = 0; i < n; i++)
-            for (int k = i + 1; k < n; k++) {
-                bool coupled = are_coupled(n_matrix, stiffness, i, k);
-                whole = whole && coupled;
-                if (pass == 0 || whole || !coupled)
-                    continue;
-                add_bar(s, node ? node[i] : link, at[i], at[k]);
-                s->shape[s->n_shape - 1].to = node ? node[k] : -1;
-            }
-    for (int round = 1; whole && round < n; round++) {
-        int a = -1, b = -1;
-        for (int i = 0; i < n; i++)
-            for (int k = 0; k < n; k++)
-                if (reached[i] && !reached[k] && (a < 0 || lw_v3_norm(lw_v3_sub(at[k], at[i])) < lw_v3_norm(lw_v3_sub(at[b], at[a]))))
-                    a = i, b = k;
-        reached[b] = true;
-        add_bar(s, node ? node[a] : link, at[a], at[b]);
-        s->shape[s->n_shape - 1].to = node ? node[b] : -1;
+    int (*edge)[2] = malloc((size_t)n*(size_t)n/2*sizeof *edge + 1);
+    if (!edge)
+        return LW_E_MEMORY;
+    int n_edge = lw_super_edges(n, n_matrix, at, stiffness, edge);
+    for (int i = 0; i < n_edge; i++) {
+        const int *end = edge[i];
+        add_bar(s, node ? node[end[0]] : link, at[end[0]], at[end[1]]);
+        s->shape[s->n_shape - 1].to = node ? node[end[1]] : -1;
     }
+    free(edge);
+    return LW_OK;
 }
 
 /* Arms from the nearest node to what acts on a body with nodes. */
@@ -371,8 +347,9 @@ static void add_arms_from_nodes(lw_space_scene *s, int link, const lw_elastic *b
     }
 }
 
-static void add_link(const lw_spatial *m, int link, lw_space_scene *s)
+static lw_status add_link(const lw_spatial *m, int link, lw_space_scene *s)
 {
+    lw_status st = LW_OK;
     lw_vec3 p[LW_SPACE_POINTS], normal;
     double near = 1e-6*s->radius;
     int n = points_of(m, link, near, p);
@@ -380,7 +357,7 @@ static void add_link(const lw_spatial *m, int link, lw_space_scene *s)
     if (is_node(m, link)) {
         add_arms(s, link, &m->body[link].centre, 1, p, n);
     } else if (own && own->n_node > 0) {
-        add_mesh(s, link, NULL, own->n_node, own->n_node, own->node, own->stiffness);
+        st = add_mesh(s, link, NULL, own->n_node, own->n_node, own->node, own->stiffness);
         add_arms_from_nodes(s, link, own, p, n);
     } else if (bent) {
         for (int i = 0; i + 1 < bent->n_axis; i++)
@@ -399,6 +376,7 @@ static void add_link(const lw_spatial *m, int link, lw_space_scene *s)
         for (int i = 0; i < n; i++)
             add_bar(s, link, hub, p[i]);
     }
+    return st;
 }
 
 static void add_axis(lw_space_scene *s, lw_space_shape_kind kind, const lw_spatial_joint *j, int item, int link,
@@ -460,18 +438,19 @@ static void add_joint(const lw_spatial *m, int item, lw_space_scene *s)
     }
 }
 
-static void make_shapes(const lw_spatial *m, lw_space_scene *s)
+static lw_status make_shapes(const lw_spatial *m, lw_space_scene *s)
 {
-    for (int i = 0; i < m->n_link; i++)
+    lw_status st = LW_OK;
+    for (int i = 0; st == LW_OK && i < m->n_link; i++)
         if (i != m->ground)
-            add_link(m, i, s);
+            st = add_link(m, i, s);
     for (int i = 0; i < m->n_beam; i++) {
         const int *end = m->beam[i].link;
         add_bar(s, end[0], m->body[end[0]].centre, m->body[end[1]].centre);
         s->shape[s->n_shape - 1].to = end[1];
     }
-    for (int i = 0; i < m->n_super; i++)
-        add_mesh(s, -1, m->super[i].link, m->super[i].n_bound, m->super[i].n, m->super[i].at, m->super[i].stiffness);
+    for (int i = 0; st == LW_OK && i < m->n_super; i++)
+        st = add_mesh(s, -1, m->super[i].link, m->super[i].n_bound, m->super[i].n, m->super[i].at, m->super[i].stiffness);
     for (int i = 0; i < m->n_joint; i++)
         add_joint(m, i, s);
     for (int i = 0; i < m->n_spring; i++) {
@@ -482,6 +461,7 @@ static void make_shapes(const lw_spatial *m, lw_space_scene *s)
     for (int i = 0; i < m->n_tracer; i++)
         add(s, (lw_space_shape){ .kind = LW_SPACE_TRACER, .link = m->tracer[i].link, .item = i, .n = 1,
                                  .p = { m->tracer[i].at } });
+    return st;
 }
 
 /* ---- the whole ------------------------------------------------------------------------------------------- */
@@ -538,7 +518,8 @@ lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options 
     lw_status status = make_motion(m, o, s, e);
     if (status != LW_OK)
         return status;
-    make_shapes(m, s);
+    if (make_shapes(m, s) != LW_OK)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
     measure(s);
     return LW_OK;
 }

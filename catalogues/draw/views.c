@@ -85,12 +85,15 @@ static void add_gear(lw_box *b, const lw_scene *s, size_t frame, int joint)
     }
 }
 
-/* Outlines, but not infinite lines, the ends of ropes and springs, axes of elastic links. */
+/* Outlines, but not infinite lines, the ends of ropes and springs, axes and nodes of elastic links. */
 static void add_parts(lw_box *b, const lw_scene *s, size_t frame)
 {
     for (int i = 0; s->model && s->model->elastic && i < s->linkage.n_link; i++)
         for (int k = 0; k < s->model->elastic[i].n_axis; k++)
             box_add(b, lw_scene_at(s, frame, i, lw_v2(s->model->elastic[i].axis[k].x, s->model->elastic[i].axis[k].y)));
+    for (int i = 0; s->model && s->model->elastic && i < s->linkage.n_link; i++)
+        for (int k = 0; k < s->model->elastic[i].n_node; k++)
+            box_add(b, lw_scene_at(s, frame, i, lw_v2(s->model->elastic[i].node[k].x, s->model->elastic[i].node[k].y)));
     for (int i = 0; s->model && i < s->model->n_shape; i++) {
         const lw_contour *c = &s->model->shape[i];
         lw_vec2 reach = lw_v2(c->radius, c->radius);

@@ -706,3 +706,39 @@ void lw_super_lump(int n, const lw_vec3 *at, const double *mass, double total, l
             inertia[k] += value[i]/n*x[entry[k%6][0]]*x[entry[k%6][1]];
     }
 }
+
+/* ---- pictures -------------------------------------------------------------------------------------------------- */
+
+static bool are_coupled(int n, const double *stiffness, int i, int k)
+{
+    static const double rounding = 1e-12;
+    double between = 0, own = 0;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+            between = fmax(between, fabs(stiffness[(6*i + a)*6*n + 6*k + b]));
+            own = fmax(own, fabs(stiffness[(6*i + a)*6*n + 6*i + b]));
+        }
+    return between > rounding*own;
+}
+
+int lw_super_edges(int n, int n_matrix, const lw_vec3 *at, const double *stiffness, int (*edge)[2])
+{
+    bool reached[LW_SUPER_NODES] = { true };
+    int n_edge = 0;
+    for (int i = 0; i < n; i++)
+        for (int k = i + 1; k < n; k++)
+            if (are_coupled(n_matrix, stiffness, i, k))
+                edge[n_edge][0] = i, edge[n_edge++][1] = k;
+    if (n_edge < n*(n - 1)/2)
+        return n_edge;
+    for (n_edge = 0; n_edge < n - 1; n_edge++) {
+        int a = -1, b = -1;
+        for (int i = 0; i < n; i++)
+            for (int k = 0; k < n; k++)
+                if (reached[i] && !reached[k] && (a < 0 || lw_v3_norm(lw_v3_sub(at[k], at[i])) < lw_v3_norm(lw_v3_sub(at[b], at[a]))))
+                    a = i, b = k;
+        reached[b] = true;
+        edge[n_edge][0] = a, edge[n_edge][1] = b;
+    }
+    return n_edge;
+}
