@@ -239,6 +239,39 @@ TEST_OF_FIGURES(the_front_has_no_gaps)
     lw_staged_search_free(&all);
 }
 
+/* The least lw_fit_report.counts_as of four-bars for a closed path of 24 stations. */
+static double first_four_bar(double x[24], double y[24])
+{
+    lw_fit_options o = lw_fit_options_default();
+    lw_search_stage stage = { .links = 4 };
+    lw_fit_results rows;
+    OWN(lw_target) t = { 0 };
+    OWN(lw_staged_search) s = { 0 };
+    o.max_rounds = 1;
+    CHECK_INT(lw_target_make(24, x, y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
+    lw_fit_spec_set_limits(&o.spec, &t, 0);
+    CHECK_INT(lw_staged_search_run(&t, &o, &stage, 1, &s, NULL), LW_OK);
+    CHECK_INT(lw_fit_results_make(&t, &o.spec, &s.fit, 10, NULL, NULL, &rows, NULL), LW_OK);
+    double counts_as = rows.n > 0 ? rows.report[0].counts_as : INFINITY;
+    lw_fit_results_free(&rows);
+    return counts_as;
+}
+
+/* A path whose stations come in the opposite order has other starts, and chains along which other sizes are found.  The front of its
+ * linkages is as dense, so the first row is as good. */
+TEST_OF_FIGURES(the_direction_changes_no_first_row)
+{
+    double x[24], y[24], back_x[24], back_y[24];
+    for (int i = 0; i < 24; i++) {                        /* a foot: a line, and half an ellipse back above it  */
+        double angle = LW_PI*(i - 12)/12;
+        x[i] = i < 12 ? 40 - 80.0*i/12 : -40*cos(angle);
+        y[i] = i < 12 ? 0 : 24*sin(angle);
+        back_x[23 - i] = x[i];
+        back_y[23 - i] = y[i];
+    }
+    CHECK_NEAR(first_four_bar(back_x, back_y), first_four_bar(x, y), 0, 0.02);
+}
+
 /* Two stages of one family each, a four-link mechanism whose slider drives it, and a six-bar, for an open path with default limits. */
 static void search_open_path(bool crank_only, double tolerance, double max_seconds, int n_stage, double unless, lw_staged_search *s)
 {

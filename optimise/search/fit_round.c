@@ -706,7 +706,8 @@ enum { RUNGS = 16, RUNG_STEPS = 300 };
 static const double shrink_within[] = { 0.88, 0.96, 0.985 };
 #define ROUGH        0.05        /* sizes of the target: a chain ends where the error is more, and ... */
 #define MUCH_WORSE   100         /* ... the objective so many times that of the find                 */
-#define STEP         0.9         /* a find is kept beside better ones if its size is so much less        */
+#define STEP         0.9
+#define KEPT_STEP    0.95        /* a find is kept beside better ones if its size is so much less, as that of the next rung is  */
 #define TWIN         0.01        /* relative difference of f of linkages that differ little           */
 
 /* Is the smallest linkage within a tolerance asked for? */
@@ -930,7 +931,7 @@ static void put_front(const chain_list *list, lw_pool *pool)
         taken[now.chain][now.at] = true;
         for (int i = 0; i < n && wanted; i++)
             wanted = !(found_at(list, kept[i])->beyond <= c->beyond && kept[i].chain % CHAINS >= now.chain % CHAINS
-                       && size_at(list, kept[i])*STEP <= size_at(list, now));
+                       && size_at(list, kept[i])*KEPT_STEP <= size_at(list, now));
         if (!wanted)
             continue;
         kept[n++] = now;
