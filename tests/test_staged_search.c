@@ -148,7 +148,7 @@ TEST(more_time_is_never_worse)
     double least[2] = { INFINITY, INFINITY };
     OWN(lw_target) t = { 0 };
     make_unmet(&k, &t);
-    for (int most = 2; most <= 16; most += 7) {
+    for (int most = 2; most <= 10; most += 4) {
         lw_fit_options o = options(LW_TIMING_FREE, 0);
         stopper stop = { .most = most };
         OWN(lw_staged_search) s = { 0 };
@@ -224,7 +224,7 @@ TEST_OF_FIGURES(the_front_has_no_gaps)
     OWN(lw_target) t = { 0 };
     lw_staged_search all, limited;
     o.spec.by_default = LW_LIMIT_ALL;
-    o.max_rounds = 2;
+    o.max_rounds = 1;
     CHECK_INT(lw_target_make(N, px, py, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
     CHECK_INT(lw_staged_search_run(&t, &o, &stage, 1, &all, NULL), LW_OK);
     for (int i = 0; i < 2; i++) {
