@@ -592,8 +592,12 @@ lw_status studio_analyse(studio *st, const json_t *ask, studio_reply *r, lw_erro
         s = lw_scene_make_any(&parts, NULL, NULL, &o, scene, e);
     if (s == LW_OK && (s = make_rates(scene, &all)) != LW_OK)
         lw_error_set(e, s, "out of memory");
-    bool planned = s == LW_OK && lw_assembly_linkage(&parts, k, NULL) == LW_OK && lw_kinematics_create(k, &kin, NULL) == LW_OK;
-    if (planned)
+    lw_status planned = s == LW_OK ? lw_assembly_linkage(&parts, k, NULL) : s;
+    if (planned == LW_OK)
+        planned = lw_kinematics_create(k, &kin, NULL);
+    if (s == LW_OK && planned == LW_E_MEMORY)
+        s = lw_error_set(e, planned, "out of memory");
+    if (planned == LW_OK)
         plan_rates(&all, kin);
     else if (s == LW_OK)
         s = follow_rates(&all, e);

@@ -32,7 +32,7 @@ bool lw_continuation_create(const lw_system *s, const int *held, int n_held, boo
     f->m = s->n_row + n_held + plane;
     size_t n = (size_t)f->n, m = (size_t)f->m, longest = m > n ? m : n, h = (size_t)n_held;
     bool sparse = s->n_q > LW_SYSTEM_Q_MAX;
-    f->store = calloc((sparse ? n : m*n) + 4*n + 2*longest + (LW_SYSTEM_ORDER_MAX + 1)*longest
+    f->store = calloc((sparse ? n : m*n) + 4*n + 2*longest + m + 2*n + (LW_SYSTEM_ORDER_MAX + 1)*longest
                       + (size_t)(s->n_input + s->n_tie), sizeof *f->store);
     f->frame = calloc((size_t)s->n_body + 1, sizeof *f->frame);
     f->curved = calloc(n + 1, sizeof *f->curved);
@@ -50,7 +50,8 @@ bool lw_continuation_create(const lw_system *s, const int *held, int n_held, boo
     f->tangent = f->origin + n;
     f->rest = f->tangent + n;
     f->work = f->rest + longest;
-    f->series = f->work + longest;
+    f->located = f->work + longest;
+    f->series = f->located + m + 2*n;
     f->value = f->series + (LW_SYSTEM_ORDER_MAX + 1)*longest;
     return !sparse || lw_sparse_rows_create(s, f->held, n_held, &f->sparse);
 }

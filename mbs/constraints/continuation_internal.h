@@ -43,6 +43,7 @@ typedef struct lw_continuation {
     bool   *curved;                        /* coordinates that norms include                        */
     double  kappa;                         /* result of the last lw_continuation_bound                    */
     double *matrix, *diag, *rest, *work, *series;    /* matrix: NULL where it is sparse                  */
+    double *located;                       /* (m + 2 n) room for lw_continuation_locate                   */
     lw_body_frame *frame;                  /* (n_body + 1)                                          */
     lw_sparse_rows sparse;
     double *null;                          /* sparse, with a plane: null vector of the rows factored  */

@@ -32,12 +32,10 @@ double lw_continuation_locate(lw_continuation *f, int order, const double *serie
     for (int i = 0; i < f->n; i++)
         speed += series[f->n + i]*series[f->n + i];
     double delta = fmin(4e-4/sqrt(speed), fabs(guess)/8.0);
-    double *right = calloc((size_t)f->m + 2*(size_t)f->n, sizeof *right);
-    if (!right)
-        return guess;
-    double *along = right + f->m, *q = along + f->n;
+    double *right = f->located, *along = right + f->m, *q = along + f->n;
     lw_rng rng;
     lw_rng_seed(&rng, 7, 0);
+    memset(right, 0, (size_t)f->m*sizeof *right);
     for (int i = 0; i < f->m - f->plane; i++)             /* any general right-hand side shows the loss */
         right[i] = lw_rng_range(&rng, -1.0, 1.0);
     lw_continuation_sum(f, order, series, guess + delta, q);
@@ -62,7 +60,6 @@ double lw_continuation_locate(lw_continuation *f, int order, const double *serie
             weight *= j == i ? 1.0 : g[j]/(g[j] - g[i]);
         at += weight;
     }
-    free(right);
     return isfinite(at) && fabs(at - guess) < delta ? at : guess;
 }
 
