@@ -2,13 +2,13 @@
  * The same holds with few files, files of no size, and little memory.
  *
  * One row a command, with measured times taken out of what it prints.  Each row runs undisturbed first, which tells
- * how often each kind of call is made (tests/fail_at_call.c), then once for each call that fails.  Of many calls a
- * spread is taken: the first N_FIRST, then ever longer steps; fewer of searches.  LW_FAULTS=n makes the spread n times as dense;
- * LW_FAULTS_ROW=text runs the rows that hold the text. */
+ * how often each kind of call is made, and from which places (tests/fail_at_call.c).  Then it runs once for each place of which no
+ * call failed in a row before, and once for each other kind, with a call that LW_SEED chooses.  LW_FAULTS=n adds a spread of the calls
+ * of each kind in each row, the first n, then ever longer steps, and all limits; LW_FAULTS_ROW=text runs the rows that hold the text. */
 #include <stdbool.h>
 #include "tests/cli_run.h"
 
-enum { N_FIRST = 3, N_FIRST_OF_SEARCH = 2, MEMORY_ERROR = 4, WRITE_ERROR = 3 };
+enum { MEMORY_ERROR = 4, WRITE_ERROR = 3 };
 
 /* A program that finds the gallery beside it, wherever it was built. */
 #define PROGRAM_WITH_GALLERY "mkdir -p $D/bin $D/examples && cp $C $D/bin/linkwright && cp -r examples/gallery $D/examples/ && "
@@ -103,7 +103,8 @@ static const char *const rows[] = {
     "$D/bin/linkwright gallery klann",
 };
 
-/* The same for each option, and each kind of output and of input file, with one call of each kind that fails, which LW_SEED chooses; LW_FAULTS: more. */
+/* The same for each option, and each kind of output and of input file, with a call of one kind by chance, and without limits unless
+ * LW_FAULTS asks for them. */
 static const char *const outputs[] = {
     "$C numbers --loops 4 --labelled --json",
     "$C structures --loops 4 --derive --non-planar",
@@ -380,6 +381,7 @@ TEST(estimates_that_fail)
 }
 
 static const char *const kinds[] = { "malloc", "fsync", "rename", "pthread_create", "write", "jansson", "sqlite" };
+enum { N_KIND = sizeof kinds/sizeof *kinds };
 
 static ran run_once(const char *command, char **file)
 {
@@ -434,17 +436,13 @@ static void fail_one(const char *command, const char *kind, long n, const ran *w
     unsetenv("LW_FAIL");
 }
 
-static const char *const limits[] = { "--nofile=4", "--nofile=6", "--fsize=0", "--data=2000000", "--data=10000000" };
-
-static void limit_each(const char *command, const ran *whole, const char *whole_file)
+static void limit(const char *command, const char *by, const ran *whole, const char *whole_file)
 {
     char limited[600], program[300];
     snprintf(program, sizeof program, "%s", getenv("C"));
-    for (size_t k = 0; k < sizeof limits/sizeof *limits && !SANITIZED; k++) {      /* sanitizers need files and terabytes themselves */
-        snprintf(limited, sizeof limited, "prlimit %s %s", limits[k], program);
-        setenv("C", limited, 1);
-        disturb(command, limits[k], whole, whole_file);
-    }
+    snprintf(limited, sizeof limited, "prlimit %s %s", by, program);
+    setenv("C", limited, 1);
+    disturb(command, by, whole, whole_file);
     setenv("C", program, 1);
 }
 
@@ -469,13 +467,44 @@ TEST(last_failure_is_named)
         expect("rm -f $D/a.db; prlimit --data=11000000 $C catalogue curves $D/a.db --links 6 --samples 1 -q -j 2", MEMORY_ERROR, "", "out of memory");
 }
 
-static void fail_each(const char *command, bool few)
+/* The places of which a call has failed. */
+static struct { size_t n; unsigned long long key[1 << 14]; } failed;
+
+static bool fails_first(unsigned long long key)
 {
+    for (size_t i = 0; i < failed.n; i++)
+        if (failed.key[i] == key)
+            return false;
+    CHECK(failed.n < sizeof failed.key/sizeof *failed.key);
+    failed.key[failed.n++%(sizeof failed.key/sizeof *failed.key)] = key;
+    return true;
+}
+
+/* Fail the first call of each place in $D/calls of which none has failed.  Returns the kinds of these calls, as bits. */
+static unsigned fail_new_places(const char *command, const ran *whole, const char *whole_file)
+{
+    char path[300], kind[32];
+    long n;
+    unsigned long long key;
+    unsigned of_kind = 0;
+    snprintf(path, sizeof path, "%s/calls", getenv("D"));
+    FREED char *text = slurp(path);
+    for (const char *at = text; (at = strstr(at, "\nplace ")); at++)
+        if (sscanf(at, " place %31[a-z_]:%ld %llx", kind, &n, &key) == 3 && fails_first(key)) {
+            fail_one(command, kind, n, whole, whole_file);
+            for (int k = 0; k < N_KIND; k++)
+                of_kind |= (unsigned)(strcmp(kind, kinds[k]) == 0) << k;
+        }
+    return of_kind;
+}
+
+static void fail_each(int row, const char *command)
+{
+    static const char *const limits[] = { "--nofile=4", "--nofile=6", "--fsize=0", "--data=2000000", "--data=10000000" };
+    enum { N_LIMIT = sizeof limits/sizeof *limits };
     char calls[300], *file;
     lw_rng rng = check_rng(strlen(command));
-    const char *denser = getenv("LW_FAULTS");
-    bool search = few || strstr(command, "C fit ") || strstr(command, "C plasma ") || strstr(command, " studio ");
-    double step = 1 + (search ? 3 : 2.5)/(denser ? atof(denser) : 1);
+    const char *dense = getenv("LW_FAULTS");
     snprintf(calls, sizeof calls, "%s/calls", getenv("D"));
     setenv("LW_CALLS_FILE", calls, 1);
     ran whole = run_once(command, &file);
@@ -483,19 +512,23 @@ static void fail_each(const char *command, bool few)
     if (whole.code != 0)
         fprintf(stderr, "%s\n  said: %s", command, whole.err);
     CHECK_INT(whole.code, 0);
-    for (size_t k = 0; k < sizeof kinds/sizeof *kinds; k++) {
-        long n_call = count_calls(kinds[k]), n_first = search ? N_FIRST_OF_SEARCH : N_FIRST;
-        n_first *= denser ? atol(denser) : 1;
-        if (few && !denser) {
-            if (n_call > 0)
-                fail_one(command, kinds[k], 1 + (long)(lw_rng_bits(&rng) % (uint64_t)n_call), &whole, file);
-            continue;
-        }
-        for (long n = 1; n <= n_call; n = n < n_first ? n + 1 : (long)(step*(double)n))
+    unsigned by_chance = ~fail_new_places(command, &whole, file);
+    if (row >= N_ROW) {                                                      /* of one kind, which has calls */
+        int k = (int)(lw_rng_bits(&rng)%N_KIND);
+        while (count_calls(kinds[k]) == 0)
+            k = (k + 1)%N_KIND;
+        by_chance = 1u << k;
+    }
+    for (int k = 0; k < N_KIND && !SANITIZED; k++) {
+        long n_call = count_calls(kinds[k]);
+        if (n_call > 0 && by_chance >> k & 1)
+            fail_one(command, kinds[k], 1 + (long)(lw_rng_bits(&rng) % (uint64_t)n_call), &whole, file);
+        for (long n = 1; dense && n <= n_call; n = n < atol(dense) ? n + 1 : (long)((1 + 3/atof(dense))*(double)n))
             fail_one(command, kinds[k], n, &whole, file);
     }
-    if (!few || denser)
-        limit_each(command, &whole, file);
+    for (int k = 0; k < N_LIMIT && !SANITIZED; k++)                          /* sanitizers need files and terabytes themselves */
+        if (dense || (row < N_ROW && (k == row%N_LIMIT || k == (row + 2)%N_LIMIT)))
+            limit(command, limits[k], &whole, file);
     ran_free(&whole);
     free(file);
 }
@@ -532,6 +565,6 @@ TEST(faults)
     for (int i = 0; i < N_ROW + N_OUTPUT; i++) {
         const char *row = i < N_ROW ? rows[i] : outputs[i - N_ROW];
         if (!only || strstr(row, only))
-            fail_each(row, i >= N_ROW || SANITIZED);      /* with sanitizers a start takes 20 times as long */
+            fail_each(i, row);
     }
 }
