@@ -546,7 +546,23 @@ static double reach(const lw_problem *p, const lw_work *w, const double *g, size
     return ends || changes(p, w, side > 0 ? next : beyond) || !(g[beyond] > g[next]) ? 1 : 1.5;
 }
 
-/* Move each sample that is less than both neighbours to the least extreme within 1.5 samples, whose value g becomes: two nets,
+/* Is sample k less than both neighbours? */
+static bool is_low(const double *g, size_t k, bool round)
+{
+    bool inside = round || (k > 0 && k < POSTURES - 1);
+    return inside && g[k] < g[(k + POSTURES - 1) % POSTURES] && g[k] <= g[(k + 1) % POSTURES];
+}
+
+/* May an extreme be hidden beside sample k: do the samples fall on from it by less than a third of what they fell by before?  The margin is the
+ * least of several groups: beyond the extreme of one, another one goes on to fall. */
+static bool falls_on(const double *g, size_t k, bool round)
+{
+    size_t before = (k + POSTURES - 1) % POSTURES, after = (k + 1) % POSTURES;
+    double left = g[before] - g[k], right = g[after] - g[k];
+    return (right < 0 && left > -3*right && !is_low(g, after, round)) || (left <= 0 && right > -3*left && !is_low(g, before, round));
+}
+
+/* Move each sample beside which an extreme may lie to the least extreme within 1.5 samples, whose value g becomes: two nets,
  * each of a quarter of the spacing before, then parabolas.  The posture of sample k is then at place[k].  Only the
  * least of many; not those that would stay above `enough` if the bend of the three samples went on. */
 static void seek_extremes(const lw_problem *p, const double *x, lw_work *w, const motion *m, condition *of,
@@ -558,18 +574,19 @@ static void seek_extremes(const lw_problem *p, const double *x, lw_work *w, cons
     bool round = p->intended.turns;
     for (size_t k = 0; k < POSTURES; k++)
         place[k] = (double)k;
-    for (size_t k = round ? 0 : 1; k < (round ? POSTURES : POSTURES - 1); k++) {
-        double before = g[(k + POSTURES - 1) % POSTURES], after = g[(k + 1) % POSTURES];
-        if (!(g[k] < before && g[k] <= after) || g[k] - (before + after - 2*g[k]) > enough
-            || (k > 0 && changes(p, w, k - 1)) || changes(p, w, k))
-            continue;
-        size_t i = n < MOST ? n++ : n;
-        for (; i > 0 && g[at[i - 1]] > g[k]; i--)
+    for (size_t hidden = 0, first = 0; hidden < 2; hidden++, first = n)       /* hidden ones only where there is room for them */
+        for (size_t k = round ? 0 : 1; k < (round ? POSTURES : POSTURES - 1); k++) {
+            double before = g[(k + POSTURES - 1) % POSTURES], after = g[(k + 1) % POSTURES];
+            if (!(hidden ? falls_on(g, k, round) : is_low(g, k, round)) || g[k] - (before + after - 2*g[k]) > enough
+                || (k > 0 && changes(p, w, k - 1)) || changes(p, w, k))
+                continue;
+            size_t i = n < MOST ? n++ : n;
+            for (; i > first && g[at[i - 1]] > g[k]; i--)
+                if (i < MOST)
+                    at[i] = at[i - 1];
             if (i < MOST)
-                at[i] = at[i - 1];
-        if (i < MOST)
-            at[i] = k;
-    }
+                at[i] = k;
+        }
     if (n == 0)
         return;
     lw_cycle_point sample[NET*MOST];
