@@ -706,8 +706,8 @@ enum { RUNGS = 16, RUNG_STEPS = 300 };
 static const double shrink_within[] = { 0.88, 0.96, 0.985 };
 #define ROUGH        0.05        /* sizes of the target: a chain ends where the error is more, and ... */
 #define MUCH_WORSE   100         /* ... the objective so many times that of the find                 */
-#define STEP         0.9
-#define KEPT_STEP    0.95        /* a find is kept beside better ones if its size is so much less, as that of the next rung is  */
+#define STEP         0.9         /* size of a rung over that of the rung before                       */
+#define KEPT_STEP    0.95        /* a find is kept beside better ones if its size over theirs is less */
 #define TWIN         0.01        /* relative difference of f of linkages that differ little           */
 
 /* Is the smallest linkage within a tolerance asked for? */
@@ -918,7 +918,7 @@ static place next_find(const chain_list *list, bool taken[][LONG_CHAIN])
     return best;
 }
 
-/* Put finds into the pool that are smaller by STEP than all those with less f, or have a greater angle: the pool keeps the least f,
+/* Put finds into the pool that are smaller by KEPT_STEP than all those with less f, or have a greater angle: the pool keeps the least f,
  * and would lose the smallest linkages if others filled it. */
 static void put_front(const chain_list *list, lw_pool *pool)
 {
