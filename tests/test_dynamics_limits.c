@@ -40,6 +40,34 @@ TEST(heavy_last)
     CHECK(d.report.energy_error < 1e-9*d.report.energy_scale);
 }
 
+/* Two bars of 1 m, their angles from +x and rates; the second mass is this part of both. */
+static lw_status two_bars_rate(void *context, double t, const double *y, double *dy)
+{
+    (void)t;
+    const double part = *(const double *)context, g = 9.81, c = cos(y[0] - y[1]), s = sin(y[0] - y[1]);
+    const double a = -part*s*y[3]*y[3] - g*cos(y[0]), b = s*y[2]*y[2] - g*cos(y[1]);
+    dy[0] = y[2], dy[1] = y[3];
+    dy[2] = (a - part*c*b)/(1 - part*c*c);
+    dy[3] = b - c*dy[2];
+    return LW_OK;
+}
+
+/* A point of 1 kg hangs from one of 1e8 kg: the reactions of the heavy one do not shake it by their rounding. */
+TEST(light_last)
+{
+    double part = 1/(1e8 + 1), y[4] = { 0 };
+    lw_ode ode = { .n = 4, .context = &part, .rate = two_bars_rate };
+    drun_exact(&ode, 0, y, 2);
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'one', 'mass': 1e8, 'centre': [1, 0]},{'name': 'two', 'mass': 1, 'centre': "
+        "[2, 0]}], 'joints': [{'name': 'A', 'links': ['ground', 'one'],'at': [0, 0]}, {'name': 'B', 'links': ['one', 'two'], 'at': [1, 0]}], "
+        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'two', 'at': [2, 0]}]}", 0, 0);
+    for (int k = 8; k <= 12; k += 2) {
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, pow(10, -k), 2, 1), LW_OK);
+        CHECK_POINT(d.tracer[1], cos(y[0]) + cos(y[1]), sin(y[0]) + sin(y[1]), fmax(10*pow(10, -k), 1e-10), 0);
+        CHECK(d.report.steps < 200);
+    }
+}
+
 /* The mass of a planet on a rod of a thousand miles: only the units are unusual. */
 TEST(large_units)
 {

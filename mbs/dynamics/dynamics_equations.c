@@ -292,13 +292,23 @@ static lw_status add_free(lw_dynamics *d, const double *force, double *x)
                         d->eq.name(d->eq.context, LW_NAMED_BLOCK, without));
 }
 
+/* Where masses are far apart, the rounding of reactions of heavy links, and of N^T M N, moves light ones: what the first solution leaves of their
+ * equations is corrected once. */
 static lw_status solve_by_rank(lw_dynamics *d, const double *force, const double *rhs, double *x, double *l)
 {
     lw_rank_solve_transposed(&d->rank_of, rhs, x);
     lw_status s = add_free(d, force, x);
-    for (int i = 0; i < d->n_v; i++)
-        d->bias[i] = (force ? force[i] : 0) - d->eq.mass[i]*x[i];
-    lw_rank_solve(&d->rank_of, d->bias, l);
+    for (int pass = 0; pass < (s == LW_OK && d->uneven ? 2 : 1); pass++) {
+        if (pass > 0) {
+            for (int i = 0; i < d->n_v; i++)
+                d->bias[i] = force ? force[i] : 0;
+            add_rows(d, -1, l, d->bias);
+            move_free(d, d->bias, x);
+        }
+        for (int i = 0; i < d->n_v; i++)
+            d->bias[i] = (force ? force[i] : 0) - d->eq.mass[i]*x[i];
+        lw_rank_solve(&d->rank_of, d->bias, l);
+    }
     return s;
 }
 

@@ -62,7 +62,7 @@ struct lw_dynamics {
     bool    ideal_friction;                   /* in some joint */
     struct lw_touching *touch;                /* places where parts touch; NULL: none are named */
     int     rank, freedom;                    /* of J in a posture that is not singular; n_v - rank */
-    bool    has_zero_mass;
+    bool    has_zero_mass, uneven;            /* uneven: masses are farther apart than 1e4 */
     bool    rows_only;                        /* nothing but the rows is wanted, by the way of large models */
     bool    weighed;                          /* by_mass is a metric: links of a large model have no mass */
     /* rows of the fast way */

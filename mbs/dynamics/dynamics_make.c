@@ -27,6 +27,7 @@ const char *lw_formulation_name(lw_formulation f)
 }
 
 static const double nudge = 0.02;        /* distance at which the rank is checked again, scaled */
+static const double far_apart = 1e4;    /* ratio of masses from which on light ones are corrected */
 
 const lw_dynamics_report *lw_dynamics_choice(const lw_dynamics *d) { return &d->choice; }
 const lw_model *lw_dynamics_model(const lw_dynamics *d) { return d->model; }
@@ -133,8 +134,12 @@ lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
         *ints[i].to = d->ints + n_int;
         n_int += ints[i].n;
     }
-    for (size_t i = 0; i < v; i++)
+    double most = 0, least = INFINITY;
+    for (size_t i = 0; i < v; i++) {
         d->by_mass[i] = 1/d->eq.mass[i];
+        most = fmax(most, d->eq.mass[i]), least = fmin(least, d->eq.mass[i] > 0 ? d->eq.mass[i] : INFINITY);
+    }
+    d->uneven = most > far_apart*least;
     if (d->large && !d->space)
         weigh_massless(d);
     return LW_OK;
