@@ -173,7 +173,7 @@ static double differenced(subject *s, int j, int d, double h)
 
 TEST(ends_have_the_derivatives_they_claim)
 {
-    int checked = 0, rough = 0, close = 0;
+    int checked = 0, rough = 0;
     double *by = malloc(sizeof *by*LW_LEG_MAX*LW_DIM_MAX);
     lw_rng rng = check_rng(3);
     for (int trial = 0; trial < 60; trial++) {
@@ -189,12 +189,11 @@ TEST(ends_have_the_derivatives_they_claim)
                     rough++;                         /* next to where legs join or part              */
                     continue;
                 }
-                CHECK_NEAR(by[j*LW_DIM_MAX + d], fine, 1e-4 + 3*error, 1e-4);
-                close += fabs(by[j*LW_DIM_MAX + d] - fine) < 1e-7 + error + 1e-7*fabs(fine);
+                CHECK_NEAR(by[j*LW_DIM_MAX + d], fine, 1e-7 + 3*error, 1e-7);
                 checked++;
             }
         end(s);
     }
     free(by);
-    CHECK(checked > 1000 && rough < checked/20 && close > checked - checked/25);
+    CHECK(checked > 1000 && rough < checked/20);
 }

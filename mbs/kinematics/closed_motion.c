@@ -297,68 +297,27 @@ lw_status lw_closed_motion_find(const lw_plan *plan, const double *dim, const do
 
 /* ---- derivatives --------------------------------------------------------------------------------- */
 
-/* Does dimension d change the shape of the linkage, not only its place or a tracer? */
-static bool shapes(const lw_plan *plan, int d)
+/* An output that depends on this dyad. */
+static int output_behind(const lw_plan *plan, int dyad)
 {
-    lw_dim_role role = plan->dim[d].role;
-    return role < LW_ROLE_CX && d != plan->i_theta0;
-}
-
-/* The least margin at a leg's end of the dyads whose limit it is not.  Near a limit of another dyad all numbers vary
- * like the square root of the distance to it. */
-static double other_margin(const walk *w, const lw_leg *leg)
-{
-    lw_vec2 reg[LW_REG_MAX];
-    double least = 1;
-    lw_posture_registers(w->plan, w->dim, leg->mode, leg->last, reg);
-    for (int i = 0; i < w->n_step; i++) {
-        lw_opening o = lw_dyad_opening(w->dim, w->step[i], reg);
-        if (w->step[i]->dyad != leg->dyad)
-            least = fmin(least, o.less*o.more);
-    }
-    return least;
-}
-
-/* Derivatives of the margin at a leg's end by the dimensions which[n] (-1: by the input), 0 < n <= BLOCK/2, as central
- * differences.  step: their step, relative to dimensions above 1. */
-static void margin_slopes(const walk *w, const lw_leg *leg, double step, const int *which, int n, double *slope)
-{
-    const lw_plan *plan = w->plan;
-    double dim[LW_DIM_MAX*BLOCK], input[BLOCK], margin[BLOCK], h[BLOCK/2];
-    assert(n > 0 && n <= BLOCK/2);
-    for (int d = 0; d < plan->n_dim; d++)
-        for (int i = 0; i < 2*n; i++)
-            dim[d*BLOCK + i] = w->dim[d];
-    for (int i = 0; i < n; i++) {
-        int d = which[i];
-        h[i] = step*(d < 0 ? plan->input_is_slider ? w->reach : 1 : fmax(1, fabs(w->dim[d])));
-        for (int side = 0; side < 2; side++) {
-            input[2*i + side] = leg->last + (d < 0 ? side ? h[i] : -h[i] : 0);
-            if (d >= 0)
-                dim[d*BLOCK + 2*i + side] += side ? h[i] : -h[i];
-        }
-    }
-    lane_margins(w, dim, BLOCK, leg->mode, 2*(size_t)n, input, margin);
-    for (int i = 0; i < n; i++)
-        slope[i] = (margin[2*i + 1] - margin[2*i])/(2*h[i]);
+    for (int o = 0; o < plan->n_output; o++)
+        for (int i = 0; i < plan->n_output_step[o]; i++)
+            if (plan->step[plan->output_step[o][i]].dyad == dyad)
+                return o;
+    assert(0);
+    return 0;
 }
 
 void lw_closed_motion_slopes(const lw_plan *plan, const double *dim, const lw_closed_motion *c, void *batch, double *by)
 {
-    walk w;
-    int which[LW_DIM_MAX + 1], n = 0;
-    double slope[LW_DIM_MAX + 1];
-    set_walk(&w, plan, dim, batch);
-    which[n++] = -1;
-    for (int d = 0; d < plan->n_dim; d++)
-        if (shapes(plan, d))
-            which[n++] = d;
     for (int j = 0; j < c->n; j++) {
-        double *row = by + (size_t)j*LW_DIM_MAX, step = fmax(1e-10, fmin(1e-6, 1e-5*other_margin(&w, &c->leg[j])));
-        memset(row, 0, sizeof *row*LW_DIM_MAX);
-        for (int i = 0; i < n; i += BLOCK/2)
-            margin_slopes(&w, &c->leg[j], step, which + i, n - i < BLOCK/2 ? n - i : BLOCK/2, slope + i);
-        for (int i = 1; i < n; i++)
-            row[which[i]] = -slope[i]/slope[0];
+        const lw_leg *leg = &c->leg[j];
+        double *row = by + (size_t)j*LW_DIM_MAX, x, y, margin, by_input;
+        lw_vec2 u = plan->input_is_slider ? lw_v2(leg->last, 0) : lw_sincos(leg->last);
+        lw_batch_jacobian(plan, &(lw_lanes){ .n = 1, .c = &u.x, .s = &u.y, .dim = dim, .mode = leg->mode },
+                          output_behind(plan, leg->dyad), batch,
+                          &(lw_jacobian){ .x = &x, .y = &y, .margin = &margin, .ld = 1, .jm = row, .tm = &by_input });
+        for (int d = 0; d < plan->n_dim; d++)
+            row[d] = -row[d]/by_input;
     }
 }

@@ -49,8 +49,7 @@ lw_status lw_closed_motion_find(const lw_plan *plan, const double *dim, const do
                                 lw_closed_motion *motion);
 
 /* Derivatives of the legs' ends by the dimensions, by[leg*LW_DIM_MAX + d], from the condition that the margin of the
- * limiting dyad stays 0.  The derivatives of the margin are central differences (error 1e-9 of the largest; 1e-4 next
- * to a limit of another dyad). */
+ * limiting dyad stays 0, and the exact derivatives of that margin. */
 void lw_closed_motion_slopes(const lw_plan *plan, const double *dim, const lw_closed_motion *motion, void *batch, double *by);
 
 #endif
