@@ -221,14 +221,16 @@ static double row_at(const lw_problem *p, const lw_work *w, int i, int d, size_t
 }
 
 /* The derivatives by the variables are those along which the inputs follow: no change of the input of a station, or of the common input
- * of a block, makes them less, and they are the differences of the residuals with the inputs moved by `slide`. */
+ * of a block, makes them less, and they are the differences of the residuals with the inputs moved by `slide`.  Beside a cusp the inputs
+ * slide hundreds of times as far as the variable moves, and the error of a difference grows with the third power of that: the step is
+ * such that no input moves by more than 1e-5. */
 static void check_elimination(const lw_problem *p, const double *x, lw_work *w, int d)
 {
-    const double h = 1e-6;
-    double sum[STATION_MAX], by[2][2][STATION_MAX], phase[STATION_MAX], trial[LW_VAR_MAX];
+    double h = 1e-6, sum[STATION_MAX], by[2][2][STATION_MAX], phase[STATION_MAX], trial[LW_VAR_MAX];
     for (size_t k = 0; k < p->n; k++) {
         sum[k] = w->tangent[k]*row_at(p, w, 0, d, k) + w->tangent[w->ld + k]*row_at(p, w, 1, d, k);
         phase[k] = w->phase[k];
+        h = fmin(h, 1e-5/fabs(w->slide[(size_t)d*w->ld + k]));
     }
     for (size_t b = 0; b < w->n_block; b++)
         for (size_t q = 1; q < w->block[b].count; q++) {
