@@ -56,6 +56,11 @@ TEST(two_four_bars)
             CHECK_POINT(at, 0.32845811154081537865, 0.94451853817860096216, with[f].times*pow(10, -k), 0);
             CHECK(w.turned < 1e-9);
         }
+    for (int k = 0; k < 3; k++) {            /* over hundreds of singular postures, in steps that end far from them or very near */
+        watch w = { .first = 3, .n = 2 };
+        crank_end(LW_FORMULATION_INDEX1, (double[]){ 3e-4, 1e-4, 3e-5 }[k], 1000, &w);
+        CHECK(w.turned < 1e-9 && d.report.energy_error < 1e-5*d.report.energy_scale);
+    }
 }
 
 /* A third crank makes one row redundant: the kept rows become dependent in postures that are not singular.  Up to

@@ -323,18 +323,43 @@ static lw_status step_over(lw_run *run, double good, const approach *a, bool stu
     s = s == LW_E_NUMERIC && run->apart > 0 && !(share > 0) ? LW_OPEN : s;      /* near another motion curve: lw_dynamics_run says so */
     return s == LW_OK || s == LW_STOPPED ? s
          : lw_error_set(run->e, s, "at t = %.9g s the linkage comes to a singular posture with speed, and no "
-                        "motion goes on behind it that keeps the energy: a dead point or the end of its way", place);
+                        "motion was found behind it that keeps the energy: a dead point, the end of its way, or too great a tolerance", place);
+}
+
+/* From the state y (overwritten) at *t, where the root of the least pivot is *w, halve the time left to the singular posture at `place` until *w is small:
+ * from afar its rate does not foretell where it is 0. */
+static lw_status come_near(lw_run *run, double place, double *t, double *w, double *y)
+{
+    lw_dynamics *d = run->d;
+    lw_status s = LW_OK;
+    for (int k = 0; s == LW_OK && *w > 2*LW_SINGULAR_STEP_HALF && k < 16; k++) {
+        double next = 0.5*(*t + place);
+        if ((s = lw_passage_integrate(run, *t, next, y, false)) != LW_OK)
+            break;
+        *t = next;
+        d->by_rank = false;                  /* else the pivot is not found */
+        s = lw_mbs_rows(d, *t, y);
+        if (s == LW_OK)
+            s = lw_mbs_factor(d, false);
+        *w = sqrt(fmax(d->weak, 0));
+    }
+    return s;
 }
 
 lw_status lw_run_singular_step(lw_run *run, double good, double weak, double place, double *t, double *y)
 {
     approach a;
-    double w = sqrt(weak);
-    lw_status s = find_approach(run, good, y, w, &a);
+    double w = sqrt(weak), at = good, *near = malloc((size_t)run->n*sizeof *near);
+    if (!near)
+        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    memcpy(near, y, (size_t)run->n*sizeof *near);
+    lw_status s = come_near(run, place, &at, &w, near);
+    s = s == LW_OK ? find_approach(run, at, near, w, &a) : s;
+    free(near);
     if (s == LW_E_MEMORY || s == LW_STOPPED)
         return s;
     if (s != LW_OK || !(a.rate > 0))
-        a = (approach){ good, w, w/(place - good), 0 };
+        a = (approach){ at, w, w/(place - at), 0 };
     return step_over(run, good, &a, true, place, t, y);
 }
 
