@@ -1424,6 +1424,25 @@ TEST(corner_meets_a_sharp_tip)
     }
 }
 
+/* A corner of a lever slides on a side of a pawl to its end, where the pawl's corner comes to that of the lever at 6.7 rad/s: it passes, and nothing strikes.
+ * Captured, the pawl stopped there.  By index1, which locates the events. */
+TEST(corner_slides_off_a_corner)
+{
+    double turn[2];
+    drun_read_format(&d, "{'linkwright': 1, 'units': {'length': 'mm'}, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'lever', 'mass': 0.4, "
+        "'centre': [60, 0], 'inertia': 0.0006, 'shapes': [{'polygon': [[0, -5], [120, -5], [120, 5], [0, 5]]}]}, {'name': 'pawl', 'mass': 0.15, "
+        "'centre': [125, -40], 'inertia': 0.0002, 'shapes': [{'polygon': [[116, -6], [116, -14], [130, -14], [130, -6]]}]}], 'joints': [{'name': 'O', "
+        "'links': ['ground', 'lever'], 'at': [0, 0]}, {'name': 'Q', 'links': ['ground', 'pawl'], 'at': [128, -70]}], 'contacts': [{'name': 'hook', "
+        "'links': ['lever', 'pawl'], 'friction': 0.15}], 'springs': [{'joint': 'Q', 'stiffness': 0.3, 'free': 0.3, 'damping': 0.002}]}", 0, 0);
+    for (int k = 4; k <= 12; k++) {
+        CHECK_INT(drun_to(&d, k > 4 ? LW_FORMULATION_CAPTURE : LW_FORMULATION_INDEX1, k > 4 ? pow(10, -k) : 1e-10, 0.2, 40), LW_OK);
+        for (int b = 0; b < 2; b++) {
+            CHECK_NEAR(d.q[3*b + 2], k > 4 ? turn[b] : d.q[3*b + 2], k < 10 ? 5e-3 : 5e-4, 0);
+            turn[b] = k > 4 ? turn[b] : d.q[3*b + 2];
+        }
+    }
+}
+
 /* Two wedges slide towards each other on one floor, sharp corner against sharp corner: their corners are on the plane of the other's lower face
  * when they meet.  Without friction the one pushes the other, and momentum stays. */
 TEST(wedges_meet_on_a_floor)

@@ -184,13 +184,33 @@ static double closes_in(const capture *g, const lw_touch *p, const lw_touch_moti
 /* Time until the first impact within h, INFINITY: there is none; n places are struck within h.  `pull` is the greatest acceleration. */
 typedef struct ahead_of { double h, pull, first; int n; } ahead_of;
 
+/* Does a corner come to an end of a face just where that end slides off a side of the corner's own body, on which it has pressed so far?  Tips pass each other
+ * then.  in: the time until the gap closes. */
+static bool slides_off(const capture *g, const lw_touch *p, const lw_touch_motion *m, double in)
+{
+    double along = m->place + m->place_rate*in, near = closed*g->part*g->size;
+    bool first = fabs(along) < near;
+    if (p->kind != LW_TOUCH_FACE || p->state == LW_TOUCH_HELD || p->radius[0] > 0 || p->radius[1] > 0 || !(first || fabs(along - p->length) < near))
+        return false;
+    lw_vec2 end = first ? p->arm[1] : lw_v2_add(p->arm[1], lw_v2_scale(p->along, p->length));
+    for (int k = 0; k < g->n; k++) {
+        const lw_touch *o = &g->d->touch->list.touch[g->at[k].touch];
+        lw_vec2 side = lw_v2_scale(o->along, o->length);
+        bool on = o->kind == LW_TOUCH_FACE && o->state == LW_TOUCH_HELD && o->length < INFINITY && o->body[0] == p->body[1] && o->body[1] == p->body[0];
+        if (on && lw_v2_norm(lw_v2_sub(o->arm[0], end)) < LW_TOUCH_END
+            && fmin(lw_v2_norm(lw_v2_sub(p->arm[0], o->arm[1])), lw_v2_norm(lw_v2_sub(p->arm[0], lw_v2_add(o->arm[1], side)))) < LW_TOUCH_END)
+            return true;
+    }
+    return false;
+}
+
 /* Note the impact of a place.  Slow ones, as of bodies at rest, are left to be captured if they overlap by a small fraction of the distance moved in a
  * step at most. */
 static void look_ahead(const capture *g, const lw_touch *p, const lw_touch_motion *m, ahead_of *to)
 {
     double way = g->part*g->size, rate, later, in = closes_in(g, p, m, m->straight, &rate), along = m->place + m->place_rate*in;
     bool on = p->kind != LW_TOUCH_FACE || !(p->length < INFINITY) || (along >= 0 && along <= p->length);
-    if (!((m->straight > 0 || m->rate > 0) && in <= to->h) || !on)
+    if (!((m->straight > 0 || m->rate > 0) && in <= to->h) || !on || slides_off(g, p, m, in))
         return;
     bool overlaps = m->straight > closed*way && closes_in(g, p, m, m->straight + shallow*way, &later) < to->h;
     if (!(rate < -3*to->h*to->pull || overlaps))
@@ -620,7 +640,8 @@ static int find_shut(capture *g, double half)
             lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
         }
         p->shut = m.gap < near && (p->presses || !stays_open(&m, half)) && !lw_touch_past_end(touch, &m)
-               && !lw_touch_goes_on(touch, d->frames, &m, near) && !lw_touch_beside_end(touch, d->frames, &m);
+               && !lw_touch_goes_on(touch, d->frames, &m, near) && !lw_touch_beside_end(touch, d->frames, &m)
+               && !(m.rate < 0 && slides_off(g, touch, &m, fmin(m.gap/-m.rate, half)));
         shut += p->shut;
         p->presses = p->presses && p->shut;
         p->normal = p->across = 0;
