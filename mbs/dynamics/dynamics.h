@@ -72,6 +72,7 @@ typedef struct lw_dynamics_options {
     bool           hold_inputs;  /* keep inputs without a motion where they are */
     bool           rigid;        /* treat elastic links as rigid bars of the same mass */
     bool           compare;      /* lw_dynamics_analyse repeats a run of a planar model with contacts with less accuracy (lw_coarse_run) */
+    bool           coarse;       /* such a run of captured contacts: its steps are twice as long */
     bool           closed;       /* spatial: treat joints with clearance as ideal joints; analyses other than dynamic do so anyway */
 } lw_dynamics_options;
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double longer = 32;             /* steps of captured contacts are in proportion to tolerance^(1/5): twice as long */
+static const double longer = 32;             /* tolerance of captured contacts with steps twice as long, which are in proportion to tolerance^(1/5) */
 static const double looser = 100;
 static const double most_kept = 2e7;         /* coordinates: 160 MB */
 
@@ -57,10 +57,12 @@ bool lw_coarse_suits(const lw_dynamics *d)
 
 lw_coarse_run lw_coarse_begin(bool captured, lw_dynamics_options *o)
 {
-    o->relative *= captured ? longer : looser;
-    o->absolute *= captured ? longer : looser;
+    double tolerance = (captured ? longer : looser)*o->relative;
+    o->relative *= captured ? 1 : looser;
+    o->absolute *= captured ? 1 : looser;
+    o->coarse = captured;
     o->compare = false;
-    return (lw_coarse_run){ .tolerance = o->relative, .large = captured };
+    return (lw_coarse_run){ .tolerance = tolerance, .large = captured };
 }
 
 /* Rows of the coarse run lie on every stride-th row of the other.  1 if steps twice as long end within an interval; else the smallest divisor above 1. */

@@ -20,7 +20,9 @@
  * If few places are struck within a step, the step ends at the first impact: at the root of the gap, predicted from its rate and the accelerations of
  * the last step.  All places that are closed there take part in the impact, as at a located event.  So the times of impacts are of second order, too.
  * Impacts that follow each other within a part of a step, or many impacts in one step, are captured in its middle: their times, and overlaps, are of
- * first order.  The report gives the longest step that captured an impact. */
+ * first order.  The report gives the longest step that captured an impact.
+ *
+ * Forces are those in the middle of the step, which is explicit: stiff springs, dampers and oil limit its length. */
 #include "base/real.h"
 #include "mbs/formulations/formulations_internal.h"
 
@@ -40,11 +42,14 @@ static const double ahead = 20;              /* places that are at most this man
 static const double exact = 1e-8, allowed = 1e-5;
 static const double give = 1e-9;             /* compliance of the rows of contacts, over their diagonals */
 static const double resolved = 0.1;          /* step over the time constant of a compliant place */
+static const double stable = 2.5;            /* square of the step times the greatest frequency of other forces, over the distance moved in a step */
+static const double nudge = 1e-6;            /* way that shows how forces change, scaled */
 static const double unstable = 1e-4;         /* change of a state whose rate changes its sign, over the change allowed for other states */
 static const double slightest = 1e-3;        /* slip with which friction gives way, over the change of velocities by forces */
 static const double moment = 1e-8;           /* step that gives the forces at the start, over the length of the run */
 static const double soonest = 1/16.0;        /* an impact after less than this fraction of a step is captured in it */
 enum { STRUCK_MOST = 12 };                   /* impacts at more places than this in a step are captured */
+enum { ITERATIONS = 30 };                  /* for that frequency, in a step */
 enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENSE_MOST = 250,
        LEAST_CONTACTS = 24, HALVINGS = 8, BOUNCES = 200, TOGETHER_MOST = 60 };
 
@@ -64,7 +69,7 @@ typedef struct capture {
     place  *at;
     double  part;                            /* way of a body in a step over `size`; change of a state in it */
     double  size;                            /* smallest body that touches, scaled */
-    double *q, *v, *after, *next_q, *next_v, *momentum, *wanted, *force, *full, *push;
+    double *q, *v, *after, *next_q, *next_v, *momentum, *wanted, *force, *full, *push, *stiffest;
     lw_columns pattern;                      /* of the system, */
     lw_sparse_lu *lu;                        /* its factors, */
     double *value;                           /* its entries: where pairs of rows and their own products go */
@@ -163,6 +168,56 @@ static double compliant_step(capture *g, double h)
             h = fmin(h, resolved/(sqrt(stiff*gives) + damped*gives));
     }
     return h;
+}
+
+/* Set force (n_v) to the forces without those of places at (q, v), with the states z (n_z) that have moved over h at these velocities. */
+static lw_status forces_behind(capture *g, double h, const double *q, const double *v, double *z, double *force)
+{
+    const lw_equations *eq = &g->d->eq;
+    double power = 0;
+    memcpy(z, g->z, (size_t)eq->n_z*sizeof *z);
+    lw_status s = move_states(g, g->t, h, q, v, z, NULL);
+    eq->place(eq->context, q);
+    eq->place_states(eq->context, z);
+    eq->forces(eq->context, g->t, q, v, force, &power);
+    return s;
+}
+
+/* Shorten the step *h to one that stiff springs, dampers, and states such as the pressure of oil leave stable: its forces are those of a posture and velocities
+ * foretold from the old ones.  With K and C their derivatives by places and velocities, the greatest eigenvalue of (h^2 K + h C)/M tells, by power
+ * iteration, whose vector g->stiffest is kept from step to step. */
+static lw_status stable_step(capture *g, double *h)
+{
+    const lw_dynamics *d = g->d;
+    double *u = g->stiffest, *q = g->next_q, *v = g->next_v, *way = d->hold;
+    bool begins = g->run->r->steps == 0;
+    double most_growth = stable*g->part;
+    lw_status s = LW_OK;
+    for (int pass = 0; s == LW_OK && pass < ITERATIONS; pass++) {
+        double most = lw_greatest(d->n_v, u), before = 0, behind = 0;
+        for (int i = 0; !(most > 0) && i < d->n_v; i++)
+            u[i] = sqrt(d->by_mass[i])*(0.5 + (double)((unsigned)i*2654435761u >> 16)/65536);
+        most = most > 0 ? most : lw_greatest(d->n_v, u);
+        for (int i = 0; i < d->n_v; i++) {
+            way[i] = nudge*u[i]/most;
+            v[i] = g->v[i] + way[i]/ *h;
+        }
+        memcpy(q, g->q, (size_t)d->n_q*sizeof *q);
+        d->eq.move(d->eq.context, q, way);
+        s = forces_behind(g, *h, g->q, g->v, g->mean_z, g->force);
+        s = s == LW_OK ? forces_behind(g, *h, q, v, g->next_z, g->momentum) : s;
+        for (int i = 0; i < d->n_v; i++) {
+            double mass = d->by_mass[i] > 0 ? 1/d->by_mass[i] : 0;
+            before += mass*u[i]*u[i]/(most*most);
+            u[i] = (g->force[i] - g->momentum[i])*d->by_mass[i]/nudge;
+            behind += mass*u[i]*u[i];
+        }
+        double grows = *h**h*sqrt(behind/fmax(before, 1e-300));
+        if (!(grows > most_growth) && !begins)
+            break;
+        *h *= grows > most_growth ? fmax(0.1, sqrt(most_growth/grows)) : 1;
+    }
+    return s;
 }
 
 /* ---- the pattern ------------------------------------------------------------------------------------------ */
@@ -978,6 +1033,8 @@ static lw_status run_steps(capture *g, double *y)
             pull = fmax(pull, fabs(d->a[i]));
         h = fmin(longest, fmin(2*h, part*g->size/fmax(speed, sqrt(fmax(part, slow)*g->size*pull))));
         h = compliant_step(g, h);
+        if ((s = stable_step(g, &h)) != LW_OK)
+            return s;
         missing = false;
         double overlap = 0, left = end - g->t, whole = left/ceil(left/h - 1e-9);     /* a short last step would have wrong mean forces */
         ahead_of to = { .h = whole, .pull = pull, .first = INFINITY };
@@ -1069,15 +1126,15 @@ static lw_status run_capture(lw_run *run)
     lw_dynamics *d = run->d;
     size_t n_q = (size_t)d->n_q, n_v = (size_t)d->n_v, rows = (size_t)d->n_c + (size_t)d->touch->row_max;
     capture g = { .run = run, .d = d, .t = d->o.from, .n_kept = d->n_kept, .size = smallest(d),
-                  .part = fmin(fmax(pow(d->o.relative, 0.2), finest), coarsest) };
+                  .part = (d->o.coarse ? 2 : 1)*fmin(fmax(pow(d->o.relative, 0.2), finest), coarsest) };
     size_t n_z = (size_t)d->eq.n_z;
-    double *memory = calloc(6*n_z + 2*n_q + 5*n_v + rows + 2*rows*(size_t)d->row_size + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
+    double *memory = calloc(6*n_z + 2*n_q + 6*n_v + rows + 2*rows*(size_t)d->row_size + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
     g.at = calloc((size_t)d->touch->list.n + 1, sizeof *g.at);
     g.kept = calloc((size_t)d->n_kept + 1, sizeof *g.kept);
     lw_status s = memory && g.at && g.kept ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         g.q = p, p += n_q, g.next_q = p, p += n_q, g.v = p, p += n_v, g.after = p, p += n_v, g.next_v = p, p += n_v;
-        g.momentum = p, p += n_v, g.force = p, p += n_v, g.wanted = p, p += rows, g.full = p, p += rows*(size_t)d->row_size;
+        g.momentum = p, p += n_v, g.stiffest = p, p += n_v, g.force = p, p += n_v, g.wanted = p, p += rows, g.full = p, p += rows*(size_t)d->row_size;
         g.push = p, p += rows*(size_t)d->row_size;
         g.z = p, p += n_z, g.next_z = p, p += n_z, g.mean_z = p, p += n_z, g.try_z = p, p += n_z, g.rate = p, p += n_z, g.other = p, p += n_z, y = p;
         memcpy(g.kept, d->kept, (size_t)d->n_kept*sizeof *g.kept);
