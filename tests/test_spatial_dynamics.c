@@ -750,7 +750,8 @@ static int compare_eight(lw_spatial *m, lw_rng *rng, double far, int given, doub
     OWN(lw_tree_stages) s = { 0 };
     CHECK_OK(lw_spatial_scene_make(m, &c, &check_error));
     CHECK_OK(lw_recursive_make(&c.s, c.mass, NULL, 0, &r, &check_error));
-    CHECK_INT(lw_tree_stages_make(&r, &c.f, true, &s), LW_OK);
+    CHECK_INT(lw_tree_stages_make(&r, &c.f, &s), LW_OK);
+    s.has_work = true;
     const int n = r.n_x + r.n_u;
     double y[8*64], dy[8*64], again[8*64], x[64], dx[64], q[128], v[128], force[128], power;
     CHECK(n < 64 && c.s.n_q <= 128);

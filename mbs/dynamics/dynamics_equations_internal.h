@@ -106,6 +106,7 @@ struct lw_dynamics {
     lw_status reduced_status;
     char    not_reduced[128];                 /* and if not, why */
     struct lw_panel_rule *rule;               /* of panels along the input */
+    struct lw_space_tree *tree;               /* in the coordinates of the joints (mbs/space/recursive_stages.h), once asked for */
     struct lw_tangent *masses;                /* those that depend on the posture, with the rows; NULL: not yet made */
     /* lw_tangent_accelerate, which finds accelerations with these masses; by a pointer, since it uses the functions below. */
     lw_status (*accelerate)(struct lw_dynamics *d, const double *q, const double *v, const double *force, double *a, double *l);

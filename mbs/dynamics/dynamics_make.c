@@ -10,6 +10,7 @@
 #include "mbs/dynamics/tangent_internal.h"
 #include "mbs/dynamics/touch_internal.h"
 #include "mbs/ode/integrate.h"
+#include "mbs/space/recursive_stages.h"
 
 lw_dynamics_options lw_dynamics_options_default(void)
 {
@@ -157,6 +158,7 @@ void lw_dynamics_free(lw_dynamics *d)
         lw_tangent_free(d->masses);
     free(d->masses);
     lw_mbs_touch_free(d);
+    lw_space_tree_free(d->tree);
     lw_cholesky_free(&d->schur);
     lw_mbs_free_fronts(d);
     lw_forces_free(&d->f);

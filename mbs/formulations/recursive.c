@@ -35,8 +35,8 @@ static const double most_turn = 3;           /* of a joint in one step: turns ar
 
 typedef struct motion {
     lw_run *run;
-    lw_recursive r;
-    lw_tree_stages stages;                   /* of trees with simple loads */
+    lw_recursive r;                          /* both of d->tree; */
+    lw_tree_stages stages;                   /* of trees with simple loads, else without bodies */
     const double *before;                    /* state at the beginning of the step; NULL: BDF methods */
     bool staged;                             /* by collocation */
     lw_space_extra *extra;
@@ -675,10 +675,8 @@ static lw_status run_one(motion *m, double *y, double *work)
     double *out = m->shown, *each = NULL, t = d->o.from;
     lw_mbs_is_stiff(d);                      /* for its decay */
     bool stiff = decays(d) > damped && m->r.n_u <= LW_IMPLICIT_MAX && m->r.n_x == m->r.n_u && m->r.n_row == 0;
-    lw_status s = stiff || !takes_bdf(m) ? lw_tree_stages_make(&m->r, &d->space->f, run->has_work, &m->stages) : LW_E_KIND;
-    if (s == LW_E_MEMORY)
-        return lw_error_set(run->e, s, "out of memory");
-    w.staged = s == LW_OK;
+    m->stages.has_work = run->has_work;
+    w.staged = m->stages.body && !d->space->f.held && (stiff || !takes_bdf(m));      /* loads held may have come since the tree was made */
     w.implicit = !w.staged && takes_bdf(m);
     w.ode.project = w.implicit ? NULL : project;
     w.ode.n_event = run->kinks != NULL;
@@ -691,7 +689,7 @@ static lw_status run_one(motion *m, double *y, double *work)
     o.absolute = w.implicit ? lw_run_bdf_tolerance(d->o.absolute) : d->o.absolute;
     o.max_step = d->o.max_step;
     o.smooth = d->eq.smooth;
-    s = start(m, y, out);
+    lw_status s = start(m, y, out);
     if (s == LW_OK && d->eq.n_z) {           /* states have sizes of their own */
         int first = ode->n - d->eq.n_z;
         each = malloc((size_t)ode->n*sizeof *each);
@@ -725,31 +723,32 @@ static lw_status run_one(motion *m, double *y, double *work)
     return s;
 }
 
-/* Rows beside the joints': spins that are held, inputs with a motion. */
-static lw_status make(motion *m, lw_dynamics *d, lw_error *e)
+/* The tree of d, made once: rows beside the joints' are spins that are held, inputs with a motion. */
+static lw_status take_tree(motion *m, lw_dynamics *d, lw_error *e)
 {
     const lw_spatial_scene *c = d->space;
     int n = c->n_idle + d->n_driven;
-    m->extra = calloc((size_t)n + 1, sizeof *m->extra);
-    m->wanted = calloc((size_t)n + 1, sizeof *m->wanted);
-    m->near = calloc((size_t)n + 1, sizeof *m->near);
-    if (!m->extra || !m->wanted || !m->near)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    memcpy(m->extra, c->idle, (size_t)c->n_idle*sizeof *m->extra);
-    for (int i = 0; i < d->n_driven; i++)
-        m->extra[c->n_idle + i] = (lw_space_extra){ .measure = lw_spatial_numbered(c, d->driven_measure[i]) };
-    lw_status s = lw_recursive_make(&c->s, d->eq.mass, m->extra, n, &m->r, e);
+    lw_status s = LW_OK;
+    if (!d->tree) {
+        lw_space_tree *t = d->tree = lw_space_tree_new(n);
+        if (!t)
+            return lw_error_set(e, LW_E_MEMORY, "out of memory");
+        memcpy(t->extra, c->idle, (size_t)c->n_idle*sizeof *t->extra);
+        for (int i = 0; i < d->n_driven; i++)
+            t->extra[c->n_idle + i] = (lw_space_extra){ .measure = lw_spatial_numbered(c, d->driven_measure[i]) };
+        s = lw_recursive_make(&c->s, d->eq.mass, t->extra, n, &t->r, e);
+        if (s == LW_OK && lw_tree_stages_make(&t->r, &c->f, &t->stages) == LW_E_MEMORY)
+            s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+        if (s != LW_OK) {
+            lw_space_tree_free(t);
+            d->tree = NULL;
+            return s;
+        }
+    }
+    m->r = d->tree->r, m->stages = d->tree->stages;
+    m->extra = d->tree->extra, m->wanted = d->tree->wanted, m->near = d->tree->near;
     m->r.rank = d->rank - (6*c->s.n_body - m->r.n_u);    /* rows of the tree are independent */
     return s;
-}
-
-static void unmake(motion *m)
-{
-    lw_recursive_free(&m->r);
-    lw_tree_stages_free(&m->stages);
-    free(m->extra);
-    free(m->wanted);
-    free(m->near);
 }
 
 static size_t work_size(int n) { return lw_integrate_work(n, 1) > lw_collocation_work(n, true) ? lw_integrate_work(n, 1) : lw_collocation_work(n, true); }
@@ -757,7 +756,7 @@ static size_t work_size(int n) { return lw_integrate_work(n, 1) > lw_collocation
 static lw_status run_recursive(lw_run *run)
 {
     motion m = { .run = run, .least = 1, .first = 1 };
-    lw_status s = make(&m, run->d, run->e);
+    lw_status s = take_tree(&m, run->d, run->e);
     if (s == LW_OK) {
         int n = m.r.n_x + m.r.n_u + run->has_work + run->d->eq.n_z;
         size_t dependence = (size_t)(m.r.n_row - m.r.rank)*(size_t)run->d->n_c;
@@ -774,7 +773,6 @@ static lw_status run_recursive(lw_run *run)
         }
         free(y);
     }
-    unmake(&m);
     return s;
 }
 
@@ -791,8 +789,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_E_KIND, 0, "dampers make the equations stiff");
     motion m = { .least = 1 };
     lw_error e;
-    lw_status s = make(&m, d, &e);
-    int rows = m.r.n_row, n = m.r.n_x + m.r.n_u, legs = 0;
+    lw_status s = take_tree(&m, d, &e);
+    int rows = m.r.n_row, n = m.r.n_x + m.r.n_u, legs = rows > 0 ? m.stages.n_leg : 0;
     char apart[48] = "";
     if (s == LW_OK && m.r.n_u > 0 && rows <= MOST_ROWS) {     /* has every motion a mass, and are the loops as counted? */
         double *x = calloc((size_t)(n + m.r.n_u + d->n_q + d->n_v), sizeof *x);
@@ -808,14 +806,15 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         }
         free(x);
     }
-    if (s == LW_OK && rows > 0 && lw_tree_stages_make(&m.r, &d->space->f, false, &m.stages) == LW_OK)
-        legs = m.stages.n_leg;
     if (legs > 0)
         snprintf(apart, sizeof apart, ", %d leg%s solved one by one", legs, lw_plural(legs));
     snprintf(why, sizeof why, rows ? "%scoordinates of %d joint%s; %d joint%s cut, %d rows of loops%s" : "%scoordinates of %d joint%s, "
              "an open chain", asked ? "asked for; " : "", d->space->s.n_body, lw_plural(d->space->s.n_body), m.r.n_cut, lw_plural(m.r.n_cut), rows, apart);
     bool none = m.r.n_u == 0;
-    unmake(&m);
+    if (s != LW_OK || none || rows > MOST_ROWS) {
+        lw_space_tree_free(d->tree);
+        d->tree = NULL;
+    }
     if (s == LW_E_MEMORY)
         return s;
     if (rows > MOST_ROWS || none)

@@ -28,7 +28,7 @@ const lw_tree_kernel *lw_tree_kernel_of(const char *isa)
     return kernels[i];
 }
 
-static bool suits(const lw_recursive *r, const lw_space_forces *f)
+static bool suits(const lw_recursive *r)
 {
     const lw_spatial *m = r->s->model;
     bool stops = false, laws = false, screws = false;
@@ -38,7 +38,7 @@ static bool suits(const lw_recursive *r, const lw_space_forces *f)
         laws = laws || m->spring[i].law;
     for (int i = 0; i < r->n_cut; i++)
         screws = screws || r->s->joint[r->cut[i]].kind == LW_SPATIAL_SCREW;
-    return !stops && !laws && !screws && !f->held && m->n_joint_spring + m->n_force + m->n_motor + m->n_beam + m->n_super == 0
+    return !stops && !laws && !screws && m->n_joint_spring + m->n_force + m->n_motor + m->n_beam + m->n_super == 0
         && m->n_contact == 0 && m->states.n_state == 0 && r->n_extra + r->s->n_coupling == 0
         && (r->n_row == 0 || (r->n_row <= LW_STAGE_ROWS && r->n_u <= LW_STAGE_RATES));
 }
@@ -319,15 +319,15 @@ void lw_tree_stages_keep_rows(lw_tree_stages *s, const lw_recursive *r)
     arrange(s, s->n_leg > 0 && take_apart(s, r, row) ? row : s->sorted);
 }
 
-lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, bool has_work, lw_tree_stages *s)
+lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, lw_tree_stages *s)
 {
     const lw_spatial *m = r->s->model;
     size_t bodies = (size_t)r->s->n_body, u = (size_t)r->n_u, springs = (size_t)m->n_spring, loops = (size_t)r->n_cut;
     const lw_kernels *best = lw_kernels_supported(0);
     *s = (lw_tree_stages){ .n_body = r->s->n_body, .n_x = r->n_x, .n_u = r->n_u, .n_row = r->n_row, .n_spring = m->n_spring, .n_loop = r->n_cut,
-                           .n_model_row = r->s->n_joint_row, .n_moment = 19*r->s->n_body + r->s->n_joint_row + 2, .has_work = has_work,
+                           .n_model_row = r->s->n_joint_row, .n_moment = 19*r->s->n_body + r->s->n_joint_row + 2,
                            .unit = r->s->unit, .turns = best->turns, .isa = best->isa, .kernel = lw_tree_kernel_of(best->isa) };
-    if (!suits(r, f))
+    if (!suits(r))
         return LW_E_KIND;
     size_t state = lw_tree_state_size(8, r->s->n_body, r->n_u, r->n_row);
     size_t doubles = 3*8*(u + 1) + 8*(size_t)(3*r->n_x + 2*r->n_u + 2 + s->n_moment), ints = u + 1 + loops*bodies + bodies;
@@ -375,6 +375,27 @@ void lw_tree_stages_free(lw_tree_stages *s)
 {
     free(s->memory);
     *s = (lw_tree_stages){ 0 };
+}
+
+lw_space_tree *lw_space_tree_new(int n_extra)
+{
+    size_t n = (size_t)n_extra;
+    lw_space_tree *t = calloc(1, sizeof *t + n*(sizeof *t->extra + sizeof *t->wanted + sizeof *t->near));
+    if (!t)
+        return NULL;
+    t->extra = (lw_space_extra *)(t + 1);
+    t->wanted = (double (*)[3])(void *)(t->extra + n);
+    t->near = (double *)(t->wanted + n);
+    return t;
+}
+
+void lw_space_tree_free(lw_space_tree *t)
+{
+    if (!t)
+        return;
+    lw_recursive_free(&t->r);
+    lw_tree_stages_free(&t->stages);
+    free(t);
 }
 
 lw_status lw_tree_stages_rates(lw_tree_stages *s, bool again, const double *y, double *dy)

@@ -81,9 +81,22 @@ typedef struct lw_tree_stages {
     void   *memory;
 } lw_tree_stages;
 
-/* f: the loads of r; both must outlive s.  LW_E_KIND: other loads or rows than those above, or too many rows; LW_E_MEMORY. */
-lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, bool has_work, lw_tree_stages *s);
+/* f: the loads of r; both must outlive s.  LW_E_KIND: other loads or rows than those above, or too many rows; LW_E_MEMORY.  In both cases
+ * s->body is NULL.  Loads that f holds (f->held) are left out, and so is the work of dampers until s->has_work is set. */
+lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, lw_tree_stages *s);
 void      lw_tree_stages_free(lw_tree_stages *s);
+
+/* Both of a model, with the rows of r beside the joints', the motions wanted of them and the angles near which they count (n_extra). */
+typedef struct lw_space_tree {
+    lw_recursive    r;
+    lw_tree_stages  stages;                  /* no bodies: the model has other loads or rows */
+    lw_space_extra *extra;
+    double        (*wanted)[3], *near;
+} lw_space_tree;
+
+/* NULL: out of memory.  The arrays come with it; r and stages are empty. */
+lw_space_tree *lw_space_tree_new(int n_extra);
+void     lw_space_tree_free(lw_space_tree *t);           /* t may be NULL */
 
 /* Keep the independent rows that r was factored with last, in that order, for the states to come. */
 void      lw_tree_stages_keep_rows(lw_tree_stages *s, const lw_recursive *r);
