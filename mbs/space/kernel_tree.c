@@ -991,13 +991,25 @@ LW_INLINE misfit greatest_misfit(const lw_stage_loop *p, const ends *e, const bo
     return m;
 }
 
-static void moments_of_some(const lw_tree_stages *t, int lane, int n, const double *y, double *dy, double *out)
+/* After answer_anew: the accelerations of the bodies to their trial; what these leave of the loads, which is what the joints of the tree carry. */
+LW_INLINE void carry(const lw_tree_stages *t, lanes *s)
+{
+    for (int i = 0; i < t->n_body; i++) {
+        body *b = &s->all[i];
+        b->trial = add_screw(b->trial, b->load);
+        weigh(&t->body[i], false, b);
+    }
+    pull(t, s->all);
+    load_rows(t, s->all, &s->z);
+}
+
+static void moments_of_some(const lw_tree_stages *t, int lane, int n, double *out)
 {
     lanes s = lanes_from(t, lane);
     body *all = s.all;
     double *q = out, *v = q + 7*t->n_body, *a = v + 6*t->n_body, *l = a + 6*t->n_body, *rest = l + t->n_model_row;
     misfit off = { { 0 }, { 0 } };
-    load(t, true, lane, y, dy, &s);          /* what is missing of the loads is what the joints of the tree carry */
+    carry(t, &s);
     for (const lw_stage_loop *p = t->loop; p < t->loop + t->n_loop; p++) {
         ends e = ends_of(p, all);
         for (int i = 0; i < p->n_row; i++)
@@ -1030,10 +1042,10 @@ static void moments_of_some(const lw_tree_stages *t, int lane, int n, const doub
     give(t, n, off.place, rest), give(t, n, off.rate, rest + 1);
 }
 
-static void moments(const lw_tree_stages *t, int n, const double *y, double *dy, double *out)
+static void moments(const lw_tree_stages *t, int n, double *out)
 {
     for (int lane = 0; lane < n; lane += WIDTH)
-        moments_of_some(t, lane, n - lane < WIDTH ? n - lane : WIDTH, y + lane, dy + lane, out + lane*t->n_moment);
+        moments_of_some(t, lane, n - lane < WIDTH ? n - lane : WIDTH, out + lane*t->n_moment);
 }
 
 const lw_tree_kernel lw_tree_kernel_here = { LW_ISA_NAME, WIDTH, prepare, rates_of, close_loops, moments };

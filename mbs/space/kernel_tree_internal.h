@@ -17,8 +17,8 @@ typedef struct lw_tree_kernel {
     /* Add to du (8 n_u) the least change, in the metric of the masses, that closes the loops; `speeds`: that their rates lack.  again: with the
      * factors of the call before.  Returns the greatest misfit before that; infinite where `rates` returns 0 or less. */
     double (*close)(const lw_tree_stages *s, bool again, bool speeds, const double *y, double *du);
-    /* lw_stage_moments of the states for which `rates` gave dy without `again` just before */
-    void (*moments)(const lw_tree_stages *s, int n, const double *y, double *dy, double *out);
+    /* lw_tree_stages_moments of the states for which `rates` was called without `again` just before */
+    void (*moments)(const lw_tree_stages *s, int n, double *out);
 } lw_tree_kernel;
 
 extern const lw_tree_kernel lw_tree_kernel_x86_64, lw_tree_kernel_x86_64_v3, lw_tree_kernel_x86_64_v4, lw_tree_kernel_native;

@@ -495,6 +495,6 @@ lw_status lw_tree_stages_moments(lw_tree_stages *s, bool open, int n)
         return LW_E_KIND;
     if ((open && s->n_loop > 0 && close_loops(s) != LW_OK) || lw_tree_stages_rates(s, false, s->y, s->dy) != LW_OK)
         return LW_OPEN;
-    s->kernel->moments(s, n, s->y, s->dy, s->moment);
+    s->kernel->moments(s, n, s->moment);
     return LW_OK;
 }
