@@ -32,8 +32,8 @@ typedef struct row {
     bool        marked;                      /* slow writes FILE itself, which says that it is partial */
 } row;
 
-/* Does this row take this one of n ways? */
-static bool takes(size_t row, size_t way, size_t n) { return row%n == way || getenv("LW_FAULTS"); }
+/* Does row k take this one of n ways? */
+static bool takes(size_t k, size_t way, size_t n) { return k%n == way || getenv("LW_FAULTS"); }
 
 #define STREAM "yes \"$(head -n 1 $D/six.g6)\" | "
 

@@ -4,6 +4,7 @@
  * This program's own malloc replaces that of the C library in all libraries, among them GSL, igraph, NLopt, SUNDIALS and
  * cairo, whose error handlers stay as they are: GSL's default ends the program.  Each call that takes memory fails once,
  * in a child process.  GMP, which ends a program without memory, is not reached: see docs/promises.md. */
+#include <dlfcn.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdint.h>
@@ -24,6 +25,15 @@
 
 static atomic_long n_call;
 static long fail_at;
+static void *failed_for;                             /* who asked for the memory that was not given */
+
+static inline bool fails(void *by)
+{
+    if (++n_call != fail_at)
+        return false;
+    failed_for = by;
+    return true;
+}
 
 #if OWN_MALLOC
 void *__libc_malloc(size_t n);
@@ -32,10 +42,10 @@ void *__libc_realloc(void *old, size_t n);
 void *__libc_memalign(size_t by, size_t n);
 
 #pragma GCC visibility push(default)                  /* of the foreign libraries, too */
-void *malloc(size_t n)               { return ++n_call == fail_at ? NULL : __libc_malloc(n); }
-void *calloc(size_t n, size_t size)  { return ++n_call == fail_at ? NULL : __libc_calloc(n, size); }
-void *realloc(void *old, size_t n)   { return ++n_call == fail_at ? NULL : __libc_realloc(old, n); }
-void *aligned_alloc(size_t by, size_t n) { return ++n_call == fail_at ? NULL : __libc_memalign(by, n); }
+void *malloc(size_t n)               { return fails(__builtin_return_address(0)) ? NULL : __libc_malloc(n); }
+void *calloc(size_t n, size_t size)  { return fails(__builtin_return_address(0)) ? NULL : __libc_calloc(n, size); }
+void *realloc(void *old, size_t n)   { return fails(__builtin_return_address(0)) ? NULL : __libc_realloc(old, n); }
+void *aligned_alloc(size_t by, size_t n) { return fails(__builtin_return_address(0)) ? NULL : __libc_memalign(by, n); }
 #pragma GCC visibility pop
 #endif
 
@@ -498,7 +508,14 @@ static const struct { const char *name; int first, density; lw_status (*run)(sum
 
 /* ---- each allocation fails once -------------------------------------------------------------------- */
 
-typedef struct outcome { long n_call; lw_status status; sum s; } outcome;
+typedef struct outcome { long n_call; lw_status status; sum s; bool in_cairo; } outcome;
+
+/* Was the memory refused to cairo itself?  It may leave out text then (docs/promises.md). */
+static bool in_cairo(void)
+{
+    Dl_info who;
+    return failed_for && dladdr(failed_for, &who) && who.dli_fname && strstr(who.dli_fname, "libcairo");
+}
 
 static int run_child(int i, long n, outcome *out)
 {
@@ -509,7 +526,7 @@ static int run_child(int i, long n, outcome *out)
         fail_at = n;
         lw_status st = calls[i].run(&s);
         fail_at = 0;
-        *out = (outcome){ n_call, st, s };
+        *out = (outcome){ n_call, st, s, in_cairo() };
         _exit(0);
     }
     int state = -1;
@@ -536,7 +553,7 @@ TEST(each_allocation_fails)
         CHECK_INT(out[0].status, LW_OK);
         for (long n = 1; n <= out[0].n_call && OWN_MALLOC; n = next_allocation(i, n, out[0].n_call)) {
             int state = run_child((int)i, n, &out[1]);
-            bool good = state == 0 && (out[1].status < 0 || (out[1].status == LW_OK && out[1].s.hash == out[0].s.hash));
+            bool good = state == 0 && (out[1].status < 0 || (out[1].status == LW_OK && (out[1].in_cairo || out[1].s.hash == out[0].s.hash)));
             if (!good)
                 fprintf(stderr, "%s: allocation %ld of %ld fails: state %x, status %d\n", calls[i].name, n, out[0].n_call,
                         (unsigned)state, out[1].status);
