@@ -190,9 +190,9 @@ shared: $B/liblinkwright.so
 samples: $(SAMPLES)                # each checks its own result
 	@for s in $(SAMPLES); do $$s > $B/sample.out 2>&1 || { cat $B/sample.out; echo "$$s failed"; exit 1; }; done
 run-test: $B/linkwright $B/tests/linkwright $B/tests/fuzz/replay.o $(TESTS) $B/tests/test_python $B/tests/test_studio_page samples   # replay.o named: else a second make misses it
-	@LW_PROGRAM=$B/linkwright tests/run.sh $(LONGEST) $(filter-out $(LONGEST),$(TESTS)) $B/tests/test_python
-# first, so that the last ones end together; that of the page waits most of its time
-LONGEST  = $(patsubst %,$B/tests/test_%,studio_page cli_faults cli_promises cli_fit cli_documents library_faults staged_search fit cli_search \
+	@LW_PROGRAM=$B/linkwright tests/run.sh $(LONGEST) $(filter-out $(LONGEST),$(TESTS))
+# first, so that the last ones end together, not one alone; that of the page waits most of its time
+LONGEST  = $(patsubst %,$B/tests/test_%,studio_page python cli_faults cli_promises cli_fit cli_documents library_faults staged_search fit cli_search \
            cli_atlas cli_same_bits surface cli_catalogue cli_freedoms cli_enumerate topology_search exact_nine elastic_space dynamics_large cli_convert)
 pictures: $B/linkwright            # those of README.md
 	$B/linkwright fit examples/walking-foot.csv --crank-only --length-range 5:150 --min-transmission-angle 30 \
