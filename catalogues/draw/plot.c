@@ -70,14 +70,14 @@ static void even_ticks(lw_axis *a, double n)
         add_tick(a, i*step);
 }
 
-/* About n ticks: at whole decades, or every k-th if there are many; at 1, 2, 5 within a few decades if there is room; at 1, 3 where there is
- * only one whole decade. */
+/* About n ticks: at whole decades, or every k-th if there are many and two of these are in the range; at 1, 2, 5 within a few decades if there is
+ * room; at 1, 3 where there is only one whole decade. */
 static void decade_ticks(lw_axis *a, double n)
 {
     int step = (int)fmax(1, ceil((a->hi - a->lo)/n)), first = (int)floor(a->lo), last = (int)ceil(a->hi);
     a->digits = 1;
     bool room = a->hi - a->lo < fmin(2.2, 0.4*n);
-    for (bool fine = room, again = true; again; fine = true) {
+    for (bool fine = room, again = true; again; fine = step == 1, step = 1) {
         a->n_tick = 0;
         for (int k = first; k <= last; k++)
             for (int digit = 1; digit <= 5; digit += digit > 1 ? 3 : room ? 1 : 2)
