@@ -64,7 +64,7 @@ static inline lw_quaternion lw_quaternion_unit(lw_quaternion a)
     double n = sqrt(a.w*a.w + a.x*a.x + a.y*a.y + a.z*a.z);
     return (lw_quaternion){ a.w/n, a.x/n, a.y/n, a.z/n };
 }
-/* a or -a, which are the same rotation: the one nearer to `before`; beside no or an opposite quaternion the one with w >= 0 */
+/* a or -a, which are the same rotation: the one nearer to `before`; the one with w >= 0 where both are as near, or `before` is 0 */
 static inline lw_quaternion lw_quaternion_beside(lw_quaternion before, lw_quaternion a)
 {
     double same = before.w*a.w + before.x*a.x + before.y*a.y + before.z*a.z;

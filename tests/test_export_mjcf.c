@@ -92,15 +92,18 @@ static void limits_are_told(void)
         static drun d;
         lw_bytes b = { 0 };
         drun_read(&d, file[i]);
+        strcpy(d.model.linkage.joint[0].name, "A--B");           /* two hyphens would end a comment */
         lw_export_options o = { .model = &d.model, .clearance = -1 };
         CHECK_SILENT(lw_export_mjcf(&d.model.linkage, &o, &b, &check_error));
         double limit[2] = { 0, 0 };
-        const char *at = strstr(b.data, i ? "limit of the linkage at " : "ctrlrange=\"");
+        const char *at = strstr(b.data, i ? "limits of the linkage at " : "ctrlrange=\"");
         CHECK(at != NULL);
         if (at)
-            CHECK_INT(sscanf(at, i ? "limit of the linkage at %lf and %lf" : "ctrlrange=\"%lf %lf", &limit[0], &limit[1]), 2);
+            CHECK_INT(sscanf(at, i ? "limits of the linkage at %lf and %lf" : "ctrlrange=\"%lf %lf", &limit[0], &limit[1]), 2);
         for (int k = 0; k < 2; k++)
             CHECK_NEAR(fabs(limit[k]), i ? 2*acos(2.0/3) : 0.099, i ? 2e-4 : 7e-4, 0);
+        for (const char *c = b.data; (c = strstr(c, "<!--")) != NULL; c += 4)
+            CHECK(strstr(c + 4, "--") == strstr(c + 4, "-->"));
         lw_bytes_free(&b);
     }
 }

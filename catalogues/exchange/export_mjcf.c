@@ -426,31 +426,29 @@ static double choose_step(const writer *w)
 
 /* ---- the whole ------------------------------------------------------------------------------------ */
 
-/* At a limit of the linkage an input comes into a singular posture, from which the motion could go on in several ways:
- * between these values it does not. */
-static bool find_limits(writer *w, const lw_input *in, double limit[2])
+/* The limits of the linkage for an input without a range, where there are any; its drive stays within `part` of them: in a limit, a singular posture,
+ * the motion could go on in several ways. */
+static bool find_limits(writer *w, const lw_input *in, double part, double limit[2])
 {
     double down, up;
     bool turns, ends = false;
     w->out->failed |= lw_export_way(w->k, w->m, (int)(in - w->k->input), &down, &up, &turns, &ends) != LW_OK;
-    limit[0] = in->value - 0.99*down, limit[1] = in->value + 0.99*up;
+    limit[0] = in->value - part*down, limit[1] = in->value + part*up;
     return ends;
 }
 
+/* Without the names of joints: two hyphens would end the comment. */
 static void put_limits(writer *w)
 {
     double limit[2];
     for (int i = 0; i < lw_assembly_free_inputs(w->k); i++) {
-        const lw_input *in = &w->k->input[i];
-        if (is_driven(w, i) || !find_limits(w, in, limit))
+        if (is_driven(w, i) || !find_limits(w, &w->k->input[i], 1, limit))
             continue;
-        put(w, "\n  <!-- Joint ");
-        lw_bytes_xml(w->out, w->k->joint[in->joint].name);
-        put(w, " comes to a limit of the linkage at ");
-        lw_bytes_number(w->out, in->value + (limit[0] - in->value)/0.99, 6);
+        put(w, "\n  <!-- The input runs freely and comes to limits of the linkage at ");
+        lw_bytes_number(w->out, limit[0], 6);
         put(w, " and ");
-        lw_bytes_number(w->out, in->value + (limit[1] - in->value)/0.99, 6);
-        put(w, ": a singular posture, which MuJoCo may leave in another way than a rigid linkage. -->");
+        lw_bytes_number(w->out, limit[1], 6);
+        put(w, ": singular postures, which MuJoCo may leave in another way than a rigid linkage. -->");
     }
 }
 
@@ -471,7 +469,7 @@ static void put_drives(writer *w)
         bool range = in->first < in->last;
         if (range)
             limit[0] = in->first, limit[1] = in->last;
-        if (range || find_limits(w, in, limit)) {
+        if (range || find_limits(w, in, 0.99, limit)) {
             put(w, " ctrllimited=\"true\"");
             lw_mjcf_numbers(w->out, "ctrlrange", limit, 2);
         }

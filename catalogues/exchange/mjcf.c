@@ -226,8 +226,10 @@ void lw_mjcf_head(lw_bytes *out, const char *name, lw_vec3 gravity, double step,
                        "\n  <option integrator=\"RK4\"");
     lw_mjcf_vec(out, "gravity", gravity);
     lw_mjcf_number(out, "timestep", step);
-    if (rows > 500)
-        lw_bytes_text(out, "/>\n  <size"), lw_mjcf_number(out, "njmax", rows);
+    if (rows > 500) {
+        lw_bytes_text(out, "/>\n  <size");
+        lw_mjcf_number(out, "njmax", rows);
+    }
     lw_bytes_text(out, "/>\n  <statistic");
     lw_mjcf_number(out, "extent", size);
     lw_bytes_text(out, "/>\n  <default>\n    <joint limited=\"false\"");

@@ -87,8 +87,8 @@ lw_status cli_mbs_peers_space(cli_mbs *b, const cli_mbs_problem *p, const struct
 lw_status cli_mbs_space(cli_mbs *b, const cli_mbs_problem *p, lw_error *e);
 
 /* Add rows of models of every kind by every formulation, print how much slower than the fastest `auto` is, and save the plot of the
- * hard cases.  `choice:TEXT` in cases takes the models with TEXT in their name, `choice:hard`
- * also the hard cases, `choice` all.  LW_E_ARG: no model has the text. */
+ * hard cases.  `choice:TEXT` in cases takes the models with TEXT in their name, `choice:hard` the hard cases too, `choice`
+ * all.  LW_E_ARG: no model has the text. */
 lw_status cli_mbs_choice(cli_mbs *b, const char *cases, const char *folder, lw_error *e);
 
 /* Run the whole benchmark. folder NULL: write no files. cases NULL: all problems. LW_E_ARG: unknown problem in
