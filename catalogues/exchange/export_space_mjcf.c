@@ -494,8 +494,8 @@ lw_status lw_export_space_mjcf(const lw_spatial *m, lw_bytes *out, lw_error *e)
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         w.step = choose_step(&w);
-        lw_mjcf_head(out, m->name[0] ? m->name : "model", w.weighed ? m->gravity : lw_v3(0, 0, 0), w.step, w.size, 6*(m->n_joint - m->n_link + 1) + 2*m->n_joint,
-                     m->n_force > 0);
+        lw_mjcf_head(out, m->name[0] ? m->name : "model", w.weighed ? m->gravity : lw_v3(0, 0, 0), w.step, w.size,
+                     6*(m->n_joint - m->n_link + 1) + 2*m->n_joint, m->n_force > 0);
         lw_mjcf_bodies(out, &w.tree, m->ground, 1, put_body, &w);
         put(&w, "\n  </worldbody>");
         put_closures(&w);

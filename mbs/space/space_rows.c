@@ -345,8 +345,9 @@ void lw_space_measured(const lw_space *s, const lw_space_frame *frame, lw_spatia
 
 /* ---- couplings -------------------------------------------------------------------------------------------- */
 
-/* The sum, and its derivatives unless NULL.  Angles are known but for whole turns, here those near `turn`.  The term of least factor turns fastest, more than
- * half a turn in a step where it is geared up; its turns are those that bring the sum nearest to 0: *more than by `turn`, of joint *fastest (-1: none turns). */
+/* The sum, and its derivatives unless jac is NULL.  Angles are known but for whole turns, here those near `turn`.  The joint with the least factor turns
+ * fastest, more than half a turn in a step where it is geared up.  Its whole turns are those that bring the sum nearest to 0: by the angle
+ * *more [rad] beyond those near `turn`, of joint *fastest (-1: none turns). */
 static double coupling_sum(const lw_space *s, const lw_space_coupling *c, const lw_space_frame *frame, const double *turn, double *jac, int *fastest,
                            double *more)
 {
