@@ -240,6 +240,32 @@ TEST(masses_far_apart)
     }
 }
 
+/* A crank, a rod and a block on a slope, in units of length and mass: angles over time are those of the same model with 1 m and 1 kg, as the error
+ * allowed is that of angles and of lengths over the size. */
+TEST(tiny_and_huge)
+{
+    static const struct { const char *unit; double metre, mass; } size[] = { { "m", 1, 1 }, { "um", 1e-6, 1e-12 }, { "mm", 1e-3, 1e-6 }, { "km", 1e3, 1e9 } };
+    char text[2000];
+    for (int f = 0; f < 4; f++)
+        for (int k = 0; k < 4; k++) {
+            double m = size[k].mass, l = 100*size[k].metre, turn = m*l*l/12;
+            json_format(text, sizeof text, "{'linkwright': 1, 'units': {'length': '%s'}, 'links': ['ground', {'name': 'crank', 'mass': %.17g, 'centre': [50, 0], "
+                "'inertia': %.17g}, {'name': 'rod', 'mass': %.17g, 'centre': [100, -50], 'inertia': %.17g}, {'name': 'block', 'mass': %.17g, 'centre': [100, "
+                "-100], 'inertia': %.17g}], 'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]}, {'name': 'B', 'links': ['crank', 'rod'], 'at': "
+                "[100, 0]}, {'name': 'C', 'links': ['rod', 'block'], 'at': [100, -100]}, {'name': 'D', 'kind': 't', 'links': ['ground', 'block'], 'at': [100, "
+                "-100], 'along': [1, 0.3]}], 'input': {'joint': 'A'}, 'gravity': [0, %.17g], 'springs': [{'links': ['ground', 'block'], 'at': [[0, -100], [100, "
+                "-100]], 'stiffness': %.17g, 'damping': %.17g}], 'tracers': [{'name': 'P', 'link': 'crank', 'at': [100, 0]}]}", size[k].unit, m, turn, m, turn,
+                2*m, turn, -9.81*l, 9*m, 0.1*m);
+            drun_read_json(&d, text);
+            CHECK_INT(drun_to(&d, all[f], 1e-10, 5, 20), LW_OK);
+            CHECK_INT(d.report.formulation, all[f]);
+            if (k == 0)
+                drun_keep_path(&other, &d);
+            for (int i = 0; i <= 20; i++)
+                CHECK_NEAR(d.tracer[i].x/size[k].metre, other.tracer[i].x, 100*100*1e-10, 0);
+        }
+}
+
 /* Two inputs stretch a five-bar that carries a pendulum: the run ends at the limit, in few steps. */
 TEST(inputs_to_a_limit)
 {

@@ -25,7 +25,8 @@ typedef struct lw_input_panel {
     bool   still[LW_LINK_MAX];               /* the link turns by less than 2 rad in it */
     /* of lw_input_panel_step: */
     double kinetic_end, work_end, next;      /* next: length proposed for the next panel */
-    double least_mass, cut;                  /* cut: x at which a shorter panel should end; 1: none */
+    double least_mass, absolute;             /* absolute: error allowed in sqrt(2 K), besides the relative one */
+    double cut;                              /* cut: x at which a shorter panel should end; 1: none */
     double force_begin, by_begin;            /* Q and its derivative by K at x = 0 */
     lw_turn_count count;                     /* at x = 0 */
     lw_vec2 reaction[LW_PANEL_NODES][LW_JOINT_MAX];  /* of joints with friction */

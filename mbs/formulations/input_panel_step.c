@@ -231,7 +231,7 @@ bool lw_input_panel_suits(const lw_reduced *r, double kinetic, double rise) { re
 lw_status lw_input_panel_step(lw_input_panel *p, lw_run *run, lw_reduced *r, double end)
 {
     const lw_dynamics_options *o = &run->d->o;
-    const double left = fabs(end - p->from), tolerance = fmax(over_tolerance*(o->relative + o->absolute/sqrt(2*p->kinetic)), 2e-14);
+    const double left = fabs(end - p->from), tolerance = fmax(over_tolerance*(o->relative + p->absolute/sqrt(2*p->kinetic)), 2e-14);
     values v, more;
     lw_status st = forces_at(p, run, r, p->from, p->kinetic*(1 + nudge), &more);
     if (st == LW_OK)

@@ -26,10 +26,11 @@ typedef struct motion {
     lw_reduced    *r;
     lw_integrator *w;
     double kinetic, potential, least_mass;   /* kinetic, potential: at the start */
+    double unit;                             /* of p: that of a body's or the coordinate's rate of 1/s */
     double *memory;                            /* of the integrator */
     double t, s[3], t_old;                   /* at the end of the last step: time and (s over scale, p, work); time where it began */
     bool   panels, in_panel;                 /* panels suit the loads; the last step was one */
-    double allowed[3];                       /* errors of steps between panels: that of a pin does not grow with its turns */
+    double allowed[3];                       /* absolute errors of steps; between panels the whole error: that of a pin does not grow with its turns */
     long   wait;                             /* number of steps of the integrator before which no panel is tried */
     lw_input_panel panel;
     double next_reversal;                    /* of a joint with friction, in multiples of scale; infinite: there is none */
@@ -53,6 +54,26 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
     return s;
 }
 
+/* Absolute error allowed in s over scale, p and work, whatever the units of length, mass and energy are. */
+static double allowed_absolute(const motion *m, int i)
+{
+    return m->run->d->o.absolute*(i == 0 ? 1 : i == 1 ? m->unit : m->unit*m->unit);
+}
+
+/* The unit of p at the start, where M may be far too great, as beside a dead point of the input: no greater than that of all masses. */
+static lw_status choose_unit(motion *m, double s)
+{
+    const lw_dynamics *d = m->run->d;
+    double mass, all = 0;
+    for (int b = 0; b < d->s.n_body; b++) {
+        const lw_body *body = &d->model->body[d->s.link[b]];
+        all += body->mass*d->s.unit*d->s.unit + body->inertia;
+    }
+    lw_status st = lw_reduced_mass(m->r, s, &mass);
+    m->unit = sqrt(fmin(mass*m->r->scale*m->r->scale, all));
+    return st;
+}
+
 /* Note the end of the last step of the integrator, or its start. */
 static void note_state(motion *m)
 {
@@ -60,7 +81,7 @@ static void note_state(motion *m)
     m->t = m->w->t;
     memcpy(m->s, m->w->y, (size_t)m->w->ode->n*sizeof *m->s);
     for (int i = 0; i < 3; i++)
-        m->allowed[i] = o->absolute + o->relative*(i > 0 ? fabs(m->s[i]) : 1);
+        m->allowed[i] = allowed_absolute(m, i) + (m->panels ? o->relative*(i > 0 ? fabs(m->s[i]) : 1) : 0);
 }
 
 /* Start the integrator anew at the state noted, with steps of length h (0: not known). */
@@ -86,7 +107,7 @@ static lw_status hold_energy(void *context, double t, double *y)
     if (s != LW_OK)
         return s;
     double off = 0.5*y[1]*y[1] - m->kinetic + lw_reduced_potential(m->r, y[0]*scale) - m->potential;
-    if (fabs(off) <= hold_most*(o->absolute + o->relative*fabs(y[1]))*fabs(y[1])) {
+    if (fabs(off) <= hold_most*(allowed_absolute(m, 1) + o->relative*fabs(y[1]))*fabs(y[1])) {
         y[1] -= off/y[1];
     } else if (lw_reduced_rate(m->r, t, y[0]*scale, y[1], &ds, &dp, &power) == LW_OK
                && lw_reduced_mass(m->r, y[0]*scale, &mass) == LW_OK) {
@@ -190,7 +211,7 @@ static bool steps_over_dip(const motion *m)
     const lw_reduced_friction *f = m->r->friction;
     lw_integrator *w = m->w;
     const lw_dynamics_options *o = &m->run->d->o;
-    double allowed = o->absolute + o->relative*fabs(w->y[1]), h = fabs(w->h_done), most = 1;
+    double allowed = allowed_absolute(m, 1) + o->relative*fabs(w->y[1]), h = fabs(w->h_done), most = 1;
     for (int i = 0; i < f->n && m->in_step; i++) {
         lw_vec2 before = { m->x[i], m->y[i] }, change = { f->x[i] - m->x[i], f->y[i] - m->y[i] };
         double square = lw_v2_dot(change, change), x = -lw_v2_dot(before, change)/square, side = fmin(x, 1 - x);
@@ -538,6 +559,7 @@ static lw_status take_panel(motion *m)
     p->work = m->s[2];
     p->count = r->count;
     p->least_mass = m->least_mass;
+    p->absolute = allowed_absolute(m, 1);
     if (r->friction && !m->in_panel)
         r->friction->n_past = 0;             /* panels predict reactions by the input */
     double end = m->next_reversal*r->scale;
@@ -707,8 +729,9 @@ static lw_status run_one(motion *m, double *y)
     m->memory = memory;
     m->w = &w;
     m->from = before;
+    st = choose_unit(m, s[0]);
     s[0] /= m->r->scale;
-    if (m->r->friction)
+    if (st == LW_OK && m->r->friction)
         st = friction_at_start(m, d->o.from, s);
     if (st == LW_OK)
         st = lw_run_begin(run, y);
@@ -716,9 +739,11 @@ static lw_status run_one(motion *m, double *y)
     m->panel.rule = d->rule;
     m->panel.next = 0.1*m->r->scale;
     m->next_reversal = m->r->friction ? m->next_reversal : INFINITY;
-    m->allowed[0] = m->allowed[1] = m->allowed[2] = o.absolute + o.relative;
+    for (int i = 0; i < 3; i++)
+        m->allowed[i] = allowed_absolute(m, i) + (m->panels ? o.relative : 0);
+    o.absolute_each = m->allowed;
     if (m->panels)
-        o.absolute_each = m->allowed, o.relative = 0;
+        o.relative = 0;
     assert(lw_integrate_work(ode.n, ode.n_event) <= sizeof memory/sizeof *memory);
     if (st == LW_OK)
         st = lw_integrate_start(&w, &ode, &o, memory, d->o.from, s, run->e);
