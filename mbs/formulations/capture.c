@@ -1019,19 +1019,35 @@ static lw_status say_unsolved(const capture *g)
                         "contacts a \"stiffness\"", g->t);
 }
 
+/* Where the next step from t must end at the latest: at a row, also where a function of time is calm until just before it, since forces in a step
+ * as short as rounding are noise. */
+static double step_end(lw_run *run, double t)
+{
+    double row = lw_run_time(run->d, run->next), end = lw_run_near(run, t);
+    return row - end < 1e-9*(row - t) && !lw_run_at_kink(run, end) ? row : fmin(row, end);
+}
+
+/* Functions of time limit steps at every accuracy; those of a coarser run must be longer all the same, or its difference shows nothing. */
+static double longest_step(const capture *g)
+{
+    const lw_dynamics_options *o = &g->d->o;
+    double spacing = g->run->timed.spacing, most = spacing > 0 ? spacing : INFINITY;
+    return fmin(g->part*(o->to - o->from), o->coarse ? most : 0.5*most);
+}
+
 static lw_status run_steps(capture *g, double *y)
 {
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
     lw_touch_list *list = &d->touch->list;
-    double part = g->part, longest = part*(d->o.to - d->o.from), h = longest;
+    double part = g->part, h = INFINITY;
     lw_status s = LW_OK;
     while (s == LW_OK && run->next <= d->o.intervals) {
         bool missing = false;
-        double speed = look(g, 0, &missing, NULL), pull = 0, end = fmin(lw_run_time(d, run->next), lw_run_near(run, g->t));
+        double speed = look(g, 0, &missing, NULL), pull = 0, end = step_end(run, g->t);
         for (int i = 0; i < d->n_v; i++)
             pull = fmax(pull, fabs(d->a[i]));
-        h = fmin(longest, fmin(2*h, part*g->size/fmax(speed, sqrt(fmax(part, slow)*g->size*pull))));
+        h = fmin(longest_step(g), fmin(2*h, part*g->size/fmax(speed, sqrt(fmax(part, slow)*g->size*pull))));
         h = compliant_step(g, h);
         if ((s = stable_step(g, &h)) != LW_OK)
             return s;
