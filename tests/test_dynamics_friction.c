@@ -455,6 +455,22 @@ TEST(choice_with_springs)
     }
 }
 
+/* A rhombus whose pins rub comes to a flat posture, where friction jams it: `cvode` hands the run over, with a reason, and `index1` names the jam. */
+TEST(a_jam_is_named)
+{
+    const char *pin = "'friction': {'coefficient': 0.05, 'radius': 0.028, 'speed': 0.01}";
+    json_format(text, sizeof text, "{'linkwright': 1, 'gravity': [0, -9.81], 'input': {'joint': 'A', 'speed': -1}, 'links': ['ground', {'name': 'crank', 'mass': 1, "
+        "'centre': [0, 0.5], 'inertia': 0.0833}, {'name': 'rocker', 'mass': 1, 'centre': [1, 0.5], 'inertia': 0.0833}, {'name': 'rod', 'mass': 1, 'centre': "
+        "[0.5, 1], 'inertia': 0.0833}], 'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0], %s}, {'name': 'B', 'links': ['ground', 'rocker'], "
+        "'at': [1, 0], %s}, {'name': 'C', 'links': ['crank', 'rod'], 'at': [0, 1], %s}, {'name': 'D', 'links': ['rod', 'rocker'], 'at': [1, 1], %s}]}",
+        pin, pin, pin, pin);
+    drun_read_json(&d, text);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_CVODE, 1e-4, 2, 20), LW_E_NUMERIC);
+    CHECK_INT(d.report.gave_up, LW_FORMULATION_CVODE);
+    CHECK(strncmp(d.report.why, "cvode gave up: ", 15) == 0 && d.report.why[15] != '\0');
+    CHECK(strstr(d.e.text, "friction jams the linkage") != NULL);
+}
+
 /* With enough friction a linkage at rest stays so, in balance with the part of the friction that acts. */
 TEST(linkage_rests)
 {

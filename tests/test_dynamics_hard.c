@@ -240,8 +240,7 @@ TEST(masses_far_apart)
     }
 }
 
-/* A crank, a rod and a block on a slope, in units of length and mass: angles over time are those of the same model with 1 m and 1 kg, as the error
- * allowed is that of angles and of lengths over the size. */
+/* The same slider-crank in four sizes, from 100 um and 1e-12 kg to 100 km and 1e9 kg: scaled to one size the motions agree, and so does their accuracy. */
 TEST(tiny_and_huge)
 {
     static const struct { const char *unit; double metre, mass; } size[] = { { "m", 1, 1 }, { "um", 1e-6, 1e-12 }, { "mm", 1e-3, 1e-6 }, { "km", 1e3, 1e9 } };

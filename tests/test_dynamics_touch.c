@@ -1205,7 +1205,7 @@ static lw_status keep_turn(void *context, const lw_moment *m)
 }
 
 /* The block of a lever brake presses on a drum, at last with N1, and its friction moves the lever apart; the drum turns on by w^2/(2 c N1), c = mu R/I,
- * rests, and holds against a torque below mu R N1.  Rows lie on ends of steps that functions of time ask for.  The error told is that of the run. */
+ * rests, and holds against a torque below mu R N1.  Some rows lie where functions of time end a step.  The error told is at least a third of the true one. */
 TEST(captured_brake)
 {
     const double c = 0.35*0.3/0.5, arm = 0.5 - 0.12*0.35, n0 = 1.2*9.81/arm, rise = 240/arm, w1 = 20 - c*n0*0.5, w2 = w1 - c*(0.1*n0 + 0.05*rise);

@@ -571,7 +571,8 @@ lw_status lw_run_hand_over(lw_run *run, double *y)
     if (run->refused || d->touch || d->elastic || d->eq.next_piece || d->eq.more_inertia || (implicit && (d->large || r->formulation == LW_FORMULATION_CVODE)))
         return LW_E_NUMERIC;
     const lw_formulation to = implicit ? LW_FORMULATION_CVODE : LW_FORMULATION_INDEX1;
-    snprintf(r->why, sizeof r->why, "%s gave up: %.230s", lw_formulation_name(r->formulation), run->e->text);
+    snprintf(r->why, sizeof r->why, "%s gave up: %.230s", lw_formulation_name(r->formulation),
+             run->e->text[0] ? run->e->text : "its equations have no solution there");
     r->gave_up = r->formulation;
     r->gave_up_t = r->t;
     r->formulation = to;

@@ -1019,15 +1019,16 @@ static lw_status say_unsolved(const capture *g)
                         "contacts a \"stiffness\"", g->t);
 }
 
-/* Where the next step from t must end at the latest: at a row, also where a function of time is calm until just before it, since forces in a step
- * as short as rounding are noise. */
+/* The latest end of a step from t: the next row, or a time before it where a function of time changes fast.  If such a time differs from the row by
+ * rounding only, it is the row: a step between them would be so short that its forces are noise. */
 static double step_end(lw_run *run, double t)
 {
     double row = lw_run_time(run->d, run->next), end = lw_run_near(run, t);
     return row - end < 1e-9*(row - t) && !lw_run_at_kink(run, end) ? row : fmin(row, end);
 }
 
-/* Functions of time limit steps at every accuracy; those of a coarser run must be longer all the same, or its difference shows nothing. */
+/* The longest step from here.  Where functions of time limit it, the limit does not depend on the tolerance.  The run takes half of it, the coarser run
+ * beside it all of it: with equal steps the difference of the two runs would not show the error. */
 static double longest_step(const capture *g)
 {
     const lw_dynamics_options *o = &g->d->o;

@@ -26,7 +26,7 @@ typedef struct motion {
     lw_reduced    *r;
     lw_integrator *w;
     double kinetic, potential, least_mass;   /* kinetic, potential: at the start */
-    double unit;                             /* of p: that of a body's or the coordinate's rate of 1/s */
+    double unit;                             /* p at a rate of 1/s of the coordinate, or of all bodies where that is less */
     double *memory;                            /* of the integrator */
     double t, s[3], t_old;                   /* at the end of the last step: time and (s over scale, p, work); time where it began */
     bool   panels, in_panel;                 /* panels suit the loads; the last step was one */
@@ -60,7 +60,8 @@ static double allowed_absolute(const motion *m, int i)
     return m->run->d->o.absolute*(i == 0 ? 1 : i == 1 ? m->unit : m->unit*m->unit);
 }
 
-/* The unit of p at the start, where M may be far too great, as beside a dead point of the input: no greater than that of all masses. */
+/* Choose the unit of p at the start.  Beside a dead point of the input M is far too great to measure errors by: no more counts than all masses
+ * and inertias, each at a rate of 1/s. */
 static lw_status choose_unit(motion *m, double s)
 {
     const lw_dynamics *d = m->run->d;
