@@ -149,6 +149,15 @@ function drawParts(layer, view, k, where) {
     }
     layer.put(key, "path", { class: "tie", d: path([...points, b]) });
   };
+  const jack = (key, f) => {                              // a hydraulic cylinder: its rod, and over it the tube
+    if (!Array.isArray(f.at) || !f.links) return;
+    const [a, b] = f.at.map((p, i) => P(p, f.links[i])), long = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1;
+    const u = Math.min(0.95 * (f.retracted || 0) * view.scale / long, 1), w = 8 / long, x = b[0] - a[0], y = b[1] - a[1];
+    const at = (along, aside) => [a[0] + along * x - aside * y, a[1] + along * y + aside * x];
+    layer.put(key, "path", { class: "tie", d: path([at(0, w), at(u, w), at(u, -w), at(0, -w), at(0, w)]) });
+    layer.put(`${key}.rod`, "path", { class: "tie", "stroke-width": 4, d: path([at(Math.max(1 - u, 0), 0), b]) });
+  };
+  (k.cylinders || []).forEach((f, i) => jack(`cylinder.${i}`, f));
   (k.ropes || []).forEach((f, i) => tie(`rope.${i}`, f));
   (k.springs || []).forEach((f, i) => tie(`spring.${i}`, f, true));
 }

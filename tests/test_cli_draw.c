@@ -6,7 +6,8 @@ TEST(ties_of_pages)
 {
     expect("$P draw examples/andrews.json -o $D/ties.html && grep -c 'data-ends=\"-1 3\" data-panel=\"0\"' $D/ties.html && "
            "grep -c '^.3,0,\\|\\[3,0,' $D/ties.html", 0, "1\n1", NULL);
-    expect("$P draw examples/dynamics/rope.json -o $D/rope.html -q && grep -c 'data-ends=\"' $D/rope.html", 0, "1", NULL);
+    expect("$P draw examples/dynamics/rope.json -o $D/rope.html -q && grep -c '<polyline.*data-ends=\"' $D/rope.html", 0, "1", NULL);
+    expect("$P draw examples/dynamics/boom-cylinder.json -o $D/jack.html -q && grep -c 'data-ends=.*data-rigid=\"1\"' $D/jack.html", 0, "3", NULL);
 }
 
 TEST(pictures)

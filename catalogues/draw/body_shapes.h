@@ -50,7 +50,7 @@ typedef struct lw_wheel {
 bool lw_body_shapes_gear(const lw_scene *s, int j, lw_wheel wheel[2]);
 
 /* The points that a link's body must reach, at most `room`: its pins and welds (several at one place count once), tracers, blocks,
- * and for a guide the feet of its pins on the line. Returns their number. */
+ * ends of springs, ropes and cylinders, and for a guide the feet of its pins on the line. Returns their number. */
 int lw_body_shapes_nodes(const lw_scene *s, int link, lw_vec2 *node, int room);
 
 #endif

@@ -438,6 +438,19 @@ static void draw_contour(sketch *k, const lw_contour *c)
     s->alpha = 0.15;
 }
 
+/* Shapes from `first` on reach from the point a of link[0] to b of link[1] [px] and move with both; rigid: they do not stretch. */
+static void tie(sketch *k, size_t first, const int link[2], lw_vec2 a, lw_vec2 b, bool rigid)
+{
+    for (lw_shape *s = k->d->shape + first; s < k->d->shape + k->d->n_shape; s++) {
+        s->link = link[0] == linkage(k)->ground ? -1 : link[0];
+        s->tie = link[1];
+        s->panel = 0;
+        s->at = a;
+        s->hold = b;
+        s->rigid = rigid;
+    }
+}
+
 /* A rope, a straight line; or a spring, a zigzag.  Its ends move with two links. */
 static void draw_tie(sketch *k, const int link[2], const lw_vec2 end[2], bool spring)
 {
@@ -450,12 +463,32 @@ static void draw_tie(sketch *k, const int link[2], const lw_vec2 end[2], bool sp
                            lw_v2_scale(across, (i == 0 || i == TEETH ? 0 : i % 2 ? 7 : -7)*k->u));
     p[n++] = b;
     lw_shape *s = lw_drawing_path(k->d, LW_ROLE_LINK, p, (size_t)n, false);
-    s->link = link[0] == linkage(k)->ground ? -1 : link[0];
-    s->tie = link[1];
-    s->panel = 0;
+    tie(k, k->d->n_shape - 1, link, a, b, false);
     s->stroke = LW_INK_ORANGE;
     s->width = (spring ? 1.6 : 2.2)*k->u;
     lw_label_map_line(&k->map, a, b, 3);
+}
+
+/* A hydraulic cylinder between points of two links: tube and rod turn with the line between its pins and do not stretch. */
+static void draw_jack(sketch *k, const lw_spring *c)
+{
+    const lw_assembly *l = linkage(k);
+    double scale = k->d->view[0].scale, tube = 0.95*scale*c->retracted;
+    lw_vec2 end[2] = { pixel_of(k, 0, c->at[0]), pixel_of(k, 0, c->at[1]) }, line = lw_v2_sub(end[1], end[0]);
+    lw_vec2 along = lw_v2_scale(line, 1/fmax(lw_v2_norm(line), 1e-9));
+    const int back[2] = { c->link[1], c->link[0] };
+    size_t first = k->d->n_shape;
+    lw_symbol_tube(k->d, (lw_bearer){ -1, -1, 0 }, end[0], along, tube, LW_INK_ORANGE, k->u);
+    tie(k, first, c->link, end[0], end[1], true);
+    first = k->d->n_shape;
+    lw_symbol_rod(k->d, (lw_bearer){ -1, -1, 0 }, end[1], along, tube, LW_INK_ORANGE, k->u);
+    tie(k, first, back, end[1], end[0], true);
+    for (int i = 0; i < 2; i++) {
+        if (c->link[i] == l->ground)
+            lw_symbol_pivot(k->d, bearer(l, -1, l->ground), end[i], k->u);
+        lw_symbol_pin(k->d, bearer(l, -1, c->link[i]), end[i], k->u);
+    }
+    lw_label_map_line(&k->map, end[0], end[1], 3);
 }
 
 static void sketch_linkage(sketch *k)
@@ -485,7 +518,10 @@ static void sketch_linkage(sketch *k)
     for (int i = 0; m && i < m->n_rope; i++)
         draw_tie(k, m->rope[i].link, m->rope[i].at, false);
     for (int i = 0; m && i < m->n_spring; i++)
-        draw_tie(k, m->spring[i].link, m->spring[i].at, true);
+        if (m->spring[i].retracted > 0)
+            draw_jack(k, &m->spring[i]);
+        else
+            draw_tie(k, m->spring[i].link, m->spring[i].at, true);
     draw_pins(k);
 }
 
@@ -1027,7 +1063,7 @@ lw_status lw_diagram_draw(const lw_scene *s, const lw_diagram_options *o, lw_dra
     k.o = &plain;
     lw_box path;
     lw_status status = lw_label_map_make(&k.map, o->width, o->height, e);
-    int nodes = 2*(s->linkage.n_joint + s->linkage.n_tracer);
+    int nodes = 2*(s->linkage.n_joint + s->linkage.n_tracer) + (s->model ? s->model->n_spring + s->model->n_rope : 0);
     for (int i = 0; s->model && s->model->elastic && i < s->linkage.n_link; i++)
         nodes = s->model->elastic[i].n_axis > nodes ? s->model->elastic[i].n_axis : nodes;
     k.room = nodes > LW_NODE_MAX ? nodes : LW_NODE_MAX;

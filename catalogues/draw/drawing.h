@@ -65,14 +65,15 @@ typedef struct lw_shape {
     lw_role role;
     int     item;              /* which joint, link, station, ... it stands for; -1: none          */
     int     link;              /* the link it moves with; -1: stands still                          */
-    int     tie;               /* a path between two links: that of its last point; -1: none        */
+    int     tie;               /* a path from the point `at` of its link to the point `hold` of this one; -1: none */
+    bool    rigid;             /* such a path keeps its length from `at` on, and does not stretch   */
     int     panel;             /* the view (0, 1) it lies in and is clipped to; -1: the whole page  */
     lw_ink  stroke, fill;
     double  width;             /* of the stroke [px]; for text: the size of the type                */
     double  alpha;             /* of the fill, 0 .. 1                                               */
     bool    dashed, closed;
     size_t  first, n;          /* path: points; text: first byte in `text`, n bytes                 */
-    lw_vec2 at;                /* circle: centre; text: anchor on the base line [px]                */
+    lw_vec2 at;                /* circle: centre; text: anchor on the base line; see `tie` [px]     */
     double  radius;            /* circle [px]                                                       */
     double  align;             /* text: 0 begins, 0.5 is centred, 1 ends at `at`                    */
     double  turn;              /* text: [rad], clockwise on the page (y is down)                    */

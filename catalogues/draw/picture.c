@@ -159,13 +159,13 @@ static bool paint_bend(cairo_t *c, const lw_drawing *d, const lw_shape *s, const
     return false;
 }
 
-/* A path between two links: its ends move with them, the points between stay in proportion along it, and as far aside. */
+/* A path between two links: its ends move with them, its points stay in proportion along it, or as far if it is rigid, and as far aside. */
 static bool paint_tie(cairo_t *c, const lw_drawing *d, const lw_shape *s, const lw_scene *scene, size_t frame)
 {
     if (!scene || s->tie < 0 || s->panel < 0 || s->panel >= d->n_view)
         return false;
     const lw_vec2 *p = d->point + s->first;
-    lw_vec2 old[2] = { p[0], p[s->n - 1] }, now[2];
+    lw_vec2 old[2] = { s->at, s->hold }, now[2];
     for (int end = 0; end < 2; end++) {
         int link = end ? s->tie : s->link;
         lw_page_motion m = { .turn = { 1, 0 } };
@@ -174,8 +174,10 @@ static bool paint_tie(cairo_t *c, const lw_drawing *d, const lw_shape *s, const 
         now[end] = lw_v2_add(m.to, lw_v2_turn(lw_v2_sub(old[end], m.from), m.turn));
     }
     lw_vec2 was = lw_v2_sub(old[1], old[0]), is = lw_v2_sub(now[1], now[0]);
-    double length = fmax(lw_v2_norm(was), 1e-9);
-    lw_vec2 across = lw_v2_scale(lw_v2_perp(is), 1/fmax(lw_v2_norm(is), 1e-9));
+    double length = fmax(lw_v2_norm(was), 1e-9), now_long = fmax(lw_v2_norm(is), 1e-9);
+    lw_vec2 across = lw_v2_scale(lw_v2_perp(is), 1/now_long);
+    if (s->rigid)
+        is = lw_v2_scale(is, length/now_long);
     for (size_t i = 0; i < s->n; i++) {
         lw_vec2 from = lw_v2_sub(p[i], old[0]);
         lw_vec2 to = lw_v2_add(lw_v2_add(now[0], lw_v2_scale(is, lw_v2_dot(from, was)/(length*length))),

@@ -42,8 +42,12 @@ static void common(lw_bytes *b, const lw_shape *s, bool by_class)
     if (s->item >= 0 && (snprintf(t, sizeof t, " data-item=\"%d\"", s->item), true))
         lw_bytes_text(b, t);
     if (s->tie >= 0) {
-        snprintf(t, sizeof t, " data-ends=\"%d %d\" data-panel=\"%d\"", s->link, s->tie, s->panel);
+        snprintf(t, sizeof t, " data-ends=\"%d %d\" data-panel=\"%d\"%s", s->link, s->tie, s->panel, s->rigid ? " data-rigid=\"1\"" : "");
         lw_bytes_text(b, t);
+        number(b, " data-line=\"", s->at.x, " ");
+        number(b, "", s->at.y, " ");
+        number(b, "", s->hold.x, " ");
+        number(b, "", s->hold.y, "\"");
     } else if (s->link >= 0) {
         snprintf(t, sizeof t, " data-link=\"%d\" data-panel=\"%d\"", s->link, s->panel);
         lw_bytes_text(b, t);
@@ -68,7 +72,7 @@ static void common(lw_bytes *b, const lw_shape *s, bool by_class)
 
 static void path(lw_bytes *b, const lw_drawing *d, const lw_shape *s, bool by_class)
 {
-    if (s->n == 2 && !s->closed) {
+    if (s->n == 2 && !s->closed && s->tie < 0) {           /* pages move the points of those between two links */
         const lw_vec2 *p = d->point + s->first;
         number(b, "<line x1=\"", p[0].x, "\"");
         number(b, " y1=\"", p[0].y, "\"");

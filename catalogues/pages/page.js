@@ -57,18 +57,20 @@
       this.element = element;
       const n = element.getAttribute("points").split(/[ ,]+/).map(Number);
       this.points = Array.from({ length: n.length / 2 }, (_, i) => [n[2 * i], n[2 * i + 1]]);
+      const [ax, ay, bx, by] = element.dataset.line.split(" ").map(Number);
+      this.line = [[ax, ay], [bx, by]];
       this.ends = element.dataset.ends.split(" ").map((l) =>
         links.find((k) => k.link === Number(l) && k.panel === Number(element.dataset.panel)));
     }
 
     move() {
-      const old = [this.points[0], this.points[this.points.length - 1]];
+      const old = this.line;
       const [a, b] = this.ends.map((link, i) => (link && link.now ? link.now(old[i]) : old[i]));
       const wx = old[1][0] - old[0][0], wy = old[1][1] - old[0][1], was = Math.max(Math.hypot(wx, wy), 1e-9);
       const x = b[0] - a[0], y = b[1] - a[1], is = Math.max(Math.hypot(x, y), 1e-9);
       this.element.setAttribute("points", this.points.map((p) => {
         const dx = p[0] - old[0][0], dy = p[1] - old[0][1];
-        const along = (dx * wx + dy * wy) / (was * was), aside = (wx * dy - wy * dx) / was / is;
+        const along = (dx * wx + dy * wy) / was / (this.element.dataset.rigid ? is : was), aside = (wx * dy - wy * dx) / was / is;
         return `${(a[0] + along * x - aside * y).toFixed(2)},${(a[1] + along * y + aside * x).toFixed(2)}`;
       }).join(" "));
     }

@@ -31,6 +31,7 @@ typedef struct lw_spring {
     int     link[2];
     lw_vec2 at[2];
     double  stiffness, damping, free;    /* [N/m] [N s/m] [m]                                      */
+    double  retracted;                   /* > 0: a hydraulic cylinder, which is so long when it is pushed in [m] */
     lw_expression *law;                  /* NULL: linear                                           */
 } lw_spring;
 
