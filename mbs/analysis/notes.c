@@ -148,7 +148,7 @@ void lw_dynamics_notes(lw_note_sink c, const lw_dynamics *d, const lw_dynamics_r
              "within a step reach %.2g m; the error is of first order (formulation index1 locates each event)", r->captured_step, r->captured_late,
              r->overlap);
     else if (r->captured_step > 0)
-        note(c, "contacts are captured in steps of up to %.2g s, and each impact was located: the error is of second order%s", r->captured_step,
+        note(c, "contacts are captured in steps of up to %.2g s, and each impact but slow ones was located: the error is of second order%s", r->captured_step,
              r->captured_rest > 0 ? ", but for low bounces" : "");
     if (r->captured_rest > 0)
         note(c, "bounces of up to %.2g m/s count as rest; the error is of first order there", r->captured_rest);

@@ -60,6 +60,7 @@ typedef struct place {
     int    slips;                            /* 0: sticks */
     double mu, normal, across;               /* impulses */
     double target, glide;                    /* least rate of the gap; rate of the slip while it sticks */
+    double closes;                           /* rate at which a place that does not press closes at the end of the step */
 } place;
 
 typedef struct capture {
@@ -661,14 +662,14 @@ static lw_status note_jam(capture *g, double h, int m, double pull)
     return s;
 }
 
-/* If contacts change in a step, its end cannot be predicted from the old velocities: satisfy the rows in its middle. */
+/* If contacts change in a step, its end cannot be predicted from the old velocities: satisfy the rows in its middle.  Gaps close at its end at the soonest. */
 static lw_status aim_at_middle(capture *g, double t)
 {
     lw_status s = lw_mbs_rate_wanted(g->d, t);
     memcpy(g->wanted, g->d->rhs, (size_t)g->d->n_c*sizeof *g->wanted);
     for (int k = 0; k < g->n; k++) {
         g->at[k].glide = 0;
-        g->at[k].target = 0;
+        g->at[k].target = g->at[k].closes;
     }
     return s;
 }
@@ -814,7 +815,8 @@ static lw_status solve_step(capture *g, double t, double h)
         place *p = &g->at[k];
         lw_touch_motion m;
         lw_touch_at(&d->touch->list.touch[p->touch], &d->eq, d->frames, g->after, &m);
-        p->target = is_struck(p, &m, h, pull) ? 0 : bend(p, &m, h);
+        p->closes = p->presses || is_struck(p, &m, h, pull) ? 0 : fmin(0, -2*m.gap/h);
+        p->target = is_struck(p, &m, h, pull) ? 0 : p->presses ? bend(p, &m, h) : p->closes;
         if (p->shut && d->touch->list.touch[p->touch].state != LW_TOUCH_HELD)
             g->rest = fmax(g->rest, -m.rate*d->touch->list.touch[p->touch].surface->restitution);
         p->glide = p->presses && p->slips == 0 ? -0.5*h*m.slip_bias : 0;
