@@ -414,6 +414,22 @@ TEST(sign_that_holds_is_an_error)
             }
 }
 
+/* So it is where the force does not jump, but the rate of a state behind it: a relay that switches on a line and acts behind a lag comes to rest on it by ever
+ * shorter switchings. */
+TEST(relay_behind_a_lag)
+{
+    static const lw_formulation each[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_GGL, LW_FORMULATION_RADAU,
+                                           LW_FORMULATION_ALPHA };
+    for (int f = 0; f < 6; f++)
+        for (int digits = 6; digits < 10; digits += 2) {
+            read_sign("-4*lag(sign(q(S) + 0.1*v(S)), 0.005, 1)", 1);
+            d.o.max_step = 200000;
+            CHECK_INT(drun_to(&d, each[f], pow(10, -digits), 4, 4), LW_E_NUMERIC);
+            CHECK(strstr(d.e.text, "slides along the jump"));
+            CHECK_NEAR(d.report.t, 0.675, 0.02, 0);              /* each tells when a switching takes about 1e-5 s */
+        }
+}
+
 /* A mass thrown against a force c/(1 + q)^1.5 turns back before -1; trial steps lie behind, where the force is not a number.  A force that
  * falls to 0 and ends there with its root, before which the mass does not turn, ends the run. */
 TEST(forces_without_a_value_behind_the_motion)

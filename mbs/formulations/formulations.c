@@ -361,7 +361,7 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
                && !d->touch && !d->o.pieces;
     if (others && !(run.last_shown = malloc((size_t)d->n_q*sizeof *run.last_shown)))
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    if (d->eq.n_jump && !(run.sides = calloc(2*(size_t)(d->eq.n_switch + d->n_v) + (size_t)d->eq.n_jump, sizeof *run.sides))) {
+    if (d->eq.n_jump && !(run.sides = calloc(2*(size_t)(d->eq.n_switch + d->n_v) + 3*(size_t)d->eq.n_z + (size_t)d->eq.n_jump, sizeof *run.sides))) {
         free(run.last_shown);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }

@@ -72,20 +72,20 @@ lw_status lw_run_look_at_stops(lw_run *run, double t, const double *q)
     return LW_OK;
 }
 
-/* A motion that slides along a jump of the forces shows it in one of two ways.  Forces jump LW_RUN_JUMPS times in so short a time that a run
- * would have most_jumps.  Or most_near steps in a row are shorter than a run over most_jumps, all with a jump near them that neither
+/* A motion that slides along a jump of the forces shows it in one of two ways.  Forces or rates of states jump LW_RUN_JUMPS times in so short a time that a
+ * run would have most_jumps.  Or most_near steps in a row are shorter than a run over most_jumps, all with a jump near them that neither
  * comes nearer nor goes away, since stages within the steps jump; most_steady times as many where no end of a step of late was behind the
  * jump.  A jump is near if its side, at the greatest rate of late (which is forgotten slowly), changes within `reach` steps. */
 static const double most_jumps = 2e5, reach = 4, forget = 0.99;
 static const int most_near = 80, most_steady = 10;
-static const double least_jump = 1e-3;                   /* part of the greatest force so far: less is no jump */
+static const double least_jump = 1e-3;                   /* part of the greatest force, or rate of a state, so far: less is no jump */
 static const double lately = 1e-3;                       /* part of the run: the last jump is not longer ago */
 
 lw_status lw_run_slides(lw_run *run, double t)
 {
     run->refused = true;                                 /* no formulation can follow it */
-    return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s a force with sign() or mod() jumps to and fro: the motion slides along the "
-                        "jump, where that force is not defined. Give the joint \"friction\", or take a smooth function, as tanh(x/0.001)", t);
+    return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s a force, or the rate of a state, with sign() or mod() jumps to and fro: the motion slides "
+                        "along the jump, where it is not defined. Give the joint \"friction\", or take a smooth function, as tanh(x/0.001)", t);
 }
 
 /* ---- pulses ------------------------------------------------------------------------------------------- */
@@ -212,16 +212,22 @@ lw_status lw_run_jumps(lw_run *run, double t, const double *y)
         limit_by_pulses(run, t, y);
     if (!run->sides)
         return LW_OK;
-    double *side = run->sides, *now = side + eq->n_switch, *force = now + eq->n_switch, *before = force + eq->n_v, change = 0;
-    bool jumped = false;
-    memcpy(before, force, (size_t)eq->n_v*sizeof *before);
+    int n = eq->n_v + eq->n_z;                           /* forces, and rates of states */
+    double *side = run->sides, *now = side + eq->n_switch, *force = now + eq->n_switch, *before = force + n, *most = before + n;
+    bool jumped = false, large = false;
+    memcpy(before, force, (size_t)n*sizeof *before);
     eq->place_states(eq->context, y + lw_run_states(run));
     eq->switches(eq->context, t, y, y + eq->n_q, force, now);
-    for (int i = 0; i < eq->n_v; i++) {
-        change = fmax(change, fabs(force[i] - before[i]));
+    if (eq->n_z)
+        eq->state_rates(eq->context, t, y, y + eq->n_q, force + eq->n_v);
+    for (int i = 0; i < eq->n_v; i++)
         run->most_force = fmax(run->most_force, fabs(force[i]));
+    for (int i = 0; i < n; i++) {
+        double *of = i < eq->n_v ? &run->most_force : &most[i - eq->n_v];
+        *of = fmax(*of, fabs(force[i]));
+        large = large || fabs(force[i] - before[i]) > least_jump**of;
     }
-    double all = run->d->o.to - run->d->o.from, h = t - run->jumps_t, *rate = before + eq->n_v;      /* rate (n_jump): of the sides */
+    double all = run->d->o.to - run->d->o.from, h = t - run->jumps_t, *rate = most + eq->n_z;      /* rate (n_jump): of the sides */
     double near = -1;                                    /* distance of a jump that the step could reach; < 0: there is none */
     bool first_look = run->jumps_t == -INFINITY;
     for (int k = 0, i = eq->n_switch - eq->n_jump; k < eq->n_jump; k++, i++) {
@@ -237,7 +243,7 @@ lw_status lw_run_jumps(lw_run *run, double t, const double *y)
     double *part = &run->near[run->n_near > most_near/2];        /* greatest distance in the first half of such steps, in the second */
     *part = run->n_near % (most_near/2) == 1 ? near : fmax(*part, near);
     double *last = &run->jumped[run->n_jumped % LW_RUN_JUMPS], first = *last;
-    if (jumped && change >= least_jump*run->most_force) {
+    if (jumped && large) {
         *last = t;
         if (++run->n_jumped > LW_RUN_JUMPS && (t - first)*most_jumps < LW_RUN_JUMPS*all)
             return lw_run_slides(run, t);
