@@ -81,7 +81,7 @@ static int rank_of(lw_spatial_kind kind, bool loaded)
     return 0;
 }
 
-lw_status lw_space_tree_make(const lw_spatial *m, lw_export_tree *t, lw_error *e)
+lw_status lw_space_tree_make(const lw_spatial *m, bool plane, lw_export_tree *t, lw_error *e)
 {
     size_t joints = (size_t)m->n_joint + 1;
     int *rank = calloc(joints, sizeof *rank);
@@ -91,14 +91,15 @@ lw_status lw_space_tree_make(const lw_spatial *m, lw_export_tree *t, lw_error *e
     if (s == LW_OK)
         mark_loaded(m, loaded);
     for (int j = 0; s == LW_OK && j < m->n_joint; j++)
-        rank[j] = rank_of(m->joint[j].kind, loaded[j]);
+        rank[j] = m->joint[j].link[0] < 0 ? -1 : rank_of(m->joint[j].kind, loaded[j]);
     if (s == LW_OK)
         s = lw_span(m->joint, sizeof *m->joint, offsetof(lw_spatial_joint, link), rank, m->n_joint, m->ground, m->n_link, t);
     if (s != LW_OK)
-        lw_error_set(e, s, s == LW_E_MEMORY ? "out of memory for a tree of bodies" : "a link hangs on no joint");
+        lw_error_set(e, s, s == LW_E_MEMORY ? "out of memory for a tree of bodies"
+                     : "a link hangs on no joint, or on a gear alone, which has no form in a tree of bodies");
     for (int i = 0; s == LW_OK && i < m->n_link; i++) {
         const lw_spatial_joint *p = t->joint[i] < 0 ? NULL : &m->joint[t->joint[i]];
-        if (p && p->kind == LW_SPATIAL_FREE && t->parent[i] != m->ground)
+        if (p && p->kind == LW_SPATIAL_FREE && t->parent[i] != m->ground && !plane)
             s = lw_error_set(e, LW_E_KIND, "joint '%s' is free between two links that move, which has no form in a "
                              "tree of bodies; name the ground as one of its links", p->name);
         if (p)

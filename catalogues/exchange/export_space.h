@@ -23,8 +23,8 @@ lw_status lw_export_space_adams_commands(const lw_spatial *m, lw_bytes *out, lw_
 /* ---- for the writers ------------------------------------------------------------------------------- */
 
 /* Joints that are no revolute or spherical ones first, then driven and loaded ones, spherical ones last. LW_E_KIND: a
- * free joint between two links that move; LW_E_MEMORY. Free it after a failure too. */
-lw_status lw_space_tree_make(const lw_spatial *m, lw_export_tree *t, lw_error *e);
+ * free joint between two links that move, unless the model is in the plane; LW_E_MEMORY. Free it after a failure too. */
+lw_status lw_space_tree_make(const lw_spatial *m, bool plane, lw_export_tree *t, lw_error *e);
 
 /* LW_E_KIND, naming it: a law, a force that varies, an elastic link (beams: a superelement). */
 lw_status lw_export_space_loads(const lw_spatial *m, const char *format, bool beams, lw_error *e);

@@ -148,44 +148,29 @@ bool lw_spatial_is_planar(const lw_spatial *m, lw_vec3 *normal)
 
 static lw_vec3 in_plane(lw_vec2 a) { return lw_v3(a.x, a.y, 0); }
 
-static lw_status add_joint(const lw_model *p, int j, lw_spatial *m, lw_error *e)
+static lw_spatial_joint joint_of(const lw_model *p, int j)
 {
-    static const lw_vec3 z = { 0, 0, 1 };
     const lw_joint *from = &p->linkage.joint[j];
-    lw_spatial_joint to = { .kind = LW_SPATIAL_REVOLUTE, .link = { from->link[0], from->link[1] }, .at = in_plane(from->at), .axis = z };
+    lw_spatial_joint to = { .link = { from->link[0], from->link[1] }, .at = in_plane(from->at), .axis = lw_v3(0, 0, 1), .stop = p->stop[j],
+                            .friction = p->friction[j], .clearance = p->clearance[j] };
     memcpy(to.name, from->name, sizeof to.name);
-    to.stop = p->stop[j];
-    to.friction = p->friction[j];
-    to.clearance = p->clearance[j];
-    if (from->kind == LW_JOINT_SLOT) {                   /* a slide on link 0 that carries the pin */
-        lw_spatial_joint slide = to;
-        lw_spatial_body *body = &m->body[m->n_link];
-        slide.kind = LW_SPATIAL_PRISMATIC;
-        slide.axis = in_plane(from->along);
-        slide.link[1] = to.link[0] = m->n_link++;
-        snprintf(body->name, sizeof body->name, "%.20s runner", from->name);
-        to.stop = (lw_joint_stop){ .has_least = false };
-        snprintf(to.name, sizeof to.name, "%.24s pin", from->name);
-        m->joint[m->n_joint++] = to;                     /* behind those that the file has */
-        to = slide;
-    } else if (from->kind == LW_JOINT_SLIDER)
-        to.kind = LW_SPATIAL_PRISMATIC, to.axis = in_plane(from->along);
-    else if (from->kind == LW_JOINT_FIXED)
-        to.kind = LW_SPATIAL_FIXED, to.axis = lw_v3(0, 0, 0);
-    else if (from->kind != LW_JOINT_REVOLUTE)
-        return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a %s: models with such joints stay in the plane", from->name,
-                            lw_joint_word(from->kind));
-    m->joint[j] = to;
-    return LW_OK;
+    switch (from->kind) {
+    case LW_JOINT_REVOLUTE:
+        to.kind = LW_SPATIAL_REVOLUTE;
+        if (from->link[1] == p->linkage.ground)          /* a pin at the ground turns as the other link does, whichever is named first */
+            to.link[0] = from->link[1], to.link[1] = from->link[0];
+        return to;
+    case LW_JOINT_SLIDER: to.kind = LW_SPATIAL_PRISMATIC, to.axis = in_plane(from->along); return to;
+    case LW_JOINT_SLOT:   to.kind = LW_SPATIAL_PLANAR, to.second = in_plane(from->along);  return to;
+    case LW_JOINT_FIXED:  to.kind = LW_SPATIAL_FIXED;  break;
+    case LW_JOINT_GEAR:   to.kind = LW_SPATIAL_FREE, to.link[0] = to.link[1] = -1; break;
+    case LW_JOINT_FREE:   to.kind = LW_SPATIAL_FREE;   break;
+    }
+    to.axis = lw_v3(0, 0, 0);
+    return to;
 }
 
-/* A pin between a link and the ground turns as the link does, whichever is named first. */
-static bool is_turned(const lw_model *p, int j)
-{
-    return p->linkage.joint[j].kind == LW_JOINT_REVOLUTE && p->linkage.joint[j].link[1] == p->linkage.ground;
-}
-
-lw_status lw_spatial_of_planar(const lw_model *p, lw_spatial *m, lw_error *e)
+lw_status lw_spatial_joint_by_joint(const lw_model *p, lw_spatial *m, lw_error *e)
 {
     const lw_assembly *k = &p->linkage;
     size_t joints = 2*(size_t)k->n_joint + 1, links = (size_t)(k->n_link + k->n_joint) + 1;
@@ -201,8 +186,6 @@ lw_status lw_spatial_of_planar(const lw_model *p, lw_spatial *m, lw_error *e)
     m->elastic = calloc(links, sizeof *m->elastic);
     if (!m->body || !m->joint || !m->input || !m->tracer || !m->spring || !m->joint_spring || !m->elastic)
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK && p->n_elastic)
-        s = lw_error_set(e, LW_E_KIND, "a planar model with elastic links stays in the plane: write its places with three numbers");
     for (int i = 0; s == LW_OK && i < k->n_link; i++) {
         const lw_body *b = &p->body[i];
         lw_spatial_body *to = &m->body[i];
@@ -210,19 +193,10 @@ lw_status lw_spatial_of_planar(const lw_model *p, lw_spatial *m, lw_error *e)
                                  .inertia = { 0.5*b->inertia, 0.5*b->inertia, b->inertia } };
         memcpy(to->name, k->link_name[i], sizeof to->name);
     }
-    m->n_joint = k->n_joint;
     for (int j = 0; s == LW_OK && j < k->n_joint; j++)
-        if ((s = add_joint(p, j, m, e)) == LW_OK && m->joint[j].kind == LW_SPATIAL_REVOLUTE)
-            m->joint[j].clearance = p->clearance[j];
-    for (int j = 0; s == LW_OK && j < k->n_joint; j++)
-        if (is_turned(p, j)) {
-            m->joint[j].link[0] = k->joint[j].link[1];
-            m->joint[j].link[1] = k->joint[j].link[0];
-        }
-    for (int i = 0; s == LW_OK && i < k->n_input; i++) {
+        m->joint[m->n_joint++] = joint_of(p, j);
+    for (int i = 0; s == LW_OK && i < lw_assembly_free_inputs(k); i++) {
         const lw_input *in = &k->input[i];
-        if (in->ratio != 0)
-            s = lw_error_set(e, LW_E_KIND, "input \"%s\" is tied to another one: such models stay in the plane", k->joint[in->joint].name);
         m->input[m->n_input++] = (lw_spatial_input){ .measure = { lw_joint_slides(k->joint[in->joint].kind) ? LW_OF_SLIDE : LW_OF_TURN,
             in->joint }, .value = in->value, .has_range = in->first != in->last, .first = in->first, .last = in->last };
     }
@@ -234,24 +208,72 @@ lw_status lw_spatial_of_planar(const lw_model *p, lw_spatial *m, lw_error *e)
     }
     for (int i = 0; s == LW_OK && i < p->n_spring; i++) {
         const lw_spring *c = &p->spring[i];
-        m->spring[i] = (lw_spatial_spring){ .link = { c->link[0], c->link[1] }, .at = { in_plane(c->at[0]), in_plane(c->at[1]) },
-                                            .stiffness = c->stiffness, .damping = c->damping, .free = c->free };
-        memcpy(m->spring[i].name, c->name, sizeof c->name);
-        m->n_spring++;
-        if (c->law)
-            s = lw_error_set(e, LW_E_KIND, "spring \"%s\" has a law: such models stay in the plane", c->name);
+        lw_spatial_spring *to = &m->spring[m->n_spring++];
+        *to = (lw_spatial_spring){ .link = { c->link[0], c->link[1] }, .at = { in_plane(c->at[0]), in_plane(c->at[1]) },
+                                   .stiffness = c->stiffness, .damping = c->damping, .free = c->free };
+        memcpy(to->name, c->name, sizeof c->name);
     }
     for (int i = 0; s == LW_OK && i < p->n_joint_spring; i++) {
         const lw_joint_spring *c = &p->joint_spring[i];
-        lw_spatial_measure of = { lw_joint_slides(k->joint[c->joint].kind) ? LW_OF_SLIDE : LW_OF_TURN, c->joint };
-        m->joint_spring[i] = (lw_spatial_joint_spring){ .measure = of, .stiffness = c->stiffness, .damping = c->damping,
-                                                        .free = c->free };
-        memcpy(m->joint_spring[i].name, c->name, sizeof c->name);
-        m->n_joint_spring++;
-        if (c->law)
-            s = lw_error_set(e, LW_E_KIND, "spring \"%s\" has a law: such models stay in the plane", c->name);
+        lw_spatial_joint_spring *to = &m->joint_spring[m->n_joint_spring++];
+        *to = (lw_spatial_joint_spring){ .measure = { lw_joint_slides(k->joint[c->joint].kind) ? LW_OF_SLIDE : LW_OF_TURN, c->joint },
+                                         .stiffness = c->stiffness, .damping = c->damping, .free = c->free };
+        memcpy(to->name, c->name, sizeof c->name);
     }
     if (s != LW_OK)
         lw_spatial_free(m);
+    return s;
+}
+
+/* Refuse what stays in the plane. */
+static lw_status check_parts(const lw_model *p, lw_error *e)
+{
+    const lw_assembly *k = &p->linkage;
+    if (p->n_elastic)
+        return lw_error_set(e, LW_E_KIND, "a planar model with elastic links stays in the plane: write its places with three numbers");
+    for (int j = 0; j < k->n_joint; j++)
+        if (lw_joint_has_ratio(k->joint[j].kind) || lw_joint_freedoms(k->joint[j].kind) == 3)
+            return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a %s: models with such joints stay in the plane", k->joint[j].name,
+                                lw_joint_word(k->joint[j].kind));
+    for (int i = 0; i < k->n_input; i++)
+        if (k->input[i].ratio != 0)
+            return lw_error_set(e, LW_E_KIND, "input \"%s\" is tied to another one: such models stay in the plane",
+                                k->joint[k->input[i].joint].name);
+    for (int i = 0; i < p->n_spring + p->n_joint_spring; i++) {
+        bool between = i < p->n_spring;
+        const lw_joint_spring *at_joint = &p->joint_spring[between ? 0 : i - p->n_spring];
+        if (between ? p->spring[i].law != NULL : at_joint->law != NULL)
+            return lw_error_set(e, LW_E_KIND, "spring \"%s\" has a law: such models stay in the plane",
+                                between ? p->spring[i].name : at_joint->name);
+    }
+    return LW_OK;
+}
+
+/* A pin in a slot: the joint becomes a slide on link 0, and a pin behind the joints of the file joins its runner to link 1. */
+static void split_slot(lw_spatial *m, int j)
+{
+    lw_spatial_joint slide = m->joint[j], pin = slide;
+    lw_spatial_body *runner = &m->body[m->n_link];
+    pin.kind = LW_SPATIAL_REVOLUTE;
+    pin.stop = (lw_joint_stop){ .has_least = false };
+    snprintf(pin.name, sizeof pin.name, "%.24s pin", slide.name);
+    slide.kind = LW_SPATIAL_PRISMATIC;
+    slide.axis = slide.second;
+    slide.second = pin.second = lw_v3(0, 0, 0);
+    slide.link[1] = pin.link[0] = m->n_link++;
+    snprintf(runner->name, sizeof runner->name, "%.20s runner", slide.name);
+    m->joint[j] = slide;
+    m->joint[m->n_joint++] = pin;
+}
+
+lw_status lw_spatial_of_planar(const lw_model *p, lw_spatial *m, lw_error *e)
+{
+    *m = (lw_spatial){ .n_link = 0 };
+    lw_status s = check_parts(p, e);
+    if (s == LW_OK)
+        s = lw_spatial_joint_by_joint(p, m, e);
+    for (int j = 0; s == LW_OK && j < p->linkage.n_joint; j++)
+        if (p->linkage.joint[j].kind == LW_JOINT_SLOT)
+            split_slot(m, j);
     return s;
 }

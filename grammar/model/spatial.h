@@ -48,7 +48,7 @@ typedef struct lw_spatial_joint {
     int     link[2];
     lw_vec3 at;                  /* a point of the axis, the centre, a point of the plane [m]          */
     lw_vec3 axis;                /* unit; universal: of link[0]; planar: the normal; 0 where there is none */
-    lw_vec3 second;              /* universal: unit axis of link[1]                                    */
+    lw_vec3 second;              /* universal: unit axis of link[1]; planar: only direction of the slide, in files for other programs, else 0 */
     double  lead;                /* screw: slide of link[1] per turn [m]                               */
     bool    has_cone;
     double  cone;                /* spherical, universal: greatest angle of tilt from the posture [rad]; not enforced */
@@ -204,6 +204,10 @@ bool lw_spatial_is_planar(const lw_spatial *m, lw_vec3 *normal);
  * tracers, masses, springs and stops; no other loads.  A pin in a slot becomes a slide and a pin.  m needs lw_spatial_free.
  * LW_E_KIND: gears, tied inputs, elastic links, springs with a law; m is then empty. */
 lw_status lw_spatial_of_planar(const lw_model *p, lw_spatial *m, lw_error *e);
+
+/* The same with the joints, links and free inputs of p by the same numbers, for writers of files: a pin in a slot is a planar joint that slides
+ * along `second` alone, a gear a free joint without links (-1).  Springs are without their laws.  LW_E_MEMORY: m is empty. */
+lw_status lw_spatial_joint_by_joint(const lw_model *p, lw_spatial *m, lw_error *e);
 
 /* The planar model that moves as m, whose motion is planar: axes of the plane are x, y across the normal z (y, z across x; z, x
  * across y), in metres and radians.  p needs lw_model_free.  LW_E_KIND: it is not planar, or has loads that are not taken over. */
