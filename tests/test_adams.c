@@ -281,10 +281,31 @@ TEST(masses_of_many_links)
     }
 }
 
+/* The motion of an input is the model's own, counted from the posture, with masses or without. */
+TEST(motions_are_the_models)
+{
+    static const struct { const char *link, *motion, *says; } rows[] = {
+        { "'mass': 1, 'centre': [1, 0]", "0.5 + 0.3*sin(2*t)^2", "JOINT = 01, ROTATION\n, FUNCTION = 0.5 + 0.3*SIN(2*TIME)**2 - 0.5\n" },
+        { "'mass': 0", "0.5 + 4*t", "FUNCTION = 0.5 + 4*TIME - 0.5\n" }, { "'mass': 0", "0.5 + t*sign(t)", NULL }
+    };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        static drun d;
+        OWN(lw_bytes) b = { 0 };
+        char text[600];
+        json_format(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'arm', %s}], 'joints': [{'name': 'A', 'links': ['ground', "
+                    "'arm'], 'at': [0, 0]}], 'input': {'joint': 'A', 'value': 0.5, 'motion': '%s'}}", rows[i].link, rows[i].motion);
+        drun_read_json(&d, text);
+        lw_export_options o = { .model = &d.model, .clearance = -1 };
+        lw_status s = lw_export_adams(&d.model.linkage, &o, &b, &check_error);
+        CHECK_INT(s, rows[i].says ? LW_OK : LW_E_KIND);
+        CHECK_HAS(rows[i].says ? b.data : check_error.text, rows[i].says ? rows[i].says : "has no form in ADAMS");
+    }
+}
+
 TEST(loads_are_written)
 {
     static const char *const has[][12] = {
-        { "PART/02, MASS = 2, CM = 0201, IP = 0.02, 0.02, 0.02\n", "MARKER/0201, PART = 02, QP = 0.1, 0, 0\n",
+        { "PART/02, MASS = 2, CM = 0201, IP = 0.01, 0.01, 0.02\n", "MARKER/0201, PART = 02, QP = 0.1, 0, 0\n",
           "PART/03, MASS = 3, CM = 0301", "ACCGRAV/IGRAV = 1, JGRAV = -9.81, KGRAV = 0",
           "TRANSLATION, K = 200, C = 3, LENGTH = 0.3\n", "ROTATION, KT = 4, CT = 0.1, ANGLE = 0.2\n",
           "ROTATION\n, FUNCTION = 3*(1 - 0.05*WZ(", "TRANSLATION, ACTIONONLY\n, FUNCTION = 12\n",

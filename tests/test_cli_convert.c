@@ -87,7 +87,7 @@ TEST(files_for_other_programs)
     expect("printf '%s' '{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"arm\", \"mass\": 1, \"centre\": [1, 0], \"velocity\": [0, 3], "
            "\"omega\": 3}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"arm\"], \"at\": [0, 0]}]}' > $D/spun.json; "
            "$P convert $D/spun.json --format mjcf", 0, "<key name=\"posture\" qvel=\"3\"/>", NULL);
-    expect("$P convert $D/spun.json --format adams", 0, ", VY = 3, WZ = 3\n", NULL);
+    expect("$P convert $D/spun.json --format adams", 0, ", VY = 3, VZ = 0\n, WX = 0, WY = 0, WZ = 3\n", NULL);
     expect("sed 's/\"joints\"/\"input\": {\"joint\": \"A\", \"motion\": \"3*t\"}, \"joints\"/' $D/spun.json | $P convert --format mjcf", 3, NULL,
            "some inputs have a motion, and other parts a speed at the start");
     expect("$P convert $D/spun.json --format urdf", 0, "URDF holds no gravity and no speeds", NULL);

@@ -405,7 +405,7 @@ TEST(shown_and_exported)
         CHECK_POINT(both, 1, 0, 1e-9, 0);
     }
     CHECK_INT(lw_export_adams(LW_VIEW(&k), NULL, &out, &e), LW_OK);
-    CHECK_HAS(out.data, "COUPLER/06, JOINTS = 01, 02, SCALES = -1, -1");
+    CHECK_HAS(out.data, "COUPLER/01, JOINTS = 01, 02\n, TYPE = R:R\n, SCALES = -1, -1");
     CHECK(!strstr(out.data, "MOTION/02"));
     lw_bytes_free(&out);
     CHECK_INT(lw_export_mjcf(LW_VIEW(&k), NULL, &out, &e), LW_OK);

@@ -74,7 +74,7 @@ static lw_status take_word(lw_cursor *c, char *word, size_t size, const char *wh
     lw_cursor start = *c;
     size_t n = 0;
     char name[24];
-    for (int byte = lw_cursor_peek(c); is_letter(byte) || (n > 0 && byte >= '0' && byte <= '9');
+    for (int byte = lw_cursor_peek(c); is_letter(byte) || (n > 0 && ((byte >= '0' && byte <= '9') || byte == ':'));      /* R:R */
          byte = lw_cursor_peek(c)) {
         if (n + 1 == size)
             return lw_cursor_fail(&start, "this word is too long for %s", what);

@@ -4,7 +4,7 @@
  *     PART/02                                    link 2; PART/01, GROUND is the fixed one
  *     MARKER/0201, PART = 02, QP = x, y, 0       marker 1 of part 2; REULER turns it (3-1-3)
  *     JOINT/01, REVOLUTE, I = 0201, J = 0101     z axis across the plane, or, TRANSLATIONAL, along it
- *     COUPLER/01, JOINTS = 1, 2, SCALES = 2, 1   a gear
+ *     COUPLER/01, JOINTS = 1, 2, TYPE = R:R, SCALES = 2, 1      a gear
  *     MOTION/01, JOINT = 1, ROTATION, FUNCTION = 2*PI*TIME
  *     REQUEST/01, DISPLACEMENT, I = 0203, J = 0101
  *

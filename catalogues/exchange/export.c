@@ -1,6 +1,7 @@
 /* catalogues/exchange/export.c - functions that several writers use. */
 #include "catalogues/exchange/export.h"
 #include "base/real.h"
+#include "catalogues/draw/scene.h"
 
 double lw_export_constant(const lw_expression *x) { return x ? lw_expression_value(x, NULL) : 0; }
 
@@ -48,4 +49,56 @@ lw_status lw_export_gear(const lw_assembly *linkage, int gear, int joint[2], dou
         sign[i] = g.slider[i] >= 0 ? g.way[i] : second ? 1 : -1;
     }
     return s;
+}
+
+lw_status lw_export_way(const lw_assembly *linkage, const lw_model *m, int input, double *down, double *up, bool *turns, bool *ends)
+{
+    const lw_input *in = &linkage->input[input];
+    bool slider = lw_joint_slides(linkage->joint[in->joint].kind);
+    lw_scene scene;
+    *turns = *ends = false;
+    if (in->first < in->last) {
+        *down = in->value - in->first;
+        *up = in->last - in->value;
+        return LW_OK;
+    }
+    *down = *up = slider ? 0.1*lw_export_size(linkage) : 0.1;
+    const lw_scene_options o = { .n_frame = 181, .n_curve_point = 8 };
+    if (linkage->n_input > 1 && linkage->input[1].ratio == 0)          /* several move by themselves */
+        return LW_OK;
+    lw_status s = lw_scene_make_any(linkage, m, NULL, &o, &scene, NULL);
+    if (s != LW_OK)
+        return s == LW_E_MEMORY ? s : LW_OK;
+    double here = scene.input[scene.first_frame], least = here, most = here;
+    for (size_t f = 0; f < scene.n_frame; f++) {
+        least = fmin(least, scene.input[f]);
+        most = fmax(most, scene.input[f]);
+    }
+    *turns = !slider && scene.loops && most - least > 1.95*LW_PI;
+    if (scene.n_frame > 1) {
+        *down = here - least;
+        *up = most - here;
+        *ends = !*turns && (scene.loops || (!slider && most - least < 2*LW_PI));
+    }
+    lw_scene_free(&scene);
+    return LW_OK;
+}
+
+void lw_export_law_within(double down, double up, double part, lw_export_law *law)
+{
+    double middle = 0.5*(up - down);
+    law->half = part*0.5*(up + down);
+    law->phase = law->half > 0 ? asin(fmax(-1, fmin(1, -middle/law->half))) : 0;
+}
+
+lw_status lw_export_law_of(const lw_assembly *linkage, const lw_model *m, int input, lw_export_law *law)
+{
+    double down, up;
+    bool ends;
+    *law = (lw_export_law){ .turns = false };
+    lw_status s = lw_export_way(linkage, m, input, &down, &up, &law->turns, &ends);
+    if (s != LW_OK || law->turns)
+        return s;
+    lw_export_law_within(down, up, 0.99, law);
+    return LW_OK;
 }

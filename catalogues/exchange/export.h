@@ -36,10 +36,11 @@ lw_status lw_export_urdf(const lw_assembly *linkage, const lw_export_options *o,
 lw_status lw_export_sdf(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* A dataset of ADAMS/Solver (.adm; catalogues/exchange/adams.h reads it): PART, MARKER, JOINT, JPRIM, COUPLER, MOTION,
- * REQUEST. A MOTION turns its joint once in a second, or moves it there and back over its range. Without masses the
- * file is for kinematics. With a model it holds masses, gravity, springs and dampers, motors at pins and constant
- * forces, inputs without a motion run freely, and parts have velocities at the start; LW_E_KIND, naming it: another load, or a
- * speed beside a motion; failures of lw_export_start. _commands: the command file (.acf) that runs <name>.adm for a second. */
+ * REQUEST. A MOTION is the input's own, in the words of ADAMS; without one it turns its joint once in a second, or moves it there
+ * and back over its range. Without masses the file is for kinematics. With a model it holds masses, gravity, springs and dampers,
+ * motors at pins and constant forces, inputs without a motion run freely, and parts have velocities at the start. LW_E_KIND,
+ * naming it: another load, a motion in other words, a speed beside a motion; failures of lw_export_start. _commands: the
+ * command file (.acf) that runs <name>.adm for a second. */
 lw_status lw_export_adams(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 lw_status lw_export_adams_commands(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
@@ -52,6 +53,9 @@ lw_status lw_export_way(const lw_assembly *linkage, const lw_model *m, int input
  *     u = 2 pi t    or    u = half (sin(2 pi t + phase) - sin(phase))     [rad] or [m], t in [s] */
 typedef struct lw_export_law { bool turns; double half, phase; } lw_export_law;
 lw_status lw_export_law_of(const lw_assembly *linkage, const lw_model *m, int input, lw_export_law *law);     /* LW_E_MEMORY */
+
+/* There and back within this part of the ways to either side of the posture [rad] or [m]. */
+void lw_export_law_within(double down, double up, double part, lw_export_law *law);
 
 /* Plates in millimetres, in layers in which they pass each other over the whole motion; failures as in layers.h. DXF
  * R12 for a cutter: outlines of lines and arcs, holes, slots, side by side, one DXF layer for each link. OpenSCAD:
