@@ -408,6 +408,44 @@ static void keep_exact(lanczos *z, int wanted, double t, const double *l, double
     }
 }
 
+/* Do forces depend on velocities in the posture? */
+static bool has_damping(lw_dynamics *d, double t, const double *q)
+{
+    bool damped = false;
+    if (d->eq.conservative || lw_mbs_rows(d, t, q) != LW_OK)
+        return false;
+    memset(d->v_try, 0, (size_t)d->n_v*sizeof *d->v_try);
+    d->eq.derivatives(d->eq.context, t, q, d->v_try, d->force, &(lw_force_sink){ .context = &damped, .add = see_damping });
+    return damped;
+}
+
+/* Multipliers l (n_c) at rest, where `still` (n_v) is 0, the derivatives there, and the scale of the squares of rates: the greatest stiffness of the
+ * diagonal over its mass.  modes->unbalanced: the greatest force that is left over the greatest force. */
+static lw_status find_rest(lanczos *z, const double *still, double *l, lw_modes *modes)
+{
+    static const double rounding = 4*DBL_EPSILON, tiny = 1e-8;        /* a force left over counts against that of a displacement this small, too */
+    lw_dynamics *d = z->d;
+    double left = 0, force = 0, ratio = 0, stiffest = 0;
+    lw_status s = lw_tangent_at_rest(d, z->t, z->q, still, d->a, l);
+    if (s != LW_OK)
+        return s;
+    for (int i = 0; i < z->n; i++) {
+        left = fmax(left, fabs(d->eq.mass[i]*d->a[i]));
+        force = fmax(force, fabs(d->force[i]));
+    }
+    lw_tangent_fill(z->tangent, z->t, z->q, still, l, (double[]){ 0, 0 }, (double[]){ 0, 0 });
+    for (int i = 0; i < z->n; i++) {
+        double stiffness = fabs(z->tangent->value[lw_columns_find(&z->tangent->columns, i, i)]);
+        ratio = fmax(ratio, stiffness/d->eq.mass[i]);
+        stiffest = fmax(stiffest, stiffness);
+    }
+    force = fmax(force, tiny*stiffest);
+    /* what rounding of places leaves of the stiffness is no force */
+    modes->unbalanced = force > 0 && left > rounding*stiffest ? left/force : 0;
+    z->scale = ratio > 0 ? ratio : 1;
+    return LW_OK;
+}
+
 lw_status lw_modes_about(lw_dynamics *d, int wanted, bool damping, lw_tangent *kept, double t, double *q, lw_modes *modes, lw_error *e)
 {
     size_t n = (size_t)d->n_v, c = (size_t)d->n_kept;
@@ -415,11 +453,7 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, bool damping, lw_tangent *k
     modes->redundant = d->n_c - d->n_kept;
     if (modes->freedom <= 0)
         return lw_error_set(e, LW_NOTHING, "no freedom is left to vibrate");
-    bool damped = false;
-    if (damping && !d->eq.conservative && lw_mbs_rows(d, t, q) == LW_OK) {
-        memset(d->v_try, 0, n*sizeof *d->v_try);
-        d->eq.derivatives(d->eq.context, t, q, d->v_try, d->force, &(lw_force_sink){ .context = &damped, .add = see_damping });
-    }
+    bool damped = damping && has_damping(d, t, q);
     int aim = damped ? 2*wanted : wanted, room = aim + 4 < modes->freedom ? aim + 4 : modes->freedom;
     bool small = !d->elastic && modes->freedom <= 2*LW_MODES_DEFAULT;
     room = small ? modes->freedom : room;
@@ -439,25 +473,7 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, bool damping, lw_tangent *k
         z.b = l + c;
         lw_vibration v = { .eq = &d->eq, .n_q = d->n_v, .null = z.found };
         v.mass = z.b + n + c, v.damping = v.mass + square, v.stiffness = v.damping + square;
-        s = lw_tangent_at_rest(d, t, q, still, d->a, l);
-        static const double rounding = 4*DBL_EPSILON, tiny = 1e-8;        /* a force left over counts against that of a displacement this small, too */
-        double left = 0, force = 0, ratio = 0, stiffest = 0;
-        for (size_t i = 0; s == LW_OK && i < n; i++) {
-            left = fmax(left, fabs(d->eq.mass[i]*d->a[i]));
-            force = fmax(force, fabs(d->force[i]));
-        }
-        /* a shift far below the squares of most rates: found from the stiffness of the diagonal over the masses */
-        if (s == LW_OK)
-            lw_tangent_fill(z.tangent, t, q, still, l, (double[]){ 0, 0 }, (double[]){ 0, 0 });
-        for (int i = 0; i < z.n; i++) {
-            double stiffness = fabs(z.tangent->value[lw_columns_find(&z.tangent->columns, i, i)]);
-            ratio = fmax(ratio, stiffness/d->eq.mass[i]);
-            stiffest = fmax(stiffest, stiffness);
-        }
-        force = fmax(force, tiny*stiffest);
-        /* what rounding of places leaves of the stiffness is no force */
-        modes->unbalanced = force > 0 && left > rounding*stiffest ? left/force : 0;
-        z.scale = ratio > 0 ? ratio : 1;
+        s = find_rest(&z, still, l, modes);
         lw_status found = s != LW_OK ? s : small ? find_basis(&z, room) : find_slow(&z, aim < room ? aim : room, room, l, still);
         if (found != s && found == LW_E_MEMORY)
             lw_error_set(e, found, "out of memory");

@@ -160,7 +160,8 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
     s = lw_space_follow_make(&r->space, r->measure, r->n_drive, false, &r->follow, e);
     int lost = s == LW_OK ? lw_space_lost_freedoms(&r->follow) : 0;
     if (lost > 0)
-        s = lw_error_set(e, LW_E_ARG, "the posture of the file is singular: the links have %d freedom%s of motion, not one for each of the %d drives; take another "
+        s = lw_error_set(e, LW_E_ARG, "the posture of the file is singular: the links have %d freedom%s of motion, not one for each of the %d drives; "
+                         "take another "
                          "posture of the motion", r->n_drive - lost, lw_plural(r->n_drive - lost), r->n_drive);
     size_t n_v = (size_t)r->space.n_v, n_q = (size_t)r->space.n_q;
     bool loops = r->space.n_joint > r->space.n_body;
@@ -558,7 +559,8 @@ static double determinant(const lw_robot *r, const lw_robot_pose *p)
     lw_vec3 right = lw_v3_across(r->normal), ahead = lw_v3_cross(r->normal, right);
     for (int i = 0; i < n; i++) {
         lw_vec3 v = lw_v3(p->jacobian[0][i], p->jacobian[1][i], p->jacobian[2][i]), w = lw_v3(p->jacobian[3][i], p->jacobian[4][i], p->jacobian[5][i]);
-        double space[] = { v.x, v.y, v.z, one ? lw_v3_dot(r->spin, w) : w.x, w.y, w.z }, plane[] = { lw_v3_dot(right, v), lw_v3_dot(ahead, v), lw_v3_dot(r->normal, w) };
+        double space[] = { v.x, v.y, v.z, one ? lw_v3_dot(r->spin, w) : w.x, w.y, w.z };
+        double plane[] = { lw_v3_dot(right, v), lw_v3_dot(ahead, v), lw_v3_dot(r->normal, w) };
         memcpy(a + i*n, flat ? plane : space + (r->only_turns ? 3 : 0), (size_t)n*sizeof *a);
     }
     lw_qr_factor(n, n, a, diag);
@@ -755,26 +757,52 @@ static bool close_tool(lw_robot *r, lw_vec3 place, const lw_quaternion *turn)
     return false;
 }
 
-lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, lw_error *e)
+/* A straight path of the tool, on which it turns about one axis, and the last posture on it that closes. */
+typedef struct tool_path {
+    lw_vec3       first, way, spin;    /* place at the start, from there to the end [m], rotation vector [rad] */
+    lw_quaternion from;
+    double        length, fastest;     /* over the unit, plus radians; `fastest` at the start               */
+    double       *q, *near;            /* (n_q) (n_near) of the posture                                     */
+} tool_path;
+
+static void free_path(tool_path *p) { free(p->q), free(p->near); }
+
+/* Free it after a failure too. */
+static lw_status make_path(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, tool_path *p)
 {
     const lw_space *s = &r->space;
-    lw_vec3 first;
-    lw_quaternion from, to;
+    *p = (tool_path){ .fastest = INFINITY };
+    p->q = malloc((size_t)s->n_q*sizeof *p->q + 1);
+    p->near = malloc((size_t)r->follow.z.n_near*sizeof *p->near + 1);
+    if (!p->q || !p->near)
+        return LW_E_MEMORY;
     lw_space_place(s, r->follow.q, r->follow.z.frame);
-    tool_pose(r, &first, &from);
-    to = turn ? *turn : from;
-    lw_vec3 way = lw_v3_sub(place, first), spin = lw_quaternion_vector(lw_quaternion_times(to, lw_quaternion_inverse(from)));
-    double length = lw_v3_norm(way)/s->unit + (r->turns ? lw_v3_norm(spin) : 0), at = 0, h = length;
-    double *kept = malloc(2*(size_t)s->n_q*sizeof *kept);
-    if (!kept)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    double *near = malloc((size_t)r->follow.z.n_near*sizeof *near + 1);
-    if (!near) {
-        free(kept);
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    }
+    tool_pose(r, &p->first, &p->from);
+    p->way = lw_v3_sub(place, p->first);
+    p->spin = lw_quaternion_vector(lw_quaternion_times(turn ? *turn : p->from, lw_quaternion_inverse(p->from)));
+    p->length = lw_v3_norm(p->way)/s->unit + (r->turns ? lw_v3_norm(p->spin) : 0);
+    return LW_OK;
+}
+
+static void keep_posture(const lw_robot *r, tool_path *p)
+{
+    memcpy(p->q, r->follow.q, (size_t)r->space.n_q*sizeof *p->q);
+    memcpy(p->near, r->follow.z.near, (size_t)r->follow.z.n_near*sizeof *p->near);
+}
+
+static void go_back(lw_robot *r, const tool_path *p)
+{
+    memcpy(r->follow.q, p->q, (size_t)r->space.n_q*sizeof *p->q);
+    memcpy(r->follow.z.near, p->near, (size_t)r->follow.z.n_near*sizeof *p->near);
+    lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
+    lw_space_hold_back(&r->hold);
+    r->lost = false;
+}
+
+/* Measure the posture at the start: what the drives hold there, and how fast the tool is. */
+static void measure_start(lw_robot *r, tool_path *p)
+{
     lw_robot_pose begin;
-    double fastest_first = INFINITY;
     r->broken = LW_OK;
     r->determinant = 0;
     r->lost = false;
@@ -785,69 +813,82 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
     } else if (watched(r, lw_robot_measure(r, &begin, NULL)) == LW_OK) {
         r->determinant = is_square(r) ? determinant(r, &begin) : 0;
         lw_space_hold_lost(&r->hold, holds_now(r));
-        fastest_first = fastest(r, &begin);
+        p->fastest = fastest(r, &begin);
     }
-    h = fmin(h, 0.5*LONGEST_STEP);
-    while (at < length && r->broken == LW_OK) {
+}
+
+/* LW_OPEN: the tool stops where it is, and why. */
+static lw_status tell_stop(lw_robot *r, const tool_path *p, bool at_start, lw_error *e)
+{
+    lw_robot_pose pose;
+    lw_vec3 place;
+    lw_quaternion turn;
+    bool measured = lw_robot_measure(r, &pose, NULL) == LW_OK;
+    if (at_start && measured && pose.freedoms < r->freedoms)
+        snprintf(r->limit, sizeof r->limit, "the posture is singular, and the drives cannot move it this way; begin from another one");
+    else if (strcmp(r->limit, out_of_reach) == 0 && (!measured || fastest(r, &pose) > 100*p->fastest))
+        snprintf(r->limit, sizeof r->limit, not_held);           /* at the end of a reach the tool is not fast */
+    tool_pose(r, &place, &turn);
+    char turned[60] = "", how[LW_SPACE_MOTION_TEXT] = "";
+    if (lw_v3_norm(p->spin) > 1e-12)
+        snprintf(turned, sizeof turned, ", turned by %.6g of %.6g degrees",
+                 lw_v3_norm(lw_quaternion_vector(lw_quaternion_times(turn, lw_quaternion_inverse(p->from))))*180/LW_PI, lw_v3_norm(p->spin)*180/LW_PI);
+    const lw_units *units = &r->model->units;
+    double by[3] = { place.x, place.y, place.z };
+    for (int i = 0; i < 3; i++)                      /* rounding counts as 0 */
+        by[i] = fabs(by[i]) < 1e-13*r->space.unit ? 0 : by[i]/units->metre;
+    if (e && strcmp(r->limit, not_held) == 0)
+        tell_free_motion(r, how);
+    return lw_error_set(e, LW_OPEN, "the tool stops at (%.9g, %.9g, %.9g) %s%s: %s%s%s", by[0], by[1], by[2], units->length[0] ? units->length : "m",
+                        turned, r->limit, *how ? "; while they stand still, " : "", how);
+}
+
+/* Move along the path in steps that are halved where they do not close. */
+static lw_status go_along(lw_robot *r, tool_path *p, lw_error *e)
+{
+    double at = 0, h = fmin(p->length, 0.5*LONGEST_STEP);
+    while (at < p->length) {
         h = fmin(h, r->condition_limit > 0 ? CONDITION_STEP : LONGEST_STEP);
-        double next = fmin(at + h, length), before = r->hold.holds, part = next/length;
-        lw_quaternion now = lw_quaternion_times(lw_quaternion_of_vector(lw_v3_scale(spin, part)), from);
-        memcpy(kept, r->follow.q, (size_t)s->n_q*sizeof *kept);
-        memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_near*sizeof *near);
-        lw_vec3 to_go = lw_v3_add(first, lw_v3_scale(way, part));
+        double next = fmin(at + h, p->length), before = r->hold.holds, part = next/p->length;
+        lw_quaternion turn = lw_quaternion_times(lw_quaternion_of_vector(lw_v3_scale(p->spin, part)), p->from);
+        lw_vec3 place = lw_v3_add(p->first, lw_v3_scale(p->way, part));
         bool end = false;
+        keep_posture(r, p);
         lw_space_hold_keep(&r->hold);
-        if (r->by_tool.memory ? pull_tool(r, to_go, &now, next - at, &end) : close_tool(r, to_go, &now)) {
+        bool closed = r->by_tool.memory ? pull_tool(r, place, &turn, next - at, &end) : close_tool(r, place, &turn);
+        if (closed) {
             h = fmin(2*h, wary(r, before, next - at));
             at = next;
-            continue;
         }
         if (r->broken != LW_OK)
-            break;
+            return lw_error_set(e, r->broken, "the tool could not be moved: %s", lw_status_text(r->broken));
+        if (closed)
+            continue;
         if (r->by_tool.memory && !end)           /* the links themselves may have ended the step early */
             h = fmax(fmin(h, r->by_tool.u*(next - at)), r->least);
-        if (end) {
-            memcpy(kept, r->follow.q, (size_t)s->n_q*sizeof *kept);
-            memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_near*sizeof *near);
-            h = 0;
-        }
-        memcpy(r->follow.q, kept, (size_t)s->n_q*sizeof *kept);
-        memcpy(r->follow.z.near, near, (size_t)r->follow.z.n_near*sizeof *near);
-        lw_space_place(s, r->follow.q, r->follow.z.frame);
-        lw_space_hold_back(&r->hold);
-        r->lost = false;
-        h *= 0.5;
-        if (h < r->least) {
-            lw_robot_pose pose;
-            bool measured = lw_robot_measure(r, &pose, NULL) == LW_OK;
-            if (at == 0 && measured && pose.freedoms < r->freedoms)
-                snprintf(r->limit, sizeof r->limit, "the posture is singular, and the drives cannot move it this way; begin from another one");
-            else if (strcmp(r->limit, out_of_reach) == 0 && (!measured || fastest(r, &pose) > 100*fastest_first))
-                snprintf(r->limit, sizeof r->limit, not_held);           /* at the end of a reach the tool is not fast */
-            tool_pose(r, &first, &to);
-            free(kept);
-            free(near);
-            char turned[60] = "";
-            if (lw_v3_norm(spin) > 1e-12)
-                snprintf(turned, sizeof turned, ", turned by %.6g of %.6g degrees",
-                         lw_v3_norm(lw_quaternion_vector(lw_quaternion_times(to, lw_quaternion_inverse(from))))*180/LW_PI, lw_v3_norm(spin)*180/LW_PI);
-            const lw_units *units = &r->model->units;
-            double by[3] = { first.x, first.y, first.z };
-            for (int i = 0; i < 3; i++)                      /* rounding counts as 0 */
-                by[i] = fabs(by[i]) < 1e-13*s->unit ? 0 : by[i]/units->metre;
-            char how[LW_SPACE_MOTION_TEXT] = "";
-            if (e && strcmp(r->limit, not_held) == 0)
-                tell_free_motion(r, how);
-            return lw_error_set(e, LW_OPEN, "the tool stops at (%.9g, %.9g, %.9g) %s%s: %s%s%s", by[0], by[1], by[2], units->length[0] ? units->length : "m",
-                                turned, r->limit, *how ? "; while they stand still, " : "", how);
-        }
+        if (end)
+            keep_posture(r, p);
+        go_back(r, p);
+        h *= end ? 0 : 0.5;
+        if (h < r->least)
+            return tell_stop(r, p, at == 0, e);
     }
-    free(kept);
-    free(near);
-    if (r->broken != LW_OK)
-        return lw_error_set(e, r->broken, "the tool could not be moved: %s", lw_status_text(r->broken));
     r->limit[0] = 0;
     return LW_OK;
+}
+
+lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, lw_error *e)
+{
+    tool_path p;
+    lw_status s = make_path(r, place, turn, &p);
+    if (s == LW_OK) {
+        measure_start(r, &p);
+        s = r->broken == LW_OK ? go_along(r, &p, e)
+          : lw_error_set(e, r->broken, "the tool could not be moved: %s", lw_status_text(r->broken));
+    } else
+        lw_error_set(e, s, "out of memory");
+    free_path(&p);
+    return s;
 }
 
 lw_status lw_robot_reach(lw_robot *r, lw_vec3 direction, double most, double *far, lw_error *e)
