@@ -618,10 +618,20 @@ static lw_status find_forces(closed *c, double tiny)
     return LW_OK;
 }
 
-/* Add row k of c to the n rows taken if it is independent of them, by Cholesky's method on W.  `factor` (most x most) is the
- * factor of the rows taken, `taken` their numbers in c.  Returns whether the row was added. */
-static bool take_row(const closed *c, double *factor, int *taken, int n, int most, int k)
+/* Rows of c that are independent of each other, by Cholesky's method on W. */
+typedef struct independent {
+    const closed *c;
+    double       *factor;                /* (most + 1, most) the factor of the rows                         */
+    int          *taken, n, most;        /* (n) numbers of the rows in c, 2 place for a gap, + 1 for a slip */
+    double        top, fastest;          /* the greatest normal force, the greatest rate of a gap or slip   */
+} independent;
+
+/* Is row k of c independent of the rows taken?  Then it becomes the next one if h->n is counted up. */
+static bool take_row(independent *h, int k)
 {
+    const closed *c = h->c;
+    double *factor = h->factor;
+    int *taken = h->taken, n = h->n, most = h->most;
     size_t r = 2*(size_t)c->m;
     double *to = factor + (size_t)n*(size_t)most, whole = c->w[(size_t)k*r + (size_t)k], left = whole;
     for (int j = 0; j < n; j++) {
@@ -650,10 +660,12 @@ static void set_anchor(const lw_dynamics *d, lw_touch *p)
 }
 
 /* Express the row that take_row refused as a sum of the rows taken: its factors x (n). */
-static const double *find_shares(const closed *c, const double *factor, int n, int most)
+static const double *find_shares(const independent *h)
 {
+    const double *factor = h->factor;
+    int n = h->n, most = h->most;
     const double *left = factor + (size_t)n*(size_t)most;        /* forward substitution is done already */
-    double *x = c->sub;                                          /* free at this point */
+    double *x = h->c->sub;                                       /* free at this point */
     for (int i = n - 1; i >= 0; i--) {
         x[i] = left[i];
         for (int j = i + 1; j < n; j++)
@@ -664,12 +676,12 @@ static const double *find_shares(const closed *c, const double *factor, int n, i
 }
 
 /* Does the row that take_row refused depend on the normal force of a place that slips? */
-static bool shares_with_slip(const struct lw_touching *w, const closed *c, const double *factor, const int *taken, int n, int most)
+static bool shares_with_slip(const struct lw_touching *w, const independent *h)
 {
-    const double *x = find_shares(c, factor, n, most);
+    const double *x = find_shares(h);
     bool shares = false;
-    for (int i = 0; i < n; i++)
-        shares = shares || (taken[i]%2 == 0 && fabs(x[i]) > 1e-9 && w->list.touch[c->place[taken[i]/2]].slips != 0);
+    for (int i = 0; i < h->n; i++)
+        shares = shares || (h->taken[i]%2 == 0 && fabs(x[i]) > 1e-9 && w->list.touch[h->c->place[h->taken[i]/2]].slips != 0);
     return shares;
 }
 
@@ -682,10 +694,12 @@ static double friction_at_limit(const closed *c, int i)
     return fabs(across) < mu*c->force[2*i]*(1 - 1e-9) ? 0 : sense > 0 ? mu : sense < 0 ? -mu : 0;
 }
 
-/* Place `own`, whose row depends on the n rows taken, can take over a part of their normal forces.  Does friction then change the motion? */
-static bool moves_otherwise(const closed *c, const double *factor, const int *taken, int n, int most, int own)
+/* Place `own`, whose row depends on the rows taken, can take over a part of their normal forces.  Does friction then change the motion? */
+static bool moves_otherwise(const independent *h, int own)
 {
-    const double *x = find_shares(c, factor, n, most);
+    const closed *c = h->c;
+    const int *taken = h->taken, n = h->n;
+    const double *x = find_shares(h);
     double *f = c->sub + n, change = 0, size = 0;
     size_t r = 2*(size_t)c->m;
     for (int a = 0; a <= n; a++) {
@@ -701,10 +715,11 @@ static bool moves_otherwise(const closed *c, const double *factor, const int *ta
     return change > 1e-9*size;
 }
 
-/* Report if friction allows several motions, because a place at its limit can share its load with others in several ways.  The n rows taken are all
+/* Report if friction allows several motions, because a place at its limit can share its load with others in several ways.  The rows taken are all
  * normal forces.  If a place sticks, it may balance the difference, and nothing is reported. */
-static void note_several_motions(lw_run *run, double t, const closed *c, double *factor, int *taken, int n, int most)
+static void note_several_motions(lw_run *run, double t, independent *h)
 {
+    const closed *c = h->c;
     bool slips = false, sticks = false;
     for (int i = 0; i < c->m; i++)
         if (c->in[i] && c->law[i].friction > 0) {
@@ -714,101 +729,99 @@ static void note_several_motions(lw_run *run, double t, const closed *c, double 
         }
     for (int i = 0; slips && !sticks && !run->r->undetermined && i < c->m; i++) {
         const lw_touch *p = &run->d->touch->list.touch[c->place[i]];
-        if (c->in[i] && p->state == LW_TOUCH_PASSIVE && !take_row(c, factor, taken, n, most, 2*i) && moves_otherwise(c, factor, taken, n, most, i)) {
+        if (c->in[i] && p->state == LW_TOUCH_PASSIVE && !take_row(h, 2*i) && moves_otherwise(h, i)) {
             run->r->undetermined = lw_touch_name(run->d->model, p);
             run->r->undetermined_t = t;
         }
     }
 }
 
-/* Closed places that the solution leaves without a force, and whose rows depend on the n rows taken, share the load of these: so equal places carry
- * equal loads.  The other places that were held and do not press are released. */
-static void keep_passive(lw_run *run, double t, const closed *c, double *factor, int *taken, int n, int most)
+/* The gap of place i is held by rows that are there already. */
+static void set_redundant(struct lw_touching *w, const independent *h, int i)
 {
+    w->list.touch[h->c->place[i]].redundant = true;
+    w->redundant[w->n_redundant++] = (lw_touch_row){ h->c->place[i], false };
+}
+
+/* Closed places that the solution leaves without a force, and whose rows depend on the rows taken, share the load of these: so equal places carry
+ * equal loads.  The other places that were held and do not press are released. */
+static void keep_passive(lw_run *run, double t, independent *h)
+{
+    const closed *c = h->c;
     struct lw_touching *w = run->d->touch;
     for (int i = 0; i < c->m; i++) {
         lw_touch *p = &w->list.touch[c->place[i]];
-        if (is_rigid(p) && p->state == LW_TOUCH_PASSIVE && !p->redundant && !take_row(c, factor, taken, n, most, 2*i)) {
-            p->redundant = true;
-            w->redundant[w->n_redundant++] = (lw_touch_row){ c->place[i], false };
-        }
+        if (is_rigid(p) && p->state == LW_TOUCH_PASSIVE && !p->redundant && !take_row(h, 2*i))
+            set_redundant(w, h, i);
         if (is_rigid(p) && p->held && p->state != LW_TOUCH_HELD && !p->redundant)
             note(run, c->place[i], t, false, 0);
     }
 }
 
-/* Set the states of the places from forces and rates, and the rows that are held.  lets_go: friction no longer holds a place that
- * stuck; its slip has no acceleration yet. */
-static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go)
+/* Hold a row of place i, which take_row took. */
+static void hold(struct lw_touching *w, independent *h, int i, bool tangent)
 {
-    lw_dynamics *d = run->d;
+    w->row[h->n++] = (lw_touch_row){ h->c->place[i], tangent };
+}
+
+static bool presses(const struct lw_touching *w, const closed *c, int i) { return c->in[i] && c->force[2*i] > w->least_force; }
+
+/* Set the state of the gap of a rigid place. */
+static void set_gap(struct lw_touching *w, independent *h, int i)
+{
+    const closed *c = h->c;
+    lw_touch *p = &w->list.touch[c->place[i]];
+    bool leaves = !c->in[i] || c->rate[2*i] > 1e-9*h->fastest;
+    p->state = leaves ? LW_TOUCH_APART : LW_TOUCH_PASSIVE;
+    p->passed = fmax(0, -c->gap[i]);
+    if (!presses(w, c, i))
+        return;
+    bool taken = take_row(h, 2*i);
+    p->state = taken ? LW_TOUCH_HELD : LW_TOUCH_PASSIVE;
+    if (taken)
+        hold(w, h, i, false);
+    else
+        set_redundant(w, h, i);
+}
+
+/* Set whether a place that bears a load slips, in the first pass, or sticks: places that press in the second one, those that could press
+ * in the third. */
+static void set_slip(const lw_dynamics *d, independent *h, int i, int pass, bool lets_go)
+{
     struct lw_touching *w = d->touch;
-    int n = 0, most = 2*c->m;
-    double top = 0, fastest = 0;
-    for (int i = 0; i < c->m; i++) {
-        top = fmax(top, c->force[2*i]);
-        fastest = fmax(fastest, fmax(fabs(c->rate[2*i]), fabs(c->rate[2*i + 1])));
-        fastest = fmax(fastest, fmax(fabs(c->b[2*i]), fabs(c->b[2*i + 1])));
-    }
-    w->least_force = 1e-11*top;
-    w->most_force = 100*top;
-    double *factor = calloc((size_t)(most + 1)*(size_t)most + 1, sizeof *factor);
-    int *taken = calloc((size_t)most + 1, sizeof *taken);
-    if (!factor || !taken) {
-        free(factor);
-        free(taken);
-        return LW_E_MEMORY;
-    }
-    w->n_redundant = 0;
-    for (int pass = 0; pass < 5; pass++) {               /* gaps with friction; other gaps; slips; places that stick and press; places that stick and could press */
-        if (pass == 2) {
-            note_several_motions(run, t, c, factor, taken, n, most);
-            keep_passive(run, t, c, factor, taken, n, most);
-        }
-        for (int i = 0; i < c->m; i++) {
-            lw_touch *p = &w->list.touch[c->place[i]];
-            bool presses = c->in[i] && c->force[2*i] > w->least_force;
-            if (pass == !(c->law[i].friction > 0) && is_rigid(p)) {
-                bool leaves = !c->in[i] || c->rate[2*i] > 1e-9*fastest;
-                p->state = presses ? LW_TOUCH_HELD : leaves ? LW_TOUCH_APART : LW_TOUCH_PASSIVE;
-                p->passed = fmax(0, -c->gap[i]);
-                if (presses && take_row(c, factor, taken, n, most, 2*i))
-                    w->row[n++] = (lw_touch_row){ c->place[i], false };
-                else if (presses) {
-                    p->state = LW_TOUCH_PASSIVE;
-                    p->redundant = true;
-                    w->redundant[w->n_redundant++] = (lw_touch_row){ c->place[i], false };
-                }
-            }
-            bool bears = p->state == LW_TOUCH_HELD || p->state == LW_TOUCH_PRESSED || p->redundant;
-            if (pass < 2 || !bears || !(c->law[i].friction > 0))
-                continue;
-            double slip = c->rate[2*i + 1], across = c->force[2*i + 1], reserve = c->law[i].friction*c->force[2*i] - fabs(across);
-            bool at_limit = reserve <= 1e-9*top, starts = lets_go && p->stuck && p->yields && at_limit && fabs(slip) <= 1e-9*fastest;
-            bool holds = c->law[i].slips == 0 && !starts && (fabs(slip) <= 1e-9*fastest || !at_limit);
-            if (pass == 2 && !holds && !p->redundant)
-                p->slips = c->law[i].slips != 0 ? c->law[i].slips : (starts ? -across : slip) > 0 ? 1 : -1;
-            if (!holds || pass != (presses ? 3 : 4))
-                continue;
-            bool independent = take_row(c, factor, taken, n, most, 2*i + 1);
-            p->sticks = true;
-            if (independent && presses)
-                w->row[n++] = (lw_touch_row){ c->place[i], true };
-            else if (independent)
-                p->sticks = false;                       /* without a normal force there is no friction to hold it */
-            else if (at_limit && !p->redundant && shares_with_slip(w, c, factor, taken, n, most)) {
-                p->sticks = false;                       /* friction is at its limit, though the place does not slip yet */
-                p->slips = across > 0 ? -1 : 1;
-            } else
-                w->redundant[w->n_redundant++] = (lw_touch_row){ c->place[i], true };
-            if (p->sticks && !p->stuck)
-                set_anchor(d, p);
-        }
-    }
-    free(factor);
-    free(taken);
-    w->n_row = n;
+    const closed *c = h->c;
+    lw_touch *p = &w->list.touch[c->place[i]];
+    bool bears = p->state == LW_TOUCH_HELD || p->state == LW_TOUCH_PRESSED || p->redundant;
+    if (!bears || !(c->law[i].friction > 0))
+        return;
+    double slip = c->rate[2*i + 1], across = c->force[2*i + 1], reserve = c->law[i].friction*c->force[2*i] - fabs(across);
+    bool stands = fabs(slip) <= 1e-9*h->fastest, at_limit = reserve <= 1e-9*h->top, starts = lets_go && p->stuck && p->yields && at_limit && stands;
+    bool holds = c->law[i].slips == 0 && !starts && (stands || !at_limit);
+    if (pass == 0 && !holds && !p->redundant)
+        p->slips = c->law[i].slips != 0 ? c->law[i].slips : (starts ? -across : slip) > 0 ? 1 : -1;
+    if (!holds || pass != (presses(w, c, i) ? 1 : 2))
+        return;
+    bool taken = take_row(h, 2*i + 1);
+    p->sticks = true;
+    if (taken && presses(w, c, i))
+        hold(w, h, i, true);
+    else if (taken)
+        p->sticks = false;                       /* without a normal force there is no friction to hold it */
+    else if (at_limit && !p->redundant && shares_with_slip(w, h)) {
+        p->sticks = false;                       /* friction is at its limit, though the place does not slip yet */
+        p->slips = across > 0 ? -1 : 1;
+    } else
+        w->redundant[w->n_redundant++] = (lw_touch_row){ c->place[i], true };
+    if (p->sticks && !p->stuck)
+        set_anchor(d, p);
+}
+
+/* Count the rows held, give friction to those that slip, and make room for their shares. */
+static lw_status set_friction(lw_dynamics *d, int n)
+{
+    struct lw_touching *w = d->touch;
     int slipping = 0;
+    w->n_row = n;
     for (int k = 0; k < n; k++) {
         const lw_touch *p = &w->list.touch[w->row[k].touch];
         if (w->row[k].tangent || p->slips == 0)
@@ -822,6 +835,39 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
     size_t rows = (size_t)(d->n_row + d->n_driven + d->n_resting + n), rubs = (size_t)(d->n_friction + slipping);
     w->response = calloc(rubs*((size_t)d->n_q + rows + 2) + lw_friction_doubles((int)rubs, 2) + 1, sizeof *w->response);
     return w->response ? lw_mbs_touch_share_make(d) : LW_E_MEMORY;
+}
+
+/* Set the states of the places from forces and rates, and the rows that are held.  lets_go: friction no longer holds a place that
+ * stuck; its slip has no acceleration yet. */
+static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go)
+{
+    struct lw_touching *w = run->d->touch;
+    independent h = { .c = c, .most = 2*c->m };
+    for (int i = 0; i < c->m; i++) {
+        h.top = fmax(h.top, c->force[2*i]);
+        h.fastest = fmax(h.fastest, fmax(fabs(c->rate[2*i]), fabs(c->rate[2*i + 1])));
+        h.fastest = fmax(h.fastest, fmax(fabs(c->b[2*i]), fabs(c->b[2*i + 1])));
+    }
+    w->least_force = 1e-11*h.top;
+    w->most_force = 100*h.top;
+    w->n_redundant = 0;
+    h.factor = calloc((size_t)(h.most + 1)*(size_t)h.most + 1, sizeof *h.factor);
+    h.taken = calloc((size_t)h.most + 1, sizeof *h.taken);
+    bool room = h.factor && h.taken;
+    for (int frictionless = 0; room && frictionless < 2; frictionless++)
+        for (int i = 0; i < c->m; i++)
+            if (frictionless == !(c->law[i].friction > 0) && is_rigid(&w->list.touch[c->place[i]]))
+                set_gap(w, &h, i);
+    if (room) {
+        note_several_motions(run, t, &h);
+        keep_passive(run, t, &h);
+    }
+    for (int pass = 0; room && pass < 3; pass++)
+        for (int i = 0; i < c->m; i++)
+            set_slip(run->d, &h, i, pass, lets_go);
+    free(h.factor);
+    free(h.taken);
+    return room ? set_friction(run->d, h.n) : LW_E_MEMORY;
 }
 
 /* Duration of the shortest bounce that begins now, from the accelerations found; 0: none. */
