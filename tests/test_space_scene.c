@@ -361,7 +361,7 @@ TEST(elastic_links_bend)
     free(origin), free(path), free(pose);
 }
 
-/* A frame of three bars whose joint lies beside the second: three bars along its axis, and an arm. */
+/* A frame of three bars whose joint lies beside the second: three bars along its axis, an arm, and across its end the flange on the ground. */
 TEST(elastic_frames_have_corners)
 {
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'f', 'elastic': {'section': {'shape': 'round', "
@@ -370,12 +370,41 @@ TEST(elastic_frames_have_corners)
     OWN(lw_spatial) m = { 0 };
     read_spatial(text, "frame", &m);
     OWN(lw_space_scene) s = make_scene(&m, 0);
-    CHECK_INT(s.n_shape, 4);
+    CHECK_INT(s.n_shape, 5);
     for (int i = 0; i < 3 && i < s.n_shape; i++)
         for (int k = 0; k < 2; k++)
             CHECK_NEAR(lw_v3_norm(lw_v3_sub(s.shape[i].p[k], m.elastic[1].axis[i + k])), 0, 0, 0);
     CHECK_NEAR(lw_v3_norm(lw_v3_sub(s.shape[3].p[0], lw_v3(0.5, 0, 1))), 0, 1e-15, 0);
     CHECK_NEAR(lw_v3_norm(lw_v3_sub(s.shape[3].p[1], lw_v3(0.5, 0, 1.2))), 0, 1e-15, 0);
+    CHECK(s.shape[4].kind == LW_SPACE_PLATE && s.shape[4].grounded);
+    for (int k = 0; k < 4; k++) {
+        CHECK_NEAR(s.shape[4].p[k].z, 1.2, 1e-12, 0);
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(s.shape[4].p[k], lw_v3(0.5, 0, 1.2))), 1.2*0.035*lw_spatial_size(&m)*sqrt(2), 0.05, 0);
+    }
+}
+
+/* Joints in a plane make a plate, and a tool beside the plane stands on it.  A weld on a hinge has no sign of its own, another one has. */
+TEST(platforms_and_welds)
+{
+    OWN(lw_spatial) m = { 0 };
+    read_spatial("{'linkwright': 1, 'links': ['ground', 'hub', 'platform', 'foot'], 'joints': ["
+                 "{'name': 'A', 'kind': 'revolute', 'links': ['ground', 'hub'], 'at': [0, 0, 0], 'axis': [0, 0, 1]}, "
+                 "{'name': 'W', 'kind': 'fixed', 'links': ['hub', 'platform'], 'at': [0, 0, 0]}, "
+                 "{'name': 'B', 'kind': 'spherical', 'links': ['platform', 'foot'], 'at': [1, 0, 0]}, "
+                 "{'name': 'V', 'kind': 'fixed', 'links': ['platform', 'foot'], 'at': [0, 1, 0]}], "
+                 "'tracers': [{'name': 'tool', 'link': 'platform', 'at': [0.2, 0.4, 0.7]}]}", "platform", &m);
+    OWN(lw_space_scene) s = make_scene(&m, 0);
+    int plates = 0, flanges = 0, arms = 0;
+    for (int i = 0; i < s.n_shape; i++) {
+        const lw_space_shape *t = &s.shape[i];
+        plates += t->kind == LW_SPACE_PLATE && t->n == 3 && t->link == 2;
+        flanges += t->kind == LW_SPACE_PLATE && t->n == 4 && t->item == 3 && !t->grounded;
+        arms += t->kind == LW_SPACE_BAR && t->link == 2 && lw_v3_norm(lw_v3_sub(t->p[0], lw_v3(1.0/3, 1.0/3, 0))) < 1e-15;
+    }
+    CHECK_INT(plates, 1);
+    CHECK_INT(flanges, 1);
+    CHECK_INT(arms, 1);
+    CHECK_INT(s.n_shape, 7);                 /* the foot, the pin, the ball and the tool, too */
 }
 
 TEST(files)

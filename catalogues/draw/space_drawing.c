@@ -219,7 +219,7 @@ static void ink(lw_drawing *d, const piece *q)
         break;
     case LW_SPACE_PLATE:
         s = lw_drawing_path(d, LW_ROLE_LINK, q->p, (size_t)q->n, true);
-        s->stroke = s->fill = LW_INK_LINK;
+        s->stroke = s->fill = dark;
         s->width = 3;
         s->alpha = 0.25;
         break;

@@ -201,21 +201,22 @@ static void add_point(lw_vec3 at, double near, lw_vec3 p[LW_SPACE_POINTS], int *
         p[(*n)++] = at;
 }
 
-/* Points of a link, each once: its joints, its tracers, its centre of mass beside a single one, the ends of springs and cylinders. */
-static int points_of(const lw_spatial *m, int link, double near, lw_vec3 p[LW_SPACE_POINTS])
+/* Points of a link, each once: its joints and the ends of springs and cylinders, *n_held in all, its tracers, its centre of mass beside a single one. */
+static int points_of(const lw_spatial *m, int link, double near, lw_vec3 p[LW_SPACE_POINTS], int *n_held)
 {
     int n = 0;
     for (int i = 0; i < m->n_joint; i++)
         if (m->joint[i].link[0] == link || m->joint[i].link[1] == link)
             add_point(m->joint[i].at, near, p, &n);
+    for (int i = 0; i < 2*m->n_spring; i++)
+        if (m->spring[i/2].link[i%2] == link)
+            add_point(m->spring[i/2].at[i%2], near, p, &n);
+    *n_held = n;
     for (int i = 0; i < m->n_tracer; i++)
         if (m->tracer[i].link == link)
             add_point(m->tracer[i].at, near, p, &n);
     if (n == 1 && m->body[link].given)
         add_point(m->body[link].centre, near, p, &n);
-    for (int i = 0; i < 2*m->n_spring; i++)
-        if (m->spring[i/2].link[i%2] == link)
-            add_point(m->spring[i/2].at[i%2], near, p, &n);
     return n;
 }
 
@@ -347,12 +348,20 @@ static void add_arms_from_nodes(lw_space_scene *s, int link, const lw_elastic *b
     }
 }
 
+static void add_plate(lw_space_scene *s, int link, const lw_vec3 *p, int n, lw_vec3 normal)
+{
+    lw_space_shape plate = { .kind = LW_SPACE_PLATE, .link = link, .item = link };
+    memcpy(plate.p, p, (size_t)n*sizeof *p);
+    plate.n = outline(plate.p, n, normal);
+    add(s, plate);
+}
+
 static lw_status add_link(const lw_spatial *m, int link, lw_space_scene *s)
 {
     lw_status st = LW_OK;
     lw_vec3 p[LW_SPACE_POINTS], normal;
     double near = 1e-6*s->radius;
-    int n = points_of(m, link, near, p);
+    int n_held, n = points_of(m, link, near, p, &n_held);
     const lw_elastic *own = m->elastic ? &m->elastic[link] : NULL, *bent = own && own->n_axis > 0 ? own : NULL;
     if (is_node(m, link)) {
         add_arms(s, link, &m->body[link].centre, 1, p, n);
@@ -366,14 +375,15 @@ static lw_status add_link(const lw_spatial *m, int link, lw_space_scene *s)
     } else if (n < 3) {
         add_line(s, link, p, n);
     } else if (are_flat(p, n, near, &normal)) {
-        lw_space_shape plate = { .kind = LW_SPACE_PLATE, .link = link, .item = link, .n = outline(p, n, normal) };
-        memcpy(plate.p, p, (size_t)plate.n*sizeof *p);
-        add(s, plate);
+        add_plate(s, link, p, n, normal);
     } else if (lw_v3_norm(lw_v3_cross(lw_v3_sub(p[1], p[0]), lw_v3_sub(p[n - 1], p[0]))) < near*s->radius && n == 3) {
         add_line(s, link, p, n);
-    } else {
-        lw_vec3 hub = middle_of(p, n);
-        for (int i = 0; i < n; i++)
+    } else {                             /* a plate between the joints, if they lie in a plane, carries the tracers on arms */
+        bool flat = n_held >= 3 && are_flat(p, n_held, near, &normal);
+        lw_vec3 hub = middle_of(p, flat ? n_held : n);
+        if (flat)
+            add_plate(s, link, p, n_held, normal);
+        for (int i = flat ? n_held : 0; i < n; i++)
             add_bar(s, link, hub, p[i]);
     }
     return st;
@@ -401,6 +411,39 @@ static void add_guide(lw_space_scene *s, const lw_spatial_joint *j, int item, do
                              .p = { lw_v3_add(j->at, lw_v3_scale(j->axis, least)), lw_v3_add(j->at, lw_v3_scale(j->axis, most)) } });
 }
 
+/* A square with sides of 2 half about the place of a joint. */
+static void add_square(lw_space_scene *s, const lw_spatial_joint *j, int item, lw_vec3 normal, double half, bool grounded)
+{
+    lw_vec3 x = lw_v3_scale(lw_v3_across(normal), half), y = lw_v3_cross(normal, x);
+    add(s, (lw_space_shape){ .kind = LW_SPACE_PLATE, .link = j->link[0], .item = item, .grounded = grounded, .n = 4,
+                             .p = { lw_v3_add(j->at, lw_v3_add(x, y)), lw_v3_add(j->at, lw_v3_sub(x, y)),
+                                    lw_v3_sub(j->at, lw_v3_add(x, y)), lw_v3_sub(j->at, lw_v3_sub(x, y)) } });
+}
+
+/* A weld is a flange across a bar that ends there.  Where another joint has its sign, as on a hub with a hinge, it has none. */
+static void add_flange(const lw_spatial *m, int item, lw_space_scene *s, double pin, bool grounded)
+{
+    const lw_spatial_joint *j = &m->joint[item];
+    lw_vec3 normal = s->up;
+    double near = 1e-6*s->radius;
+    for (int i = 0; i < m->n_joint; i++) {
+        lw_spatial_kind kind = lw_spatial_kind_given(&m->joint[i]);
+        if (kind != LW_SPATIAL_FREE && (kind != LW_SPATIAL_FIXED || i < item) && lw_v3_norm(lw_v3_sub(m->joint[i].at, j->at)) < near)
+            return;
+    }
+    for (int i = 0; i < s->n_shape; i++) {
+        const lw_space_shape *bar = &s->shape[i];
+        lw_vec3 way = lw_v3_sub(bar->p[1], bar->p[0]);
+        bool ends = bar->kind == LW_SPACE_BAR && (bar->link == j->link[0] || bar->link == j->link[1] || bar->to == j->link[0] || bar->to == j->link[1]) &&
+                    fmin(lw_v3_norm(lw_v3_sub(bar->p[0], j->at)), lw_v3_norm(lw_v3_sub(bar->p[1], j->at))) < near;
+        if (ends) {
+            normal = lw_v3_scale(way, 1/lw_v3_norm(way));
+            break;
+        }
+    }
+    add_square(s, j, item, normal, grounded ? 1.2*pin : 0.7*pin, grounded);
+}
+
 static void add_joint(const lw_spatial *m, int item, lw_space_scene *s)
 {
     const lw_spatial_joint *j = &m->joint[item];
@@ -426,15 +469,9 @@ static void add_joint(const lw_spatial *m, int item, lw_space_scene *s)
         add(s, (lw_space_shape){ .kind = LW_SPACE_BALL, .link = first, .item = item, .grounded = grounded, .n = 1,
                                  .p = { j->at } });
         break;
-    case LW_SPATIAL_PLANAR: {
-        lw_vec3 x = lw_v3_scale(lw_v3_across(j->axis), 4*pin), y = lw_v3_cross(j->axis, x);
-        add(s, (lw_space_shape){ .kind = LW_SPACE_PLATE, .link = first, .item = item, .grounded = grounded, .n = 4,
-                                 .p = { lw_v3_add(j->at, lw_v3_add(x, y)), lw_v3_add(j->at, lw_v3_sub(x, y)),
-                                        lw_v3_sub(j->at, lw_v3_add(x, y)), lw_v3_sub(j->at, lw_v3_sub(x, y)) } });
-        break;
-    }
-    case LW_SPATIAL_FIXED:
-    case LW_SPATIAL_FREE: break;
+    case LW_SPATIAL_PLANAR: add_square(s, j, item, j->axis, 4*pin, grounded); break;
+    case LW_SPATIAL_FIXED:  add_flange(m, item, s, pin, grounded); break;
+    case LW_SPATIAL_FREE:   break;
     }
 }
 

@@ -12,7 +12,7 @@
 
 typedef enum lw_space_shape_kind {
     LW_SPACE_BAR,                /* a line from point 0 to 1                                           */
-    LW_SPACE_PLATE,              /* a flat polygon                                                     */
+    LW_SPACE_PLATE,              /* a flat polygon: a link, the plane of a planar joint, a weld        */
     LW_SPACE_PIN,                /* an axis from point 0 to 1: hinge, cylinder or screw                */
     LW_SPACE_BALL,               /* at point 0                                                         */
     LW_SPACE_GUIDE,              /* the line of a slide from point 0 to 1                              */

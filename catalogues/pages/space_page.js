@@ -128,9 +128,9 @@
       stroke(piece, inks.paper, 7);
     }
     if (piece.kind === "plate") {
-      stroke(piece, inks.link, 3);
+      stroke(piece, dark, 3);
       pen.globalAlpha = 0.25;
-      pen.fillStyle = inks.link;
+      pen.fillStyle = dark;
       pen.fill();
       pen.globalAlpha = 1;
     }
