@@ -131,24 +131,31 @@ ARCHIVES = $(foreach l,$(LIBS) -lamd -lcolamd -lbtf -lsuitesparseconfig,$(or $(i
            $(filter-out -lm -lpthread -ldl $(LATE:%=-l%),$l),$(call ARCHIVE,$l)),$l))
 $B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $B/tests/fail_at_call.o $B/tests/fake_processor.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) -Wl,--build-id -no-pie $(WRAPPED:%=-Wl,--wrap=%) $^ $(ARCHIVES) -o $@
-$(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/tests/fuzz/program.a $B/liblinkwright.a
-	$(CC) $(CFLAGS) $(LDFLAGS) $(PIE) $(FAST_LINK) $(filter %.o,$^) $(filter %.a,$^) $(LIBS) -o $@
-$B/tests/test_flexible_crank $B/tests/test_elastic: $B/cli/bench/flexible_crank.o
-STUDIO_OBJ := $(patsubst %.c,$B/%.o,$(wildcard studio/*.c))
-$B/tests/test_studio: $(STUDIO_OBJ)
-$B/tests/fuzz/program.a: $(STUDIO_OBJ) $B/cli/program/kept_answers.o $B/cli/program/mpi_jobs.o
+# files of commands that tests call, beside the library
+$B/tests/program.a: $(patsubst %.c,$B/%.o,$(wildcard studio/*.c)) $B/cli/bench/flexible_crank.o $B/cli/program/kept_answers.o $B/cli/program/mpi_jobs.o
 	rm -f $@; ar rcs $@ $^
 # the page in Chromium, where there is one
 $B/tests/test_studio_page: tests/browser/studio.sh
 	@mkdir -p $(@D)
 	@printf '#!/bin/sh\nexec tests/browser/studio.sh "%s"\n' '$B/linkwright' > $@; chmod +x $@
-$(patsubst %.c,$B/%,$(wildcard tests/test_*.c)): $B/tests/check_main.o
 # fresh memory holds NaN (tests/fresh_memory.h)
 FRESH_NAN = -Wl,--wrap=malloc
-# some 300 programs: gold links one in half the time
+# gold links in half the time
 FAST_LINK := $(if $(shell command -v ld.gold),-fuse-ld=gold)
-$B/tests/%: $B/tests/%.o $B/liblinkwright.a
-	$(CC) $(CFLAGS) $(LDFLAGS) $(PIE) $(FAST_LINK) $(if $(filter %/check_main.o,$^),$(FRESH_NAN)) $(filter %.o,$^) $(filter %.a,$^) $(LIBS) -o $@
+LINK_TEST = $(CC) $(CFLAGS) $(LDFLAGS) $(PIE) $(FAST_LINK) $(FRESH_NAN) $(filter %.o,$^) $(filter %.a,$^) $(LIBS) -o $@
+TEST_WITH = $B/tests/check_main.o $B/tests/fuzz/replay.o $B/tests/program.a $B/liblinkwright.a
+# `make test` links all tests as one program of as many names (tests/program.h), but for those that define functions of the library
+# again, or link what is loaded late
+APART    = $(patsubst %,$B/tests/test_%,library_faults dynamics_ggl dynamics_states picture)
+TOGETHER = $(filter-out $(APART),$(TESTS))
+$B/tests/together/program: $(TOGETHER:=.o) $(TEST_WITH)
+	@mkdir -p $(@D)
+	$(LINK_TEST)
+	@for t in $(notdir $(TOGETHER)); do ln -f $@ $(@D)/$$t || exit 1; done
+$(TESTS): %: %.o $(TEST_WITH)
+	$(LINK_TEST)
+$(BENCHES): %: %.o $B/liblinkwright.a
+	$(CC) $(CFLAGS) $(LDFLAGS) $(PIE) $^ $(LIBS) -o $@
 $B/docs/examples/%: docs/examples/%.c linkwright.h $B/liblinkwright.so
 	@mkdir -p $(@D)
 	$(CC) -std=c17 -D_GNU_SOURCE $(WARN) -I. $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $< -L$B -llinkwright -Wl,-rpath,$(abspath $B) -lm -o $@
@@ -189,11 +196,12 @@ test demo: deps
 shared: $B/liblinkwright.so
 samples: $(SAMPLES)                # each checks its own result
 	@for s in $(SAMPLES); do $$s > $B/sample.out 2>&1 || { cat $B/sample.out; echo "$$s failed"; exit 1; }; done
-run-test: $B/linkwright $B/tests/linkwright $B/tests/fuzz/replay.o $(TESTS) $B/tests/test_python $B/tests/test_studio_page samples   # replay.o named: else a second make misses it
-	@LW_PROGRAM=$B/linkwright tests/run.sh $(LONGEST) $(filter-out $(LONGEST),$(TESTS))
+PROGRAMS = $(patsubst %,$B/tests/together/%,$(notdir $(TOGETHER))) $(APART) $B/tests/test_python $B/tests/test_studio_page
+run-test: $B/linkwright $B/tests/linkwright $B/tests/together/program $(APART) $B/tests/test_python $B/tests/test_studio_page samples
+	@LW_PROGRAM=$B/linkwright tests/run.sh $(LONGEST) $(filter-out $(LONGEST),$(PROGRAMS))
 # first, so that the last ones end together, not one alone; that of the page waits most of its time
-LONGEST  = $(patsubst %,$B/tests/test_%,studio_page python cli_faults cli_promises cli_fit cli_documents library_faults staged_search fit cli_search \
-           cli_atlas cli_same_bits surface cli_catalogue cli_freedoms cli_enumerate topology_search exact_nine elastic_space dynamics_large cli_convert)
+LONGEST  = $(foreach t,studio_page python cli_faults cli_promises cli_fit cli_documents library_faults staged_search fit cli_search \
+           cli_atlas cli_same_bits surface cli_catalogue cli_freedoms cli_enumerate topology_search exact_nine elastic_space dynamics_large cli_convert,$(filter %/test_$t,$(PROGRAMS)))
 pictures: $B/linkwright            # those of README.md
 	$B/linkwright fit examples/walking-foot.csv --crank-only --length-range 5:150 --min-transmission-angle 30 \
 	    --results 1 --quiet --json -o $B/foot.json
@@ -262,9 +270,9 @@ browser-test: $B/tests/test_atlas_html $B/linkwright     # the atlas and the stu
 fuzz:      # FUZZ_SECONDS=60 for each target
 	$(MAKE) $(JOBS) B=$B/fuzz CC=clang KERNEL_CFLAGS="-O1 -fno-sanitize=all" \
 	    CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all" run-fuzz
-run-fuzz: $B/tests/fuzz/program.a $B/liblinkwright.a $(FUZZ:=.o)
+run-fuzz: $B/tests/fuzz/replay.o $B/tests/program.a $B/liblinkwright.a $(FUZZ:=.o)
 	@for t in $(notdir $(basename $(wildcard tests/fuzz/fuzz_*.c))); do \
-	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $(filter %.a,$^) $(LIBS) -o $B/$$t && mkdir -p $B/found/$$t && \
+	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $B/tests/fuzz/replay.o $(filter %.a,$^) $(LIBS) -o $B/$$t && mkdir -p $B/found/$$t && \
 	    $B/$$t -max_total_time=$(or $(FUZZ_SECONDS),20) -artifact_prefix=$B/found/ $B/found/$$t tests/fuzz/corpus/$${t#fuzz_} || exit 1; done
 bench: $(BENCHES) $(PEER_BIN) $B/linkwright
 	@for b in $(BENCHES); do echo "$$b"; $$b || exit 1; done

@@ -6,7 +6,7 @@
  *     }
  *
  * A program runs its tests in the order in which they stand in the file; tests/check_main.c holds main().  A program that
- * has something to prepare writes its own main(), which calls check_run() and ends with check_end().
+ * has something to prepare writes CHECK_MAIN { ... }, which calls check_run() and ends with check_end().
  *
  * LW_SEED=... repeats a run with random numbers; check_seed() returns it, check_rng(n) is its n-th generator, and a check that
  * fails prints it. */
@@ -22,6 +22,7 @@
 
 #include "base/rng.h"
 #include "linkwright.h"
+#include "tests/program.h"
 
 /* Sanitizers take three to four times as long.  They look at memory and arithmetic, not at figures: one way through the code is enough
  * for them, and tests of figures that take the same way again are left out. */
@@ -167,7 +168,20 @@ static inline void check_free(void *pointer)
 #define OWNED(type) __attribute__((cleanup(type##_owned))) type
 #define OWNS(type) static inline void type##_owned(type **p) { type##_free(*p); }
 
-int check_main(void);
-__attribute__((weak)) int check_main(void) { check_run(); return check_end(); }
+/* CHECK_MAIN { ... }  the program's own order of work, with argc and argv; returns the exit code. */
+#define CHECK_MAIN \
+    static int check_own_main(int argc, char **argv); \
+    static int (*check_main)(int argc, char **argv) = check_own_main; \
+    static int check_own_main(int argc __attribute__((unused)), char **argv __attribute__((unused)))
+
+static int (*check_main)(int argc, char **argv);          /* NULL unless CHECK_MAIN follows */
+static int check_program_run(int argc, char **argv)
+{
+    if (check_main)
+        return check_main(argc, argv);
+    check_run();
+    return check_end();
+}
+TEST_PROGRAM(check_program_run)
 
 #endif

@@ -5,10 +5,6 @@
 #include "catalogues/draw/scene.h"
 #include "tests/example_linkage.h"
 
-/* Fontconfig keeps its settings until the process ends; leak checkers are told to ignore them. */
-const char *__lsan_default_suppressions(void);
-const char *__lsan_default_suppressions(void) { return "leak:libfontconfig"; }
-
 /* r1 r2 r3 r4 cx cy x0 y0 theta0 at the crank angle t (from the frame line); mode: side of B. */
 static inline lw_linkage model_four_bar(const double r[9], double t, double mode)
 {

@@ -417,7 +417,7 @@ TEST(refusals)
     lw_store_close(s);
 }
 
-int main(void)
+CHECK_MAIN
 {
     snprintf(path, sizeof path, "%s/atlas.db", temporary_folder());
     if (lw_curve_maker_create("all", &maker, &check_error) != LW_OK)

@@ -313,7 +313,7 @@ TEST(limits_and_faults)
     CHECK_INT(write_atlas(temporary_file("a.db"), &o, &n_page, &n_byte, &check_error), LW_E_IO);
 }
 
-int main(void)
+CHECK_MAIN
 {
     char line[500];
     make_store();

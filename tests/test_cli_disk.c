@@ -49,7 +49,7 @@ static void other_files(void)
            0, "begin\nfill\nend\n", "x.svg: cannot be written");
 }
 
-int main(void)
+CHECK_MAIN
 {
     if (permitted()) {
         RUN(catalogues);

@@ -824,7 +824,7 @@ static void prepare(void)
            "END", "");
 }
 
-int main(int argc, char **argv)
+CHECK_MAIN
 {
     static const struct { const char *name; int number; } signals[] = { { "HUP", SIGHUP }, { "INT", SIGINT }, { "TERM", SIGTERM }, { "KILL", SIGKILL } };
     char self[300] = "";

@@ -351,7 +351,7 @@ TEST(gears_are_fitted_and_traced)
           <= real(json_array_get(json_object_get(plain, "results"), 0), "objective"));
 }
 
-int main(void)
+CHECK_MAIN
 {
     expect("printf 'x,y\\n0,0\\n1,0.2\\n2,0\\n3,0.3\\n3,1.2\\n2.6,2\\n1.5,1.7\\n0.4,1.4\\n' > $D/t.csv", 0, NULL, NULL);
     check_run();

@@ -975,7 +975,7 @@ TEST(refusals_say_why)
     m.body[7].inertia = 1;
 }
 
-int main(void)
+CHECK_MAIN
 {
     check_run();
     CHECK(by_derivatives >= 4);

@@ -397,7 +397,7 @@ TEST(wrong_numbers_of_stations)
     }
 }
 
-int main(void)
+CHECK_MAIN
 {
     lw_rng_seed(&rng, check_seed(), 0);
     check_run();

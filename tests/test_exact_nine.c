@@ -257,7 +257,7 @@ TEST(stops_when_asked)
     }
 }
 
-int main(void)
+CHECK_MAIN
 {
     lw_rng_seed(&rng, check_seed(), 0);
     check_run();

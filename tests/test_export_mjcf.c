@@ -509,7 +509,7 @@ static void welds(void) { }
 static void many_loops(void) { }
 #endif
 
-int main(void)
+CHECK_MAIN
 {
     RUN(a_four_bar_closes_by_one_connect);
     RUN(names_are_escaped);

@@ -84,7 +84,7 @@ TEST(published)
     }
 }
 
-int main(void)
+CHECK_MAIN
 {
     lw_flexible_crank_published(&c);
     check_run();

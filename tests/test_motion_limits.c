@@ -132,7 +132,7 @@ TEST(every_condition_is_asked)
     CHECK(!lw_motion_limits_meets(&none, &s, &k, 1, NULL, 0));
 }
 
-int main(void)
+CHECK_MAIN
 {
     lw_rng_seed(&rng, check_seed(), 1);
     check_run();

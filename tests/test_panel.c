@@ -50,7 +50,7 @@ TEST(what_is_not_resolved_is_seen)
     CHECK(lw_panel_tail(&r, f) == 0);
 }
 
-int main(void)
+CHECK_MAIN
 {
     CHECK_INT(lw_panel_rule_make(&r), LW_OK);
     check_run();

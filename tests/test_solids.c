@@ -187,7 +187,7 @@ static void sizes(void)
     CHECK_INT(lw_plates_make(LW_VIEW(&k), &o, &w, &check_error), LW_E_ARG);
 }
 
-int main(void)
+CHECK_MAIN
 {
     RUN(meshes);
     RUN(instances);

@@ -254,7 +254,7 @@ TEST(search_ends)
     CHECK_HAS(reply, "\"verified\":true");
 }
 
-int main(void)
+CHECK_MAIN
 {
     studio_options o = { .file = "a.json", .text = "{}", .size = 2, .gallery = "examples/gallery" };
     lw_error e = { 0 };

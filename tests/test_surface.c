@@ -953,7 +953,7 @@ TEST(catalogues_answer_and_are_drawn)
     lw_linkage_destroy(k);
 }
 
-int main(void)
+CHECK_MAIN
 {
     gsl_set_error_handler(of_program);
     CHECK_TEXT(lw_version(), LW_VERSION_STRING);

@@ -6,9 +6,19 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/error.h"
+#include "tests/program.h"
 
-/* Calls abort() on a fault of the library; returns 0. */
+/* The target, in each file: calls abort() on a fault of the library; returns 0. */
+static int one_input(const uint8_t *data, size_t size);
+
+/* The entry of libFuzzer, which links one target. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+__attribute__((weak)) int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) { return one_input(data, size); }
+
+/* In `make test`: each file of the corpus once (tests/fuzz/replay.c). */
+int replay(int argc, char **argv, int (*target)(const uint8_t *data, size_t size));
+static int replay_here(int argc, char **argv) { return replay(argc, argv, one_input); }
+TEST_PROGRAM(replay_here)
 
 static inline void demand(int condition)
 {
@@ -29,7 +39,7 @@ static inline int refused(lw_status s, const lw_error *e)
 /* Text that can be read as `type` is printed in less than `most` bytes and reads back the same: `same` is a condition
  * on the two values a and b. */
 #define FUZZ_READS_BACK(type, read, print, most, same) \
-    int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) \
+    static int one_input(const uint8_t *data, size_t size) \
     { \
         type a, b; \
         lw_error e; \

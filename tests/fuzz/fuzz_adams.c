@@ -3,7 +3,7 @@
 #include "catalogues/exchange/export.h"
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     lw_assembly k, back;
     lw_bytes b = { 0 };

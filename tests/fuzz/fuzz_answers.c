@@ -53,7 +53,7 @@ static lw_status run_loops(cli_kept *k, results r[2], lw_error *e)
     return status;
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     cli_kept *k;
     lw_error e = { 0 };

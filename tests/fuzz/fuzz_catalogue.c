@@ -10,7 +10,7 @@ static lw_status take(void *context, int n_column, const char *const *name, cons
     return LW_OK;
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     char path[300];
     lw_catalogue *c = NULL;

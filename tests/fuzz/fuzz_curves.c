@@ -5,7 +5,7 @@
 #include "catalogues/curves/curves.h"
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     static const double u[LW_CURVE_DRAWS] = { 0.5, 0.1, 0.7, 0.3, 0.9, 0.2, 0.6, 0.4 };
     char text[400];

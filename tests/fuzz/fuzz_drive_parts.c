@@ -27,7 +27,7 @@ static void choose(const lw_drive_parts *p)
     }
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     lw_drive_parts p = { 0 };
     lw_error e = { .text = "" };

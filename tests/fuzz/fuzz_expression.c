@@ -16,7 +16,7 @@ static int lookup(void *context, const char *word, const char *name, char *why)
 
 static int same(double a, double b) { return a == b || (isnan(a) && isnan(b)); }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     enum { N = LW_EXPRESSION_VARIABLE_MAX, TERMS = LW_SERIES_ORDER_MAX + 1 };
     double v[N], dv[N], series[N*TERMS], out[TERMS];

@@ -5,7 +5,7 @@
 #include "enumerate/kept.h"
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     lw_kept *k;
     lw_error e = { 0 };

@@ -17,7 +17,7 @@ static void round_trip(const lw_linkage *k, int indent)
     free(text);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     static lw_linkage k;
     lw_error e = { .text = "" };

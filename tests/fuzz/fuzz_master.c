@@ -10,7 +10,7 @@ static void demand_place(lw_status s, const lw_error *e)
     demand(s != LW_E_NOTATION || (e->line > 0 && e->column > 0));
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     static lw_model model;
     lw_master *m;

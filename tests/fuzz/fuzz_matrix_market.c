@@ -4,7 +4,7 @@
 #include "grammar/model/matrix_market.h"
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     lw_error e = { .text = "" };
     int n;

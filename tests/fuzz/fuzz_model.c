@@ -4,7 +4,7 @@
 #include "grammar/model/model.h"
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     static lw_model m;
     lw_error e = { .text = "" };

@@ -30,7 +30,7 @@ static void move(lw_kinematics *m)
         lw_linkage_destroy(there);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     lw_linkage *k = NULL;
     lw_kinematics *m = NULL;

@@ -2,7 +2,7 @@
 #include "grammar/topology/notation.h"
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     static char text[LW_NOTATION_SIZE];
     lw_topologies t = lw_topologies_open((const char *)data, size, "fuzz");

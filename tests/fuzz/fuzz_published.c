@@ -2,7 +2,7 @@
 #include "enumerate/published.h"
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     lw_published_table t;
     lw_error e = { 0 };

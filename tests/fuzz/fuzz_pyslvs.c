@@ -1,7 +1,7 @@
 #include "grammar/linkage/pyslvs.h"
 #include "tests/fuzz/points_fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     return points_fuzz(data, size, lw_pyslvs_read, lw_pyslvs_write);
 }

@@ -18,7 +18,7 @@ static sqlite3 *tables(void)
     return db;
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     lw_query q;
     lw_error e;

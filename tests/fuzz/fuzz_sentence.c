@@ -2,7 +2,7 @@
 #include "grammar/topology/sentence.h"
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     static lw_sentence s, other;
     static char text[LW_SENTENCE_SIZE];

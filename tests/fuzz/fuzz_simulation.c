@@ -127,7 +127,7 @@ static void run_family(const lw_master *master)
     lw_variant_destroy(v);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     lw_servo *servo = NULL;
     lw_master *master = NULL;

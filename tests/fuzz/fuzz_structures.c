@@ -3,7 +3,7 @@
 #include "enumerate/structures.h"
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     lw_structures *set;
     lw_error e = { 0 };

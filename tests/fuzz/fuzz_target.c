@@ -22,7 +22,7 @@ static void check_stations(const lw_target *t, int spread)
     }
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     static const lw_target_options option[] = { { .closed = -1 },
         { .closed = 1, .length_unit = "mm", .angle_unit = "deg" }, { .length_unit = "in", .smooth = 0.1, .stations

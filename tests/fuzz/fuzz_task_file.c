@@ -4,7 +4,7 @@
 #include "optimise/task/task_file.h"
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     static lw_task_file b;
     lw_error e = { .text = "" };

@@ -3,7 +3,7 @@
 #include "grammar/model/work_cycle.h"
 #include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static int one_input(const uint8_t *data, size_t size)
 {
     lw_work_cycle c;
     lw_error e = { .text = "" };

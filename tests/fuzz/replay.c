@@ -1,9 +1,10 @@
-/* The main of the fuzz targets in `make test`: runs each file of the corpus once, so that a fault found by fuzzing
+/* The fuzz targets in `make test`: runs each file of the corpus once, so that a fault found by fuzzing
  * stays found. `make fuzz` builds the same targets with libFuzzer instead. */
 #include <dirent.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include "base/file.h"
-#include "tests/fuzz/fuzz.h"
 
 /* tests/fuzz/corpus/NAME for the program fuzz_NAME */
 static void corpus_path(char *path, size_t size)
@@ -12,7 +13,7 @@ static void corpus_path(char *path, size_t size)
     snprintf(path, size, "tests/fuzz/corpus/%s", program_invocation_short_name + strcspn(program_invocation_short_name, "_") + 1);
 }
 
-static int replay(const char *path)
+static int replay_file(const char *path, int (*target)(const uint8_t *data, size_t size))
 {
     char *text = NULL;
     size_t size = 0;
@@ -22,13 +23,14 @@ static int replay(const char *path)
     uint8_t *data = malloc(size ? size : 1);
     if (data && size)
         memcpy(data, text, size);
-    int failed = !data || LLVMFuzzerTestOneInput(data, size) != 0;
+    int failed = !data || target(data, size) != 0;
     free(data);
     free(text);
     return failed;
 }
 
-int main(int argc, char **argv)
+int replay(int argc, char **argv, int (*target)(const uint8_t *data, size_t size));
+int replay(int argc, char **argv, int (*target)(const uint8_t *data, size_t size))
 {
     extern char *program_invocation_short_name;
     char folder[256], path[1024];
@@ -40,7 +42,7 @@ int main(int argc, char **argv)
     for (struct dirent *f; d && (f = readdir(d)) != NULL;) {
         snprintf(path, sizeof path, "%s/%s", folder, f->d_name);
         if (f->d_name[0] != '.')
-            n[replay(path)]++;
+            n[replay_file(path, target)]++;
     }
     if (d)
         closedir(d);
