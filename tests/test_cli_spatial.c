@@ -91,6 +91,20 @@ TEST(quaternions_go_on)
     expect(command, 0, "998\n", NULL);
 }
 
+/* What is left when all but the spin of a bar between balls is held: nothing moves, also where the posture yields. */
+TEST(idle_links_alone_do_not_move)
+{
+    static const struct { const char *axis, *verdict; } crank[] = {
+        { "[0, 0, 1]", "rigid: nothing moves but idle links" }, { "[0, 1, 0]", "shaky: it yields, but only idle links move" } };
+    for (size_t i = 0; i < sizeof crank/sizeof *crank; i++) {
+        expect_with(0, NULL, NULL, "echo '{\"linkwright\": 1, \"links\": [\"ground\", \"crank\", \"bar\"], \"joints\": ["
+                    "{\"name\": \"A\", \"kind\": \"revolute\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0, 0], \"axis\": %s}, "
+                    "{\"name\": \"B\", \"kind\": \"spherical\", \"links\": [\"crank\", \"bar\"], \"at\": [1, 0, 0]}, "
+                    "{\"name\": \"C\", \"kind\": \"spherical\", \"links\": [\"bar\", \"ground\"], \"at\": [1.5, 2, 0]}]}' > $D/idle.json", crank[i].axis);
+        expect("$P mobility $D/idle.json", 0, crank[i].verdict, NULL);
+    }
+}
+
 /* Rounded numbers: an overconstrained linkage is adjusted, and it is said by how much. */
 TEST(rounded)
 {

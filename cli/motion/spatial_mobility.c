@@ -6,10 +6,15 @@
 #include "mbs/space/space_adjust.h"
 #include "mbs/space/space_mobility.h"
 
+/* Beside its idle spins. */
+static bool moves(const lw_space_mobility *m) { return m->freedom > m->idle; }
+static bool is_shaky(const lw_space_mobility *m) { return !moves(m) && (m->shaky || m->instant > m->freedom); }
+
 static const char *verdict(const lw_space_mobility *m)
 {
-    return m->freedom == 0 ? m->shaky ? "shaky: it yields, but cannot move"
-        : "rigid: nothing moves, not even of first order"
+    return is_shaky(m) ? m->freedom > 0 ? "shaky: it yields, but only idle links move" : "shaky: it yields, but cannot move"
+         : m->freedom == 0 ? "rigid: nothing moves, not even of first order"
+         : !moves(m) ? "rigid: nothing moves but idle links"
          : m->freedom > m->count && m->count < 1 ? "moves although the count says it cannot: its dimensions are special"
          : "moves";
 }
@@ -60,7 +65,7 @@ static void write_json(FILE *f, const lw_space_adjusted *a, const lw_space_mobil
     lw_vec3 normal;
     cli_json j = cli_json_begin(f, 2);
     cli_json_object(&j, NULL);
-    cli_json_text(&j, "verdict", m->freedom > 0 ? "moves" : m->shaky ? "shaky" : "rigid");
+    cli_json_text(&j, "verdict", moves(m) ? "moves" : is_shaky(m) ? "shaky" : "rigid");
     cli_json_int(&j, "count", m->count);
     cli_json_int(&j, "freedom", m->freedom);
     cli_json_int(&j, "first_order_posture", m->instant);

@@ -36,7 +36,7 @@ static lw_status number(words *w, bool more, double *out)
     const char *word;
     size_t n = next_word(w, more, &word);
     if (n == 0)
-        return fault(w, word, "a number is expected here");
+        return fault(w, word, word == w->end ? "the file ends, but more entries are to follow" : "a number is expected here");
     return lw_number_parse(word, n, out) == LW_OK ? LW_OK : fault(w, word, "this is no finite number");
 }
 

@@ -500,9 +500,10 @@ static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, 
     for (int i = 0; i < n; i++) {
         char name[64];
         lw_spatial_measure of = f->z.extra[f->n_idle + i].measure;
+        bool turns = of.of == LW_OF_TURN;
+        double rounded = fabs(value[i]) > 1e-12*(turns ? 1 : s->unit) ? value[i] : 0;
         lw_spatial_measure_name(s->model, of, name, sizeof name);
-        used += (size_t)snprintf(where + used, sizeof where - used, "%s%s = %.9g %s", i ? ", " : "", name, value[i],
-                                 of.of == LW_OF_TURN ? "rad" : "m");
+        used += (size_t)snprintf(where + used, sizeof where - used, "%s%s = %.9g %s", i ? ", " : "", name, rounded, turns ? "rad" : "m");
         used = used < sizeof where ? used : sizeof where - 1;
     }
     double slide, left;
