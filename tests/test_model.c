@@ -98,6 +98,8 @@ TEST(faults)
         { ", 'clearance': {'model': 'impct', 'gap': 1}", "", "", "", "did you mean \"impact\"" },
         { ", 'clearance': {'model': 'impact', 'gap': 1}", "", "", "", "\"stiffness\" is missing" },
         { ", 'clearance': {'model': 'zero', 'gap': 0}", "", "", "", "greater than 0" },
+        { ", 'clearance': {'model': 'hunt-crossley', 'gap': 1, 'stiffness': 1, 'damping': 1}", "", "", "", "are those of its \"restitution\"" },
+        { ", 'clearance': {'model': 'impact', 'gap': 1, 'stiffness': 1, 'restitution': 0.5}", "", "", "", "are those of its \"damping\"" },
         { ", 'stop': {}", "", "", "", "needs \"least\"" },
         { ", 'stop': {'least': 10}", "", "", "", "outside its stop" },
         { ", 'stop': {'least': -1, 'restitution': 2}", "", "", "", "between 0 and 1" },

@@ -60,18 +60,31 @@ static lw_status read_clearance_model(const lw_json_node *n, lw_clearance *c, lw
     return s;
 }
 
+/* The losses of a model of contact are those of its "damping", or of its "restitution": the other key alone would be without effect. */
+static lw_status check_losses(const lw_json_node *n, const lw_clearance *c, bool restitution, lw_error *e)
+{
+    lw_json_node at;
+    bool restores = c->model == LW_CLEARANCE_HUNT_CROSSLEY || c->model == LW_CLEARANCE_LANKARANI;
+    if (restores && c->damping > 0 && !restitution && lw_json_member(n, "damping", &at))
+        return lw_json_fault(&at, e, "the losses of this model of contact are those of its \"restitution\", and a damping has no effect: give that instead");
+    if ((c->model == LW_CLEARANCE_MLSD || c->model == LW_CLEARANCE_IMPACT) && c->restitution < 1 && !(c->damping > 0) &&
+        lw_json_member(n, "restitution", &at))
+        return lw_json_fault(&at, e, "the losses of this model of contact are those of its \"damping\", and a restitution has no effect: give that instead");
+    return LW_OK;
+}
+
 lw_status lw_read_clearance(const lw_json_node *n, double metre, lw_clearance *c, lw_error *e)
 {
     static const char *const known[] = { "model", "gap", "stiffness", "exponent", "damping", "depth",
                                          "restitution", "friction", "friction_speed" };
-    bool stiff = false;
+    bool stiff = false, restitution = false;
     const lw_number_key numbers[] = {
         { "gap", metre, LW_POSITIVE, &c->gap, NULL },
         { "stiffness", 1, LW_POSITIVE, &c->stiffness, &stiff },
         { "exponent", 1, 1, 10, &c->exponent, NULL },
         { "damping", 1, 0, INFINITY, &c->damping, NULL },
         { "depth", metre, 0, INFINITY, &c->depth, NULL },
-        { "restitution", 1, 0, 1, &c->restitution, NULL },
+        { "restitution", 1, 0, 1, &c->restitution, &restitution },
         { "friction", 1, 0, INFINITY, &c->friction, NULL },
         { "friction_speed", 1, LW_POSITIVE, &c->friction_speed, NULL },
     };
@@ -83,7 +96,7 @@ lw_status lw_read_clearance(const lw_json_node *n, double metre, lw_clearance *c
         s = lw_read_numbers(n, numbers, COUNT(numbers), e);
     if (s == LW_OK && c->model >= LW_CLEARANCE_MLSD && !stiff)
         s = lw_read_need(n, "stiffness", &at, e);
-    return s;
+    return s == LW_OK ? check_losses(n, c, restitution, e) : s;
 }
 
 lw_status lw_read_check_centre(const lw_json_node *root, int link, const char *name, double away, double extent, lw_error *e)
