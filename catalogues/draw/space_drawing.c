@@ -65,9 +65,21 @@ static int pieces_of(const page *g, lw_vec3 a, lw_vec3 b)
     return n < 1 ? 1 : n > PIECES ? PIECES : n;
 }
 
-/* Both ends of a bar are short pieces, behind the balls there from whichever side they are seen. */
+/* The way between the ends of a shape, turned with the link at one of them; of an elastic element the slope there. */
+static lw_vec3 slope(const page *g, const lw_space_shape *shape, int link)
+{
+    lw_mat3 turn = lw_quaternion_matrix(g->s->pose[g->frame*(size_t)g->s->n_link + (size_t)link].turn);
+    return lw_m3_apply(&turn, lw_v3_sub(shape->p[1], shape->p[0]));
+}
+
+/* Both ends of a bar are short pieces, behind the balls there from whichever side they are seen.  Elastic elements are cubics between their nodes. */
 static void put_line(page *g, const lw_space_shape *shape, lw_vec3 a, lw_vec3 b)
 {
+    lw_vec3 way = lw_v3_sub(b, a), from = { 0, 0, 0 }, to = { 0, 0, 0 };         /* slopes less the chord */
+    if (shape->kind == LW_SPACE_BAR && shape->to >= 0) {
+        from = lw_v3_sub(slope(g, shape, shape->link), way);
+        to = lw_v3_sub(slope(g, shape, shape->to), way);
+    }
     bool bar = shape->kind == LW_SPACE_BAR;
     double length = lw_v3_norm(lw_v3_sub(b, a)), end = bar ? fmin(2*FRONT*g->s->radius/length, 1.0/3) : 0;
     int n = pieces_of(g, a, b), first = bar ? -1 : 0;
@@ -78,7 +90,8 @@ static void put_line(page *g, const lw_space_shape *shape, lw_vec3 a, lw_vec3 b)
             return;
         for (int k = 0; k < 2; k++) {
             double u = i + k < 0 ? 0 : i + k > n ? 1 : end + (1 - 2*end)*(i + k)/n;
-            q->p[k] = on_page(g, lw_v3_add(a, lw_v3_scale(lw_v3_sub(b, a), u)), &depth[k]);
+            lw_vec3 p = lw_v3_add(a, lw_v3_scale(way, u)), bent = lw_v3_sub(lw_v3_scale(from, u*(1 - u)*(1 - u)), lw_v3_scale(to, u*u*(1 - u)));
+            q->p[k] = on_page(g, lw_v3_add(p, bent), &depth[k]);
         }
         q->depth = 0.5*(depth[0] + depth[1]) - (shape->kind == LW_SPACE_GUIDE ? BEHIND*g->s->radius : 0);
     }

@@ -175,23 +175,49 @@ static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
     return take_paths(s, scene) ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
-/* The nodes of elastic links in all rows; *bend needs free_bends. */
+/* Points along a chain of nodes in posture q: cubics between nodes, whose slopes there turn with the nodes from the posture q0 of the file. */
+static void bend_at(const lw_system *sys, const lw_elastic_chain *k, const double *q0, const double *q, int parts, lw_vec2 *p)
+{
+    for (int i = 0; i + 1 < k->n_bound; i++) {
+        lw_vec2 at[2], slope[2], first[2];
+        for (int end = 0; end < 2; end++) {
+            int b = sys->body[k->node[i + end]];
+            at[end] = lw_system_point(sys, b, lw_v2(0, 0), q);
+            first[end] = lw_system_point(sys, b, lw_v2(0, 0), q0);
+        }
+        lw_vec2 way = lw_v2_sub(at[1], at[0]);
+        for (int end = 0; end < 2; end++) {
+            int b = sys->body[k->node[i + end]];
+            slope[end] = lw_v2_sub(lw_v2_turn(lw_v2_sub(first[1], first[0]), lw_v2_polar(1, q[3*b + 2] - q0[3*b + 2])), way);
+        }
+        for (int j = 0; j <= parts; j++) {
+            double u = (double)j/parts, v = 1 - u;
+            p[i*parts + j] = lw_v2_add(lw_v2_add(at[0], lw_v2_scale(way, u)), lw_v2_sub(lw_v2_scale(slope[0], u*v*v), lw_v2_scale(slope[1], u*u*v)));
+        }
+    }
+}
+
+/* The shapes of elastic links in all rows; *bend needs free_bends. */
 static lw_status make_bends(const cli_simulate *s, lw_bent_bar **bend, int *n, lw_error *e)
 {
     const lw_elastic_expansion *x = lw_dynamics_elastic(s->d);
     const lw_system *sys = lw_dynamics_system(s->d);
+    double *q0 = calloc((size_t)sys->n_q + 1, sizeof *q0);
     *n = x ? x->n_chain : 0;
     *bend = calloc((size_t)*n + 1, sizeof **bend);
-    bool room = *bend != NULL;
+    bool room = *bend && q0;
+    if (q0)
+        lw_system_posture(sys, q0);
     for (int c = 0; room && c < *n; c++) {
         const lw_elastic_chain *k = &x->chain[c];
-        size_t nodes = (size_t)k->n_bound;
-        lw_vec2 *p = calloc(s->n_row*nodes + 1, sizeof *p);
-        (*bend)[c] = (lw_bent_bar){ k->link, k->n_bound, p };
+        int parts = 1 + 16/k->n_bound, points = parts*(k->n_bound - 1) + 1;
+        lw_vec2 *p = calloc(s->n_row*(size_t)points + 1, sizeof *p);
+        (*bend)[c] = (lw_bent_bar){ k->link, points, p };
         room = p != NULL;
-        for (size_t i = 0; room && i < s->n_row*nodes; i++)
-            p[i] = lw_system_point(sys, sys->body[k->node[i % nodes]], lw_v2(0, 0), s->q + i/nodes*(size_t)sys->n_q);
+        for (size_t i = 0; room && i < s->n_row; i++)
+            bend_at(sys, k, q0, s->q + i*(size_t)sys->n_q, parts, p + i*(size_t)points);
     }
+    free(q0);
     return room ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
