@@ -65,7 +65,7 @@ TEST(higher_groups_end_for_any_threads)
 
 TEST(only_the_topologies_asked_for)
 {
-    json_t *root = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt1 --budget 5000 --json");
+    json_t *root = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt1 --budget 5000 --rounds 1 --json");
     json_t *results = json_object_get(root, "results");
     size_t six = 0;
     for (size_t i = 0; i < json_array_size(results); i++) {
@@ -93,7 +93,7 @@ TEST(a_resumed_fit_is_not_worse)
 {
     json_t *first = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt --crank-only --budget 2000 --rounds 1 -o $D/r.json -q; "
                             "cat $D/r.json");
-    json_t *then = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt --crank-only --budget 3000 --seed 9 --start-from "
+    json_t *then = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt --crank-only --budget 2000 --rounds 1 --seed 9 --start-from "
                            "$D/r.json --json");
     double before = real(json_array_get(json_object_get(first, "results"), 0), "objective");
     double after = real(json_array_get(json_object_get(then, "results"), 0), "objective");
