@@ -492,6 +492,38 @@ TEST(the_ground_is_seen)
     CHECK_INT(parts_of("examples/dynamics/hook.json").links, 3);        /* the hook, the wheel and the bar from it to its mass */
 }
 
+/* The walls of a portal frame lie across its legs, also where it is a mesh of four nodes, whose middle lies beside them. */
+TEST(meshes_leave_their_walls)
+{
+    OWN(lw_model) m = { 0 };
+    OWN(lw_scene) s = { 0 };
+    lw_scene_options o = lw_scene_options_default();
+    o.model = &m;
+    load_planar("examples/elastic-frame.json", &m);
+    lw_elastic *e = &m.elastic[1];
+    int n = e->n_axis, walls = 0;
+    CHECK_INT(n, 4);
+    e->node = calloc((size_t)n, sizeof *e->node);
+    e->stiffness = calloc((size_t)(36*n*n), sizeof *e->stiffness);
+    for (int i = 0; i < n; i++) {
+        e->node[i] = e->axis[i];
+        for (int k = 0; k < 6*n; k++)            /* neighbours hold each other */
+            e->stiffness[(6*i + k % 6)*6*n + k] = k/6 == i ? 2 : abs(k/6 - i) == 1 ? -1 : 0;
+    }
+    e->n_node = n;
+    e->n_axis = 0;
+    CHECK_OK(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &check_error));
+    OWN(lw_drawing) d = draw(&s, 1000, 750);
+    for (size_t i = 0; i < d.n_shape; i++)
+        if (d.shape[i].role == LW_ROLE_GUIDE) {
+            const lw_vec2 *p = d.point + d.shape[i].first;
+            CHECK(fabs(p[1].x - p[0].x) > 20);
+            CHECK_NEAR(p[1].y, p[0].y, 1e-9, 0);
+            walls++;
+        }
+    CHECK_INT(walls, 2);
+}
+
 /* In the panel of Evans' straight line, which its other assembly modes leave, no curve runs through the legend. */
 TEST(legends_are_free_of_curves)
 {

@@ -203,13 +203,45 @@ static const lw_elastic *elastic_of(const sketch *k, int link)
     return e && e->given && e->n_axis > 1 ? e : NULL;
 }
 
-/* Direction on the page in which a link leaves a point where it is held: along its axis if it is elastic. */
+static const lw_elastic *mesh_of(const sketch *k, int link)
+{
+    const lw_elastic *e = k->s->model && k->s->model->elastic ? &k->s->model->elastic[link] : NULL;
+    return e && e->n_node > 0 ? e : NULL;
+}
+
+/* The edges of the mesh of a superelement, *n; free it.  NULL: no memory. */
+static int (*edges_of(const lw_elastic *e, int *n))[2]
+{
+    int (*edge)[2] = malloc((size_t)e->n_node*(size_t)e->n_node/2*sizeof *edge + 1);
+    *n = edge ? lw_super_edges(e->n_node, e->n_node, e->node, e->stiffness, edge) : 0;
+    return edge;
+}
+
+static double distance(const lw_elastic *e, int node, lw_vec2 from) { return hypot(e->node[node].x - from.x, e->node[node].y - from.y); }
+
+/* The mean direction of the edges at the node nearest to a point; as of the whole link if they cancel. */
+static lw_vec2 leaves_mesh(const sketch *k, int link, const lw_elastic *e, lw_vec2 from)
+{
+    int n, best = 0, (*edge)[2] = edges_of(e, &n);
+    lw_vec2 sum = { 0, 0 };
+    for (int i = 1; i < e->n_node; i++)
+        best = distance(e, i, from) < distance(e, best, from) ? i : best;
+    for (int i = 0; i < n; i++) {
+        const lw_vec3 *a = &e->node[best], *b = &e->node[edge[i][edge[i][0] == best]];
+        if (edge[i][0] == best || edge[i][1] == best)
+            sum = lw_v2_add(sum, lw_v2_scale(lw_v2(b->x - a->x, a->y - b->y), 1/hypot(b->x - a->x, b->y - a->y)));
+    }
+    free(edge);
+    return lw_v2_norm(sum) > 1e-6 ? lw_v2_scale(sum, 1/lw_v2_norm(sum)) : inwards(k, link, from);
+}
+
+/* Direction on the page in which a link leaves a point where it is held: along its axis or mesh if it is elastic. */
 static lw_vec2 leaves(const sketch *k, int link, lw_vec2 from)
 {
-    const lw_elastic *e = elastic_of(k, link);
+    const lw_elastic *e = elastic_of(k, link), *mesh = mesh_of(k, link);
     int best = 0;
     if (!e)
-        return inwards(k, link, from);
+        return mesh ? leaves_mesh(k, link, mesh, from) : inwards(k, link, from);
     for (int i = 1; i < e->n_axis; i++)
         if (hypot(e->axis[i].x - from.x, e->axis[i].y - from.y) < hypot(e->axis[best].x - from.x, e->axis[best].y - from.y))
             best = i;
@@ -263,11 +295,11 @@ static void draw_elastic(sketch *k, int link, const lw_elastic *e)
 /* The edges of the mesh of a superelement, and arms from its nearest nodes to the points beside them.  false: no memory. */
 static bool draw_mesh(sketch *k, int link, const lw_elastic *e)
 {
-    int (*edge)[2] = malloc((size_t)e->n_node*(size_t)e->n_node/2*sizeof *edge + 1);
+    int n_edge, (*edge)[2] = edges_of(e, &n_edge);
     if (!edge)
         return false;
     lw_bearer b = bearer(linkage(k), link, link);
-    int n_edge = lw_super_edges(e->n_node, e->n_node, e->node, e->stiffness, edge), n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
+    int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
     for (int i = 0; i < n_edge; i++) {
         const lw_vec3 *p = &e->node[edge[i][0]], *q = &e->node[edge[i][1]];
         lw_vec2 end[] = { pixel_of(k, 0, lw_v2(p->x, p->y)), pixel_of(k, 0, lw_v2(q->x, q->y)) };
@@ -289,8 +321,8 @@ static bool draw_mesh(sketch *k, int link, const lw_elastic *e)
 
 static void draw_link(sketch *k, int link)
 {
-    const lw_elastic *e = elastic_of(k, link), *mesh = k->s->model && k->s->model->elastic ? &k->s->model->elastic[link] : NULL;
-    if (mesh && mesh->n_node > 0 && draw_mesh(k, link, mesh))
+    const lw_elastic *e = elastic_of(k, link), *mesh = mesh_of(k, link);
+    if (mesh && draw_mesh(k, link, mesh))
         return;
     if (e) {
         draw_elastic(k, link, e);
