@@ -156,6 +156,7 @@ typedef struct shown {
     double          best;
     int             links, part;            /* of the search in stages; 0: another                      */
     bool            goes_on;                /* to six links, where no four-bar is near                  */
+    bool            turns;                  /* rows are preferred for a crank that turns                */
 } shown;
 
 /* How many parts a search has is not known before its end, so the percents of a part do not give the time that is left. */
@@ -180,9 +181,9 @@ static void begun(void *context, int links)
     shown *s = context;
     if (s->goes_on && links > 4 && s->links == 4) {
         cli_progress_end(&s->line);
-        cli_note(s->call, "%s: no four-bar found whose crank turns is near enough and small enough, "
+        cli_note(s->call, "%s: no four-bar found%s is near enough and small enough, "
                  "so six links are searched, too, which takes several times as long; "
-                 "'--links 4' leaves them out", s->path);
+                 "'--links 4' leaves them out", s->path, s->turns ? " whose crank turns" : "");
         s->goes_on = false;
     }
     s->links = links;
@@ -248,7 +249,8 @@ static lw_status search(const cli_call *call, cli_fit_set *set, cli_side_by_side
 {
     const cli_fit_settings *s = call->settings;
     const lw_sharing sharing = { cli_share_loop, together };
-    shown progress = { .call = call, .line = cli_progress_begin(call, "fit", "percent"), .path = set->path, .best = INFINITY };
+    shown progress = { .call = call, .line = cli_progress_begin(call, "fit", "percent"), .path = set->path, .best = INFINITY,
+                       .turns = set->target.closed || set->target.extent > 0 };
     lw_topology_search_options o = lw_topology_search_options_default();
     lw_status st = topologies(call, set, &o, e);
     if (st != LW_OK)
