@@ -13,9 +13,10 @@
  * its pattern; inactive rows become 0, so that a pass is one sparse factorisation.  Rows of contacts have a compliance of
  * the size of rounding errors, which shares undetermined loads.
  *
- * While no contact begins, ends, or changes between slip and stick, the new velocities satisfy the constraints at the end of the step to second order:
+ * While no contact closes, the new velocities satisfy the constraints at the end of the step to second order:
  * the rows of joints, and those of the contacts that press and stick.  (If they satisfied them in its middle, a linkage would lose energy in proportion
- * to h.)  So the error is of second order then, except for forces that depend on velocities.
+ * to h, and a body that is let go would leave with a velocity off in proportion to h.)  So the error is of second order then, except for forces that depend
+ * on velocities.
  *
  * If few places are struck within a step, the step ends at the first impact: at the root of the gap, predicted from its rate and the accelerations of
  * the last step.  All places that are closed there take part in the impact, as at a located event.  So the times of impacts are of second order, too.
@@ -56,11 +57,11 @@ enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENS
 /* A place in the pattern: its index, the first of its rows (gap, then slip if it has friction), its state. */
 typedef struct place {
     int    touch, row;
-    bool   rubs, shut, presses;              /* shut: closed in the middle of the step */
+    bool   rubs, shut, presses, pressed;     /* shut: closed in the middle of the step; pressed: before the step */
     int    slips;                            /* 0: sticks */
     double mu, normal, across;               /* impulses */
     double target, glide;                    /* least rate of the gap; rate of the slip while it sticks */
-    double closes;                           /* rate at which a place that does not press closes at the end of the step */
+    double closes;                           /* rate in the middle with which a place that did not press closes at the end of the step */
 } place;
 
 typedef struct capture {
@@ -662,7 +663,17 @@ static lw_status note_jam(capture *g, double h, int m, double pull)
     return s;
 }
 
-/* If contacts change in a step, its end cannot be predicted from the old velocities: satisfy the rows in its middle.  Gaps close at its end at the soonest. */
+/* Does a place press that did not before the step? */
+static bool closes_one(const capture *g)
+{
+    for (int k = 0; k < g->n; k++)
+        if (g->at[k].presses && !g->at[k].pressed)
+            return true;
+    return false;
+}
+
+/* If a contact closes in a step, velocities jump, and its end cannot be predicted from the old ones: satisfy the rows in its middle.  Gaps close at its end at
+ * the soonest. */
 static lw_status aim_at_middle(capture *g, double t)
 {
     lw_status s = lw_mbs_rate_wanted(g->d, t);
@@ -815,17 +826,20 @@ static lw_status solve_step(capture *g, double t, double h)
         place *p = &g->at[k];
         lw_touch_motion m;
         lw_touch_at(&d->touch->list.touch[p->touch], &d->eq, d->frames, g->after, &m);
-        p->closes = p->presses || is_struck(p, &m, h, pull) ? 0 : fmin(0, -2*m.gap/h);
+        p->pressed = p->presses;
+        p->closes = p->presses || is_struck(p, &m, h, pull) ? 0 : fmin(0, -2*m.gap/h - 0.25*h*m.bias);
         p->target = is_struck(p, &m, h, pull) ? 0 : p->presses ? bend(p, &m, h) : p->closes;
         if (p->shut && d->touch->list.touch[p->touch].state != LW_TOUCH_HELD)
             g->rest = fmax(g->rest, -m.rate*d->touch->list.touch[p->touch].surface->restitution);
         p->glide = p->presses && p->slips == 0 ? -0.5*h*m.slip_bias : 0;
     }
+    bool middle = false;
     for (int pass = 0; pass < PASSES; pass++) {
         bool densely = shut <= DENSE_SOON ? pass == TOGETHER : pass == LATE && shut <= DENSE_MOST;
         if (densely && (s = solve_densely(g, h, shut)) != LW_NOTHING)
             return s == LW_OK ? note_jam(g, h, shut, pull) : s;
-        s = pass == 1 ? aim_at_middle(g, t) : LW_OK;
+        if (!middle && closes_one(g))
+            middle = true, s = aim_at_middle(g, t);
         if (s == LW_OK)
             s = solve_guess(g, h);
         restore_rows(g);
