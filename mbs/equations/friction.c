@@ -23,6 +23,14 @@ double lw_friction_push(const lw_friction_joint *f, double rate)
     return -f->coefficient*f->lever_arm*(f->held ? f->part : tanh(f->lever_arm*rate/f->speed));
 }
 
+double lw_friction_least_slip(int n, const lw_friction_joint *f, double unit)
+{
+    double least = INFINITY;
+    for (int i = 0; i < n; i++)
+        least = fmin(least, f[i].speed/unit);
+    return least;
+}
+
 double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v, double size, double *force)
 {
     lw_measure m;

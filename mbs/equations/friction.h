@@ -28,6 +28,9 @@ lw_friction_joint lw_friction_joint_of(const lw_model *m, int j);
  * [m/s]. */
 double lw_friction_push(const lw_friction_joint *f, double rate);
 
+/* The least speed of n joints with friction, in units of length a second; infinite where n is 0. */
+double lw_friction_least_slip(int n, const lw_friction_joint *f, double unit);
+
 /* Adds the generalised force of the friction for a reaction of `size` [N] to force (n_q); returns its power [W]. */
 double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v, double size, double *force);
 

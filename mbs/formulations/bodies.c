@@ -131,6 +131,8 @@ static void end_steps(stepper *w, lw_dynamics_report *r)
     if (w->implicit)
         lw_sundials_free(&w->implicit_one);
     free(w->work);
+    w->work = NULL;
+    w->explicit_one.n_step = w->explicit_one.n_refused = w->explicit_one.n_rate = 0;
 }
 
 static const double *state(const stepper *w) { return w->implicit ? w->implicit_one.y : w->explicit_one.y; }
@@ -232,7 +234,6 @@ static lw_status step_over_singular(lw_run *run, stepper *w, good_state *f, lw_s
     f->h = 0;
     *stop = LW_ODE_STEP;                     /* that of a step that failed says nothing */
     end_steps(w, run->r);
-    w->work = NULL;
     s = begin_steps(w, run, t, f->y);
     w->explicit_one.h = h;
     return s;
@@ -366,12 +367,17 @@ enum { LOOK = 64 };
 enum { LIMITED = 15 };
 static const double worth = 200;
 
+bool lw_run_friction_limits(const lw_run *run, const lw_integrator *w)
+{
+    return w->n_limited >= LIMITED && run->d->o.to - w->t > worth*(w->t - w->t_old);
+}
+
 static bool became_stiff(lw_run *run, stepper *w, const double *y)
 {
     long n = w->explicit_one.n_step;
     double t = time_of(w);
     if (w->may_leave && run->d->n_friction)  /* its decay is not among the derivatives, and comes and goes with the slip */
-        return w->explicit_one.n_limited >= LIMITED && run->d->o.to - t > worth*(t - w->explicit_one.t_old);
+        return lw_run_friction_limits(run, &w->explicit_one);
     if (!w->may_leave || n < w->look)
         return false;
     double mean = (t - w->looked_t)/(double)(n - w->looked);
@@ -380,17 +386,15 @@ static bool became_stiff(lw_run *run, stepper *w, const double *y)
     return lw_mbs_became_stiff(run->d, t, y, y + run->d->n_q, mean);
 }
 
-/* Go on by the implicit method from the state y. */
-static lw_status leave(lw_run *run, stepper *w, const double *y)
+static lw_status go_on(lw_run *run, double *out, bool implicit);
+
+lw_status lw_run_leave_stiff(lw_run *run, double *y, double length)
 {
-    double t = time_of(w);
-    end_steps(w, run->r);
-    w->work = NULL;
-    w->may_leave = w->open = false;
-    w->implicit = true;
-    run->r->formulation = LW_FORMULATION_CVODE;
-    snprintf(run->r->why, sizeof run->r->why, "index1 to t = %.3g s, where the equations became stiff, then an implicit method", t);
-    return begin_steps(w, run, t, y);
+    lw_dynamics_report *r = run->r, asked = { 0 };
+    bool radau = !run->d->n_friction && lw_formulation_radau.able(run->d, true, &asked) == LW_OK;
+    snprintf(r->why, sizeof r->why, "%s to t = %.3g s, where the equations became stiff, then an implicit method", lw_formulation_name(r->formulation), r->t);
+    r->formulation = radau ? LW_FORMULATION_RADAU : LW_FORMULATION_CVODE;
+    return radau ? lw_run_radau_from(run, y, length) : go_on(run, y, true);
 }
 
 static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
@@ -485,17 +489,20 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         if (s == LW_OK && stop != LW_ODE_END && run->clear > 0 && !w->implicit && d->weak > run->clear)
             s = LW_NOTHING;
         if (s == LW_OK && stop != LW_ODE_END && became_stiff(run, w, state(w))) {
+            double length = time_of(w) - w->explicit_one.t_old;
             memcpy(y, state(w), (size_t)run->n*sizeof *y);
-            s = leave(run, w, y);
+            end_steps(w, run->r);
+            s = lw_run_leave_stiff(run, y, length);
+            break;
         }
     }
     free(f.y);
     return s;
 }
 
-static bool may_leave(lw_dynamics *d)
+bool lw_run_may_leave(lw_dynamics *d)
 {
-    return !(d->n_friction && lw_stick_suits(d)) && !d->touch && !d->eq.next_piece && !d->large && !d->has_zero_mass && !d->eq.more_inertia && !d->elastic
+    return d->o.formulation == LW_FORMULATION_AUTO && !(d->n_friction && lw_stick_suits(d)) && !d->touch && !d->eq.next_piece && !d->large && !d->has_zero_mass && !d->eq.more_inertia && !d->elastic
         && !lw_mbs_is_stiff(d);
 }
 
@@ -504,7 +511,7 @@ static lw_status run_bodies(lw_run *run, bool implicit)
     lw_dynamics *d = run->d;
     stepper w = { .run = run, .implicit = implicit, .look = LOOK, .looked_t = d->o.from };
     bool changed = false;
-    w.may_leave = !implicit && d->o.formulation == LW_FORMULATION_AUTO && may_leave(d);
+    w.may_leave = !implicit && lw_run_may_leave(d);
     w.open = !implicit && !d->space && !d->touch && d->s.n_joint <= d->s.n_body && d->n_driven == 0;
     double *y = calloc(2*(size_t)run->n, sizeof *y);
     if (!y)
@@ -591,7 +598,7 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, "bodies' coordinates; contacts and ropes by complementarity");
     if (asked)
         return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, "asked for");
-    if (lw_mbs_is_stiff(d) || (d->n_friction && !lw_stick_suits(d) && !may_leave(d) && lw_mbs_friction_is_stiff(d)))
+    if (lw_mbs_is_stiff(d) || (d->n_friction && !lw_stick_suits(d) && !lw_run_may_leave(d) && lw_mbs_friction_is_stiff(d)))
         return lw_formulation_say(r, LW_E_KIND, 0, "the equations are stiff");
     if (lw_mbs_states_decay(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "first-order states decay fast");

@@ -35,6 +35,21 @@ lw_status lw_run_go_on(lw_run *run, double *y);
 /* A formulation gives up at r->t in the state y, for the reason in run->e: go on by index1, or by cvode where the model is stiff, and report it. */
 lw_status lw_run_hand_over(lw_run *run, double *y);
 
+/* May an explicit method begin a run that grows stiff on the way, to be left for an implicit one then? */
+bool lw_run_may_leave(lw_dynamics *d);
+
+/* Does regularised friction limit the steps of w, and is enough left for an implicit method? */
+bool lw_run_friction_limits(const lw_run *run, const lw_integrator *w);
+
+/* Go on from (run->r->t, y), where the equations became stiff, by an implicit method to the end, and report it; length: of the last step.  It is
+ * radau, or cvode where there is friction or a rigid stop. */
+lw_status lw_run_leave_stiff(lw_run *run, double *y, double length);
+
+/* ---- radau.c ----------------------------------------------------------------------------------------- */
+
+/* Go on from (run->r->t, y) by radau to the end of the run, with a first step of length h. */
+lw_status lw_run_radau_from(lw_run *run, const double *y, double h);
+
 /* ---- driven_space.c ---------------------------------------------------------------------------------- */
 
 /* A run of a spatial model whose inputs leave no freedom. */

@@ -1,6 +1,6 @@
 /* mbs/formulations/radau.c - the formulations radau and alpha.
  *
- * Radau IIA of order 5, or 9 where the tolerance is below 1e-7 (Hairer & Wanner 1996, section
+ * Radau IIA of order 9, or 5 for elastic links, clearances and friction at tolerances from 1e-7 on (Hairer & Wanner 1996, section
  * IV.8; 1999), for stiff models of any size: elastic links above all, whose fast vibrations an explicit method would have to
  * follow and BDF methods damp or excite.
  *
@@ -68,6 +68,7 @@ typedef struct stages {
                                               * decay, faster than the steps, which damp them */
     bool    alpha;                           /* generalised alpha; the following are its own */
     double  beta, gamma, am, af, power_old;
+    double  slip;                            /* least speed of friction [1/s], of a slip of the unit of length; infinite: none */
     double  added;                           /* sum of the errors of all steps */
     double *aux, *aux_x;                     /* (n) auxiliary accelerations, (n_x) second rates of states, at t */
     double  rate_refused;                    /* error of velocities of the step refused before this one; 0: none */
@@ -358,6 +359,8 @@ static void predict(stages *g)
 }
 
 static const int most_newton = 10, most_rounded = 2;
+static const double slip_part = 0.01;        /* of the least speed of friction, to which velocities are solved: friction of stages that are farther off
+                                              * pushes with all its force */
 static const double rounded = 1e-13;         /* changes below it that fall no more are rounding */
 
 /* Steps of second order are short beside the time in which their errors die away, so errors add up: this part of the tolerance
@@ -414,6 +417,7 @@ static lw_status iterate(stages *g)
         share = fmin(1, fmax(g->h/g->way->real, 4e-16/wanted));
         wanted *= share;
     }
+    wanted = fmin(wanted, slip_part*g->slip*g->h);
     g->contraction = 0;
     for (int pass = 0; pass < most_newton; pass++) {
         lw_status s = lw_run_busy(g->run, g->t);
@@ -1041,7 +1045,7 @@ static lw_status run_steps(stages *g)
 {
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
-    double h = 1e-4*(d->o.to - d->o.from), end, error_old = 1;
+    double h = g->h, end, error_old = 1;
     double most = INFINITY;                              /* limit of h, for Newton's method */
     trial refused = { 0 };                               /* just before this one */
     double to_piece = 0, to_switch = 0;                  /* steps to the end of a piece, to a switch; 0: none */
@@ -1141,12 +1145,13 @@ static lw_status run_steps(stages *g)
     return s;
 }
 
-static bool high_order(const lw_dynamics *d) { return d->o.relative < 1e-7; }
+static bool high_order(const lw_dynamics *d) { return d->o.relative < 1e-7 || !(d->elastic || d->eq.next_piece || d->n_friction); }
 
-static lw_status run_implicit(lw_run *run, bool alpha)
+/* from: a state of the run at r->t, which goes on with steps of length h; NULL: the run begins. */
+static lw_status run_implicit(lw_run *run, bool alpha, const double *from, double h)
 {
     lw_dynamics *d = run->d;
-    stages g = { .run = run, .alpha = alpha, .n = d->n_v, .n_q = d->n_q, .n_x = d->eq.n_z, .c = d->n_kept, .t = d->o.from };
+    stages g = { .run = run, .alpha = alpha, .n = d->n_v, .n_q = d->n_q, .n_x = d->eq.n_z, .c = d->n_kept, .t = from ? run->r->t : d->o.from, .h = h };
     size_t n = (size_t)g.n, c = (size_t)g.c, q = (size_t)g.n_q, x = (size_t)g.n_x;
     g.way = &methods[high_order(d)];
     if (alpha)
@@ -1157,9 +1162,10 @@ static lw_status run_implicit(lw_run *run, bool alpha)
                && !d->eq.more_inertia && !lw_mbs_is_stiff(d);
     g.counts_rates = !alpha && !d->elastic && !d->eq.next_piece && !lw_mbs_is_damped(d, false);
     g.watched_t = g.t;
+    g.slip = lw_friction_least_slip(d->n_friction, d->friction, d->eq.unit);
     g.dense = !alpha && !d->n_friction && !d->elastic && !d->space && !d->eq.next_piece;
     size_t s_n = (size_t)g.s*n, s_x = (size_t)g.s*x, s_c = (size_t)g.s*c, all = n + x + c;
-    double *memory = calloc(3*(size_t)run->n + 2*q + 5*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 3*(size_t)d->eq.n_switch + 8, sizeof *memory), *p = memory;
+    double *outer = run->y, *memory = calloc(3*(size_t)run->n + 2*q + 5*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 3*(size_t)d->eq.n_switch + 8, sizeof *memory), *p = memory;
     if (!memory)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     run->y = p, p += 2*run->n, g.ahead = p, p += run->n;
@@ -1167,12 +1173,19 @@ static lw_status run_implicit(lw_run *run, bool alpha)
     g.x = p, p += x, g.dx = p, p += x, g.aux_x = p, p += x, g.xi = p, p += x, g.scale = p, p += x;
     g.z = p, p += s_n, g.last = p, p += s_n, g.vi = p, p += s_n, g.ai = p, p += s_n, g.zx = p, p += s_x, g.last_x = p, p += s_x;
     g.zl = p, p += s_c, g.last_l = p, p += s_c, g.side = p, p += 3*d->eq.n_switch, g.r = p, p += s_n + s_x + s_c, g.b = p, p += all, g.pair_b = p;
-    lw_dynamics_start(d, g.q, g.v);
-    memcpy(g.x, d->start_z, x*sizeof *g.x);
+    if (from) {
+        memcpy(g.q, from, q*sizeof *g.q);
+        memcpy(g.v, from + q, n*sizeof *g.v);
+        memcpy(g.x, from + lw_run_states(run), x*sizeof *g.x);
+        g.work = run->has_work ? from[q + n] : 0;
+    } else {
+        lw_dynamics_start(d, g.q, g.v);
+        memcpy(g.x, d->start_z, x*sizeof *g.x);
+    }
     for (int i = 0; i < g.n_x; i++)
         g.scale[i] = d->eq.state_scale(d->eq.context, i);
-    lw_status s = lw_run_begin(run, state(&g, run->y));
-    g.t = lw_timed_begin(&run->timed);
+    lw_status s = from ? LW_OK : lw_run_begin(run, state(&g, run->y));
+    g.t = from ? g.t : lw_timed_begin(&run->timed);
     if (s == LW_OK)
         s = begin_again(&g);
     for (int k = 0; s == LW_OK && k <= g.s/2; k++)
@@ -1186,12 +1199,14 @@ static lw_status run_implicit(lw_run *run, bool alpha)
     lw_tangent_free(&g.real);
     for (int k = 0; k < g.s/2; k++)
         lw_tangent_free(&g.pair[k]);
+    run->y = outer;
     free(memory);
     return s;
 }
 
-static lw_status run_radau(lw_run *run) { return run_implicit(run, false); }
-static lw_status run_alpha(lw_run *run) { return run_implicit(run, true); }
+static lw_status run_radau(lw_run *run) { return run_implicit(run, false, NULL, 1e-4*(run->d->o.to - run->d->o.from)); }
+static lw_status run_alpha(lw_run *run) { return run_implicit(run, true, NULL, 1e-4*(run->d->o.to - run->d->o.from)); }
+lw_status lw_run_radau_from(lw_run *run, const double *y, double h) { return run_implicit(run, false, y, h); }
 
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
@@ -1204,8 +1219,7 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         if (kind != LW_SPATIAL_REVOLUTE && kind != LW_SPATIAL_PRISMATIC)
             return lw_formulation_say(r, LW_E_KIND, 0, "it knows friction of revolute and prismatic joints only");
     }
-    /* a method of low order takes less time at loose tolerances, the explicit one where states are slow */
-    bool slow_states = d->eq.n_z && !lw_mbs_is_stiff(d) && !(high_order(d) && lw_mbs_states_decay(d));
+    bool slow_states = d->eq.n_z && !lw_mbs_is_stiff(d) && !lw_mbs_states_decay(d);     /* the explicit method takes less time */
     if (!asked && !d->elastic && !d->eq.next_piece && (d->n_friction || !lw_mbs_is_damped(d, false)
         || (!d->space && (!d->eq.exact || d->s.n_tie || slow_states))))
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for elastic links and where it is asked for");
