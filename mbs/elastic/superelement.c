@@ -51,13 +51,24 @@ static lw_mid_frame frame_of(const lw_super *s, const lw_beam_node *node)
     return lw_mid_frame_of(&a, &b);
 }
 
+/* The rotation vector.  Strains are small: half the skew part is the axis times the sine x, and the angle over it a series in x^2, to 1e-19. */
+static lw_vec3 rotation_vector(const lw_mat3 *m)
+{
+    const lw_vec3 *r = m->row;
+    lw_vec3 axis = lw_v3(0.5*(r[2].y - r[1].z), 0.5*(r[0].z - r[2].x), 0.5*(r[1].x - r[0].y));
+    double x2 = lw_v3_dot(axis, axis);
+    if (x2 < 1e-3 && r[0].x + r[1].y + r[2].z > 2)
+        return lw_v3_scale(axis, 1 + x2*(1./6 + x2*(3./40 + x2*(5./112 + x2*(35./1152 + x2*(63./2816 + x2*231./13312))))));
+    return lw_quaternion_vector(lw_quaternion_unit(lw_quaternion_of_matrix(m)));
+}
+
 /* p_i and g_i. */
 static void place(const lw_super *s, const lw_mid_frame *z, const lw_beam_node *node, int i, lw_vec3 *p, lw_vec3 *g)
 {
     lw_mat3 own = lw_m3_times(&node[i].turn, &s->axes[i]), back = lw_m3_columns(z->turn.row[0], z->turn.row[1], z->turn.row[2]);
     own = lw_m3_times(&back, &own);
     *p = lw_m3_unapply(&z->turn, lw_v3_sub(node[i].at, node[s->a].at));
-    *g = lw_quaternion_vector(lw_quaternion_unit(lw_quaternion_of_matrix(&own)));
+    *g = rotation_vector(&own);
 }
 
 /* L(g) t, or with sense 1 L^T t. */
