@@ -162,7 +162,7 @@ $B/docs/examples/%: docs/examples/%.c linkwright.h $B/liblinkwright.so
 # `make python`: the package in $B/python, ready for PYTHONPATH
 $B/python/compiled: python/build_c.py linkwright.h $B/liblinkwright.so
 	@mkdir -p $(@D)
-	CFLAGS="$(CFLAGS) -O1 -g0" LINKWRIGHT_LINK="-L$(abspath $B) -llinkwright -Wl,-rpath,$(abspath $B)" $(PYTHON) python/build_c.py $(@D)
+	LINKWRIGHT_LINK="-L$(abspath $B) -llinkwright -Wl,-rpath,$(abspath $B)" $(PYTHON) python/build_c.py $(@D)
 	@touch $@
 $B/tests/test_python: $(if $(PYTHON),$B/python/compiled) python/tests/run.sh $(wildcard python/linkwright/*.py)
 	@mkdir -p $(@D) $B/python/linkwright

@@ -51,6 +51,7 @@ def builder():
         link = subprocess.run(["pkg-config", "--libs", "linkwright"], text=True, check=True,
                               stdout=subprocess.PIPE).stdout
     ffi.set_source("linkwright._c", '#include "linkwright.h"', include_dirs=[str(HEADER.parent)],
+                   extra_compile_args=["-O1", "-g0"],       # thin wrappers of the library; last, after the flags of the interpreter
                    extra_link_args=shlex.split(link))
     return ffi
 
