@@ -1256,7 +1256,8 @@ typedef struct lw_fit_request {
     double      max_size;              /* without ranges: most length and coordinate over the diagonal of the target;
                                         * 0: 6; below 0: 10                                               (0)     */
     double      class_margin;          /* least distance of a four-bar from a change point over its perimeter; 0: 1e-3, but
-                                        * any if it rocks with transmission angles of 20 degrees or more; below 0: any                                                    (0)     */
+                                        * any if it rocks with transmission angles of 20 degrees or more;
+                                        * below 0: any                                                    (0)     */
     double      tolerance;             /* [m]; list the simplest linkages, then the smallest, that stray no farther from a
                                         * path; 0: weigh the error against size and transmission          (0)     */
     bool        through_limits;        /* the input may pass limits, and rock on a closed target          (false) */

@@ -91,11 +91,13 @@ static void print_pose(const cli_robot *j, FILE *f, const lw_robot_pose *p)
             cli_robot_clean(p->place.x, size)/j->metre, cli_robot_clean(p->place.y, size)/j->metre, cli_robot_clean(p->place.z, size)/j->metre, j->unit);
     lw_vec3 turn = lw_v3_scale(lw_quaternion_vector(lw_quaternion_times(p->turn, lw_quaternion_inverse(j->drawn))), 180/LW_PI);
     if (lw_v3_norm(turn) > 1e-9)
-        fprintf(f, "turned by (%.9g, %.9g, %.9g) deg from its posture in the file\n", cli_robot_clean(turn.x, 100), cli_robot_clean(turn.y, 100), cli_robot_clean(turn.z, 100));
+        fprintf(f, "turned by (%.9g, %.9g, %.9g) deg from its posture in the file\n", cli_robot_clean(turn.x, 100), cli_robot_clean(turn.y, 100),
+                cli_robot_clean(turn.z, 100));
     for (int i = 0; i < j->r.n_drive; i++) {
         lw_spatial_measure_name(j->m, cli_robot_drive_of(j, i), name, sizeof name);
-        fprintf(f, "drive %-24s %.10g %s\n", name, cli_robot_clean(p->drive[i], cli_robot_turns(j, i) ? 1 : size)/(cli_robot_turns(j, i) ? LW_PI/180 : j->metre),
-                cli_robot_turns(j, i) ? "deg" : j->unit);
+        bool turns = cli_robot_turns(j, i);
+        fprintf(f, "drive %-24s %.10g %s\n", name, cli_robot_clean(p->drive[i], turns ? 1 : size)/(turns ? LW_PI/180 : j->metre),
+                turns ? "deg" : j->unit);
     }
     fprintf(f, "Jacobian: velocity of the tool [m/s] and its turn [rad/s] by the rates of the drives [rad/s] or [m/s]\n");
     for (int k = 0; k < 6; k++) {
@@ -166,7 +168,8 @@ static const cli_action actions[] = {
     { "workspace", "MODEL.json",
       "Moves the tool from where it is outwards in the level plane, in each of --rays directions, and prints how far it gets\n"
       "and what stops it: the links, a stop or a cone of a joint, a posture in which the drives lose the tool, or\n"
-      "--max-condition. The area is that of the polygon of these ends; its error is estimated by that of every second end. --volume moves it in all directions of space.\n",
+      "--max-condition. The area is that of the polygon of these ends; its error is estimated by that of every second end. "
+      "--volume moves it in all directions of space.\n",
       1, 1, cli_robot_workspace, CLI_LINKAGE, NULL },
     { "reachability", "MODEL.json",
       "Tilts the tool where it is, in each of --rays directions, until something stops it, and prints how far it gets (180 deg: all\n"

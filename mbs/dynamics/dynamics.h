@@ -113,7 +113,8 @@ typedef struct lw_run_event { double t; int joint; bool greatest, impact; double
 typedef struct lw_dynamics_report {
     lw_formulation formulation;
     char   why[256];             /* reason for this formulation */
-    lw_formulation gave_up;      /* the formulation asked for, or chosen, which gave up at gave_up_t [s]; `why` gives the reason, and `formulation` went on; AUTO: none */
+    lw_formulation gave_up;      /* the formulation asked for, or chosen, which gave up at gave_up_t [s]; `why` gives the reason, and
+                                  * `formulation` went on; AUTO: none */
     double gave_up_t;
     int    unknowns;             /* of the differential or algebraic system solved */
     int    freedom;              /* degree of freedom, driven inputs included */

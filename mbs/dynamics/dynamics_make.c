@@ -103,8 +103,8 @@ static void weigh_massless(lw_dynamics *d)
 /* dense: 0 for large models, which know no way by rank. */
 lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
 {
-    size_t inputs = (size_t)d->n_input, dense = d->large ? 0 : 1, q = (size_t)d->n_q, v = (size_t)d->n_v, c = (size_t)d->n_row + inputs + (d->n_stop || (d->space && d->n_friction) ? LW_STOP_ROW_MAX : 0)
-             + (d->touch ? (size_t)d->touch->row_max : 0);
+    size_t inputs = (size_t)d->n_input, dense = d->large ? 0 : 1, q = (size_t)d->n_q, v = (size_t)d->n_v, c = (size_t)d->n_row + inputs;
+    c += (d->n_stop || (d->space && d->n_friction) ? LW_STOP_ROW_MAX : 0) + (d->touch ? (size_t)d->touch->row_max : 0);
     size_t all = 0, n_int = 0, row = (size_t)(d->row_size = LW_BLOCK*d->eq.n_slot), speeds = c + inputs + LW_BLOCK*(size_t)d->n_velocity;
     const piece pieces[] = {
         { &d->phi, c }, { &d->jac, c*row }, { &d->jac_by_mass, c*row }, { &d->rhs, speeds }, { &d->by_mass, v },

@@ -55,8 +55,8 @@ lw_status lw_spatial_weigh_massless(lw_spatial_scene *c, bool at_rest, lw_error 
         top = fmax(top, c->mass[i]);
     for (int i = 0; i < c->s.n_v; i++)
         if (!at_rest && !(c->mass[i] > 0))
-            return lw_error_set(e, LW_E_ARG, "link \"%s\" needs a \"mass\" and an \"inertia\" about every axis: in large models and beside elastic links every link has "
-                                "them", c->model->body[c->s.link_of[i/6]].name);
+            return lw_error_set(e, LW_E_ARG, "link \"%s\" needs a \"mass\" and an \"inertia\" about every axis: in large models and beside elastic links "
+                                "every link has them", c->model->body[c->s.link_of[i/6]].name);
         else if (!(c->mass[i] > 0))
             c->mass[i] = top > 0 ? 1e-3*top : 1, c->massless = i/6;
     return LW_OK;
@@ -613,7 +613,8 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .row_blocks = row_blocks, .measure_blocks = measure_blocks, .place = place, .rows = rows,
                            .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias,
                            .bends = bends, .measure_bends = measure_bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
-                           .pattern = pattern, .foresee = c->model->n_beam ? foresee : NULL, .more_mass = lw_space_more_mass(&c->f, NULL, NULL) ? more_mass : NULL,
+                           .pattern = pattern, .foresee = c->model->n_beam ? foresee : NULL,
+                           .more_mass = lw_space_more_mass(&c->f, NULL, NULL) ? more_mass : NULL,
                            .more_inertia = c->model->n_super ? more_inertia : NULL,
                            .damper = damper, .n_z = c->model->states.n_state, .z = c->f.z, .place_states = place_states, .state_rates = state_rates,
                            .state_start = state_start, .state_scale = state_scale,

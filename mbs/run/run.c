@@ -65,9 +65,9 @@ lw_status lw_run_look_at_stops(lw_run *run, double t, const double *q)
         int block[LW_ROW_BLOCKS];
         d->eq.measure_blocks(d->eq.context, p->measure, block);
         if (p->sign*(d->eq.measure(d->eq.context, p->measure, row, block) - p->limit) < -rounding)
-            return lw_error_set(run->e, LW_E_KIND, "the prescribed motion brings \"%s\" beyond its rigid stop, at t = %.9g s or a little before: inputs that move every "
-                                "freedom do not give way, so how much a rigid stop carries is not determined; give it a \"stiffness\", or leave "
-                                "the motion of an input out", d->eq.name(d->eq.context, LW_NAMED_MEASURE, p->measure), t);
+            return lw_error_set(run->e, LW_E_KIND, "the prescribed motion brings \"%s\" beyond its rigid stop, at t = %.9g s or a little before: "
+                                "inputs that move every freedom do not give way, so how much a rigid stop carries is not determined; give it a "
+                                "\"stiffness\", or leave the motion of an input out", d->eq.name(d->eq.context, LW_NAMED_MEASURE, p->measure), t);
     }
     return LW_OK;
 }
@@ -352,7 +352,8 @@ static const double most_energy_off = 100;   /* greatest error, over that of all
 static bool knows_energy(const lw_run *run)
 {
     lw_formulation f = run->r->formulation;
-    return run->n_noted > 0 && run->d->o.analysis != LW_ANALYSIS_STATIC && f != LW_FORMULATION_ALPHA && f != LW_FORMULATION_CAPTURE && !run->d->elastic && !run->d->eq.next_piece;
+    return run->n_noted > 0 && run->d->o.analysis != LW_ANALYSIS_STATIC && f != LW_FORMULATION_ALPHA && f != LW_FORMULATION_CAPTURE
+        && !run->d->elastic && !run->d->eq.next_piece;
 }
 
 static lw_status check_energy(lw_run *run, const lw_moment *m)
