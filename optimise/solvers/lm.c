@@ -201,10 +201,32 @@ typedef struct run {
     bool     bend;                                   /* steps follow the bend of their way      */
     bool     conditioned;                            /* steps keep the conditions on the motion */
     bool     known;                                  /* which were worked out with the last step */
+    bool     turning;                                /* the input turns fully at x              */
+    int      strokes;                                /* of the circuit at x                     */
     double   broken, weight;                         /* their violation; its weight beside f    */
     int      steps, idle;
     long     evals;
 } run;
+
+/* Do the phases stand for the same inputs as at x?  Not where the input turns fully on one side of a change point only, or where strokes come or go. */
+static bool same_circuit(const run *r)
+{
+    return r->p->timing == LW_TIMING_PRESCRIBED || (r->w->swing.turning == r->turning && r->w->swing.n == r->strokes);
+}
+
+/* f at a trial step.  Where phases stand for other inputs, the stations are assigned to the curve anew. */
+static double evaluate_trial(run *r, const double *trial)
+{
+    const lw_problem *p = r->p;
+    lw_work *w = r->w;
+    double f = evaluate(p, trial, w);
+    if (same_circuit(r) || !w->swing.closes)
+        return f;
+    memcpy(w->best_theta, w->keep_theta, p->n*sizeof *w->phase);       /* which refining the inputs writes to */
+    bool closes = lw_problem_settle(p, trial, w);
+    memcpy(w->keep_theta, w->best_theta, p->n*sizeof *w->phase);
+    return closes ? evaluate(p, trial, w) : INFINITY;
+}
 
 static void clip(const lw_problem *p, double *x)
 {
@@ -246,7 +268,7 @@ static bool second_derivatives(run *r, const double *x, double *along, double *g
     for (size_t k = 0; k < p->n; k++)
         w->phase[k] -= w->tie[k] ? 0 : PROBE*slide(w, q, q->step, k, w->slip[k]);
     r->evals++;
-    if (!isfinite(evaluate(p, trial, w)))
+    if (!isfinite(evaluate(p, trial, w)) || !same_circuit(r))
         return false;
     memset(g, 0, sizeof *g*(size_t)q->n);
     for (size_t k = 0; k < p->n; k++) {
@@ -310,6 +332,8 @@ static lw_stop advance(run *r, double *x)
     double *keep = r->w->keep_theta, trial[LW_VAR_MAX];
     double part = 1;
     lw_problem_rows(p, x, r->w, true);
+    r->turning = r->w->swing.turning;
+    r->strokes = r->w->swing.n;
     normal_equations(p, r->w, &r->q);
     linear_limits(p, x, &r->q);
     if (r->conditioned) {
@@ -340,7 +364,7 @@ static lw_stop advance(run *r, double *x)
         clip(p, trial);
         if (p->timing != LW_TIMING_PRESCRIBED)
             move_inputs(p, r->w, &r->q, bent > 0 ? r->w->best_theta : NULL);
-        double f = !(promise >= 0) ? INFINITY : evaluate(p, trial, r->w), broken = 0;
+        double f = !(promise >= 0) ? INFINITY : evaluate_trial(r, trial), broken = 0;
         r->evals++;
         if (r->conditioned && f < r->f + r->weight*r->broken) {      /* else the conditions cannot make it better */
             lw_problem_conditions(p, trial, true, FAR, r->w->g_try, r->w->g_try_row, r->w);
