@@ -29,12 +29,14 @@ typedef struct motion {
     double unit;                             /* p at a rate of 1/s of the coordinate, or of all bodies where that is less */
     double *memory;                            /* of the integrator */
     double t, s[3], t_old;                   /* at the end of the last step: time and (s over scale, p, work); time where it began */
+    double slip;                             /* least speed of smooth friction [1/s], of a slip of the unit of length; infinite: none */
     bool   panels, in_panel;                 /* panels suit the loads; the last step was one */
     double allowed[3];                       /* absolute errors of steps; between panels the whole error: that of a pin does not grow with its turns */
     long   wait;                             /* number of steps of the integrator before which no panel is tried */
     lw_input_panel panel;
     double next_reversal;                    /* of a joint with friction, in multiples of scale; infinite: there is none */
     bool   slides;                           /* a slide has friction */
+    bool   may_leave;                        /* for an implicit method, where regularised friction limits the steps */
     int    turning;                          /* the friction whose slide has the least reaction */
     double x[LW_JOINT_MAX], y[LW_JOINT_MAX]; /* reactions of joints with friction, where the step begins */
     bool   in_step;
@@ -54,10 +56,14 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
     return s;
 }
 
-/* Absolute error allowed in s over scale, p and work, whatever the units of length, mass and energy are. */
+/* Absolute error allowed in s over scale, p and work, whatever the units of length, mass and energy are.  That of p is this
+ * part of the speed of smooth friction: at rest, steps with a greater one would go to and fro between the friction of either direction. */
+static const double slip_part = 0.1;
+
 static double allowed_absolute(const motion *m, int i)
 {
-    return m->run->d->o.absolute*(i == 0 ? 1 : i == 1 ? m->unit : m->unit*m->unit);
+    const double absolute = m->run->d->o.absolute;
+    return i == 0 ? absolute : i == 1 ? fmin(absolute, slip_part*m->slip)*m->unit : absolute*m->unit*m->unit;
 }
 
 /* Choose the unit of p at the start.  Beside a dead point of the input M is far too great to measure errors by: no more counts than all masses
@@ -232,8 +238,8 @@ static lw_status friction_events(motion *m, double t, const double *y, double *g
 {
     lw_reduced_friction *f = m->r->friction;
     double ds, dp, power, greatest = 0;
-    g[0] = f->sense*y[1];
-    g[1] = f->sense*(m->next_reversal - y[0]);
+    g[0] = f->set_valued ? f->sense*y[1] : 1;
+    g[1] = f->set_valued ? f->sense*(m->next_reversal - y[0]) : 1;
     if (t == m->w->t && steps_over_dip(m))
         return LW_OPEN;                      /* a shorter step */
     if (!m->slides)
@@ -283,7 +289,7 @@ static void show_friction(const motion *m, bool held)
 {
     const lw_reduced_friction *f = m->r->friction;
     for (int i = 0; i < f->n; i++) {
-        m->run->d->friction[i].held = held;
+        m->run->d->friction[i].held = held && m->run->d->friction[i].ideal;
         m->run->d->friction[i].part = f->sense*f->side[i];
     }
 }
@@ -451,7 +457,7 @@ static lw_status friction_at_start(motion *m, double t, const double *s)
 {
     lw_reduced_friction *f = m->r->friction;
     f->sense = s[1] < 0 ? -1 : 1;
-    if (s[1] != 0)
+    if (s[1] != 0 || !f->set_valued)
         return slide(m, t, s);
     double sense;
     m->next_reversal = 0;
@@ -624,6 +630,7 @@ static lw_status run_steps(motion *m, double *y, double *before)
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = LW_OK;
     bool taken_back = false;
+    double stiff = 0;                        /* the last step, where the equations became stiff */
     rests rest = { .n = 0 };
     double old[3], good[3], t_good = m->t, longest = 0;      /* good: the last state before steps became short */
     memcpy(good, m->s, sizeof good);
@@ -685,6 +692,10 @@ static lw_status run_steps(motion *m, double *y, double *before)
         }
         if (s == LW_OK && !run->has_work)
             s = note_rest(&rest, w);
+        if (s == LW_OK && stop != LW_ODE_END && m->may_leave && !m->in_panel && lw_run_friction_limits(run, w)) {
+            stiff = w->t - w->t_old;
+            break;
+        }
         double length = s == LW_OK ? period_of(&rest, d->o.relative) : 0;
         if (length > 0 && d->o.to - m->t > much_longer*length) {
             rest.count = m->r->count;
@@ -700,6 +711,8 @@ static lw_status run_steps(motion *m, double *y, double *before)
     run->r->steps += w->n_step;
     run->r->refused += w->n_refused;
     run->r->rates += w->n_rate;
+    if (stiff > 0 && (s = bodies_state(m, m->s, y)) == LW_OK)
+        s = lw_run_leave_stiff(run, y, stiff);
     return s;
 }
 
@@ -712,6 +725,7 @@ static lw_status run_one(motion *m, double *y)
                    .project = run->has_work ? NULL : hold_energy };
     if (m->r->friction) {
         m->slides = m->r->friction->n_slide > 0;
+        m->may_leave = !m->r->friction->set_valued && lw_run_may_leave(d);
         ode.n_event = 2 + m->slides;
     }
     ode.breaks = run->kinks ? 1ull << ode.n_event++ : 0;
@@ -730,6 +744,7 @@ static lw_status run_one(motion *m, double *y)
     m->memory = memory;
     m->w = &w;
     m->from = before;
+    m->slip = m->r->friction && !m->r->friction->set_valued ? lw_friction_least_slip(d->n_friction, d->friction, d->s.unit) : INFINITY;
     st = choose_unit(m, s[0]);
     s[0] /= m->r->scale;
     if (st == LW_OK && m->r->friction)
@@ -750,7 +765,7 @@ static lw_status run_one(motion *m, double *y)
         st = lw_integrate_start(&w, &ode, &o, memory, d->o.from, s, run->e);
     if (st == LW_OK)
         note_state(m);
-    if (st == LW_OK && m->r->friction && s[1] == 0)
+    if (st == LW_OK && m->r->friction && m->r->friction->set_valued && s[1] == 0)
         st = change_friction(m, true);
     return st == LW_OK && m->t < d->o.to ? run_steps(m, y, before) : st;
 }
@@ -784,6 +799,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     if (!asked && lw_mbs_is_damped(d, true))
         return lw_formulation_say(r, LW_E_KIND, 0, "dampers make the equations stiff");
     lw_status s = lw_reduced_able(d);
+    if (s == LW_OK && !asked && d->n_friction && !d->reduced->friction->set_valued && !lw_run_may_leave(d) && lw_mbs_friction_is_stiff(d))
+        return lw_formulation_say(r, LW_E_KIND, 0, "friction makes the equations stiff");
     if (s == LW_OK && lw_input_panel_rule(d) != LW_OK)
         return lw_formulation_say(r, LW_E_MEMORY, 0, "out of memory");
     return s != LW_OK ? lw_formulation_say(r, s, 0, d->not_reduced)

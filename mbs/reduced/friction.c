@@ -1,7 +1,7 @@
 /* mbs/reduced/friction.c - Coulomb friction of a linkage in one coordinate.
  *
  * Friction of joint k is tau_k = -sense side_k mu_k N_k along its measure, N_k the size of its reaction [N], side_k
- * the sign of the measure's derivative by s.  The reactions follow from the forces on the links dyad by dyad, from the
+ * the sign of the measure's derivative by s; that of a joint with a "speed" has tanh(rate/speed) in place of sense side_k.  The reactions follow from the forces on the links dyad by dyad, from the
  * last to the first.  Let link 1 of a dyad carry the wrench W1, link 2 W2 (loads less inertia), t1 and t2 the twists
  * that their outer joints allow, and e1, e2 the two wrenches that the inner joint can transmit.  The inner reaction
  * x1 e1 + x2 e2, on link 1, satisfies
@@ -513,10 +513,11 @@ lw_status lw_reduced_friction_add(lw_reduced *r, double t, double ds, double mas
     for (int i = 0; i < f->n; i++) {
         const lw_reduced_joint *j = &r->joint[f->joint[i]];
         z.rate[i] = j->sign*rate_between(r, &z, f->joint[i], j->body[0], j->body[1]);
-        z.part[i] = f->sense*f->side[i]*f->arm[i];
+        const lw_friction_joint *own = &r->dynamics->friction[i];
+        z.part[i] = own->ideal ? f->sense*f->side[i]*f->arm[i] : -lw_friction_push(own, z.rate[i]*ds);
         z.force[i] = -j->sign*z.part[i];
         f->feel[i] = fabs(z.part[i]*z.rate[i])*by_mass;
-        if (z.part[i] != f->part[i])             /* the reactions jump */
+        if (own->ideal && z.part[i] != f->part[i])           /* the reactions jump */
             f->n_past = 0;
         f->part[i] = z.part[i];
     }
@@ -554,7 +555,7 @@ lw_status lw_reduced_friction_sides(lw_reduced *r, double input, double directio
     for (int i = 0; i < f->n && s == LW_OK; i++) {
         double unit = r->scale/(r->joint[f->joint[i]].slides ? r->dynamics->s.unit : 1);
         double g = fabs(rate[i]) > 1e-3*fabs(ahead[i] - rate[i]) ? rate[i] : ahead[i];
-        f->side[i] = fabs(g)*unit > idle ? (g > 0) - (g < 0) : 0;
+        f->side[i] = r->dynamics->friction[i].ideal && fabs(g)*unit > idle ? (g > 0) - (g < 0) : 0;
     }
     return s;
 }
@@ -618,7 +619,8 @@ lw_status lw_reduced_next_reversal(lw_reduced *r, double input, double direction
     double around = r->plan.input_is_slider ? 0 : 2*LW_PI;
     long first = (long)floor(input/width - shift);
     int sense = direction < 0 ? -1 : 1;
-    for (int k = 0; k < LW_REVERSAL_CELLS/2; k++) {
+    *next = sense*INFINITY;
+    for (int k = 0; k < LW_REVERSAL_CELLS/2 && r->friction->set_valued; k++) {
         long number = first + sense*k;
         const lw_reversal_cell *c;
         double turns = around*floor((double)number/LW_REVERSAL_CELLS);

@@ -319,10 +319,9 @@ static lw_status find_friction(const lw_dynamics *d, lw_reduced *r, char *why)
         const lw_friction_joint *p = &d->friction[i];
         if (!carried[p->joint])
             return no(why, "friction in a joint that its plan leaves out");
-        if (!p->ideal)
-            return no(why, "friction with a \"speed\", which is a smooth function of the rate");
         if (r->joint[p->joint].slides)
             f->slide[f->n_slide++] = f->n;
+        f->set_valued = f->set_valued || p->ideal;
         f->joint[f->n] = p->joint;
         f->arm[f->n++] = p->coefficient*p->lever_arm;
     }

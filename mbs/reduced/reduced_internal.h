@@ -114,7 +114,8 @@ lw_status lw_reduced_mass(lw_reduced *r, double s, double *mass);
 /* ---- friction.c: Coulomb friction ----------------------------------------------------------------
  *
  * Friction is set-valued: mu times the reaction against the motion, and at rest any force up to that.  Sliding has a
- * sense, +1 or -1, that of s'.  A sense between them is the part of the friction that acts at rest. */
+ * sense, +1 or -1, that of s'.  A sense between them is the part of the friction that acts at rest.  Friction of joints with a "speed" is a
+ * smooth function of their rate, and has no sense. */
 
 /* As lw_dyad, of bodies.  before: those that its outer joints hold it to; side: of a joint, 1 where the dyad's first link, or the one at that
  * outer joint, is body[1] of it, else -1; slot: of a joint among those with friction, n: it has none. */
@@ -132,15 +133,16 @@ typedef struct lw_reaction_past { double t, x[LW_JOINT_MAX], y[LW_JOINT_MAX]; } 
 
 typedef struct lw_reduced_friction {
     int    n, joint[LW_JOINT_MAX];            /* joints with friction */
+    bool   set_valued;                        /* that of one of them at least */
     int    n_slide, slide[LW_JOINT_MAX];      /* those of them that are slides */
     double arm[LW_JOINT_MAX];                 /* coefficient times radius of a pin [m]; coefficient of a slide */
-    double side[LW_JOINT_MAX];                /* sign of the joint's rate by the input; 0: the joint never moves */
+    double side[LW_JOINT_MAX];                /* sign of the joint's rate by the input; 0: the joint never moves, or its friction is smooth */
     double size[LW_JOINT_MAX];                /* reactions last found [N] */
     double x[LW_JOINT_MAX], y[LW_JOINT_MAX];  /* the same as vectors; of slides (x, 0), x across the slide */
     double feel[LW_JOINT_MAX];                /* greatest change of p' with the size of a reaction */
     double press[LW_JOINT_MAX];               /* that sign while the linkage slides on: the size of a reaction of a slide
                                                * has a kink where it changes; 0: pins, or not known */
-    double part[LW_JOINT_MAX];                /* of the last evaluation: sense side arm */
+    double part[LW_JOINT_MAX];                /* of the last evaluation: sense side arm, or that of the rate */
     int    n_past, newest;
     lw_reaction_past past[LW_REACTION_PAST];  /* since the parts changed */
     double sense, tolerance;
@@ -162,7 +164,7 @@ void lw_reduced_friction_expect(lw_reduced_friction *f, double t, const lw_vec2 
 /* Sides of all joints from the rates at an input, with the direction of motion at rates that are 0. */
 lw_status lw_reduced_friction_sides(lw_reduced *r, double input, double direction);
 
-/* The next reversal from an input in a direction, or an input before it at which to look again. */
+/* The next reversal from an input in a direction, or an input before it at which to look again; infinite: all friction is smooth. */
 lw_status lw_reduced_next_reversal(lw_reduced *r, double input, double direction, double *next);
 
 /* Potential at the registers [J], up to a constant. */
