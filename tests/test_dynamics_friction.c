@@ -476,17 +476,19 @@ TEST(a_jam_is_named)
 TEST(smooth_friction_in_one_coordinate)
 {
     static const struct { const char *pin; double to, off; lw_formulation by, other; } part[] = {
-        { ", 'speed': 0.01", 1, 1e-7, LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1 }, { ", 'speed': 0.01", 1, 1e-7, LW_FORMULATION_REDUCED, LW_FORMULATION_RADAU },
+        { ", 'speed': 0.01", 1, 1e-7, LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1 },
+        { ", 'speed': 0.01", 1, 1e-7, LW_FORMULATION_REDUCED, LW_FORMULATION_RADAU },
         { "", 1, 3e-6, LW_FORMULATION_REDUCED, LW_FORMULATION_CVODE }, { "", 12, 1e-5, LW_FORMULATION_REDUCED, LW_FORMULATION_CVODE } };
     for (size_t k = 0; k < sizeof part/sizeof *part; k++) {
         double end[2][9];
         for (int f = 0; f < 2; f++) {
             const char *smooth = "'friction': {'coefficient': 0.2, 'radius': 0.03, 'speed': 0.01}";
-            json_format(text, sizeof text, "{'linkwright': 1, 'gravity': [0, -9.81], 'input': {'joint': 'A', 'speed': -3}, 'links': ['ground', {'name': 'crank', "
-                "'mass': 1, 'centre': [0, 0.25], 'inertia': 0.03}, {'name': 'rod', 'mass': 1, 'centre': [0.6, 0.8], 'inertia': 0.1}, {'name': 'rocker', 'mass': 1, "
-                "'centre': [1.1, 0.5], 'inertia': 0.08}], 'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0], %s}, {'name': 'B', 'links': "
-                "['crank', 'rod'], 'at': [0, 0.5], %s}, {'name': 'C', 'links': ['rod', 'rocker'], 'at': [1.2, 1], %s}, {'name': 'D', 'links': ['ground', 'rocker'], "
-                "'at': [1, 0], 'friction': {'coefficient': 0.3, 'radius': 0.05%s}}]}", smooth, smooth, smooth, f && !*part[k].pin ? ", 'speed': 1e-7" : part[k].pin);
+            json_format(text, sizeof text, "{'linkwright': 1, 'gravity': [0, -9.81], 'input': {'joint': 'A', 'speed': -3}, 'links': ['ground', "
+                "{'name': 'crank', 'mass': 1, 'centre': [0, 0.25], 'inertia': 0.03}, {'name': 'rod', 'mass': 1, 'centre': [0.6, 0.8], 'inertia': 0.1}, "
+                "{'name': 'rocker', 'mass': 1, 'centre': [1.1, 0.5], 'inertia': 0.08}], 'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0], "
+                "%s}, {'name': 'B', 'links': ['crank', 'rod'], 'at': [0, 0.5], %s}, {'name': 'C', 'links': ['rod', 'rocker'], 'at': [1.2, 1], %s}, "
+                "{'name': 'D', 'links': ['ground', 'rocker'], 'at': [1, 0], 'friction': {'coefficient': 0.3, 'radius': 0.05%s}}]}",
+                smooth, smooth, smooth, f && !*part[k].pin ? ", 'speed': 1e-7" : part[k].pin);
             drun_read_json(&d, text);
             CHECK_INT(drun_to(&d, f ? part[k].other : part[k].by, 1e-10, part[k].to, 20), LW_OK);
             CHECK_INT(d.report.formulation, f ? part[k].other : LW_FORMULATION_REDUCED);

@@ -502,7 +502,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
 
 bool lw_run_may_leave(lw_dynamics *d)
 {
-    return d->o.formulation == LW_FORMULATION_AUTO && !(d->n_friction && lw_stick_suits(d)) && !d->touch && !d->eq.next_piece && !d->large && !d->has_zero_mass && !d->eq.more_inertia && !d->elastic
+    return d->o.formulation == LW_FORMULATION_AUTO && !(d->n_friction && lw_stick_suits(d)) && !d->touch && !d->eq.next_piece
+        && !d->large && !d->has_zero_mass && !d->eq.more_inertia && !d->elastic
         && !lw_mbs_is_stiff(d);
 }
 

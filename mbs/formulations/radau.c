@@ -1165,7 +1165,8 @@ static lw_status run_implicit(lw_run *run, bool alpha, const double *from, doubl
     g.slip = lw_friction_least_slip(d->n_friction, d->friction, d->eq.unit);
     g.dense = !alpha && !d->n_friction && !d->elastic && !d->space && !d->eq.next_piece;
     size_t s_n = (size_t)g.s*n, s_x = (size_t)g.s*x, s_c = (size_t)g.s*c, all = n + x + c;
-    double *outer = run->y, *memory = calloc(3*(size_t)run->n + 2*q + 5*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 3*(size_t)d->eq.n_switch + 8, sizeof *memory), *p = memory;
+    const size_t total = 3*(size_t)run->n + 2*q + 5*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 3*(size_t)d->eq.n_switch + 8;
+    double *outer = run->y, *memory = calloc(total, sizeof *memory), *p = memory;
     if (!memory)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     run->y = p, p += 2*run->n, g.ahead = p, p += run->n;

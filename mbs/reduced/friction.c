@@ -1,8 +1,9 @@
 /* mbs/reduced/friction.c - Coulomb friction of a linkage in one coordinate.
  *
  * Friction of joint k is tau_k = -sense side_k mu_k N_k along its measure, N_k the size of its reaction [N], side_k
- * the sign of the measure's derivative by s; that of a joint with a "speed" has tanh(rate/speed) in place of sense side_k.  The reactions follow from the forces on the links dyad by dyad, from the
- * last to the first.  Let link 1 of a dyad carry the wrench W1, link 2 W2 (loads less inertia), t1 and t2 the twists
+ * the sign of the measure's derivative by s; that of a joint with a "speed" has tanh(rate/speed) in place of sense side_k.
+ * The reactions follow from the forces on the links dyad by dyad, from the last to the first.
+ * Let link 1 of a dyad carry the wrench W1, link 2 W2 (loads less inertia), t1 and t2 the twists
  * that their outer joints allow, and e1, e2 the two wrenches that the inner joint can transmit.  The inner reaction
  * x1 e1 + x2 e2, on link 1, satisfies
  *     t1.(W1 + x1 e1 + x2 e2) = 0,    t2.(W2 - x1 e1 - x2 e2) = 0,
