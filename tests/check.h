@@ -50,6 +50,13 @@ static inline lw_rng check_rng(uint64_t stream)
     return rng;
 }
 
+/* Checks of CHECK_MAIN outside its tests count, too. */
+static inline void check_count_outside(void)
+{
+    check_n_failed += check_failed_here;
+    check_failed_here = 0;
+}
+
 static inline int check_fail(const char *file, int line)
 {
     check_failed_here = 1;
@@ -112,8 +119,8 @@ static lw_error check_error __attribute__((unused));
              fprintf(stderr, "\"%s\" does not hold \"%s\"\n", g_ ? g_ : "(null)", w_); } while (0)
 
 #define RUN(test) \
-    do { check_failed_here = 0; test(); \
-         if (check_failed_here) { check_n_failed++; printf("FAIL %s\n", #test); } \
+    do { check_count_outside(); test(); \
+         if (check_failed_here) { check_n_failed++; printf("FAIL %s\n", #test); check_failed_here = 0; } \
          else { check_n_passed++; } \
          fflush(stdout); } while (0)
 
@@ -147,6 +154,7 @@ static inline const char *check_program(void)
 
 static inline int check_end(void)
 {
+    check_count_outside();
     check_n_failed += check_tests != NULL;           /* some test was not run */
     printf("%s: %d passed, %d failed\n", check_program(), check_n_passed, check_n_failed);
     return check_n_failed ? 1 : 0;
