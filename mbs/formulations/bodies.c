@@ -386,17 +386,6 @@ static bool became_stiff(lw_run *run, stepper *w, const double *y)
     return lw_mbs_became_stiff(run->d, t, y, y + run->d->n_q, mean);
 }
 
-static lw_status go_on(lw_run *run, double *out, bool implicit);
-
-lw_status lw_run_leave_stiff(lw_run *run, double *y, double length)
-{
-    lw_dynamics_report *r = run->r, asked = { 0 };
-    bool radau = !run->d->n_friction && lw_formulation_radau.able(run->d, true, &asked) == LW_OK;
-    snprintf(r->why, sizeof r->why, "%s to t = %.3g s, where the equations became stiff, then an implicit method", lw_formulation_name(r->formulation), r->t);
-    r->formulation = radau ? LW_FORMULATION_RADAU : LW_FORMULATION_CVODE;
-    return radau ? lw_run_radau_from(run, y, length) : go_on(run, y, true);
-}
-
 static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
 {
     lw_dynamics *d = run->d;
@@ -492,7 +481,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
             double length = time_of(w) - w->explicit_one.t_old;
             memcpy(y, state(w), (size_t)run->n*sizeof *y);
             end_steps(w, run->r);
-            s = lw_run_leave_stiff(run, y, length);
+            s = run->leave_stiff(run, y, length);
             break;
         }
     }
@@ -568,6 +557,8 @@ static lw_status go_on(lw_run *run, double *out, bool implicit)
     free(y);
     return s;
 }
+
+lw_status lw_run_go_on_implicit(lw_run *run, double *out) { return go_on(run, out, true); }
 
 lw_status lw_run_go_on(lw_run *run, double *out) { return go_on(run, out, run->d->n_friction > 0 || lw_mbs_is_stiff(run->d)); }
 

@@ -182,6 +182,16 @@ static bool starts_singular(const lw_dynamics *d)
     return d->space && memcmp(d->start_q, d->space->s.start, (size_t)d->n_q*sizeof *d->start_q) == 0 && lw_space_lost_freedoms(&d->space->follow) > 0;
 }
 
+/* lw_run.leave_stiff: radau, or cvode where there is friction or a rigid stop. */
+static lw_status leave_stiff(lw_run *run, double *y, double length)
+{
+    lw_dynamics_report *r = run->r, asked = { 0 };
+    bool radau = !run->d->n_friction && lw_formulation_radau.able(run->d, true, &asked) == LW_OK;
+    snprintf(r->why, sizeof r->why, "%s to t = %.3g s, where the equations became stiff, then an implicit method", lw_formulation_name(r->formulation), r->t);
+    r->formulation = radau ? LW_FORMULATION_RADAU : LW_FORMULATION_CVODE;
+    return radau ? lw_run_radau_from(run, y, length) : lw_run_go_on_implicit(run, y);
+}
+
 /* One run by the formulation of run->r; what it ended on is in run->e. */
 static lw_status run_one(lw_run *run)
 {
@@ -259,7 +269,8 @@ static lw_status run_again(lw_run *run, const char *why, lw_dynamics_report *nex
 /* A run like this one that has not begun. */
 static lw_run from_start(const lw_run *run, lw_moment_sink *sink, void *context)
 {
-    return (lw_run){ .d = run->d, .sink = sink, .context = context, .sides = run->sides, .pulses = run->pulses, .kinks = run->kinks };
+    return (lw_run){ .d = run->d, .sink = sink, .context = context, .leave_stiff = leave_stiff,
+                     .sides = run->sides, .pulses = run->pulses, .kinks = run->kinks };
 }
 
 typedef struct ending { double *q; int n; } ending;
@@ -345,7 +356,7 @@ static lw_status run_others(lw_run *run, lw_status s)
 lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_error *e)
 {
     lw_error own = { 0 };
-    lw_run run = { .d = d, .sink = sink, .context = context, .r = r, .e = e ? e : &own };
+    lw_run run = { .d = d, .sink = sink, .context = context, .leave_stiff = leave_stiff, .r = r, .e = e ? e : &own };
     *r = d->choice;
     if (r->formulation == LW_FORMULATION_AUTO)
         return lw_error_set(e, LW_E_ARG, "a static analysis has no run");

@@ -32,6 +32,9 @@ void lw_run_hold(lw_run *run, double t, double *q, double *v);
  * (run->r->t, y) otherwise. */
 lw_status lw_run_go_on(lw_run *run, double *y);
 
+/* The same by cvode, whether the model is stiff or not. */
+lw_status lw_run_go_on_implicit(lw_run *run, double *y);
+
 /* A formulation gives up at r->t in the state y, for the reason in run->e: go on by index1, or by cvode where the model is stiff, and report it. */
 lw_status lw_run_hand_over(lw_run *run, double *y);
 
@@ -40,10 +43,6 @@ bool lw_run_may_leave(lw_dynamics *d);
 
 /* Does regularised friction limit the steps of w, and is enough left for an implicit method? */
 bool lw_run_friction_limits(const lw_run *run, const lw_integrator *w);
-
-/* Go on from (run->r->t, y), where the equations became stiff, by an implicit method to the end, and report it; length: of the last step.  It is
- * radau, or cvode where there is friction or a rigid stop. */
-lw_status lw_run_leave_stiff(lw_run *run, double *y, double length);
 
 /* ---- radau.c ----------------------------------------------------------------------------------------- */
 

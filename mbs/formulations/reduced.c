@@ -712,7 +712,7 @@ static lw_status run_steps(motion *m, double *y, double *before)
     run->r->refused += w->n_refused;
     run->r->rates += w->n_rate;
     if (stiff > 0 && (s = bodies_state(m, m->s, y)) == LW_OK)
-        s = lw_run_leave_stiff(run, y, stiff);
+        s = run->leave_stiff(run, y, stiff);
     return s;
 }
 

@@ -17,6 +17,8 @@ typedef struct lw_run {
     void           *context;
     lw_dynamics_report *r;
     lw_error       *e;
+    /* Goes on from (r->t, y), where the equations became stiff, by an implicit method to the end, and reports it; length: of the last step. */
+    lw_status     (*leave_stiff)(struct lw_run *run, double *y, double length);
     int     n;                       /* numbers in y */
     bool    has_work;
     long    n_busy;                  /* evaluations */
