@@ -411,7 +411,7 @@ static void add_guide(lw_space_scene *s, const lw_spatial_joint *j, int item, do
                              .p = { lw_v3_add(j->at, lw_v3_scale(j->axis, least)), lw_v3_add(j->at, lw_v3_scale(j->axis, most)) } });
 }
 
-/* A square with sides of 2 half about the place of a joint. */
+/* A square around the place of a joint; half: half the length of its side [m]. */
 static void add_square(lw_space_scene *s, const lw_spatial_joint *j, int item, lw_vec3 normal, double half, bool grounded)
 {
     lw_vec3 x = lw_v3_scale(lw_v3_across(normal), half), y = lw_v3_cross(normal, x);

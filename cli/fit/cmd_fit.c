@@ -250,7 +250,7 @@ static lw_status search(const cli_call *call, cli_fit_set *set, cli_side_by_side
     const cli_fit_settings *s = call->settings;
     const lw_sharing sharing = { cli_share_loop, together };
     shown progress = { .call = call, .line = cli_progress_begin(call, "fit", "percent"), .path = set->path, .best = INFINITY,
-                       .turns = set->target.closed || set->target.extent > 0 };
+                       .turns = lw_target_prefers_turns(&set->target) };
     lw_topology_search_options o = lw_topology_search_options_default();
     lw_status st = topologies(call, set, &o, e);
     if (st != LW_OK)

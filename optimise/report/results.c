@@ -100,7 +100,7 @@ static double part_missed(const lw_target *t, const lw_fit_report *r)
 /* Must the input be reversed, where that of another linkage could turn on?  That of an open function is reversed anyway. */
 static bool is_reversed(const lw_target *t, const lw_fit_report *r)
 {
-    return !r->turns && (t->closed || t->extent > 0);
+    return !r->turns && lw_target_prefers_turns(t);
 }
 
 /* The front of the candidates that can be results: of each number of links the one with the least error among those with no more links

@@ -99,4 +99,7 @@ double    lw_target_swing(const lw_target *t);
  * leaves the polygon of the stations by more than `off` [m].  1: none. */
 int       lw_target_parts(const lw_target *t, double off);
 
+/* Are linkages preferred whose input turns fully?  Of all but open functions, for which an input goes to and fro in any case. */
+static inline bool lw_target_prefers_turns(const lw_target *t) { return t->closed || t->extent > 0; }
+
 #endif

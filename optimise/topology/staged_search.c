@@ -628,7 +628,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
     lw_status st = LW_OK;
     const double end = o->max_seconds > 0 ? lw_clock_wall() + o->max_seconds : 0;
     contest c = { .part = { 0 } };
-    bool asked = false, rocks = !t->closed && !(t->extent > 0);    /* an open function: rows are not preferred for a crank that turns */
+    bool asked = false;
     memset(out, 0, sizeof *out);
     n_stage = n_stage < LW_STAGE_MAX ? n_stage : LW_STAGE_MAX;
     for (;;) {
@@ -641,7 +641,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
             st = i < 0 || c.beyond ? st : LW_STOPPED;
             break;
         }
-        if (stage[i].unless > 0 && is_enough(t, o, end, stage[i].unless, !first, o->spec.by_default && !rocks, out, &enough) != LW_OK) {
+        if (stage[i].unless > 0 && is_enough(t, o, end, stage[i].unless, !first, o->spec.by_default && lw_target_prefers_turns(t), out, &enough) != LW_OK) {
             lw_staged_search_free(out);
             return lw_error_set(e, LW_E_MEMORY, "no memory for a report");
         }
