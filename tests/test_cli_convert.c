@@ -55,6 +55,7 @@ TEST(refusals)
     expect("for x in xml urdf sdf adm; do $P convert examples/dynamics/newtons-cradle.json -o $D/x.$x 2> $D/why && exit 1; "
            "grep -q contacts $D/why || exit 1; test ! -e $D/x.$x || exit 1; done", 0, NULL, NULL);
     expect("$P convert examples/elastic-slider-crank.json -o $D/x.xml", 3, "", "elastic links");
+    expect("$P convert examples/dynamics/boom-cylinder.json -o $D/x.urdf", 3, "", "'lift.p1' is a variable of first order");
     expect("$P convert examples/dynamics/boxes.json -o $D/x.dxf", 3, "", "leaves its link free");
     expect("$P convert examples/jansen.json --format pyslv", 2, NULL, "did you mean 'pyslvs'");
     expect("$P convert examples/jansen.json -o $D/x.dat", 2, NULL, "add --format");

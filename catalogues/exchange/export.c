@@ -11,6 +11,15 @@ bool lw_export_varies(const lw_expression *x)
     return x && lw_expression_variables(x, &which) > 0;
 }
 
+lw_status lw_export_states(const lw_states *z, const char *format, lw_error *e)
+{
+    const char *name = z->n_state ? z->state[0].name : z->n_signal ? z->signal[0].name : NULL;
+    if (!name)
+        return LW_OK;
+    return lw_error_set(e, LW_E_KIND, "'%s' is a variable of first order, or a value that stands on one, which is not written to %s: take circuits of "
+                        "motors, controllers, cylinders, integrals and lags out of a copy of the file to export the rest", name, format);
+}
+
 double lw_export_size(const lw_assembly *linkage)
 {
     double d = 0;

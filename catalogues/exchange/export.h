@@ -44,6 +44,10 @@ lw_status lw_export_sdf(const lw_assembly *linkage, const lw_export_options *o, 
 lw_status lw_export_adams(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 lw_status lw_export_adams_commands(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
+/* LW_E_KIND, naming the first: the model has variables of first order or values that stand on them (motors with a circuit, controllers,
+ * hydraulic cylinders, integrals and lags of expressions), which no format here can hold. */
+lw_status lw_export_states(const lw_states *z, const char *format, lw_error *e);
+
 /* How far input `input` can move to either side of the posture [rad] or [m]: over its range; without one, as far as the linkage goes. *turns: a full turn;
  * *ends: limits of the linkage are known on both sides. m: the model of a linkage too large for an lw_linkage; else it may be NULL. LW_E_MEMORY. */
 lw_status lw_export_way(const lw_assembly *linkage, const lw_model *m, int input, double *down, double *up, bool *turns, bool *ends);

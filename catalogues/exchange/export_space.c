@@ -24,9 +24,9 @@ lw_status lw_export_space_loads(const lw_spatial *m, const char *format, bool be
             return lw_error_set(e, LW_E_KIND, "joint '%s' has %s, which is not written to %s: take it out of a copy of the file to "
                                 "export the rest", m->joint[j].name, lw_spatial_has_clearance(&m->joint[j]) ? "a clearance" : "friction",
                                 format);
-    if (m->states.n_state + m->states.n_signal + m->states.n_rotor > 0)
-        return lw_error_set(e, LW_E_KIND, "the model has states, which are not written to %s: take them out of a copy "
-                            "of the file to export the rest", format);
+    lw_status s = lw_export_states(&m->states, format, e);
+    if (s != LW_OK)
+        return s;
     for (int i = 0; i < m->n_spring; i++)
         if (m->spring[i].law)
             return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which is not written to %s", m->spring[i].name, format);

@@ -121,11 +121,13 @@ lw_status lw_format_parse(const char *text, size_t size, const char *file, const
 lw_status lw_format_write(const lw_format *f, const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     const lw_model *m = f->loads && o ? o->model : NULL;
-    const char *what = !m ? NULL : m->n_contact ? "contacts" : m->n_rope && f->write != lw_export_mjcf ? "ropes" : m->n_elastic ? "elastic links"
-                     : m->states.n_state ? "states" : NULL;
+    const char *what = !m ? NULL : m->n_contact ? "contacts" : m->n_rope && f->write != lw_export_mjcf ? "ropes" : m->n_elastic ? "elastic links" : NULL;
     if (what)
         return lw_error_set(e, LW_E_KIND, "the model has %s, which are not written to %s: take them out of a copy of "
                             "the file to export the rest", what, f->name);
+    lw_status s = m ? lw_export_states(&m->states, f->name, e) : LW_OK;
+    if (s != LW_OK)
+        return s;
     for (int j = 0; j < linkage->n_joint && f->write != write_json && !f->write_space; j++)
         if (lw_joint_freedoms(linkage->joint[j].kind) == 3)
             return lw_error_set(e, LW_E_KIND, "joint '%s' leaves its link free, which has no form in %s", linkage->joint[j].name, f->name);
