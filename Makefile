@@ -16,6 +16,12 @@ PLAIN    = cli/program cli/topologies cli/motion cli/robot cli/family cli/fit cl
            grammar/linkage grammar/model grammar/family optimise/task optimise/report catalogues/draw catalogues/exchange \
            catalogues/pages catalogues/build catalogues/store
 LEVEL    = $(if $(filter $(HOT:%=%/%) catalogues/draw/chain_%,$<),-O3,$(or $(QUICK),$(if $(filter $(PLAIN:%=%/%) tests/%,$<),-O1)))
+# own builds start in less than half the time: at fixed addresses, with archives in the place of shared libraries.  Those who set
+# CFLAGS, as packagers do, choose for themselves
+PIE      = -no-pie
+PROGRAM_LIBS = $(ARCHIVES)
+else
+PROGRAM_LIBS = $(LIBS)
 endif
 # tests mostly call the library: without optimisation they compile in half the time; not those with long loops of their own, and
 # test_cli_promises.c, which asks for an optimised build
@@ -42,8 +48,13 @@ PRIVATE  = -lplanarity -lgif -lklu $(SUNDIALS) -lpthread -ldl -lm       # those 
 LIBS    := -Wl,--as-needed $(shell pkg-config --libs $(PKGS) $(LATE) 2>/dev/null) $(PRIVATE)
 ifdef MPI                       # make MPI=1: linkwright chains --mpi, in build/mpi
 INCS    += -DLW_MPI $(shell mpicc --showme:compile)
-LIBS    += $(shell mpicc --showme:link)
+MPI_LIBS := $(shell mpicc --showme:link)
+LIBS    += $(MPI_LIBS)
 endif
+# archives in the place of shared libraries, where there are any
+ARCHIVE  = $(filter /%,$(shell $(CC) -print-file-name=$(1:-l%=lib%.a)))
+ARCHIVES = $(foreach l,$(LIBS) -lamd -lcolamd -lbtf -lsuitesparseconfig,$(or $(if \
+           $(filter-out -lm -lpthread -ldl $(LATE:%=-l%) $(MPI_LIBS),$l),$(call ARCHIVE,$l)),$l))
 COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(STACK) $(FLOAT) -fPIC -fvisibility=hidden -I. $(INCS) $(CPPFLAGS) $(CFLAGS) $(LEVEL) -MMD -MP
 
 # kernel*.c hold the hot loops; they are compiled once per instruction set, which is chosen at run time
@@ -119,16 +130,12 @@ $B/install/liblinkwright.a: $(LIB_OBJ)
 	rm -f $@; $(LD) -r $(LIB_OBJ) -o $(@:.a=.o) && $(OBJCOPY) --localize-hidden $(@:.a=.o) && ar rcs $@ $(@:.a=.o)
 # build-id: a file of --keep is that of one build (cli/program/kept_answers.c)
 $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
-	$(CC) $(CFLAGS) $(LDFLAGS) -Wl,--build-id $(PIE) $^ $(LIBS) -o $@
+	$(CC) $(CFLAGS) $(LDFLAGS) -Wl,--build-id $(PIE) $^ $(PROGRAM_LIBS) -o $@
 # the program for tests of limits and faults: the environment sets its clock, its end by a signal, the call that fails, and
 # its instruction set
 WRAPPED  = malloc calloc realloc aligned_alloc strdup strndup open_memstream fsync rename pthread_create write fflush fclose \
            lw_kernels_supported setitimer dlopen gp_New SUNContext_Create
-# Archives in the place of shared libraries, where there are any: a start takes half the processor time, and calls inside
-# GSL, SUNDIALS and others fail, too.
-ARCHIVE  = $(filter /%,$(shell $(CC) -print-file-name=$(1:-l%=lib%.a)))
-ARCHIVES = $(foreach l,$(LIBS) -lamd -lcolamd -lbtf -lsuitesparseconfig,$(or $(if \
-           $(filter-out -lm -lpthread -ldl $(LATE:%=-l%),$l),$(call ARCHIVE,$l)),$l))
+# with archives calls inside GSL, SUNDIALS and others fail, too
 $B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $B/tests/fail_at_call.o $B/tests/fake_processor.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) -Wl,--build-id -no-pie $(WRAPPED:%=-Wl,--wrap=%) $^ $(ARCHIVES) -o $@
 # files of commands that tests call, beside the library
