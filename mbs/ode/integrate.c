@@ -925,6 +925,15 @@ static double growth(const lw_integrator *w, double err, double before)
 static const double at_limit = 6.1;
 enum { FORGETS = 6 };                        /* other steps in a row, after which the count begins anew */
 
+/* Steps do not grow beyond that length by more than `beyond`.  The error of a state that has died away is small there and much too great just
+ * behind, so that steps which grow by their errors alone are refused again and again. */
+static const double beyond = 1.03;
+
+static double stable_growth(const lw_integrator *w)
+{
+    return w->reach > 0.0 ? fmax(1.0, beyond*at_limit/w->reach) : INFINITY;
+}
+
 static void note_limit(lw_integrator *w)
 {
     bool at = w->reach > at_limit;
@@ -967,7 +976,7 @@ static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_erro
         if (s == LW_OK && err <= 1.0) {
             bool full = fabs(h) == proposed;             /* the error of a step cut short says nothing about the trend */
             double f = err > 0.0 ? growth(w, err, full ? w->h_old : 0.0) : factor_max;
-            double next = fabs(h)*fmin(factor_max, fmax(1.0/3.0, f));
+            double next = fabs(h)*fmin(fmin(factor_max, fmax(1.0/3.0, f)), stable_growth(w));
             w->h = *last && next < w->h && f >= 1.0 ? w->h : next;
             w->err_old = fmax(err, 1e-4);
             w->h_old = full ? proposed : 0.0;
