@@ -104,7 +104,8 @@ static lw_status start_anew(motion *m, double h)
 }
 
 /* Correct the energy H after a step: by p alone where the correction is as small as the error allowed in the step,
- * which costs nothing; near turning points by the least change, along the gradient (-Q, p). */
+ * which costs nothing; near turning points by the least change, along the gradient (-Q, p).  LW_OPEN: the energy has
+ * changed by more than the errors allowed. */
 static lw_status hold_energy(void *context, double t, double *y)
 {
     motion *m = context;
@@ -114,13 +115,14 @@ static lw_status hold_energy(void *context, double t, double *y)
     if (s != LW_OK)
         return s;
     double off = 0.5*y[1]*y[1] - m->kinetic + lw_reduced_potential(m->r, y[0]*scale) - m->potential;
-    if (fabs(off) <= hold_most*(allowed_absolute(m, 1) + o->relative*fabs(y[1]))*fabs(y[1])) {
+    double explained = hold_most*(allowed_absolute(m, 1) + o->relative*fabs(y[1]))*fabs(y[1]);
+    if (fabs(off) <= explained) {
         y[1] -= off/y[1];
     } else if (lw_reduced_rate(m->r, t, y[0]*scale, y[1], &ds, &dp, &power) == LW_OK
                && lw_reduced_mass(m->r, y[0]*scale, &mass) == LW_OK) {
         double push = dp*sqrt(mass)*scale, steep = push*push + y[1]*y[1];
-        if (!(fabs(off) < most_change*steep))
-            return LW_OK;                        /* at rest in equilibrium */
+        if (!(fabs(off) < most_change*steep))    /* at rest in equilibrium, or the step is wrong, as one over a singular posture may be */
+            return fabs(off) <= explained + hold_most*(allowed_absolute(m, 0)*fabs(push) + allowed_absolute(m, 2)) ? LW_OK : LW_OPEN;
         y[0] += push*off/steep;
         y[1] -= y[1]*off/steep;
     }
