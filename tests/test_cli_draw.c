@@ -51,6 +51,13 @@ TEST(any_linkage)
     expect("$P draw examples/mobility/shaky.json", 0, "Shown without motion", "no input");
     expect("$P draw examples/space/crane.json", 0, NULL, "3 more inputs are needed to move it by inputs alone; 'linkwright simulate' moves it");
     expect("$P draw examples/loader.json --to -1", 2, NULL, "out of range");
+    /* the boom of the cylinder turns all round, in space (its twin in the plane x z) too: sqrt(0.4^2 + 0.8^2) +- 1 m; within its stroke nothing is said */
+    expect("$P draw examples/dynamics/boom-cylinder.json", 0, "Shown beyond the stroke", "cylinder \"lift\": about 105.8 to 1894 mm long instead of 700 to 1300");
+    expect("sed 's/\"speed\": 0/\"first\": -3, \"last\": 20/' examples/dynamics/boom-cylinder.json > $D/range.json && "
+           "! $P draw $D/range.json 2>&1 | grep -q beyond", 0, NULL, NULL);
+    expect("sed 's/\\[\\(-*[0-9]*\\), \\(-*[0-9]*\\)\\]/[\\1, 0, \\2]/g; s/-9.81\\]/0, -9.81]/; s/\"inertia\": 900/\"inertia\": [900, 900, 900]/; "
+           "s/\"name\": \"A\"/\"name\": \"A\", \"axis\": [0, -1, 0]/' examples/dynamics/boom-cylinder.json > $D/space.json && $P draw $D/space.json", 0,
+           NULL, "cylinder \"lift\": about 105.8 to 1894 mm long instead of 700 to 1300");
 }
 
 /* Two linkages in one picture, and what cannot be compared. */

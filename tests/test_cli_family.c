@@ -95,6 +95,11 @@ TEST(sweeps_of_delta)
         CHECK_NEAR(second(r.out, known[i].row, 3), known[i].condition, 0, 3e-8);
         ran_free(&r);
     }
+    /* the worst place is inside the way: an independent model of other data, at its 201 rows */
+    ran r = run("$P family sweep examples/families/delta.json --set span=1.1,base=150,plate=40,width=80,height=450,stroke=250,time=0.15 --vary p1=0.8:0.9:2 "
+                "--to 0.15 --measure 'condition(tool)'");
+    CHECK_NEAR(second(r.out, "\n0.9,", 2), 1.7321327781, 0, 1e-9);
+    ran_free(&r);
 }
 
 /* Figures of all drives, of robots and of `trace` are those that the other commands give. */

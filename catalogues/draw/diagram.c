@@ -505,7 +505,7 @@ static void draw_tie(sketch *k, const int link[2], const lw_vec2 end[2], bool sp
 static void draw_jack(sketch *k, const lw_spring *c)
 {
     const lw_assembly *l = linkage(k);
-    double scale = k->d->view[0].scale, tube = 0.95*scale*c->retracted;
+    double scale = k->d->view[0].scale, tube = 0.95*scale*c->extent[0];
     lw_vec2 end[2] = { pixel_of(k, 0, c->at[0]), pixel_of(k, 0, c->at[1]) }, line = lw_v2_sub(end[1], end[0]);
     lw_vec2 along = lw_v2_scale(line, 1/fmax(lw_v2_norm(line), 1e-9));
     const int back[2] = { c->link[1], c->link[0] };
@@ -550,7 +550,7 @@ static void sketch_linkage(sketch *k)
     for (int i = 0; m && i < m->n_rope; i++)
         draw_tie(k, m->rope[i].link, m->rope[i].at, false);
     for (int i = 0; m && i < m->n_spring; i++)
-        if (m->spring[i].retracted > 0)
+        if (m->spring[i].extent[1] > 0)
             draw_jack(k, &m->spring[i]);
         else
             draw_tie(k, m->spring[i].link, m->spring[i].at, true);

@@ -126,6 +126,28 @@ lw_vec2 lw_scene_at(const lw_scene *s, size_t frame, int link, lw_vec2 p)
     return lw_v2_add(a->at, lw_v2_turn(lw_v2_sub(p, s->origin[link]), a->turn));
 }
 
+void lw_scene_note_stroke(char note[256], const char *name, const double reached[2], const double extent[2], const lw_units *units)
+{
+    double slack = 1e-6*extent[1], unit = units->metre;
+    if (!note[0] && (reached[0] < extent[0] - slack || reached[1] > extent[1] + slack))
+        snprintf(note, 256, "Shown beyond the stroke of cylinder \"%.40s\": about %.4g to %.4g %s long instead of %.4g to %.4g; limit the input by \"first\" and "
+                 "\"last\"", name, reached[0]/unit, reached[1]/unit, units->length[0] ? units->length : "m", extent[0]/unit, extent[1]/unit);
+}
+
+static void note_strokes(lw_scene *s)
+{
+    for (int i = 0; s->model && i < s->model->n_spring; i++) {
+        const lw_spring *p = &s->model->spring[i];
+        double reached[2] = { INFINITY, 0 };
+        for (size_t f = 0; p->extent[1] > 0 && f < s->n_frame; f++) {
+            double length = lw_v2_norm(lw_v2_sub(lw_scene_at(s, f, p->link[1], p->at[1]), lw_scene_at(s, f, p->link[0], p->at[0])));
+            reached[0] = fmin(reached[0], length), reached[1] = fmax(reached[1], length);
+        }
+        if (p->extent[1] > 0)
+            lw_scene_note_stroke(s->note, p->name, reached, p->extent, &s->linkage.units);
+    }
+}
+
 static bool copy_target(lw_scene *s, const lw_target *t)
 {
     if (!t || !t->x || !t->y)
@@ -1067,6 +1089,8 @@ lw_status lw_scene_make_any(const lw_assembly *parts, const lw_model *m, const l
     m = m ? m : &own;
     if (st == LW_OK)
         st = m->small ? lw_scene_make(m->small, t, o, s, e) : make_large(m, t, o, s, e);
+    if (st == LW_OK)
+        note_strokes(s);
     lw_model_free(&own);
     return st;
 }

@@ -6,6 +6,7 @@
 
 #include "base/vec3.h"
 #include "catalogues/draw/motion_path.h"
+#include "catalogues/draw/scene.h"
 #include "mbs/elastic/superelement.h"
 #include "mbs/space/space_trace.h"
 
@@ -492,7 +493,7 @@ static lw_status make_shapes(const lw_spatial *m, lw_space_scene *s)
         add_joint(m, i, s);
     for (int i = 0; i < m->n_spring; i++) {
         const lw_spatial_spring *t = &m->spring[i];
-        add(s, (lw_space_shape){ .kind = LW_SPACE_TIE, .link = t->link[0], .item = i, .n = 2, .p = { t->at[0], t->at[1] }, .tube = 0.95*t->retracted });
+        add(s, (lw_space_shape){ .kind = LW_SPACE_TIE, .link = t->link[0], .item = i, .n = 2, .p = { t->at[0], t->at[1] }, .tube = 0.95*t->extent[0] });
         s->shape[s->n_shape - 1].to = t->link[1];
     }
     for (int i = 0; i < m->n_tracer; i++)
@@ -528,6 +529,20 @@ static void measure(lw_space_scene *s)
     s->radius = fmax(0.5*lw_v3_norm(lw_v3_sub(most, least)), 1e-9);
 }
 
+static void note_strokes(const lw_spatial *m, lw_space_scene *s)
+{
+    for (int i = 0; i < m->n_spring; i++) {
+        const lw_spatial_spring *p = &m->spring[i];
+        double reached[2] = { INFINITY, 0 };
+        for (size_t f = 0; p->extent[1] > 0 && f < s->n_frame; f++) {
+            double length = lw_v3_norm(lw_v3_sub(lw_space_scene_at(s, f, p->link[1], p->at[1]), lw_space_scene_at(s, f, p->link[0], p->at[0])));
+            reached[0] = fmin(reached[0], length), reached[1] = fmax(reached[1], length);
+        }
+        if (p->extent[1] > 0)
+            lw_scene_note_stroke(s->note, p->name, reached, p->extent, &m->units);
+    }
+}
+
 static size_t pairs_of(int n) { return (size_t)n*(size_t)n/2; }
 
 lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options *o, lw_space_scene *s, lw_error *e)
@@ -558,6 +573,7 @@ lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options 
     if (make_shapes(m, s) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     measure(s);
+    note_strokes(m, s);
     return LW_OK;
 }
 

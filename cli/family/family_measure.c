@@ -262,7 +262,6 @@ static lw_status arcs(const lw_model *model, int n, cli_measure *m, double *valu
 /* Greatest condition number of a tool along its path in the run. */
 static lw_status condition(const lw_spatial *spatial, const cli_table *t, cli_measure *m, double *value, lw_error *e)
 {
-    enum { PLACES = 40 };
     char name[3][160];
     int column[3];
     lw_robot r;
@@ -277,8 +276,7 @@ static lw_status condition(const lw_spatial *spatial, const cli_table *t, cli_me
     bool made = s == LW_OK;
     *value = 0;
     strcpy(m->unit, "1");
-    for (int i = 0; s == LW_OK && i <= PLACES; i++) {
-        size_t row = (t->n_row - 1)*(size_t)i/PLACES;
+    for (size_t row = 0; s == LW_OK && row < t->n_row; row++) {
         double f = spatial->units.metre;
         lw_vec3 at = { f*cli_table_at(t, row, column[0]), f*cli_table_at(t, row, column[1]), f*cli_table_at(t, row, column[2]) };
         s = lw_robot_move(&r, at, NULL, e);

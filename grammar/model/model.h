@@ -31,7 +31,7 @@ typedef struct lw_spring {
     int     link[2];
     lw_vec2 at[2];
     double  stiffness, damping, free;    /* [N/m] [N s/m] [m]                                      */
-    double  retracted;                   /* > 0: a hydraulic cylinder, which is so long when it is pushed in [m] */
+    double  extent[2];                   /* of a hydraulic cylinder: its length when it is pushed in and out [m]; else 0 */
     lw_expression *law;                  /* NULL: linear                                           */
 } lw_spring;
 

@@ -34,7 +34,7 @@ typedef struct lw_reading {
     int       (*find_spring)(const void *model, lw_json *json, const char *name, char *why);
     /* A cylinder's spring from "links" and "at"; later its law, number, and length in the posture [m]. */
     lw_status (*ends)(const lw_json_node *object, const char *name, void *model, lw_error *e);
-    lw_expression **(*cylinder)(void *model, lw_json *json, const char *name, double retracted, int *spring, double *length);
+    lw_expression **(*cylinder)(void *model, lw_json *json, const char *name, const double extent[2], int *spring, double *length);
     lw_status (*motor)(const lw_json_node *object, const char *name, void *model, lw_motor_joint *out, lw_error *e);
 } lw_reading;
 

@@ -248,13 +248,13 @@ static lw_status read_cylinder_ends(const lw_json_node *object, const char *name
     return s;
 }
 
-static lw_expression **find_cylinder(void *model, lw_json *json, const char *name, double retracted, int *spring, double *length)
+static lw_expression **find_cylinder(void *model, lw_json *json, const char *name, const double extent[2], int *spring, double *length)
 {
     lw_model *m = model;
     int i = lw_read_find(json, name, m->spring->name, sizeof *m->spring, m->n_spring);
     *spring = i;
     *length = lw_v2_norm(lw_v2_sub(m->spring[i].at[1], m->spring[i].at[0]));
-    m->spring[i].retracted = retracted;
+    memcpy(m->spring[i].extent, extent, sizeof m->spring[i].extent);
     return &m->spring[i].law;
 }
 

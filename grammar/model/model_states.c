@@ -761,11 +761,11 @@ static lw_status read_cylinder(const lw_json_node *object, size_t index, const l
     if (s != LW_OK)
         return s;
     int spring, p = find_state(r->states, name, "p1");
-    double length;
-    lw_expression **law = r->cylinder(r->model, object->json, name, c.retracted, &spring, &length);
-    if (length < c.retracted || length > c.retracted + c.stroke)
+    double length, extent[2] = { c.retracted, c.retracted + c.stroke };
+    lw_expression **law = r->cylinder(r->model, object->json, name, extent, &spring, &length);
+    if (length < extent[0] || length > extent[1])
         s = lw_json_fault(object, e, "the cylinder is %.6g m long in the posture, which is not within %.6g .. %.6g m", length,
-                          c.retracted, c.retracted + c.stroke);
+                          extent[0], extent[1]);
     for (int end = 0; s == LW_OK && end < 2; end++) {
         r->states->state[p + end].start = c.start[end];
         s = cylinder_flow(object, &c, end, p + end, p + !end, valve, &flow[end], e);

@@ -98,7 +98,7 @@ typedef struct lw_spatial_spring {       /* between two points, as lw_spring    
     int     link[2];
     lw_vec3 at[2];
     double  stiffness, damping, free;
-    double  retracted;                   /* > 0: a hydraulic cylinder, which is so long when it is pushed in [m] */
+    double  extent[2];                   /* of a hydraulic cylinder: its length when it is pushed in and out [m]; else 0 */
     lw_expression *law;
 } lw_spatial_spring;
 

@@ -865,13 +865,13 @@ static lw_status read_cylinder_ends(const lw_json_node *object, const char *name
     return read_ends(object, m, p, e);
 }
 
-static lw_expression **find_cylinder(void *model, lw_json *json, const char *name, double retracted, int *spring, double *length)
+static lw_expression **find_cylinder(void *model, lw_json *json, const char *name, const double extent[2], int *spring, double *length)
 {
     lw_spatial *m = model;
     int i = lw_read_find(json, name, m->spring->name, sizeof *m->spring, m->n_spring);
     *spring = i;
     *length = m->spring[i].free;
-    m->spring[i].retracted = retracted;
+    memcpy(m->spring[i].extent, extent, sizeof m->spring[i].extent);
     return &m->spring[i].law;
 }
 
