@@ -199,7 +199,9 @@ TEST(inputs_lose_a_flat_parallelogram)
         add_tracer(&l, 4, lw_v2(1, -0.5));
         ride *r = start(&l, arm_alone, NULL, 0);
         CHECK_INT(lw_prescribed_motion_to(r->d, to), LW_OK);
-        CHECK_INT(lw_prescribed_motion_lost(r->d, between), k > 0);
+        char how[LW_PRESCRIBED_MOTION_TEXT];
+        CHECK_INT(lw_prescribed_motion_lost(r->d, LW_VIEW(&l), between, how), k > 0);
+        CHECK_TEXT(how, k ? "link \"L5\" turns about (0, -1) m" : "");       /* its pin at the end of the lower arm */
         CHECK(k == 0 || (between[0] < LW_PI/2 && between[1] > LW_PI/2));
         CHECK_NEAR(distance(tracer(r, 0), lw_v2(cos(to), -sin(to) - 0.5)), 0, 1e-11, 0);
         stop(r);

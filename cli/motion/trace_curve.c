@@ -499,8 +499,9 @@ lw_status cli_time_print(const cli_call *call, cli_curve_trace *t, const double 
     if (s != LW_OK)
         lw_prescribed_motion_ended(d, s, &t->k, e);
     double last, between[2];
-    if (lw_prescribed_motion_lost(d, between))
-        lw_note_lost(cli_notes(call), "t", between, 1, "s", "");
+    char how[LW_PRESCRIBED_MOTION_TEXT];
+    if (lw_prescribed_motion_lost(d, &t->k, between, how))
+        lw_note_lost(cli_notes(call), "t", between, 1, "s", how);
     int crossings = lw_prescribed_motion_crossings(d, &last);
     if (crossings > 0 && !t->rows.json)
         fprintf(t->rows.f, "# branch points passed straight on: %d, the last at time %.12g\n", crossings, last);

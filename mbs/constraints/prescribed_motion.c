@@ -10,6 +10,7 @@
 #include "base/linalg.h"
 #include "base/number.h"
 #include "base/rng.h"
+#include "base/vector.h"
 #include "grammar/model/model.h"
 #include "mbs/constraints/continuation_internal.h"
 
@@ -51,6 +52,7 @@ struct lw_prescribed_motion {
     double           det[2];                /* several inputs: time and determinant of all rows at the last step; 0: not known */
     bool             lost;                  /* it has changed its sign, first between these times      */
     double           between[2];
+    double          *loose;                 /* (n) the posture there; before: that of the last step    */
     unsigned         at_odds;               /* inputs whose motions contradict each other here: bit i for input i */
     int              crossings;
     double           crossing;
@@ -540,6 +542,29 @@ static bool series_by_value(lw_prescribed_motion *d, int order, double *q)
 
 typedef enum outcome { MOVED, LIMIT, LOST } outcome;
 
+/* The singular posture between d->loose and d->q, where the determinant of the rows has these values of different sign, into d->loose: on the straight
+ * line between them, by the Illinois method. */
+static void find_loose(lw_prescribed_motion *d, double before, double after)
+{
+    double part[2] = { 0, 1 }, det[2] = { before, after }, at = 0;
+    for (int round = 0, last = -1; round < 30; round++) {
+        at = part[0] + (part[1] - part[0])*det[0]/(det[0] - det[1]);
+        for (int i = 0; i < d->n; i++)
+            d->next[i] = d->loose[i] + at*(d->q[i] - d->loose[i]);
+        lw_continuation_factor(&d->f, d->next);
+        double now = lw_qr_determinant(d->n, d->f.diag);
+        if (now == 0)
+            break;
+        int side = now*det[0] < 0;
+        part[side] = at, det[side] = now;
+        if (side == last)
+            det[!side] *= 0.5;
+        last = side;
+    }
+    memcpy(d->loose, d->next, (size_t)d->n*sizeof *d->next);
+    lw_continuation_factor(&d->f, d->q);
+}
+
 /* Note the determinant of the rows, whose factors d->f holds at d->q.  It is 0 where the inputs lose control of the links. */
 static void watch(lw_prescribed_motion *d)
 {
@@ -549,14 +574,56 @@ static void watch(lw_prescribed_motion *d)
     if (!d->lost && det*d->det[1] < 0) {
         d->lost = true;
         d->between[0] = fmin(d->det[0], d->t), d->between[1] = fmax(d->det[0], d->t);
+        find_loose(d, d->det[1], det);
     }
+    if (!d->lost)
+        memcpy(d->loose, d->q, (size_t)d->n*sizeof *d->q);
     d->det[0] = d->t, d->det[1] = det;
 }
 
-bool lw_prescribed_motion_lost(lw_prescribed_motion *d, double between[2])
+static double rounded(double x, double step) { return step*round(x/step) + 0.0; }
+
+/* How a body moves that has this rate v of q [1, rad]. */
+static void motion_text(const lw_system *s, const lw_assembly *names, int body, const double *q, const double *v, char text[LW_PRESCRIBED_MOTION_TEXT])
 {
+    static const double none = 1e-3;
+    const double *rate = v + 3*body, metre = names->units.metre, step = pow(10, floor(log10(0.02*s->unit/metre)));
+    lw_vec2 speed = lw_v2(rate[0], rate[1]), along = lw_v2_scale(speed, (speed.x + speed.y < 0 ? -1 : 1)/lw_v2_norm(speed));
+    const char *link = names->link_name[s->link[body]];
+    if (fabs(rate[2]) > none*lw_v2_norm(speed)) {
+        lw_vec2 at = lw_system_point(s, body, lw_v2(0, 0), q);
+        at = lw_v2_add(at, lw_v2_scale(lw_v2_perp(speed), s->unit/rate[2]));
+        snprintf(text, LW_PRESCRIBED_MOTION_TEXT, "link \"%.40s\" turns about (%.9g, %.9g) %s", link, rounded(at.x/metre, step), rounded(at.y/metre, step),
+                 names->units.length[0] ? names->units.length : "m");
+    } else
+        snprintf(text, LW_PRESCRIBED_MOTION_TEXT, "link \"%.40s\" slides along (%.2f, %.2f)", link, rounded(along.x, 0.01), rounded(along.y, 0.01));
+}
+
+/* At a singular posture q almost any right-hand side has the motion that the inputs leave free as its solution. */
+static void tell_free_motion(lw_prescribed_motion *d, const lw_assembly *names, const double *q, char text[LW_PRESCRIBED_MOTION_TEXT])
+{
+    const lw_system *s = d->s;
+    double *v = d->f.work;
+    int best = 0, tool = s->n_tracer > 0 ? s->tracer_body[0] : -1;
+    lw_continuation_factor(&d->f, q);
+    for (int i = 0; i < d->f.m; i++)
+        v[i] = 1 + 0.1*i;
+    lw_continuation_solve(&d->f, v);
+    for (int b = 1; b < s->n_body; b++)
+        best = lw_norm(3, v + 3*b) > lw_norm(3, v + 3*best) ? b : best;
+    if (tool >= 0 && lw_norm(3, v + 3*tool) > 0.1*lw_norm(3, v + 3*best))
+        best = tool;
+    if (isfinite(lw_norm(3, v + 3*best)))
+        motion_text(s, names, best, q, v, text);
+}
+
+bool lw_prescribed_motion_lost(lw_prescribed_motion *d, const lw_assembly *names, double between[2], char how[LW_PRESCRIBED_MOTION_TEXT])
+{
+    how[0] = 0;
     if (!d->place && hold(d, d->t) && lw_continuation_factor(&d->f, d->q) > 1e-15)
         watch(d);
+    if (d->lost)
+        tell_free_motion(d, names, d->loose, how);
     memcpy(between, d->between, sizeof d->between);
     return d->lost;
 }
@@ -768,7 +835,7 @@ static lw_status make(const lw_system *s, const double *q, lw_input_function *mo
         d->context = l ? d : context;
         if (l)
             d->line = *l;
-        size_t vectors = 1 + (ORDER + 2) + (by_value ? 0 : 3 + N_CURVE + (ORDER + 1)), stored = by_value ? 0 : TRACK*(size_t)(1 + d->n);
+        size_t vectors = 1 + (ORDER + 2) + (by_value ? 0 : 4 + N_CURVE + (ORDER + 1)), stored = by_value ? 0 : TRACK*(size_t)(1 + d->n);
         d->series = calloc(vectors*(size_t)d->n + stored, sizeof *d->series);
     }
     if (!d || !d->series || (!by_value && !lw_continuation_create(s, all, s->n_input, false, &d->f))) {
@@ -789,7 +856,8 @@ static lw_status make(const lw_system *s, const double *q, lw_input_function *mo
         d->over = d->next + d->n;
         d->regular = d->over + (ORDER + 1)*d->n;
         d->curve = d->regular + d->n;
-        d->track = d->curve + N_CURVE*d->n;
+        d->loose = d->curve + N_CURVE*d->n;
+        d->track = d->loose + d->n;
         if (q)
             memcpy(d->q, q, (size_t)d->n*sizeof *q);
         else

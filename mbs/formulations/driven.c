@@ -636,7 +636,7 @@ static lw_status run_driven(lw_run *run)
     if (s == LW_OK) {
         z->by_place = lw_prescribed_motion_by_value(z->motion);
         s = run_all(z, y);
-        run->r->lost = lw_prescribed_motion_lost(z->motion, run->r->lost_t);
+        run->r->lost = lw_prescribed_motion_lost(z->motion, &d->model->linkage, run->r->lost_t, run->r->lost_how);
     }
     if (z) {
         lw_prescribed_motion_free(z->motion);
