@@ -72,6 +72,14 @@ TEST(pictures)
 
 TEST(wrong_use)
 {
+    /* a law that feels no stiffness, or no damping, is one row, and a list that no law feels is refused */
+    ran r = run("$P clearance " MODEL " --speeds 92 --to 0.1 --settle 0.05 --model zero,mlsd,hunt-crossley --stiffness 1e7,1e8 --damping 10,20 | cut -d, -f2-4");
+    CHECK_INT(lines_with(r.out, "\nzero,"), 1);
+    CHECK_INT(lines_with(r.out, "\nmlsd,"), 4);
+    CHECK_INT(lines_with(r.out, "\nhunt-crossley,"), 2);
+    ran_free(&r);
+    expect("$P clearance " MODEL " --model hunt-crossley,lankarani-nikravesh --damping 10,20", 3, NULL, "a damping of the contact has no effect");
+    expect("$P clearance " MODEL " --model zero,link --stiffness 1e7", 3, NULL, "a stiffness of the contact has no effect");
     expect("$P clearance " MODEL " --to 1e5 --time 1e-9 --speeds 92,94", 5, "joint,model", "2 of 2 runs were not made");
     expect("$P clearance", 2, NULL, "MODEL.json");
     expect("$P clearance " MODEL " --speeds 80:400", 3, NULL, "lacks a step");

@@ -280,8 +280,8 @@ static int print_selection(const cli_call *call, const lw_loads *all, const lw_d
             code = CLI_NOTHING;
         }
         if (s[i].choice[0].torque_steps)
-            cli_note(call, "drive %s: its torque steps at %d place%s of the cycle; L dI/dt is left out of the voltage there. A "
-                     "motion without steps of acceleration has none", l[i].name, s[i].choice[0].torque_steps,
+            cli_note(call, "drive %s: the torque of its motor steps at %d place%s of the cycle; L dI/dt is left out of the voltage there. It steps where the "
+                     "acceleration does, and where a gear with losses changes between driving and braking", l[i].name, s[i].choice[0].torque_steps,
                      lw_plural(s[i].choice[0].torque_steps));
     }
     if (call->common.json) {

@@ -37,6 +37,18 @@ static lw_status make_law(const lw_sweep *c, lw_sweep_law *l, lw_error *e)
     return lw_clearance_make(l->m, &l->scene, e);
 }
 
+/* Does a joint of the law feel a stiffness, or a damping?  The losses of the others are those of a restitution. */
+static bool feels(const lw_sweep *c, lw_clearance_model model, bool damping)
+{
+    for (int j = 0; j < c->m->linkage.n_joint; j++) {
+        lw_clearance_model own = c->m->clearance[j].model, of = own == LW_CLEARANCE_NONE || model == LW_CLEARANCE_NONE ? own : model;
+        if (of == LW_CLEARANCE_MLSD || of == LW_CLEARANCE_IMPACT || (!damping && (of == LW_CLEARANCE_HUNT_CROSSLEY || of == LW_CLEARANCE_LANKARANI)))
+            return true;
+    }
+    return false;
+}
+
+/* A law that feels no stiffness or no damping is run once, as the file has it. */
 static lw_status make_laws(lw_sweep *c, lw_error *e)
 {
     static const double as_given = NAN;
@@ -52,13 +64,21 @@ static lw_status make_laws(lw_sweep *c, lw_error *e)
     if (!c->law)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     lw_status s = LW_OK;
-    for (int m = 0; m < n_model; m++)
-        for (int k = 0; k < n_stiffness; k++)
-            for (int d = 0; s == LW_OK && d < n_damping; d++) {
+    bool stiff = false, damped = false;
+    for (int m = 0; m < n_model; m++) {
+        bool feels_stiffness = feels(c, model[m], false), feels_damping = feels(c, model[m], true);
+        stiff = stiff || feels_stiffness, damped = damped || feels_damping;
+        for (int k = 0; k < (feels_stiffness ? n_stiffness : 1); k++)
+            for (int d = 0; s == LW_OK && d < (feels_damping ? n_damping : 1); d++) {
                 lw_sweep_law *l = &c->law[c->n_law++];
-                *l = (lw_sweep_law){ .model = model[m], .stiffness = stiffness[k], .damping = damping[d] };
+                *l = (lw_sweep_law){ .model = model[m], .stiffness = feels_stiffness ? stiffness[k] : NAN, .damping = feels_damping ? damping[d] : NAN };
                 s = make_law(c, l, e);
             }
+    }
+    if (s == LW_OK && ((o->n_stiffness && !stiff) || (o->n_damping && !damped)))
+        s = lw_error_set(e, LW_E_ARG, o->n_stiffness && !stiff ? "a stiffness of the contact has no effect: models \"zero\" and \"link\" have none"
+                         : "a damping of the contact has no effect: only models \"mlsd\" and \"impact\" have one; the losses of \"hunt-crossley\" and "
+                           "\"lankarani-nikravesh\" are those of the \"restitution\" in the file");
     return s;
 }
 

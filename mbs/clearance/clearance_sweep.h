@@ -1,6 +1,7 @@
 /* mbs/clearance/clearance_sweep.h - a model with clearance over speeds of its input and laws of contact.
  *
- * A law is one choice of model, stiffness and damping for all joints with clearance.  Every law runs at every speed,
+ * A law is one choice of model, stiffness and damping for all joints with clearance; models without a stiffness ("zero", "link") or without a damping
+ * (all but "mlsd" and "impact") are run once, with those of the file, and a list that none of the models feels is refused.  Every law runs at every speed,
  * on several threads; the results do not depend on their number. */
 #ifndef LW_MBS_CLEARANCE_CLEARANCE_SWEEP_H
 #define LW_MBS_CLEARANCE_CLEARANCE_SWEEP_H
