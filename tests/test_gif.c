@@ -205,6 +205,22 @@ TEST(bars_bend)
     s.n_bend = 1;
     CHECK_OK(lw_gif_write(&s, &o, &bent, &check_error));
     CHECK(straight.size != bent.size || memcmp(straight.data, bent.data, bent.size) != 0);
+
+    /* two bars of one link, in either order, are not joined to each other */
+    OWN(lw_bytes) two = { 0 }, swapped = { 0 }, joined = { 0 };
+    FREED lw_vec2 *q = calloc(2*s.n_frame, sizeof *q), *r = calloc(2*s.n_frame, sizeof *r), *all = calloc(4*s.n_frame, sizeof *all);
+    lw_bent_bar pair[] = { { link, 2, q }, { link, 2, r } }, back[] = { pair[1], pair[0] }, one = { link, 4, all };
+    for (size_t f = 0; f < s.n_frame; f++)
+        for (size_t i = 0; i < 4; i++)
+            all[4*f + i] = *(i < 2 ? &q[2*f + i] : &r[2*f + i - 2]) = lw_v2_add(j[0].at, lw_v2(i%2 ? 0.5 : 0, i < 2 ? 0 : 1));
+    s.n_bend = 2, s.bend = pair;
+    CHECK_OK(lw_gif_write(&s, &o, &two, &check_error));
+    s.bend = back;
+    CHECK_OK(lw_gif_write(&s, &o, &swapped, &check_error));
+    s.n_bend = 1, s.bend = &one;
+    CHECK_OK(lw_gif_write(&s, &o, &joined, &check_error));
+    CHECK(two.size == swapped.size && memcmp(two.data, swapped.data, two.size) == 0);
+    CHECK(two.size != joined.size || memcmp(two.data, joined.data, two.size) != 0);
 }
 
 TEST(a_stopped_animation_is_readable)

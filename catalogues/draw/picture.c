@@ -141,22 +141,29 @@ static void follow_link(cairo_t *c, const lw_drawing *d, const lw_shape *s, cons
     cairo.transform(c, &a);
 }
 
-/* A bar that bends is a line through its points instead; false: the shape is no such bar. */
+static bool is_bar(const lw_drawing *d, const lw_shape *s)
+{
+    return s->kind == LW_SHAPE_PATH && s->role == LW_ROLE_LINK && !s->closed && s->panel >= 0 && s->panel < d->n_view;
+}
+
+/* The bars of a link that bends are lines through their points instead, all painted in place of the first; false: the shape is no such bar. */
 static bool paint_bend(cairo_t *c, const lw_drawing *d, const lw_shape *s, const lw_scene *scene, size_t frame)
 {
-    bool bar = scene && s->kind == LW_SHAPE_PATH && s->role == LW_ROLE_LINK && !s->closed && s->panel >= 0 && s->panel < d->n_view;
+    bool bends = false, bar = scene && is_bar(d, s), first = s == d->shape || !is_bar(d, s - 1) || s[-1].link != s->link;
     for (int i = 0; bar && i < scene->n_bend; i++) {
         const lw_bent_bar *b = &scene->bend[i];
         if (b->link != s->link)
             continue;
-        for (int k = 0; k < b->n; k++) {
+        bends = true;
+        cairo.new_sub_path(c);
+        for (int k = 0; first && k < b->n; k++) {
             lw_vec2 p = lw_view_pixel(&d->view[s->panel], b->p[frame*(size_t)b->n + (size_t)k]);
             cairo.line_to(c, p.x, p.y);
         }
-        paint_outline(c, s);
-        return true;
     }
-    return false;
+    if (bends && first)
+        paint_outline(c, s);
+    return bends;
 }
 
 /* A path between two links: its ends move with them, its points stay in proportion along it, or as far if it is rigid, and as far aside. */

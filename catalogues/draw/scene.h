@@ -36,7 +36,7 @@ typedef struct lw_curve {
     lw_vec2 *p;                   /* [m]; a point that is not finite interrupts the line    (n)      */
 } lw_curve;
 
-/* An elastic link: points along it in every frame, [frame*n + i] [m]. */
+/* A bar of an elastic link: points along it in every frame, [frame*n + i] [m]. */
 typedef struct lw_bent_bar { int link, n; lw_vec2 *p; } lw_bent_bar;
 
 typedef struct lw_scene {

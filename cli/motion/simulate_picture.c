@@ -7,6 +7,7 @@
 #include "catalogues/pages/draw.h"
 #include "cli/program/output.h"
 #include "cli/motion/simulate.h"
+#include "mbs/elastic/superelement.h"
 
 /* Is the column in the list, by its name or by the part of its name before the point? */
 static bool wanted(const cli_table *t, int c, const char *list, bool driven)
@@ -176,18 +177,18 @@ static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
 }
 
 /* Points along a chain of nodes in posture q: cubics between nodes, whose slopes there turn with the nodes from the posture q0 of the file. */
-static void bend_at(const lw_system *sys, const lw_elastic_chain *k, const double *q0, const double *q, int parts, lw_vec2 *p)
+static void bend_at(const lw_system *sys, const int *node, int n, const double *q0, const double *q, int parts, lw_vec2 *p)
 {
-    for (int i = 0; i + 1 < k->n_bound; i++) {
+    for (int i = 0; i + 1 < n; i++) {
         lw_vec2 at[2], slope[2], first[2];
         for (int end = 0; end < 2; end++) {
-            int b = sys->body[k->node[i + end]];
+            int b = sys->body[node[i + end]];
             at[end] = lw_system_point(sys, b, lw_v2(0, 0), q);
             first[end] = lw_system_point(sys, b, lw_v2(0, 0), q0);
         }
         lw_vec2 way = lw_v2_sub(at[1], at[0]);
         for (int end = 0; end < 2; end++) {
-            int b = sys->body[k->node[i + end]];
+            int b = sys->body[node[i + end]];
             slope[end] = lw_v2_sub(lw_v2_turn(lw_v2_sub(first[1], first[0]), lw_v2_polar(1, q[3*b + 2] - q0[3*b + 2])), way);
         }
         for (int j = 0; j <= parts; j++) {
@@ -197,25 +198,47 @@ static void bend_at(const lw_system *sys, const lw_elastic_chain *k, const doubl
     }
 }
 
+/* A line through nodes in all rows.  false: no memory. */
+static bool make_bend(const cli_simulate *s, int link, const int *node, int n, const double *q0, lw_bent_bar *bend)
+{
+    const lw_system *sys = lw_dynamics_system(s->d);
+    int parts = 1 + 16/n, points = parts*(n - 1) + 1;
+    *bend = (lw_bent_bar){ link, points, calloc(s->n_row*(size_t)points + 1, sizeof *bend->p) };
+    for (size_t i = 0; bend->p && i < s->n_row; i++)
+        bend_at(sys, node, n, q0, s->q + i*(size_t)sys->n_q, parts, bend->p + i*(size_t)points);
+    return bend->p != NULL;
+}
+
+/* The edges of the mesh of a superelement in all rows, from *n on.  false: no memory. */
+static bool bend_mesh(const cli_simulate *s, const lw_elastic_chain *k, const lw_superelement *mesh, const double *q0, lw_bent_bar *bend, int *n)
+{
+    int (*edge)[2] = malloc((size_t)k->n_bound*(size_t)k->n_bound/2*sizeof *edge + 1);
+    int n_edge = edge ? lw_super_edges(k->n_bound, mesh->n, mesh->at, mesh->stiffness, edge) : 0;
+    bool room = edge != NULL;
+    for (int i = 0; room && i < n_edge; i++)
+        room = make_bend(s, k->link, (int[]){ k->node[edge[i][0]], k->node[edge[i][1]] }, 2, q0, &bend[(*n)++]);
+    free(edge);
+    return room;
+}
+
 /* The shapes of elastic links in all rows; *bend needs free_bends. */
 static lw_status make_bends(const cli_simulate *s, lw_bent_bar **bend, int *n, lw_error *e)
 {
     const lw_elastic_expansion *x = lw_dynamics_elastic(s->d);
     const lw_system *sys = lw_dynamics_system(s->d);
     double *q0 = calloc((size_t)sys->n_q + 1, sizeof *q0);
-    *n = x ? x->n_chain : 0;
-    *bend = calloc((size_t)*n + 1, sizeof **bend);
+    size_t most = 1;
+    *n = 0;
+    for (int c = 0; x && c < x->n_chain; c++)
+        most += x->chain[c].elastic->n_node ? (size_t)x->chain[c].n_bound*(size_t)x->chain[c].n_bound/2 : 1;
+    *bend = calloc(most, sizeof **bend);
     bool room = *bend && q0;
     if (q0)
         lw_system_posture(sys, q0);
-    for (int c = 0; room && c < *n; c++) {
+    for (int c = 0; room && x && c < x->n_chain; c++) {
         const lw_elastic_chain *k = &x->chain[c];
-        int parts = 1 + 16/k->n_bound, points = parts*(k->n_bound - 1) + 1;
-        lw_vec2 *p = calloc(s->n_row*(size_t)points + 1, sizeof *p);
-        (*bend)[c] = (lw_bent_bar){ k->link, points, p };
-        room = p != NULL;
-        for (size_t i = 0; room && i < s->n_row; i++)
-            bend_at(sys, k, q0, s->q + i*(size_t)sys->n_q, parts, p + i*(size_t)points);
+        room = k->elastic->n_node ? bend_mesh(s, k, &x->model.super[k->first_beam], q0, *bend, n)
+                                  : make_bend(s, k->link, k->node, k->n_bound, q0, &(*bend)[(*n)++]);
     }
     free(q0);
     return room ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
