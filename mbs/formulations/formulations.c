@@ -229,7 +229,7 @@ static lw_status run_one(lw_run *run)
     if (s == LW_E_NUMERIC && r->samples <= 1 && starts_singular(d))
         s = lw_error_set(run->e, s, "the posture at the start is singular: from there the linkage can go on in several ways; start it from a "
                          "posture nearby");
-    else if (s == LW_E_NUMERIC && d->has_zero_mass && !d->n_friction && !d->touch && !run->jam && run->e->text[0]) {
+    else if (s == LW_E_NUMERIC && d->has_zero_mass && r->formulation != LW_FORMULATION_DRIVEN && !d->n_friction && !d->touch && !run->jam && run->e->text[0]) {
         char text[sizeof run->e->text];
         memcpy(text, run->e->text, sizeof text);
         lw_error_set(run->e, s, "%.300s; some links have no mass or no inertia: if they alone move there, they would do so infinitely fast. "

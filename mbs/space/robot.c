@@ -826,6 +826,8 @@ static lw_status tell_stop(lw_robot *r, const tool_path *p, bool at_start, lw_er
     bool measured = lw_robot_measure(r, &pose, NULL) == LW_OK;
     if (at_start && measured && pose.freedoms < r->freedoms)
         snprintf(r->limit, sizeof r->limit, "the posture is singular, and the drives cannot move it this way; begin from another one");
+    else if (at_start && measured && isinf(pose.condition))
+        snprintf(r->limit, sizeof r->limit, "the posture is singular, or the robot lacks this freedom; begin from another one");
     else if (strcmp(r->limit, out_of_reach) == 0 && (!measured || fastest(r, &pose) > 100*p->fastest))
         snprintf(r->limit, sizeof r->limit, not_held);           /* at the end of a reach the tool is not fast */
     tool_pose(r, &place, &turn);
