@@ -573,7 +573,8 @@ lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options 
     if (make_shapes(m, s) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     measure(s);
-    note_strokes(m, s);
+    if (!o->pose)                        /* a run goes a little beyond, into the stops */
+        note_strokes(m, s);
     return LW_OK;
 }
 

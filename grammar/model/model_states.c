@@ -194,9 +194,9 @@ static int look_up_variable(void *context, const char *word, const char *name, c
     if (l->scope != LW_OF_TIME && !name && strcmp(word, "rate") == 0)
         return lw_variable(LW_QUANTITY_RATE, 0);
     if (l->scope == LW_OF_TIME)
-        snprintf(why, LW_WHY_SIZE, "the motion of an input depends on t alone");
+        snprintf(why, LW_WHY_SIZE, "the motion of an input depends on t alone, not on \"%.40s\"", word);
     else
-        snprintf(why, LW_WHY_SIZE, "the law of a spring depends on %s, rate and t alone", first);
+        snprintf(why, LW_WHY_SIZE, "the law of a spring depends on %s, rate and t alone, not on \"%.40s\"", first, word);
     return -1;
 }
 
