@@ -34,11 +34,14 @@ TEST(robots)
     expect("$P robot map examples/space/arm.json", 4, NULL, "the posture is singular, or the robot lacks this freedom");
     expect("$P robot jacobian examples/space/arm.json --tool-at 0.1,0.1,0.9", 4, NULL, "the posture is singular, and the drives cannot move it "
            "this way; begin from another one");
-    expect("echo '{@linkwright@: 1, @links@: [@ground@, @a@, @b@], @joints@: [{@name@: @A@, @kind@: @r@, @links@: [@ground@, @a@], @at@: [0, 0, 0], "
-           "@axis@: [0, 0, 1]}, {@name@: @B@, @kind@: @r@, @links@: [@a@, @b@], @at@: [1, 0, 0], @axis@: [0, 0, 1]}], @drives@: [{@joint@: @A@}, "
+    expect("echo '{@linkwright@: 1, @links@: [@ground@, {@name@: @a@, @mass@: 1, @centre@: [0.5, 0, 0], @inertia@: [1, 1, 1]}, {@name@: @b@, @mass@: 1, "
+           "@centre@: [1.5, 0, 0], @inertia@: [1, 1, 1]}], @joints@: [{@name@: @A@, @kind@: @r@, @links@: [@ground@, @a@], @at@: [0, 0, 0], @axis@: [0, 0, 1]}, {@name@: @B@, @kind@: @r@, @links@: [@a@, @b@], @at@: [1, 0, 0], @axis@: [0, 0, 1]}], @drives@: [{@joint@: @A@}, "
            "{@joint@: @B@}], @tracers@: [{@name@: @T@, @link@: @b@, @at@: [2, 0, 0]}]}' | tr @ '\"' > $D/straight.json && "
            "$P robot jacobian $D/straight.json --tool-at 1.5,0.2,0", 4, NULL, "the posture is singular, or the robot lacks this freedom; begin from another one");
     expect("$P robot jacobian $D/straight.json --tool-at 1.5,0.2,0 --drives-at 1,20", 0, "at (1.5, 0.2, 0) m", NULL);
+    /* drives without inputs: nothing holds the arm */
+    expect("$P simulate $D/straight.json --to 0.1 -n 1", 0, NULL, "the \"drives\" have no force here");
+    expect("! $P simulate examples/space/delta.json --to 0.1 -n 1 2>&1 | grep -q 'no force here'", 0, NULL, NULL);
     /* at its rim a driven model cannot close; slender bars without inertia about their axis have no part in that */
     expect("sed 's/\"coordinate\": \"z\", \"motion\": [^}]*}/\"coordinate\": \"z\", \"motion\": \"-0.65 - t\"}/' examples/space/delta.json > $D/rim.json; "
            "$P simulate $D/rim.json --to 1 -n 4 2>&1 >/dev/null | grep -c 'cannot be closed beyond.*m open$'", 0, "1", NULL);

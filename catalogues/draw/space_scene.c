@@ -149,7 +149,7 @@ static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *
     }
     if (m->n_input == 0) {
         stand_still(s, m);
-        snprintf(s->note, sizeof s->note, "Shown without motion: the model has no input");
+        snprintf(s->note, sizeof s->note, "Shown without motion: the model has no input%s", m->n_drive > 0 ? "; its \"drives\" move by \"inputs\" only" : "");
         return LW_OK;
     }
     if (t.in_time && !(t.to > 0) && duration(m, &t.to) != LW_OK)

@@ -82,6 +82,14 @@ static void note_weightless(lw_note_sink c, const lw_model *m)
         note(c, "no link has a mass and nothing pulls on one, so all forces and torques are 0; give links a \"mass\", \"centre\" and \"inertia\" in the file");
 }
 
+static bool drives_rest(const lw_spatial *m)
+{
+    bool moved = false;
+    for (int i = 0; i < m->n_input; i++)
+        moved = moved || m->input[i].motion;
+    return m->n_drive > 0 && !moved;
+}
+
 static void note_start(lw_note_sink c, const lw_dynamics *d, const lw_dynamics_report *r)
 {
     char text[1024];
@@ -90,6 +98,9 @@ static void note_start(lw_note_sink c, const lw_dynamics *d, const lw_dynamics_r
         lw_note_adjusted(c, r->adjusted, r->adjusted_turn);
     if (lw_dynamics_model(d))
         note_weightless(c, lw_dynamics_model(d));
+    if (!lw_dynamics_model(d) && drives_rest(lw_dynamics_space(d)->model))
+        note(c, "the \"drives\" have no force here: they carry the forces of \"inputs\" with a \"motion\", and the model has none, so it moves freely; list "
+             "joints as such inputs to hold or move them");
     if (r->moved > 1e-9)
         note(c, "the posture of the file violates the constraints by %.3g of its size and was closed", r->moved);
     bool rubs = lw_dynamics_redundant(d, text, sizeof text);
