@@ -261,12 +261,14 @@ static double cost_of_size(const lw_target *t, const lw_fit_report *r)
     return PER_LESS*log(fmin(1, fmax(bulk, 0.1))) + PER_SIZE*(log(fmax(1, bulk)) + log(fmax(1, bulk/compact)));
 }
 
-/* How far a linkage stays from the target as it is made, as a part of the diagonal, or of the swing of the output. */
+/* How far a linkage stays from the target as it is made, as a part of the diagonal, or of the swing of the output.  What is not known of it,
+ * as clearance, bending and warmth, grows with its size. */
 static double part_as_made(const lw_target *t, const lw_fit_report *r)
 {
     const bool function = !(t->extent > 0);
     const double whole = function ? fmax(1, lw_target_swing(t)) : t->extent, made = isnan(r->as_made) ? LW_EXACT_ENOUGH*whole : r->as_made;
-    return hypot(hypot(function ? r->angle_max : lw_fit_report_known_miss(t, r, DOUBT), made)/whole, fmax(LW_EXACT_ENOUGH, t->noise/whole));
+    const double unknown = LW_EXACT_ENOUGH*(function ? 1 : fmax(1, bulk_of(t, r)));
+    return hypot(hypot(function ? r->angle_max : lw_fit_report_known_miss(t, r, DOUBT), made)/whole, fmax(unknown, t->noise/whole));
 }
 
 /* Less is better. */
