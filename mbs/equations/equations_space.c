@@ -490,8 +490,7 @@ static double kinetic(void *context, const double *v)
 static double potential(void *context, const double *q)
 {
     const lw_spatial_scene *c = context;
-    lw_space_place(&c->s, q, c->frame);
-    return lw_space_potential(&c->f, c->frame);
+    return lw_space_potential(&c->f, q, c->frame);
 }
 
 /* ---- motion --------------------------------------------------------------------------------------------------- */

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "base/vector.h"
 
 /* Is the stop an elastic one? */
 static bool elastic_stop(const lw_joint_stop *p) { return (p->has_least || p->has_greatest) && p->stiffness > 0; }
@@ -35,8 +36,11 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
     }
     for (int i = 0; i < m->n_joint_spring; i++)
         f->conservative = f->conservative && m->joint_spring[i].damping == 0 && !m->joint_spring[i].law;
-    for (int i = 0; i < m->n_joint; i++)
+    f->weights_alone = m->n_spring + m->n_joint_spring + m->n_contact + m->n_beam + m->n_super == 0;
+    for (int i = 0; i < m->n_joint; i++) {
         f->conservative = f->conservative && !(elastic_stop(&m->joint[i].stop) && m->joint[i].stop.damping > 0);
+        f->weights_alone = f->weights_alone && !elastic_stop(&m->joint[i].stop);
+    }
     for (int i = 0; i < m->n_force; i++)
         f->force_at[i] = lw_space_point_of(s, m->force[i].link, m->force[i].at);
     for (int i = 0; i < m->n_contact; i++) {
@@ -793,14 +797,17 @@ double lw_space_damper(const lw_space_forces *f, int k, const lw_space_frame *fr
 
 /* ---- energies ------------------------------------------------------------------------------------------------ */
 
-double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame)
+double lw_space_potential(const lw_space_forces *f, const double *q, lw_space_frame *frame)
 {
     const lw_space *s = f->s;
     const lw_spatial *m = s->model;
     double all = 0, x;
     measure at;
     for (int b = 0; b < s->n_body; b++)
-        all -= (s->mass[6*b] - s->rotor[b])*lw_v3_dot(m->gravity, frame[b + 1].at)/(s->unit*s->unit);
+        all -= lw_dot(3, f->weight + 6*b, q + 7*b);
+    if (f->weights_alone)
+        return all;
+    lw_space_place(s, q, frame);
     for (int i = 0; i < m->n_spring; i++) {
         length_of(f, frame, f->spring_end[i], NULL, false, &at);
         x = at.value - m->spring[i].free;
@@ -826,8 +833,10 @@ double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame)
 double lw_space_kinetic(const lw_space *s, const double *v)
 {
     double all = 0;
-    for (int i = 0; i < s->n_v; i++)
-        all += s->mass[i]*v[i]*v[i];
+    for (int b = 0; b < s->n_body; b++) {    /* short sums, since the processor waits for each term of a long one */
+        const double *m = s->mass + 6*b, *u = v + 6*b;
+        all += m[0]*u[0]*u[0] + m[1]*u[1]*u[1] + m[2]*u[2]*u[2] + (m[3]*u[3]*u[3] + m[4]*u[4]*u[4] + m[5]*u[5]*u[5]);
+    }
     return all/2;
 }
 

@@ -48,6 +48,7 @@ typedef struct lw_space_forces {
     lw_expression_sink_at *see;          /* is shown the expressions with their values as they are evaluated; NULL: not */
     void            *see_of;
     bool conservative;                   /* no dampers, motors, laws, forces */
+    bool weights_alone;                  /* nothing else has a potential */
     void *memory;
 } lw_space_forces;
 
@@ -140,7 +141,8 @@ double lw_space_more_inertia(const lw_space_forces *f, const lw_space_frame *fra
  * only find out. */
 bool lw_space_more_mass(const lw_space_forces *f, const lw_space_frame *frame, const lw_space_sink *sink);
 
-double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame);
+/* Potential at the posture q (n_q); frame (n_body + 1): scratch, which is placed there unless weights alone have a potential. */
+double lw_space_potential(const lw_space_forces *f, const double *q, lw_space_frame *frame);
 double lw_space_strain(const lw_space_forces *f, const lw_space_frame *frame);      /* the part of elastic links, without their weight */
 double lw_space_kinetic(const lw_space *s, const double *v);
 
