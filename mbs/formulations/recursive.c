@@ -760,16 +760,18 @@ static lw_status run_recursive(lw_run *run)
     if (s == LW_OK) {
         int n = m.r.n_x + m.r.n_u + run->has_work + run->d->eq.n_z;
         size_t dependence = (size_t)(m.r.n_row - m.r.rank)*(size_t)run->d->n_c;
-        double *y = calloc(2*(size_t)n + work_size(n) + 3*(size_t)run->n + (size_t)(m.r.n_u + m.r.n_x) + dependence + 1, sizeof *y);
+        size_t states = 2*(size_t)n + 3*(size_t)run->n + (size_t)(m.r.n_u + m.r.n_x) + dependence;
+        double *y = malloc((states + work_size(n))*sizeof *y);
         s = y ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
         if (y) {
-            m.body = y + 2*n + work_size(n);
+            memset(y, 0, states*sizeof *y);  /* the workspace, which is larger, need not be clear */
+            m.body = y + 2*n;
             m.shown = m.body + run->n;
             run->y = m.shown + run->n;
             m.free = run->y + run->n;
             m.turned = m.free + m.r.n_u;
             m.dependence = m.turned + m.r.n_x;
-            s = run_one(&m, y, y + 2*n);
+            s = run_one(&m, y, y + states);
         }
         free(y);
     }

@@ -118,6 +118,16 @@ static void continue_polynomials(double of, double later, double h, double colum
     }
 }
 
+/* Rates from this one on are predicted: x' = u follows from u. */
+static int first_predicted(const lw_collocation *w) { return w->ode->motion ? 0 : w->ode->n_x; }
+
+/* out: combinations of the predicted rates in */
+static void sums_of_rates(const lw_collocation *w, const double (*column)[N], const double *in, double *out)
+{
+    const int from = first_predicted(w);
+    w->loops->sums(w->ode->n - from, column, in + N*from, out + N*from);
+}
+
 /* By the last step, or by one that was refused and goes farther. */
 static void predict(lw_collocation *w, double h)
 {
@@ -126,13 +136,13 @@ static void predict(lw_collocation *w, double h)
     continue_polynomials(refused ? w->h_refused : w->h_done, refused ? w->passed : w->h_done, h, column);
     for (int m = w->degree + 1; m < N && !refused; m++)
         memset(column[m], 0, sizeof column[m]);
-    w->loops->sums(w->ode->n, (const double (*)[N])column, refused ? w->d_refused : w->d, w->f);
+    sums_of_rates(w, (const double (*)[N])column, refused ? w->d_refused : w->d, w->f);
 }
 
 /* A step whose rates converged but whose error is too great: it is repeated shorter, and these rates are nearly right within it. */
 static void keep_refused(lw_collocation *w, double h)
 {
-    w->loops->sums(w->ode->n, difference_column, w->f, w->d_refused);
+    sums_of_rates(w, difference_column, w->f, w->d_refused);
     w->h_refused = h;
     w->passed = 0;
 }
@@ -142,9 +152,9 @@ static int best_degree(const lw_collocation *w, double h)
 {
     _Alignas(LW_SCRATCH_ALIGNMENT) double column[N][N];
     double off[N];
-    int best = 0;
+    int best = 0, from = first_predicted(w);
     continue_polynomials(w->h_done, w->h_done, h, column);
-    w->loops->misses(w->ode->n, (const double (*)[N])column, w->d, w->f, w->scale, off);
+    w->loops->misses(w->ode->n - from, (const double (*)[N])column, w->d + N*from, w->f + N*from, w->scale + from, off);
     for (int m = 1; m < N; m++)
         best = off[m] < off[best] ? m : best;
     return best;
@@ -161,7 +171,7 @@ static lw_status rates_at(lw_collocation *w, double h, bool again)
     return w->ode->rates(w->ode->context, t, again, w->stage, w->f);
 }
 
-/* x' from the states */
+/* x' from the states, to f; and where they are, which is u among the states or in f. */
 static void move(lw_collocation *w)
 {
     size_t n = N*(size_t)w->ode->n_x;
@@ -171,10 +181,18 @@ static void move(lw_collocation *w)
         memcpy(w->f, w->stage + n, n*sizeof *w->f);
 }
 
-/* Numbers `from` to n at all points from their rates; off (8): sums of squares of how far they moved, over the errors allowed. */
-static void improve(lw_collocation *w, double h, int from, int n, double *off)
+static const double *motion(lw_collocation *w)
 {
-    w->loops->improve(n - from, stage_column, h, w->y_old + from, w->scale + from, w->f + N*from, w->stage + N*from, off);
+    if (!w->ode->motion)
+        return w->stage + N*(size_t)w->ode->n_x;
+    move(w);
+    return w->f;
+}
+
+/* Numbers `from` to n at all points from their rates f; off (8): sums of squares of how far they moved, over the errors allowed. */
+static void improve(lw_collocation *w, double h, int from, int n, const double *f, double *off)
+{
+    w->loops->improve(n - from, stage_column, h, w->y_old + from, w->scale + from, f, w->stage + N*from, off);
 }
 
 /* The factors of 1 - z D - z^2 K, z = h times an eigenvalue, K and D the derivatives by x and u: lower part, then upper part with
@@ -256,16 +274,16 @@ static void newton_step(lw_collocation *w, double h, double off[N])
     }
 }
 
-/* Improve the states at all points from their rates; returns how far the one moved that moved farthest, over the error allowed. */
+/* Improve the states at all points from their rates, of which f gets no x' here; returns how far the one moved that moved farthest, over the
+ * error allowed. */
 static double improve_all(lw_collocation *w, double h, bool implicit)
 {
-    const int n = w->ode->n_x;
+    const int n = w->ode->n_x, rest = implicit ? n + w->ode->n_u : n;
     double off[N], by_newton[N] = { 0 }, of_x[N], most = 0;
     if (implicit)
         newton_step(w, h, by_newton);
-    improve(w, h, implicit ? n + w->ode->n_u : n, w->ode->n, off);
-    move(w);                                 /* u is improved before x */
-    improve(w, h, 0, n, of_x);
+    improve(w, h, rest, w->ode->n, w->f + N*rest, off);
+    improve(w, h, 0, n, motion(w), of_x);    /* u is improved before x */
     for (int k = 0; k < N; k++)
         most = lw_greater(off[k] + of_x[k] + by_newton[k], most);
     return sqrt(most/w->ode->n);
@@ -277,7 +295,7 @@ static void start_stages(lw_collocation *w, double h)
     double off[N];
     predict(w, h);
     if (w->ode->motion)                      /* it needs x */
-        improve(w, h, 0, w->ode->n_x, off);
+        improve(w, h, 0, w->ode->n_x, w->f, off);
     improve_all(w, h, false);
 }
 
@@ -473,6 +491,8 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
         return s;
     double old = w->fastest;
     s = iterate(w, h);
+    if (s == LW_OK)
+        move(w);
     double error = s == LW_OK ? step_error(w, h) : INFINITY, of = h*w->fastest, rising = fmax(1, fmin(3, w->fastest/old));
     double room = sqrt(sqrt((w->ode->implicit ? best_newton : best_factor)/fmax(of, least_factor)/rising));
     w->stale = of > fresh_factor || s != LW_OK;
@@ -504,7 +524,7 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
         factor = fmin(factor, factor*h/w->h_done*eighth_root(w->error/error));
     *by = fmin(greatest_growth, fmax(0.3, fmin(factor, fresh ? room : fmax(1, room))));
     w->error = fmax(error, 1e-2);
-    w->loops->sums(w->ode->n, difference_column, w->f, w->d);
+    sums_of_rates(w, difference_column, w->f, w->d);
     w->h_done = h;
     w->passed += h;
     w->n_step++;
