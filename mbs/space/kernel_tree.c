@@ -906,10 +906,11 @@ static double prepare(const lw_tree_stages *t, bool again, const double *y)
 
 /* ---- rows of output ------------------------------------------------------------------------------------------------- */
 
+/* The greater of a and the size of b.  The bits of sizes, as integers, are in the order of the sizes, and those of what is no number are greater. */
 LW_INLINE pack greater(pack a, pack b)
 {
-    pack size = choose((mask)(b < 0), -b, b);
-    return choose((mask)(size <= a) | (mask)(a != a), a, size);          /* or one that is not a number */
+    const mask size = (mask)b & 0x7fffffffffffffff;
+    return choose(size > (mask)a, (pack)size, a);
 }
 
 static double close_some(const lw_tree_stages *t, const bool again, bool speeds, int lane, const double *y, double *du)
@@ -974,7 +975,8 @@ LW_INLINE void multipliers(const lw_stage_loop *p, const screw *pull, screw load
 /* One number of n moments, and three. */
 LW_INLINE void give(const lw_tree_stages *t, int n, pack v, double *to)
 {
-    for (int k = 0; k < n; k++)
+    to[0] = v[0];                            /* often all */
+    for (int k = 1; k < n; k++)
         to[k*t->n_moment] = v[k];
 }
 LW_INLINE void give_three(const lw_tree_stages *t, int n, vec v, double *to)
