@@ -1616,6 +1616,17 @@ TEST(captured_work_of_a_torque)
     }
 }
 
+/* Captured: a bowling ball slides with 2 m/s, friction 0.2, and rolls from t = 2 v/(7 mu g) on with 5/7 of its speed.  The end of the slip is located. */
+TEST(captured_slip_ends)
+{
+    free_model(FREE(FLOOR, "'mass': 1, 'centre': [0, 0.2], 'inertia': 0.016, 'velocity': [2, 0]", "{'circle': [0, 0.2], 'radius': 0.2}", "'friction': 0.2"),
+               0, 0);
+    double rolls = 4/(7*0.2*g), end = 2;
+    CHECK_INT(drun_to(&d, LW_FORMULATION_CAPTURE, 1e-4, end, 4), LW_OK);
+    CHECK_NEAR(state(d.q, 0), 2*rolls - 0.1*g*rolls*rolls + 10/7.0*(end - rolls), 1e-8, 0);
+    CHECK_NEAR(state(d.v, 0), 10/7.0, 1e-8, 0);
+}
+
 /* A wall of seven rows of four boxes, each second row shifted by half a box.  The first box of the last row stands on less than half its width and
  * tips; those below that hang over are held by what stands on them.  Newton's method does not end in some steps. */
 TEST(wall_of_boxes)

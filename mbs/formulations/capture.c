@@ -20,6 +20,7 @@
  *
  * If few places are struck within a step, the step ends at the first impact: at the root of the gap, predicted from its rate and the accelerations of
  * the last step.  All places that are closed there take part in the impact, as at a located event.  So the times of impacts are of second order, too.
+ * A step ends where a slip ends, too: friction keeps its sense in a step, and the velocity would be off in proportion to h if the slip turned back.
  * Impacts that follow each other within a part of a step, or many impacts in one step, are captured in its middle: their times, and overlaps, are of
  * first order.  The report gives the longest step that captured an impact.
  *
@@ -36,7 +37,8 @@
 static const double finest = 1e-4, coarsest = 0.1;       /* distance that a body moves in a step, over its size */
 static const double slow = 1e-2;             /* below this fraction, steps of slow bodies are proportional to it, as the duration of a low bounce is */
 static const double closed = 1e-2;           /* a gap below this fraction of that distance is closed */
-static const double shallow = 0.1;           /* an overlap below this fraction of it is captured at any time of the step */
+/* An overlap below this fraction of it is captured at any time of the step; so is an impact slower than this fraction of what forces change in a step. */
+static const double shallow = 0.1;
 static const double unseen = 0.5;            /* a step with an overlap above this fraction of it is repeated in shorter steps */
 static const double ahead = 20;              /* places that are at most this many steps away are in the pattern */
 /* Rates below this times the speed count as 0: first, and if the passes do not converge with it. */
@@ -49,6 +51,7 @@ static const double unstable = 1e-4;         /* change of a state whose rate cha
 static const double slightest = 1e-3;        /* slip with which friction gives way, over the change of velocities by forces */
 static const double moment = 1e-8;           /* step that gives the forces at the start, over the length of the run */
 static const double soonest = 1/16.0;        /* an impact after less than this fraction of a step is captured in it */
+static const double ended = 1e-3;            /* so is a slip that ends after less than this fraction */
 enum { STRUCK_MOST = 12 };                   /* impacts at more places than this in a step are captured */
 enum { ITERATIONS = 30 };                  /* for that frequency, in a step */
 enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENSE_MOST = 250,
@@ -62,6 +65,7 @@ typedef struct place {
     double mu, normal, across;               /* impulses */
     double target, glide;                    /* least rate of the gap; rate of the slip while it sticks */
     double closes;                           /* rate in the middle with which a place that did not press closes at the end of the step */
+    double pull;                             /* change of the rate of the gap that the forces on its two bodies cause in the step, at most */
 } place;
 
 typedef struct capture {
@@ -224,6 +228,18 @@ static lw_status stable_step(capture *g, double *h)
 
 /* ---- the pattern ------------------------------------------------------------------------------------------ */
 
+/* The acceleration of a gap that the forces on its two bodies, without those of joints and rigid places, cause if joints turn them into its direction. */
+static double pull_on(const capture *g, const lw_touch *p, const lw_touch_motion *m)
+{
+    double sum = 0;
+    for (int k = 0; k < 2; k++)
+        if (p->body[k] >= 0) {
+            const double *n = m->n + 3*k, *f = g->force + 3*p->body[k], *by = g->d->by_mass + 3*p->body[k];
+            sum += hypot(n[0], n[1])*hypot(f[0]*by[0], f[1]*by[1]) + fabs(n[2]*f[2]*by[2]);
+        }
+    return sum;
+}
+
 /* Time until the gap has decreased by `way`, from its rate and the accelerations of the last step; INFINITY: never.  *rate: that of the gap then. */
 static double closes_in(const capture *g, const lw_touch *p, const lw_touch_motion *m, double way, double *rate)
 {
@@ -238,8 +254,16 @@ static double closes_in(const capture *g, const lw_touch *p, const lw_touch_moti
     return way > 0 && square > 0 ? 2*way/(root - m->rate) : INFINITY;
 }
 
-/* Time until the first impact within h, INFINITY: there is none; n places are struck within h.  `pull` is the greatest acceleration. */
-typedef struct ahead_of { double h, pull, first; int n; } ahead_of;
+/* Time until the first event within h, INFINITY: there is none; n places are struck, or end their slip, within h.  The first is an impact if `strikes`.
+ */
+typedef struct ahead_of { double h, first; int n; bool strikes; } ahead_of;
+
+static void note_ahead(ahead_of *to, double in, bool strikes)
+{
+    to->strikes = in < to->first ? strikes : to->strikes;
+    to->first = fmin(to->first, in);
+    to->n++;
+}
 
 /* Does a corner come to an end of a face just where that end slides off a side of the corner's own body, on which it has pressed so far?  Tips pass each other
  * then.  in: the time until the gap closes. */
@@ -261,7 +285,7 @@ static bool slides_off(const capture *g, const lw_touch *p, const lw_touch_motio
     return false;
 }
 
-/* Note the impact of a place.  Slow ones, as of bodies at rest, are left to be captured if they overlap by a small fraction of the distance moved in a
+/* Note the impact of a place.  Very slow ones, as of bodies at rest, are left to be captured if they overlap by a small fraction of the distance moved in a
  * step at most. */
 static void look_ahead(const capture *g, const lw_touch *p, const lw_touch_motion *m, ahead_of *to)
 {
@@ -270,10 +294,21 @@ static void look_ahead(const capture *g, const lw_touch *p, const lw_touch_motio
     if (!((m->straight > 0 || m->rate > 0) && in <= to->h) || !on || slides_off(g, p, m, in))
         return;
     bool overlaps = m->straight > closed*way && closes_in(g, p, m, m->straight + shallow*way, &later) < to->h;
-    if (!(rate < -3*to->h*to->pull || overlaps))
+    if (!(rate < -shallow*to->h*pull_on(g, p, m) || overlaps))
         return;
-    to->first = fmin(to->first, in);
-    to->n++;
+    note_ahead(to, in, true);
+}
+
+/* Note the end of the slip of a place that presses, by the accelerations of the last step: the friction of a step keeps its sense. */
+static void look_at_slip(const capture *g, const lw_touch *p, const lw_touch_motion *m, ahead_of *to)
+{
+    double rate = m->slip_bias;
+    for (int i = 0; i < 6; i++)
+        if (p->body[i/3] >= 0)
+            rate += m->t[i]*g->d->a[3*p->body[i/3] + i%3];
+    double in = m->slip*rate < 0 ? -m->slip/rate : INFINITY;
+    if (in > ended*to->h && in < to->h)
+        note_ahead(to, in, false);
 }
 
 /* Return the speed of the fastest place, scaled.  *missing becomes true if a place outside the pattern is closer than `near`; *to: the impacts ahead,
@@ -296,6 +331,8 @@ static double look(capture *g, double near, bool *missing, ahead_of *to)
         *missing = *missing || (!in && m.gap < near);
         if (to && !(in && g->at[k].presses))
             look_ahead(g, &list->touch[i], &m, to);
+        else if (to && g->at[k].slips != 0)
+            look_at_slip(g, &list->touch[i], &m, to);
     }
     return fastest;
 }
@@ -727,7 +764,18 @@ static double find_forces(capture *g, double t, const double *v)
     return power;
 }
 
-/* Find the forces at the velocities after the impacts of the step; *pull: the greatest change of a velocity that they cause in h. */
+static void set_pulls(capture *g, double h)
+{
+    const lw_dynamics *d = g->d;
+    for (int k = 0; k < g->n; k++) {
+        const lw_touch *p = &d->touch->list.touch[g->at[k].touch];
+        lw_touch_motion m;
+        lw_touch_at(p, &d->eq, d->frames, NULL, &m);
+        g->at[k].pull = h*pull_on(g, p, &m);
+    }
+}
+
+/* Find the forces at the velocities after the impacts of the step, and what they change in h; *pull: the greatest change of a velocity. */
 static lw_status find_pull(capture *g, double t, double h, double *pull)
 {
     const lw_dynamics *d = g->d;
@@ -738,6 +786,7 @@ static lw_status find_pull(capture *g, double t, double h, double *pull)
             return LW_E_NUMERIC;
         *pull = fmax(*pull, fabs(h*g->force[i]*d->by_mass[i]));
     }
+    set_pulls(g, h);
     return LW_OK;
 }
 
@@ -745,15 +794,15 @@ static lw_status find_pull(capture *g, double t, double h, double *pull)
 static double bend(const place *p, const lw_touch_motion *m, double h) { return p->presses ? -0.5*h*m->bias : 0; }
 
 /* Does the place approach faster than forces move bodies at rest in a step?  At a located impact (h = 0) the threshold is lower. */
-static bool is_struck(const place *p, const lw_touch_motion *m, double h, double pull)
+static bool is_struck(const place *p, const lw_touch_motion *m, double h)
 {
-    return m->rate < -(h > 0 ? 3 : shallow)*(pull + fabs(bend(p, m, h)));
+    return m->rate < -(h > 0 ? 3 : shallow)*(p->pull + fabs(bend(p, m, h)));
 }
 
 /* Let bodies that approach faster than bodies at rest bounce in the middle of the step, by the law of impact of located events (mbs/run/touch.c): at the
  * places that approach, then at those that approach because of these impacts.  Without restitution the step itself ends the approach; at a located
  * impact (h = 0) all closed places then take part. */
-static lw_status bounce(capture *g, double t, double h, double pull)
+static lw_status bounce(capture *g, double t, double h)
 {
     lw_dynamics *d = g->d;
     const lw_touch *touch = d->touch->list.touch;
@@ -769,7 +818,7 @@ static lw_status bounce(capture *g, double t, double h, double pull)
             if (!g->at[k].shut)
                 continue;
             lw_touch_at(&touch[g->at[k].touch], &d->eq, d->frames, g->after, &m);
-            bool hit = is_struck(&g->at[k], &m, h, pull);
+            bool hit = is_struck(&g->at[k], &m, h);
             if (hit || (plastic && h == 0))
                 struck[n++] = g->at[k].touch;
             g->late = hit && h > 0 ? h : g->late;
@@ -808,7 +857,7 @@ static lw_status solve_step(capture *g, double t, double h)
     int shut = find_shut(g, 0.5*h);
     s = find_pull(g, t, h, &pull);
     if (s == LW_OK)
-        s = bounce(g, t, h, pull);
+        s = bounce(g, t, h);
     if (s == LW_OK && memcmp(g->after, g->v, (size_t)d->n_v*sizeof *g->v) != 0)
         s = find_pull(g, t, h, &pull);
     if (s == LW_OK)
@@ -827,8 +876,8 @@ static lw_status solve_step(capture *g, double t, double h)
         lw_touch_motion m;
         lw_touch_at(&d->touch->list.touch[p->touch], &d->eq, d->frames, g->after, &m);
         p->pressed = p->presses;
-        p->closes = p->presses || is_struck(p, &m, h, pull) ? 0 : fmin(0, -2*m.gap/h - 0.25*h*m.bias);
-        p->target = is_struck(p, &m, h, pull) ? 0 : p->presses ? bend(p, &m, h) : p->closes;
+        p->closes = p->presses || is_struck(p, &m, h) ? 0 : fmin(0, -2*m.gap/h - 0.25*h*m.bias);
+        p->target = is_struck(p, &m, h) ? 0 : p->presses ? bend(p, &m, h) : p->closes;
         if (p->shut && d->touch->list.touch[p->touch].state != LW_TOUCH_HELD)
             g->rest = fmax(g->rest, -m.rate*d->touch->list.touch[p->touch].surface->restitution);
         p->glide = p->presses && p->slips == 0 ? -0.5*h*m.slip_bias : 0;
@@ -955,8 +1004,8 @@ static bool overlaps_unseen(const capture *g)
     return false;
 }
 
-/* Apply the impact at which a step has ended.  pull: the change of velocities that forces cause in a step. */
-static lw_status hit(capture *g, double pull, double *overlap)
+/* Apply the impact at which a step of length h has ended. */
+static lw_status hit(capture *g, double h, double *overlap)
 {
     lw_dynamics *d = g->d;
     size_t n_v = (size_t)d->n_v;
@@ -971,8 +1020,9 @@ static lw_status hit(capture *g, double pull, double *overlap)
     if (s != LW_OK)
         return s;
     keep_rows(g);
+    set_pulls(g, h);
     memcpy(g->after, g->v, n_v*sizeof *g->v);
-    s = bounce(g, g->t, 0, pull);
+    s = bounce(g, g->t, 0);
     if (s != LW_OK)
         return s == LW_OPEN ? LW_OK : s;
     g->work += d->eq.kinetic(d->eq.context, g->after) - d->eq.kinetic(d->eq.context, g->v);
@@ -1070,7 +1120,7 @@ static lw_status run_steps(capture *g, double *y)
             return s;
         missing = false;
         double overlap = 0, left = end - g->t, whole = left/ceil(left/h - 1e-9);     /* a short last step would have wrong mean forces */
-        ahead_of to = { .h = whole, .pull = pull, .first = INFINITY };
+        ahead_of to = { .h = whole, .first = INFINITY };
         look(g, 2*h*speed + closed*g->part*g->size, &missing, &to);
         if (missing)
             s = choose_places(g, ahead*h*speed + 0.1*g->size);
@@ -1078,7 +1128,8 @@ static lw_status run_steps(capture *g, double *y)
         whole = locates ? to.first : whole;
         s = s == LW_OK ? LW_OPEN : s;
         for (int k = 0; s == LW_OPEN && k < HALVINGS; k++) {
-            g->hits = locates && k == 0;
+            locates = locates && k == 0;
+            g->hits = locates && to.strikes;
             bool last = g->t + whole > end - 1e-9*whole;
             s = step(g, last ? end - g->t : whole, &overlap);
             if (s == LW_OK && k < HALVINGS - 1 && overlaps_unseen(g))
@@ -1088,7 +1139,7 @@ static lw_status run_steps(capture *g, double *y)
                 whole *= 0.5;
                 continue;
             }
-            h = last || g->hits ? h : whole;
+            h = last || locates ? h : whole;
             note_impacts(g, g->t);
             g->t = last ? end : g->t + whole;
         }
@@ -1115,7 +1166,7 @@ static lw_status run_steps(capture *g, double *y)
             run->next++;
         }
         if (s == LW_OK && g->hits)
-            s = hit(g, whole*pull, &overlap);
+            s = hit(g, whole, &overlap);
         run->r->overlap = fmax(run->r->overlap, overlap*d->s.unit);
         run->r->captured_rest = g->rest*d->s.unit;
         if (s == LW_OK)
