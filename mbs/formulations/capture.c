@@ -869,6 +869,12 @@ static lw_status solve_step(capture *g, double t, double h)
         return s;
     for (int r = 0; r < first_row(d); r++)
         g->wanted[r] += 0.5*h*d->rhs[r];
+    for (int i = 0; i < d->n_driven; i++) {              /* the motion of an input is known at the end of the step */
+        double middle[3], end[3];
+        if (lw_mbs_motion(d, i, t, middle) != LW_OK || lw_mbs_motion(d, i, t + 0.5*h, end) != LW_OK)
+            return LW_E_NUMERIC;
+        g->wanted[d->n_row + i] += end[1] - middle[1] - 0.5*h*middle[2];
+    }
     for (int i = 0; i < d->n_v; i++)
         fastest = fmax(fastest, fabs(g->after[i]));
     for (int k = 0; k < g->n; k++) {
