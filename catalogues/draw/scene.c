@@ -130,8 +130,8 @@ void lw_scene_note_stroke(char note[256], const char *name, const double reached
 {
     double slack = 1e-6*extent[1], unit = units->metre;
     if (!note[0] && (reached[0] < extent[0] - slack || reached[1] > extent[1] + slack))
-        snprintf(note, 256, "Shown beyond the stroke of cylinder \"%.40s\": about %.4g to %.4g %s long instead of %.4g to %.4g; limit the input by \"first\" and "
-                 "\"last\"", name, reached[0]/unit, reached[1]/unit, units->length[0] ? units->length : "m", extent[0]/unit, extent[1]/unit);
+        snprintf(note, 256, "Shown beyond the stroke of cylinder \"%.40s\": about %.4g to %.4g %s long instead of %.4g to %.4g; limit the input by "
+                 "\"first\" and \"last\"", name, reached[0]/unit, reached[1]/unit, units->length[0] ? units->length : "m", extent[0]/unit, extent[1]/unit);
 }
 
 static void note_strokes(lw_scene *s)
