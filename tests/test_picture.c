@@ -459,6 +459,32 @@ TEST(guides_cover_the_travel)
     CHECK_INT(read_back(&d).sliders, 2);
 }
 
+/* An input without a range is shown between the ends of the stop of its joint, whatever the sense of a pin that ends at the ground. */
+TEST(stops_limit_the_input)
+{
+    static const char *const joint[] = { "'links': ['ground', 'a'], 'at': [0, 0]", "'links': ['a', 'ground'], 'at': [0, 0]",
+                                         "'kind': 't', 'links': ['ground', 'a'], 'at': [0, 0], 'along': [1, 0]" };
+    for (int i = 0; i < 3; i++) {
+        OWN(lw_model) m = { 0 };
+        OWN(lw_scene) s = { 0 };
+        lw_scene_options o = lw_scene_options_default();
+        char text[400];
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', 'a'], 'joints': [{'name': 'A', %s, 'stop': {'least': -0.2, 'greatest': 0.5}}], "
+                 "'input': {'joint': 'A'}, 'tracers': [{'name': 'T', 'link': 'a', 'at': [1, 0]}]}", joint[i]);
+        read_planar(text, "stops", &m);
+        o.model = &m;
+        CHECK_OK(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &check_error));
+        double least = INFINITY, most = -INFINITY;
+        for (size_t f = 0; f < s.n_frame; f++) {
+            lw_vec2 at = lw_scene_at(&s, f, 1, lw_v2(1, 0));
+            double moved = i == 2 ? at.x - 1 : atan2(at.y, at.x);
+            least = fmin(least, moved), most = fmax(most, moved);
+        }
+        CHECK_NEAR(least, -0.2, 1e-9, 0);
+        CHECK_NEAR(most, 0.5, 1e-9, 0);
+    }
+}
+
 /* Guides, links and hatching of the picture of a model of examples/, and the greatest y of a guide [px]. */
 typedef struct parts { int guides, links, hatching; double lowest; } parts;
 

@@ -448,6 +448,27 @@ TEST(platforms_and_welds)
     CHECK_INT(s.n_shape, 7);                 /* the foot, the pin, the ball and the tool, too */
 }
 
+/* An input without a range is shown between the ends of the stop of its joint, a turn and a slide, from its value in the file. */
+TEST(stops_limit_the_input)
+{
+    for (int slides = 0; slides < 2; slides++) {
+        OWN(lw_spatial) m = { 0 };
+        char text[600];
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', 'a'], 'joints': [{'name': 'A', 'kind': '%s', 'links': ['ground', 'a'], 'at': [0, 0, 0], "
+                 "'axis': [0, 0, 1], 'stop': {'least': -0.2, 'greatest': 0.5}}], 'inputs': [{'joint': 'A', 'value': 3}], 'tracers': [{'name': 'T', 'link': "
+                 "'a', 'at': [1, 0, 0]}]}", slides ? "prismatic" : "revolute");
+        read_spatial(text, "stops", &m);
+        OWN(lw_space_scene) s = make_scene(&m, 0);
+        CHECK_TEXT(s.note, "");
+        CHECK(!s.loops);
+        for (int end = 0; end < 2; end++) {
+            double u = end ? 0.5 : -0.2;
+            lw_vec3 at = lw_space_scene_at(&s, end ? s.n_frame - 1 : 0, 1, lw_v3(1, 0, 0));
+            CHECK_NEAR(lw_v3_norm(lw_v3_sub(at, slides ? lw_v3(1, 0, u) : lw_v3(cos(u), sin(u), 0))), 0, 1e-12, 0);
+        }
+    }
+}
+
 TEST(files)
 {
     OWN(lw_spatial) m = { 0 };

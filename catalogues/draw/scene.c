@@ -1078,6 +1078,15 @@ static lw_status make_large(const lw_model *m, const lw_target *t, const lw_scen
     return lw_error_set(e, LW_E_MEMORY, "not enough memory for the motion of the model");
 }
 
+/* The range of an input that has none is that of the stop of its joint. */
+static void limit_by_stop(const lw_model *m, lw_linkage *k)
+{
+    lw_input *in = &k->input[0];
+    const lw_joint_stop *p = m->stop && k->n_input == 1 ? &m->stop[in->joint] : NULL;
+    if (p && p->has_least && p->has_greatest && in->first == in->last && !m->motion[0])
+        in->first = in->value + p->least, in->last = in->value + p->greatest;
+}
+
 lw_status lw_scene_make_any(const lw_assembly *parts, const lw_model *m, const lw_target *t, const lw_scene_options *o,
                             lw_scene *s, lw_error *e)
 {
@@ -1087,8 +1096,12 @@ lw_status lw_scene_make_any(const lw_assembly *parts, const lw_model *m, const l
     if (st == LW_OK && !m && lw_model_from_assembly(parts, &own) != LW_OK)
         st = lw_error_set(e, LW_E_MEMORY, "not enough memory for the motion of the linkage");
     m = m ? m : &own;
-    if (st == LW_OK)
-        st = m->small ? lw_scene_make(m->small, t, o, s, e) : make_large(m, t, o, s, e);
+    if (st == LW_OK && m->small) {
+        lw_linkage with = *m->small;
+        limit_by_stop(m, &with);
+        st = lw_scene_make(&with, t, o, s, e);
+    } else if (st == LW_OK)
+        st = make_large(m, t, o, s, e);
     if (st == LW_OK)
         note_strokes(s);
     lw_model_free(&own);

@@ -130,6 +130,18 @@ static lw_status duration(const lw_spatial *m, double *out)
     return LW_OK;
 }
 
+/* The range of the first input is that of the stop of its joint, where the file gives none. */
+static void limit_by_stop(const lw_spatial *m, lw_space_trace *t)
+{
+    const lw_spatial_input *in = &m->input[0];
+    bool measures = in->measure.of == LW_OF_SLIDE || in->measure.of == LW_OF_TURN;
+    const lw_spatial_joint *j = measures ? &m->joint[in->measure.index] : NULL;
+    if (!t->whole || in->has_range || !j || !j->stop.has_least || !j->stop.has_greatest || (in->measure.of == LW_OF_SLIDE && j->kind != LW_SPATIAL_PRISMATIC))
+        return;
+    t->whole = false;
+    t->from = lw_spatial_offset(in) + j->stop.least, t->to = lw_spatial_offset(in) + j->stop.greatest;
+}
+
 static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *o, lw_space_scene *s, lw_error *e)
 {
     size_t n_tracer = (size_t)m->n_tracer;
@@ -138,6 +150,8 @@ static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *
     lw_spatial with = *m;                 /* the same model, with a tracer for each link */
     lw_error why = { 0 };
     t.whole = !t.in_time;
+    if (m->n_input > 0)
+        limit_by_stop(m, &t);
     if (o->pose) {
         s->n_frame = s->n_path = o->n_frame;
         s->seconds = o->until;
