@@ -270,7 +270,7 @@ TEST(columns_in_any_order)
     CHECK_TEXT(t.units.length, "");
 }
 
-/* A file that does not say whether its path is closed: the points, the angles of a body and those of the input have to come back. */
+/* A file that does not say whether its path or function is closed: the points, the angles of a body and those of the input have to come back. */
 TEST(closed_by_guess)
 {
     static const struct { const char *rows; bool closed; } known[] = {
@@ -284,6 +284,10 @@ TEST(closed_by_guess)
         { "# units: deg\nx,y,angle\n0,0,300\n3,0,30\n3,3,120\n0,3,210\n", true },
         { "# units: deg\nx,y,angle\n0,0,240\n3,0,120\n3,3,0\n", true },
         { "# units: deg\nx,y,angle\n0,0,0\n3,0,120\n3,3,240\n0,0,360\n", true },
+        { "# units: deg\nangle,theta\n0,0\n90,20\n180,30\n270,10\n360,0\n", true },       /* a function over a whole turn      */
+        { "# units: deg\nangle,theta\n0,0\n120,120\n240,250\n", true },                    /* whose output may turn, too        */
+        { "# units: deg\nangle,theta\n0,0\n90,20\n180,40\n270,60\n350,80\n", false },
+        { "# units: deg\nangle,theta\n0,0\n30,20\n60,30\n90,0\n", false },
     };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         OWN(lw_target) t = { 0 };

@@ -210,7 +210,7 @@ lw_status lw_target_finish(lw_target *t, int closed, lw_target_place *place, lw_
     if (t->x)
         measure(t, closed);
     else
-        t->closed = closed > 0;
+        t->closed = closed >= 0 ? closed > 0 : t->n > 2 && angles_close(t->angle, t->n, true) && angles_close(t->theta, t->n, false);
     return t->angle ? lw_target_order(t, place, e) : LW_OK;
 }
 
