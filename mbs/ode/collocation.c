@@ -147,14 +147,17 @@ static void keep_refused(lw_collocation *w, double h)
     w->passed = 0;
 }
 
-/* The degree with which the last polynomial would have met the rates of this step best. */
+/* The degree with which the last polynomial would have met the rates of this step best.  A rate of u moves x at the end of the step by the part of it
+ * that is left. */
 static int best_degree(const lw_collocation *w, double h)
 {
     _Alignas(LW_SCRATCH_ALIGNMENT) double column[N][N];
-    double off[N];
+    double off[N], weight[N];
     int best = 0, from = first_predicted(w);
     continue_polynomials(w->h_done, w->h_done, h, column);
-    w->loops->misses(w->ode->n - from, (const double (*)[N])column, w->d + N*from, w->f + N*from, w->scale + from, off);
+    for (int k = 0; k < N; k++)
+        weight[k] = (1 - node[k])*(1 - node[k]);
+    w->loops->misses(w->ode->n - from, (const double (*)[N])column, w->d + N*from, w->f + N*from, w->scale + from, weight, off);
     for (int m = 1; m < N; m++)
         best = off[m] < off[best] ? m : best;
     return best;

@@ -51,7 +51,7 @@ static void squares(int n, const double *scale, const double *in, double *size)
     memcpy(size, all, sizeof all);
 }
 
-static void misses(int n, const double (*column)[N], const double *c, const double *f, const double *scale, double *off)
+static void misses(int n, const double (*column)[N], const double *c, const double *f, const double *scale, const double *weight, double *off)
 {
     double each[N][N] = { { 0 } };
     for (int i = 0; i < n; i++) {
@@ -67,7 +67,7 @@ static void misses(int n, const double (*column)[N], const double *c, const doub
     for (int m = 0; m < N; m++) {
         off[m] = 0;
         for (int k = 0; k < N; k++)
-            off[m] += each[m][k];
+            off[m] += weight[k]*each[m][k];
     }
 }
 

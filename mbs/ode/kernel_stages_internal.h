@@ -15,8 +15,9 @@ typedef struct lw_stage_loops {
                     double *stage, double *off);
     /* size (8): sums of squares of in over its rows, times scale */
     void (*squares)(int n, const double *scale, const double *in, double *size);
-    /* off[m] (8): sum of squares over rows of f minus c[0] column[0] .. c[m] column[m], times scale */
-    void (*misses)(int n, const double (*column)[LW_STAGES], const double *c, const double *f, const double *scale, double *off);
+    /* off[m] (8): sum over rows and points of squares of f minus c[0] column[0] .. c[m] column[m], times scale, by weight (8) of the points */
+    void (*misses)(int n, const double (*column)[LW_STAGES], const double *c, const double *f, const double *scale, const double *weight,
+                   double *off);
 } lw_stage_loops;
 
 extern const lw_stage_loops lw_stage_loops_x86_64, lw_stage_loops_x86_64_v3, lw_stage_loops_x86_64_v4, lw_stage_loops_native;
