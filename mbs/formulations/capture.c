@@ -1033,6 +1033,8 @@ static lw_status hit(capture *g, double h, double *overlap)
         return s == LW_OPEN ? LW_OK : s;
     g->work += d->eq.kinetic(d->eq.context, g->after) - d->eq.kinetic(d->eq.context, g->v);
     memcpy(g->v, g->after, n_v*sizeof *g->v);
+    for (int k = 0; k < g->n; k++)           /* where bodies bounce off each other, their next impact is to be located, too */
+        g->at[k].presses = g->at[k].presses && lw_mbs_row_rate(d, g->at[k].row, g->v) <= shallow*g->at[k].pull;
     return LW_OK;
 }
 
