@@ -1145,7 +1145,13 @@ static lw_status run_steps(stages *g)
     return s;
 }
 
-static bool high_order(const lw_dynamics *d) { return d->o.relative < 1e-7 || !(d->elastic || d->eq.next_piece || d->n_friction); }
+/* Friction whose speed is no more than so many times the tolerance is a jump to the polynomials of a step; the fewer stages pass it in fewer steps. */
+static const double jump = 30;
+
+static bool high_order(const lw_dynamics *d, double slip)
+{
+    return d->o.relative < 1e-7 ? slip > jump*d->o.relative : !(d->elastic || d->eq.next_piece || d->n_friction);
+}
 
 /* from: a state of the run at r->t, which goes on with steps of length h; NULL: the run begins. */
 static lw_status run_implicit(lw_run *run, bool alpha, const double *from, double h)
@@ -1153,7 +1159,8 @@ static lw_status run_implicit(lw_run *run, bool alpha, const double *from, doubl
     lw_dynamics *d = run->d;
     stages g = { .run = run, .alpha = alpha, .n = d->n_v, .n_q = d->n_q, .n_x = d->eq.n_z, .c = d->n_kept, .t = from ? run->r->t : d->o.from, .h = h };
     size_t n = (size_t)g.n, c = (size_t)g.c, q = (size_t)g.n_q, x = (size_t)g.n_x;
-    g.way = &methods[high_order(d)];
+    g.slip = lw_friction_least_slip(d->n_friction, d->friction, d->eq.unit);
+    g.way = &methods[high_order(d, g.slip)];
     if (alpha)
         set_alpha(&g, d->o.rho);
     else
@@ -1162,8 +1169,7 @@ static lw_status run_implicit(lw_run *run, bool alpha, const double *from, doubl
                && !d->eq.more_inertia && !lw_mbs_is_stiff(d);
     g.counts_rates = !alpha && !d->elastic && !d->eq.next_piece && !lw_mbs_is_damped(d, false);
     g.watched_t = g.t;
-    g.slip = lw_friction_least_slip(d->n_friction, d->friction, d->eq.unit);
-    g.dense = !alpha && !d->n_friction && !d->elastic && !d->space && !d->eq.next_piece;
+    g.dense = !alpha && !d->elastic && !d->space && !d->eq.next_piece;
     size_t s_n = (size_t)g.s*n, s_x = (size_t)g.s*x, s_c = (size_t)g.s*c, all = n + x + c;
     const size_t total = 3*(size_t)run->n + 2*q + 5*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 3*(size_t)d->eq.n_switch + 8;
     double *outer = run->y, *memory = calloc(total, sizeof *memory), *p = memory;
@@ -1195,7 +1201,7 @@ static lw_status run_implicit(lw_run *run, bool alpha, const double *from, doubl
     g.real.rubs = g.pair[0].rubs = g.pair[1].rubs = d->n_friction > 0;
     if (s == LW_OK)
         s = run_steps(&g);
-    if (s == LW_E_NUMERIC && d->o.formulation != LW_FORMULATION_AUTO)
+    if (s == LW_E_NUMERIC && (from || d->o.formulation != LW_FORMULATION_AUTO))
         s = lw_run_hand_over(run, state(&g, run->y));
     lw_tangent_free(&g.real);
     for (int k = 0; k < g.s/2; k++)
