@@ -534,10 +534,11 @@ static int run_child(int i, long n, outcome *out)
     return state;
 }
 
-/* The first allocations, some in between, and the last ones, but of those rows where they are GMP's or cairo's (docs/promises.md). */
+/* The first allocations, some in between, and the last ones, but of those rows where they are GMP's or cairo's (docs/promises.md), or, where
+ * another solver is all that is new, those of the row "fit". */
 static long next_allocation(size_t i, long n, long all)
 {
-    long last = calls[i].run == lists || calls[i].run == pictures ? 0 : 8;
+    long last = calls[i].run == lists || calls[i].run == pictures || calls[i].first < 12 ? 0 : 8;
     long next = n < calls[i].first || n > all - last ? n + 1 : n + n/calls[i].density;
     return n <= all - last && next > all - last ? all - last + 1 : next;
 }
