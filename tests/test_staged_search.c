@@ -86,7 +86,7 @@ TEST(stages_are_searched_in_parts)
     lw_fit_options o = options(LW_TIMING_FREE, 0);
     OWN(lw_staged_search) s = { 0 };
     OWN(lw_target) t = { 0 };
-    o.budget = 8000;
+    o.budget = 2000;
     o.max_rounds = 8;
     o.max_seconds = 1e4;
     make_unmet(&k, &t);
@@ -153,7 +153,7 @@ TEST(more_time_is_never_worse)
         stopper stop = { .most = most };
         OWN(lw_staged_search) s = { 0 };
         o.max_rounds = 8;
-        o.budget = 20000;
+        o.budget = 5000;
         o.max_seconds = 1e4;
         o.progress = count_round;
         o.context = &stop;
@@ -170,7 +170,7 @@ TEST(more_time_is_never_worse)
 /* Small linkages are among those kept, though many larger ones of many parts have less error. */
 TEST_OF_FIGURES(small_linkages_are_kept)
 {
-    enum { N = 15 };
+    enum { N = 9 };
     double px[N], py[N];
     for (int i = 0; i < N; i++)
         px[i] = i/(N - 1.0), py[i] = 0;
@@ -212,7 +212,7 @@ static double least_within(const lw_target *t, const lw_fit_spec *spec, const lw
  * a step from size to size. */
 TEST_OF_FIGURES(the_front_has_no_gaps)
 {
-    enum { N = 18 };
+    enum { N = 10 };
     static const double size[] = { 1.4, 1.96 };
     double px[N], py[N];
     for (int i = 0; i < N; i++) {
