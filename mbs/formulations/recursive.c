@@ -504,8 +504,9 @@ static lw_status whole_sample(void *context, double t, double t_end, lw_moment *
         if (begun)
             lw_collocation_dense_eight(&w->stages, at, s->y);
         else {
-            for (int i = 0; i < 8*w->ode.n; i++)
-                s->y[i] = w->start[i/8];
+            for (int i = 0; i < w->ode.n; i++)
+                for (int lane = 0; lane < 8; lane++)
+                    s->y[8*i + lane] = w->start[i];
             lw_tree_stages_keep_rows(s, &m->r);
         }
         w->n_ready = 0, k = 0;
@@ -629,6 +630,7 @@ static lw_status start(motion *m, double *y, double *out)
         s = fabs(v[i] - out[d->n_q + i]) <= same_posture*(1 + fabs(v[i])) ? LW_OK : LW_OPEN;
     m->first = m->r.weak;
     memcpy(u + m->r.n_u + m->run->has_work, d->start_z, (size_t)d->eq.n_z*sizeof *y);
+    memset(out + d->n_q + d->n_v, 0, m->run->has_work*sizeof *y);
     memcpy(out + d->n_q + d->n_v + m->run->has_work, d->start_z, (size_t)d->eq.n_z*sizeof *y);
     d->eq.place_states(d->eq.context, d->start_z);
     return s;
@@ -764,7 +766,7 @@ static lw_status run_recursive(lw_run *run)
         double *y = malloc((states + work_size(n))*sizeof *y);
         s = y ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
         if (y) {
-            memset(y, 0, states*sizeof *y);  /* the workspace, which is larger, need not be clear */
+            memset(y, 0, 2*(size_t)n*sizeof *y);         /* the rest, which is larger, need not be clear */
             m.body = y + 2*n;
             m.shown = m.body + run->n;
             run->y = m.shown + run->n;

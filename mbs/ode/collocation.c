@@ -104,8 +104,9 @@ void lw_collocation_dense_eight(const lw_collocation *w, const double t[LW_STAGE
             column[m][k] = integral[m];
     }
     w->loops->sums(w->ode->n, (const double (*)[N])column, w->c, y);
-    for (int i = 0; i < N*w->ode->n; i++)
-        y[i] = t[i%N] == w->t ? w->y[i/N] : w->y_old[i/N] + w->h_done*y[i];
+    for (int i = 0; i < w->ode->n; i++)
+        for (int k = 0; k < N; k++)
+            y[N*i + k] = t[k] == w->t ? w->y[i] : w->y_old[i] + w->h_done*y[N*i + k];
 }
 
 /* column[m][k]: Newton's polynomial m on the points of a step of length `of`, from its end, at point k of one of length h that begins `later`. */
@@ -396,8 +397,9 @@ static lw_status begin(lw_collocation *w, double span)
     double t[N], far[N] = { span }, first = 0, change[N] = { 0 };
     for (int k = 1; k < N; k++)
         far[k] = 0.25*far[k - 1];
-    for (int i = 0; i < N*n; i++)
-        w->stage[i] = w->y[i/N];
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < N; k++)
+            w->stage[N*i + k] = w->y[i];
     lw_status s = rates_at(w, 0, false);
     if (s != LW_OK)
         return s;

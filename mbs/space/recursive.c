@@ -188,7 +188,6 @@ static lw_quaternion relative(const lw_recursive *r, const lw_recursive_body *p,
 
 void lw_recursive_place(lw_recursive *r, const double *x, double *q)
 {
-    r->frame[0] = (lw_space_frame){ { 0, 0, 0 }, r->body[-1].axes };
     for (int i = 0; i < r->s->n_body; i++) {
         lw_recursive_body *p = &r->body[i];
         const lw_recursive_body *b = &r->body[p->parent];
@@ -201,7 +200,6 @@ void lw_recursive_place(lw_recursive *r, const double *x, double *q)
         else
             p->from_parent = lw_v3_sub(lw_m3_apply(&b->axes, lw_v3_add(p->arm[0], slide)), lw_m3_apply(&p->axes, p->arm[1]));
         p->at = lw_v3_add(b->at, p->from_parent);
-        r->frame[p->body + 1] = (lw_space_frame){ lw_v3_scale(p->at, r->s->unit), p->axes };
         double *to = q + 7*p->body;
         to[0] = p->at.x, to[1] = p->at.y, to[2] = p->at.z;
         to[3] = p->turn.w, to[4] = p->turn.x, to[5] = p->turn.y, to[6] = p->turn.z;
@@ -522,6 +520,9 @@ void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wante
 {
     double phi[6], jac[6*LW_SPACE_ROW], bias[6];
     int n = 0;
+    r->frame[0] = (lw_space_frame){ { 0, 0, 0 }, r->body[-1].axes };
+    for (const lw_recursive_body *p = r->body; p < r->body + r->s->n_body; p++)
+        r->frame[p->body + 1] = (lw_space_frame){ lw_v3_scale(p->at, r->s->unit), p->axes };
     for (int i = 0; i < r->n_cut; i++) {
         const lw_space_joint *j = &r->s->joint[r->cut[i]];
         int rows = lw_spatial_kind_of(j->kind)->rows;

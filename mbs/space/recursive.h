@@ -61,7 +61,7 @@ typedef struct lw_recursive {
     int      *order;                         /* (n_row) of elimination: the first `rank` are kept */
     lw_screw *pull;                          /* (n_body) scratch */
     int      *side;                          /* (s->n_side) scratch */
-    lw_space_frame *frame;                   /* (n_body + 1) at the posture placed last */
+    lw_space_frame *frame;                   /* (n_body + 1) at the posture of the rows */
     double    weak;                          /* least pivot of loops over the greatest; 1: none */
     void     *memory;
 } lw_recursive;
