@@ -766,8 +766,8 @@ static int compare_eight(lw_spatial *m, lw_rng *rng, double far, int given, doub
             x[j] = y[8*j + lane];
         lw_recursive_place(&r, x, q);
         lw_recursive_velocities(&r, x + r.n_x, v);
-        lw_space_forces_apply(&c.f, 0, r.frame, v, force, &power, NULL);
         lw_recursive_rows(&r, NULL, NULL, c.f.turn, v);
+        lw_space_forces_apply(&c.f, 0, r.frame, v, force, &power, NULL);
         if (lane == 7) {
             CHECK_INT(lw_recursive_factor(&r), LW_OK);
             lw_tree_stages_keep_rows(&s, &r);
