@@ -359,6 +359,21 @@ static lw_status decide(stepper *w, double *y, unsigned long long events)
     return s;
 }
 
+/* The step ends at events.  What is good then is the state behind the impact. */
+static lw_status act_on_events(stepper *w, good_state *f, double *y)
+{
+    const lw_dynamics *d = w->run->d;
+    memcpy(y, state(w), (size_t)w->run->n*sizeof *y);
+    if (d->eq.next_piece) {
+        d->eq.next_piece(d->eq.context, y, y + d->n_q, false);
+        d->eq.watch(d->eq.context, time_of(w), y, y + d->n_q, false);
+    }
+    lw_status s = decide(w, y, w->implicit ? w->implicit_one.events : w->explicit_one.events);
+    if (f->t == time_of(w))
+        memcpy(f->y, y, (size_t)w->run->n*sizeof *f->y);
+    return s;
+}
+
 /* Equations can become stiff on the way, as where a valve opens, and then steps are short for stability alone.  Seen first after LOOK steps, then after twice
  * as many each time. */
 enum { LOOK = 64 };
@@ -386,6 +401,44 @@ static bool became_stiff(lw_run *run, stepper *w, const double *y)
     return lw_mbs_became_stiff(run->d, t, y, y + run->d->n_q, mean);
 }
 
+/* A step from `t` on with contacts fails: rows of places have become dependent.  Choose others, and begin with a short step. */
+static lw_status choose_other_places(stepper *w, double t, double *y)
+{
+    lw_run *run = w->run;
+    memcpy(y, state(w), (size_t)run->n*sizeof *y);
+    lw_status s = lw_run_touch(run, t, y, 0);
+    if (s == LW_OK)
+        s = restart(w, y, run->flight, run->e);
+    w->explicit_one.h *= 0.01;
+    return s != LW_OPEN ? s : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the forces of contact are undetermined; give the contacts a "
+                                           "\"stiffness\"", t);
+}
+
+/* Where the step ends at a kink of loads or drives: its samples, and what rests, touches or sticks behind it. */
+static lw_status pass_kink_of_loads(stepper *w, double *y, lw_ode_stop *stop)
+{
+    lw_run *run = w->run;
+    if (!lw_run_at_kink(run, time_of(w)))
+        return LW_OK;
+    memcpy(y, state(w), (size_t)run->n*sizeof *y);
+    lw_status s = lw_run_pass_kink(run, w->implicit ? &w->implicit_one.t : &w->explicit_one.t, state_at, w);
+    *stop = lw_run_stop(run, time_of(w), LW_ODE_STEP);
+    if (s == LW_OK && run->pushed && *stop != LW_ODE_END)        /* by drives, whose impulse changes all velocities */
+        s = lw_run_project(run, time_of(w), y) < 0 ? LW_E_NUMERIC : LW_OK;
+    if (s == LW_OK && *stop != LW_ODE_END)               /* loads that jump lift what rests, and move what sticks */
+        s = decide(w, y, 0);
+    return s;
+}
+
+/* Go on to the end of the run by an implicit method. */
+static lw_status leave(stepper *w, double *y)
+{
+    double length = time_of(w) - w->explicit_one.t_old;
+    memcpy(y, state(w), (size_t)w->run->n*sizeof *y);
+    end_steps(w, w->run->r);
+    return w->run->leave_stiff(w->run, y, length);
+}
+
 static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
 {
     lw_dynamics *d = run->d;
@@ -410,14 +463,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         s = step(w, step_end(run, w), &stop, run->e);
         s = w->implicit ? s : step_over_singular(run, w, &f, s, &stop);
         if (d->touch && s != LW_OK && s != LW_STOPPED && time_of(w) > redecided) {
-            redecided = time_of(w);          /* rows of places have become dependent: choose others */
-            memcpy(y, state(w), (size_t)run->n*sizeof *y);
-            s = lw_run_touch(run, redecided, y, 0);
-            if (s == LW_OK)
-                s = restart(w, y, run->flight, run->e);
-            w->explicit_one.h *= 0.01;
-            s = s != LW_OPEN ? s : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the forces of contact are undetermined; "
-                                                "give the contacts a \"stiffness\"", redecided);
+            redecided = time_of(w);
+            s = choose_other_places(w, redecided, y);
             stop = LW_ODE_STEP;
         } else if (d->touch && s == LW_E_NUMERIC)
             lw_run_touch_jams(run, time_of(w));
@@ -448,25 +495,10 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
             s = lw_run_samples(run, time_of(w), state_at, w);
         if (s == LW_OK)
             s = pass_kinks(w, y, &stop);
-        if (s == LW_OK && stop == LW_ODE_EVENT) {
-            memcpy(y, state(w), (size_t)run->n*sizeof *y);
-            if (d->eq.next_piece) {
-                d->eq.next_piece(d->eq.context, y, y + d->n_q, false);
-                d->eq.watch(d->eq.context, time_of(w), y, y + d->n_q, false);
-            }
-            s = decide(w, y, w->implicit ? w->implicit_one.events : w->explicit_one.events);
-            if (f.t == time_of(w))               /* what is good is the state behind the impact */
-                memcpy(f.y, y, (size_t)run->n*sizeof *f.y);
-        }
-        if (s == LW_OK && lw_run_at_kink(run, time_of(w))) {
-            memcpy(y, state(w), (size_t)run->n*sizeof *y);
-            s = lw_run_pass_kink(run, w->implicit ? &w->implicit_one.t : &w->explicit_one.t, state_at, w);
-            stop = lw_run_stop(run, time_of(w), LW_ODE_STEP);
-            if (s == LW_OK && run->pushed && stop != LW_ODE_END)         /* by drives, whose impulse changes all velocities */
-                s = lw_run_project(run, time_of(w), y) < 0 ? LW_E_NUMERIC : LW_OK;
-            if (s == LW_OK && stop != LW_ODE_END)        /* loads that jump lift what rests, and move what sticks */
-                s = decide(w, y, 0);
-        }
+        if (s == LW_OK && stop == LW_ODE_EVENT)
+            s = act_on_events(w, &f, y);
+        if (s == LW_OK)
+            s = pass_kink_of_loads(w, y, &stop);
         if (s == LW_OK && d->touch)
             s = watch_touch(w, y);
         if (s == LW_OK)
@@ -478,10 +510,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         if (s == LW_OK && stop != LW_ODE_END && run->clear > 0 && !w->implicit && d->weak > run->clear)
             s = LW_NOTHING;
         if (s == LW_OK && stop != LW_ODE_END && became_stiff(run, w, state(w))) {
-            double length = time_of(w) - w->explicit_one.t_old;
-            memcpy(y, state(w), (size_t)run->n*sizeof *y);
-            end_steps(w, run->r);
-            s = run->leave_stiff(run, y, length);
+            s = leave(w, y);
             break;
         }
     }

@@ -28,7 +28,8 @@ static lw_status check_masses(lw_dynamics *d)
     if (s == LW_OK)
         s = lw_mbs_solve(d, d->o.from, d->start_q, d->start_v, d->a, d->l, NULL);
     return s != LW_OPEN || !d->eq.more_inertia ? s
-         : lw_error_set(d->e, LW_E_NUMERIC, "the accelerations of superelements at the start are not found; their mass matrix has motions of next to no mass");
+         : lw_error_set(d->e, LW_E_NUMERIC, "the accelerations of superelements at the start are not found; their mass matrix has motions of next to "
+                        "no mass");
 }
 
 /* The formulation asked for: its reason is that, or why it cannot do the model. */
@@ -325,7 +326,8 @@ static lw_status run_others(lw_run *run, lw_status s)
         int f = LW_FORMULATION_REDUCED + (begin + k)%n;
         next = d->choice;
         next.formulation = (lw_formulation)f;
-        if (f == (int)first.formulation || f == LW_FORMULATION_CAPTURE || f == LW_FORMULATION_RADAU || f == LW_FORMULATION_ALPHA || table[f]->able(d, true, &next) != LW_OK)
+        if (f == (int)first.formulation || f == LW_FORMULATION_CAPTURE || f == LW_FORMULATION_RADAU || f == LW_FORMULATION_ALPHA
+            || table[f]->able(d, true, &next) != LW_OK)
             continue;
         lw_error e = { 0 };
         d->o.max_step = steps > 0 ? steps : 1000000;

@@ -744,8 +744,8 @@ static void watch_stages(stages *g)
     }
 }
 
-/* Take the stages as the step to t, and `ahead` as its end. */
-static void accept(stages *g, double t)
+/* Take the stages as the step to t, and `ahead` as its end.  error: over the tolerance. */
+static void accept(stages *g, double t, double error)
 {
     lw_dynamics *d = g->run->d;
     int n = g->n;
@@ -780,6 +780,10 @@ static void accept(stages *g, double t)
         d->eq.accept(d->eq.context, g->q);
     if (d->eq.keep_momenta)
         d->eq.keep_momenta(d->eq.context, t, g->q, g->v, d->hold);
+    g->added += error*tolerance(g);
+    g->run->r->added = g->alpha && g->added > added_most*(d->o.relative + d->o.absolute) ? g->added : 0;
+    g->run->r->steps++;
+    g->run->r->t = t;
 }
 
 /* ---- the run ------------------------------------------------------------------------------------------------- */
@@ -1041,6 +1045,47 @@ static double shorter_after(trial before, trial now)
     return 0.9*pow(now.error, -1/fmax(order, 0.1));
 }
 
+/* Has the step become too short, for rounding or for the motion? */
+static lw_status check_length(const stages *g)
+{
+    const lw_dynamics_options *o = &g->run->d->o;
+    if (g->n_rounded == most_rounded)
+        return lw_error_set(g->run->e, LW_E_NUMERIC, "at t = %.9g s velocities are less accurate than the tolerance, by rounding: shorter steps do not "
+                            "help near a singular posture, or with masses of very different size", g->t);
+    if (!(g->h > fmax(1e-14*fabs(g->t), 1e-30*(o->to - o->from))))
+        return lw_error_set(g->run->e, LW_E_NUMERIC, "at t = %.9g s the steps become too short: the motion jumps, an elastic link buckles, "
+                            "velocities change at once, as where a light crank passes its dead point, or the tolerance is below rounding", g->t);
+    return LW_OK;
+}
+
+/* Begin again just behind a switch. */
+static lw_status go_on_behind_switch(stages *g)
+{
+    lw_status s = lw_run_jumps(g->run, g->t, state(g, g->run->y));
+    if (s == LW_OK)
+        s = begin_again(g);
+    return s == LW_OK && g->alpha && is_pushed_back(g) ? lw_run_slides(g->run, g->t) : s;
+}
+
+/* After a step: what it passed, its samples, and whether radau goes on. */
+static lw_status after_step(stages *g)
+{
+    lw_run *run = g->run;
+    lw_run_watch(run, state(g, run->y));
+    lw_status s = lw_run_jumps(run, g->t, run->y);
+    if (s == LW_OK)
+        s = end_step(g);
+    if (s == LW_OK)
+        s = lw_run_limits(run, g->t, 0);
+    if (s == LW_OK)
+        s = rechoose(g);
+    if (s == LW_OK)
+        s = pass_singular(g);
+    if (s == LW_OK && run->next <= run->d->o.intervals && is_slower(g) && (s = leave(g)) == LW_NOTHING)
+        s = LW_OK;
+    return s;
+}
+
 static lw_status run_steps(stages *g)
 {
     lw_run *run = g->run;
@@ -1051,19 +1096,14 @@ static lw_status run_steps(stages *g)
     double to_piece = 0, to_switch = 0;                  /* steps to the end of a piece, to a switch; 0: none */
     bool passed = false;                                 /* a switch just before this step */
     lw_status s = LW_OK;
-    for (long k = 1; s == LW_OK && run->next <= d->o.intervals; k++) {
+    while (s == LW_OK && run->next <= d->o.intervals) {
         g->h = next_step(g, h, &end);
         double limit = g->t + g->h;
         if (to_piece > 0 || to_switch > 0)
             g->h = to_piece > 0 ? to_piece : to_switch, end = 0;
-        if (g->n_rounded == most_rounded)
-            return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s velocities are less accurate than the tolerance, "
-                                 "by rounding: shorter steps do not help near a "
-                                "singular posture, or with masses of very different size", g->t);
-        if (!(g->h > fmax(1e-14*fabs(g->t), 1e-30*(d->o.to - d->o.from))))
-            return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the steps become too short: the motion jumps, an elastic link buckles, "
-                                "velocities change at once, as where a light crank passes its dead point, or the tolerance is below rounding", g->t);
-        s = solve_stages(g);
+        s = check_length(g);
+        if (s == LW_OK)
+            s = solve_stages(g);
         if (s == LW_OPEN) {
             most = less*g->h;
             h = shorter*g->h;
@@ -1086,12 +1126,8 @@ static lw_status run_steps(stages *g)
         double other = d->eq.n_switch ? step_to_switch(g, h, limit, passed) : 0;
         passed = other < 0;
         to_switch = fmax(other, 0);
-        if (other < 0)
-            s = lw_run_jumps(run, g->t, state(g, run->y));
-        if (other < 0 && s == LW_OK)
-            s = begin_again(g);
-        if (other < 0 && s == LW_OK && g->alpha && is_pushed_back(g))
-            s = lw_run_slides(run, g->t);
+        if (passed)
+            s = go_on_behind_switch(g);
         if (other != 0)
             continue;
         double part = d->eq.piece_left ? piece_end(g) : 1;
@@ -1117,30 +1153,13 @@ static lw_status run_steps(stages *g)
         if (s != LW_OK)
             break;
         watch_stages(g);
-        accept(g, t_end);
-        g->added += error*tolerance(g);
-        run->r->added = g->alpha && g->added > added_most*(d->o.relative + d->o.absolute) ? g->added : 0;
-        run->r->steps++;
+        accept(g, t_end, error);
         double next = g->h_old*fmin(fmax(factor, 0.2), g->contraction > 0.3 ? 1 : 8);
         h = fmin(cut ? fmax(h, next) : next, fmax(most, g->h_old));
         most *= relax;
-        run->r->t = g->t;
         if (switches)
             d->eq.next_piece(d->eq.context, g->q, g->v, false);
-        if (s == LW_OK) {
-            lw_run_watch(run, state(g, run->y));
-            s = lw_run_jumps(run, g->t, run->y);
-            s = s == LW_OK ? end_step(g) : s;
-        }
-        if (s == LW_OK)
-            s = lw_run_limits(run, g->t, 0);
-        if (s == LW_OK)
-            s = rechoose(g);
-        if (s == LW_OK)
-            s = pass_singular(g);
-        if (s == LW_OK && run->next <= d->o.intervals && is_slower(g) && (s = leave(g)) == LW_NOTHING)
-            s = LW_OK;
-        (void)k;
+        s = after_step(g);
     }
     return s;
 }

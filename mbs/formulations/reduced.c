@@ -624,6 +624,36 @@ static lw_status go_on(motion *m, lw_ode_stop *stop)
     return s;
 }
 
+/* After a step to y: kinks of forces that it passed, events of friction, and a kink of the loads at its end.  *again: the steps begin anew there. */
+static lw_status pass_events(motion *m, double *y, lw_ode_stop *stop, bool *again)
+{
+    lw_run *run = m->run;
+    lw_integrator *w = m->w;
+    lw_status s = LW_OK;
+    unsigned long long kink = run->kinks ? 1ull << (w->ode->n_event - 1) : 0;
+    bool passed = lw_run_pass_kinks(run, m->t, y, w->events & kink);
+    w->events &= ~kink;
+    if (*stop == LW_ODE_EVENT && w->events) {
+        s = change_friction(m, w->events & 1);
+        *stop = lw_run_stop(run, m->t, LW_ODE_STEP);
+        *again = true;
+    } else if (passed && *stop != LW_ODE_END) {
+        s = lw_integrate_restart(w, NULL, run->e);
+        *again = true;
+    }
+    if (s == LW_OK && !m->in_panel && lw_run_at_kink(run, m->t)) {
+        s = lw_run_pass_kink(run, &w->t, state_at, m);
+        m->t = w->t;
+        *stop = lw_run_stop(run, m->t, LW_ODE_STEP);
+        if (s == LW_OK && m->r->friction)
+            s = find_press(m, m->t, m->s);
+        if (s == LW_OK && *stop != LW_ODE_END)
+            s = lw_integrate_restart(w, NULL, run->e);
+        *again = true;
+    }
+    return s;
+}
+
 static lw_status run_steps(motion *m, double *y, double *before)
 {
     lw_run *run = m->run;
@@ -671,27 +701,10 @@ static lw_status run_steps(motion *m, double *y, double *before)
             s = lw_run_samples(run, m->t, state_at, m);
         if (s == LW_OK)
             s = lw_run_limits(run, m->t, w->n_step);
-        unsigned long long kink = run->kinks ? 1ull << (w->ode->n_event - 1) : 0;
-        bool passed = s == LW_OK && lw_run_pass_kinks(run, m->t, y, w->events & kink);
-        w->events &= ~kink;
-        if (s == LW_OK && stop == LW_ODE_EVENT && w->events) {
-            s = change_friction(m, w->events & 1);
-            stop = lw_run_stop(run, m->t, LW_ODE_STEP);
-            longest = 0;
-        } else if (s == LW_OK && passed && stop != LW_ODE_END) {
-            s = lw_integrate_restart(w, NULL, run->e);
-            longest = 0;
-        }
-        if (s == LW_OK && !m->in_panel && lw_run_at_kink(run, m->t)) {
-            s = lw_run_pass_kink(run, &w->t, state_at, m);
-            m->t = w->t;
-            stop = lw_run_stop(run, m->t, LW_ODE_STEP);
-            if (s == LW_OK && m->r->friction)
-                s = find_press(m, m->t, m->s);
-            if (s == LW_OK && stop != LW_ODE_END)
-                s = lw_integrate_restart(w, NULL, run->e);
-            longest = 0;
-        }
+        bool again = false;
+        if (s == LW_OK)
+            s = pass_events(m, y, &stop, &again);
+        longest = again ? 0 : longest;
         if (s == LW_OK && !run->has_work)
             s = note_rest(&rest, w);
         if (s == LW_OK && stop != LW_ODE_END && m->may_leave && !m->in_panel && lw_run_friction_limits(run, w)) {
