@@ -135,6 +135,15 @@ static void block(FILE *f, int n)
             n ? ", 'speed': 1e-" : "", n);
 }
 
+/* A block that a spring pulls along the ground at 0.2 m/s, and that sticks and slips; n: speed of the friction, 10^-n m/s. */
+static void pulled(FILE *f, int n)
+{
+    fprintf(f, "'gravity': [0, -9.81], 'links': ['ground', {'name': 'block', 'mass': 1, 'centre': [0, 0], 'inertia': 0.1}, {'name': 'puller', 'mass': 1, 'centre': [1, 0], 'inertia': 0.1}], "
+            "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'block'], 'at': [0, 0], 'along': [1, 0], 'friction': {'coefficient': 0.3, 'speed': "
+            "1e-%d}}, {'name': 'T', 'kind': 't', 'links': ['ground', 'puller'], 'at': [1, 0], 'along': [1, 0]}], 'inputs': [{'joint': 'T', 'motion': '0.2*t'}], "
+            "'springs': [{'links': ['block', 'puller'], 'at': [[0, 0], [1, 0]], 'stiffness': 50}]", n);
+}
+
 /* Painleve's rod: its foot slides ahead of it, and friction stops it at once. */
 static void rod(FILE *f, int n)
 {
@@ -184,6 +193,10 @@ static const subject subjects[] = {
     { "rope of 10, decay 1e3", NULL, .to = 0.5, .decay = 1e3, .make = rope, .n = 10 },
     { "rope of 50", NULL, .to = 0.3, .make = rope, .n = 50 },
     { "rope of 50, decay 100", NULL, .to = 0.3, .decay = 100, .make = rope, .n = 50 },
+    { "rope of 6, smooth friction", NULL, .to = 2, .friction = 0.3, .smooth = 1e-3, .make = rope, .n = 6 },
+    { "rope of 5 comes to rest", NULL, .to = 5, .friction = 2.5, .smooth = 1e-3, .make = rope, .n = 5 },
+    { "rope of 2 comes to rest", NULL, .to = 10, .friction = 2.5, .smooth = 1e-4, .make = rope, .n = 2 },
+    { "block sticks and slips", NULL, .to = 10, .make = pulled, .n = 3 },
     { "N-four-bar, N = 15", NULL, .to = 2, .make = row_of_loops, .n = 15 },
     { "N-four-bar, N = 40, decay 1", NULL, .to = 1, .decay = 1, .make = row_of_loops, .n = 40 },
     { "elastic slider-crank", "elastic-slider-crank.json", .to = 0.1 },

@@ -47,7 +47,7 @@ static const cli_option options[] = {
     { "cases", 0, CLI_TEXT, offsetof(settings, cases), "NAME,...", NULL,
       "mbs: pendulum, two-four-bars, row-of-15, row-of-40, row-of-400, andrews, space-slider-crank, space-bricard, "
       "space-governor, space-chain, space-arm, space-stewart, space-delta, flexible-crank, clearance, clearance-250, choice (is auto "
-      "the fastest formulation, over 65 models; choice:TEXT takes those with TEXT in their name, choice:hard the hard cases, drawn in "
+      "the fastest formulation, over 69 models; choice:TEXT takes those with TEXT in their name, choice:hard the hard cases, drawn in "
       "mbs-choice.svg); without it all but choice",
       0, 0, NULL, NULL },
     { "tolerance-range", 0, CLI_RANGE, offsetof(settings, tolerance), "MIN:MAX", "1e-13:1e-4",
