@@ -11,7 +11,7 @@ static const char *const rows[] = {
     "$C fit $D/five.csv --exact --json | grep -v seconds",
     "$C trace examples/klann.json -n 24",
     "$C trace examples/jansen.json -n 24 --json",
-    "$C fit examples/film-advance.csv --crank-only --starts 5 --rounds 1 --json | grep -v seconds",
+    "$C fit examples/film-advance.csv --unlimited --crank-only --starts 5 --rounds 1 --json | grep -v seconds",
     "$C fit examples/function-log.csv --links 4 --starts 5 --rounds 1 --json | grep -v seconds",
     "$C fit examples/jobs/noisy-oval.csv --smooth auto --crank-only --starts 5 --rounds 1 --tolerances 0.1,0.05 --json | grep -v seconds",
     "$C trace examples/trammel.json -n 12 --geometry",
