@@ -52,12 +52,22 @@ TEST(any_linkage)
     expect("$P draw examples/space/crane.json", 0, NULL, "3 more inputs are needed to move it by inputs alone; 'linkwright simulate' moves it");
     expect("$P draw examples/loader.json --to -1", 2, NULL, "out of range");
     /* the boom of the cylinder turns all round, in space (its twin in the plane x z) too: sqrt(0.4^2 + 0.8^2) +- 1 m; within its stroke nothing is said */
-    expect("$P draw examples/dynamics/boom-cylinder.json", 0, "Shown beyond the stroke", "cylinder \"lift\": about 105.8 to 1894 mm long instead of 700 to 1300");
+    expect("$P draw examples/dynamics/boom-cylinder.json", 0, "Shown beyond the stroke", "cylinder \"lift\": about 105.8 to 1894 mm instead of 700 to 1300");
     expect("sed 's/\"speed\": 0/\"first\": -3, \"last\": 20/' examples/dynamics/boom-cylinder.json > $D/range.json && "
            "! $P draw $D/range.json 2>&1 | grep -q beyond", 0, NULL, NULL);
     expect("sed 's/\\[\\(-*[0-9]*\\), \\(-*[0-9]*\\)\\]/[\\1, 0, \\2]/g; s/-9.81\\]/0, -9.81]/; s/\"inertia\": 900/\"inertia\": [900, 900, 900]/; "
            "s/\"name\": \"A\"/\"name\": \"A\", \"axis\": [0, -1, 0]/' examples/dynamics/boom-cylinder.json > $D/space.json && $P draw $D/space.json", 0,
-           NULL, "cylinder \"lift\": about 105.8 to 1894 mm long instead of 700 to 1300");
+           NULL, "cylinder \"lift\": about 105.8 to 1894 mm instead of 700 to 1300");
+    expect("! $P draw examples/scara.json 2>&1 | grep beyond", 0, NULL, NULL);              /* the first of three inputs stays within its stop */
+    /* the block of a crank of 1 and a rod of 3 goes from 2 to 4, that is -2 to 0 from the posture; the rod turns by asin(1/3) either way */
+    expect("echo '{@linkwright@: 1, @units@: {@length@: @m@, @angle@: @deg@}, @links@: [@ground@, @crank@, @rod@, @block@], @joints@: ["
+           "{@name@: @A@, @links@: [@ground@, @crank@], @at@: [0, 0]}, {@name@: @B@, @links@: [@crank@, @rod@], @at@: [1, 0]}, {@name@: @C@, @links@: [@rod@, "
+           "@block@], @at@: [4, 0], @stop@: {@least@: -15}}, {@name@: @S@, @kind@: @t@, @links@: [@ground@, @block@], @at@: [4, 0], @along@: [1, 0]}], "
+           "@input@: {@joint@: @A@}}' | tr @ '\"' > $D/stop.json; $P draw $D/stop.json", 0, NULL, "joint \"C\": about -19.4");
+    expect("sed 's/, \"stop\": [^}]*}//; s/\"along\": .1, 0./&, \"stop\": {\"least\": -1, \"greatest\": 0.1}/' $D/stop.json | $P draw -", 0, NULL,
+           "joint \"S\": about -2 to 0 m instead of -1 to 0.1");
+    expect("sed 's/\\[\\([0-9]\\), 0\\]/[\\1, 0, 0]/g; s/\"along\"/\"axis\"/; s/\"[ABC]\", /&\"axis\": [0, 0, 1], /g' "
+           "$D/stop.json > $D/stop3.json; $P draw $D/stop3.json", 0, NULL, "joint \"C\": about -19.4");
 }
 
 /* Two linkages in one picture, and what cannot be compared. */

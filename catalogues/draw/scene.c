@@ -126,25 +126,59 @@ lw_vec2 lw_scene_at(const lw_scene *s, size_t frame, int link, lw_vec2 p)
     return lw_v2_add(a->at, lw_v2_turn(lw_v2_sub(p, s->origin[link]), a->turn));
 }
 
-void lw_scene_note_stroke(char note[256], const char *name, const double reached[2], const double extent[2], const lw_units *units)
+void lw_scene_note_limit(char note[256], const char *limit, const char *name, const double reached[2], const double allowed[2], bool angle,
+                         const lw_units *units)
 {
-    double slack = 1e-6*extent[1], unit = units->metre;
-    if (!note[0] && (reached[0] < extent[0] - slack || reached[1] > extent[1] + slack))
-        snprintf(note, 256, "Shown beyond the stroke of cylinder \"%.40s\": about %.4g to %.4g %s long instead of %.4g to %.4g; limit the input by "
-                 "\"first\" and \"last\"", name, reached[0]/unit, reached[1]/unit, units->length[0] ? units->length : "m", extent[0]/unit, extent[1]/unit);
+    double slack = 1e-6*fmax(reached[1] - reached[0], 1e-3*fabs(reached[1])), unit = angle ? units->radian : units->metre;
+    char to[2][24];
+    for (int k = 0; k < 2; k++)
+        snprintf(to[k], sizeof to[k], isfinite(allowed[k]) ? "%.4g" : "any", allowed[k]/unit);
+    if (!note[0] && (reached[0] < allowed[0] - slack || reached[1] > allowed[1] + slack))
+        snprintf(note, 256, "Shown beyond the %s \"%.40s\": about %.4g to %.4g %s instead of %s to %s; limit the input by \"first\" and \"last\"", limit, name,
+                 reached[0]/unit, reached[1]/unit, angle ? units->angle : units->length[0] ? units->length : "m", to[0], to[1]);
 }
 
-static void note_strokes(lw_scene *s)
+static double distance_of_ends(const lw_scene *s, size_t frame, const void *spring)
 {
-    for (int i = 0; s->model && i < s->model->n_spring; i++) {
-        const lw_spring *p = &s->model->spring[i];
-        double reached[2] = { INFINITY, 0 };
-        for (size_t f = 0; p->extent[1] > 0 && f < s->n_frame; f++) {
-            double length = lw_v2_norm(lw_v2_sub(lw_scene_at(s, f, p->link[1], p->at[1]), lw_scene_at(s, f, p->link[0], p->at[0])));
-            reached[0] = fmin(reached[0], length), reached[1] = fmax(reached[1], length);
-        }
-        if (p->extent[1] > 0)
-            lw_scene_note_stroke(s->note, p->name, reached, p->extent, &s->linkage.units);
+    const lw_spring *p = spring;
+    return lw_v2_norm(lw_v2_sub(lw_scene_at(s, frame, p->link[1], p->at[1]), lw_scene_at(s, frame, p->link[0], p->at[0])));
+}
+
+/* Turn, within half a turn either way, or slide from the posture. */
+static double displacement(const lw_scene *s, size_t frame, const void *joint)
+{
+    const lw_joint *j = joint;
+    const lw_place *p = &s->place[frame*(size_t)s->linkage.n_link], *a = &p[j->link[0]], *b = &p[j->link[1]];
+    if (j->kind == LW_JOINT_SLIDER)
+        return lw_v2_dot(lw_v2_unturn(lw_v2_sub(lw_scene_at(s, frame, j->link[1], j->at), lw_scene_at(s, frame, j->link[0], j->at)), a->turn),
+                         j->along);
+    lw_vec2 turn = lw_v2_unturn(b->turn, a->turn);
+    return (j->link[1] == s->linkage.ground ? -1 : 1)*atan2(turn.y, turn.x);
+}
+
+static void note_limit(lw_scene *s, double (*value)(const lw_scene *, size_t, const void *), const void *part, const char *limit, const char *name,
+                       const double allowed[2], bool angle)
+{
+    double reached[2] = { INFINITY, -INFINITY };
+    for (size_t f = 0; f < s->n_frame; f++)
+        reached[0] = fmin(reached[0], value(s, f, part)), reached[1] = fmax(reached[1], value(s, f, part));
+    lw_scene_note_limit(s->note, limit, name, reached, allowed, angle, &s->linkage.units);
+}
+
+/* Strokes of cylinders and stops of joints that the motion passes. */
+static void note_limits(lw_scene *s)
+{
+    const lw_model *m = s->model;
+    for (int i = 0; m && i < m->n_spring; i++)
+        if (m->spring[i].extent[1] > 0)
+            note_limit(s, distance_of_ends, &m->spring[i], "stroke of cylinder", m->spring[i].name, m->spring[i].extent, false);
+    for (int i = 0; m && m->stop && i < s->linkage.n_joint; i++) {
+        const lw_joint *j = &s->linkage.joint[i];
+        const lw_joint_stop *p = &m->stop[i];
+        double allowed[2] = { p->has_least ? p->least : -INFINITY, p->has_greatest ? p->greatest : INFINITY };
+        bool turns = j->kind == LW_JOINT_REVOLUTE, within = !turns || (fabs(p->least) < LW_PI && fabs(p->greatest) < LW_PI);
+        if ((p->has_least || p->has_greatest) && within && (turns || j->kind == LW_JOINT_SLIDER))
+            note_limit(s, displacement, j, "stop of joint", j->name, allowed, turns);
     }
 }
 
@@ -1078,12 +1112,15 @@ static lw_status make_large(const lw_model *m, const lw_target *t, const lw_scen
     return lw_error_set(e, LW_E_MEMORY, "not enough memory for the motion of the model");
 }
 
-/* The range of an input that has none is that of the stop of its joint. */
+/* Where no input has a range or a motion, the range of the first is that of the stop of its joint. */
 static void limit_by_stop(const lw_model *m, lw_linkage *k)
 {
     lw_input *in = &k->input[0];
-    const lw_joint_stop *p = m->stop && k->n_input == 1 ? &m->stop[in->joint] : NULL;
-    if (p && p->has_least && p->has_greatest && in->first == in->last && !m->motion[0])
+    const lw_joint_stop *p = m->stop && k->n_input > 0 ? &m->stop[in->joint] : NULL;
+    for (int i = 0; i < k->n_input; i++)
+        if (k->input[i].first != k->input[i].last || m->motion[i])
+            return;
+    if (p && p->has_least && p->has_greatest)
         in->first = in->value + p->least, in->last = in->value + p->greatest;
 }
 
@@ -1103,7 +1140,7 @@ lw_status lw_scene_make_any(const lw_assembly *parts, const lw_model *m, const l
     } else if (st == LW_OK)
         st = make_large(m, t, o, s, e);
     if (st == LW_OK)
-        note_strokes(s);
+        note_limits(s);
     lw_model_free(&own);
     return st;
 }

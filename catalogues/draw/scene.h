@@ -108,8 +108,9 @@ double lw_scene_dimension(const lw_scene *s, int i);
 /* Place of point p of a link in a frame [m]; p is given in the posture shown. */
 lw_vec2 lw_scene_at(const lw_scene *s, size_t frame, int link, lw_vec2 p);
 
-/* Write to an empty note that a motion takes a cylinder beyond its stroke, if it does: the least and the greatest length over the motion, and those of
- * the cylinder (grammar/model/model.h) [m]. */
-void lw_scene_note_stroke(char note[256], const char *name, const double reached[2], const double extent[2], const lw_units *units);
+/* Write to an empty note that a motion goes beyond a limit, "stroke of cylinder" or "stop of joint", if it does: the least and the greatest value over the
+ * motion, and those of the limit (+-INFINITY: none), in radians (angle) or metres. */
+void lw_scene_note_limit(char note[256], const char *limit, const char *name, const double reached[2], const double allowed[2], bool angle,
+                         const lw_units *units);
 
 #endif

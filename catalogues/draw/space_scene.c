@@ -543,17 +543,48 @@ static void measure(lw_space_scene *s)
     s->radius = fmax(0.5*lw_v3_norm(lw_v3_sub(most, least)), 1e-9);
 }
 
-static void note_strokes(const lw_spatial *m, lw_space_scene *s)
+static double distance_of_ends(const lw_space_scene *s, size_t frame, const void *spring)
 {
-    for (int i = 0; i < m->n_spring; i++) {
-        const lw_spatial_spring *p = &m->spring[i];
-        double reached[2] = { INFINITY, 0 };
-        for (size_t f = 0; p->extent[1] > 0 && f < s->n_frame; f++) {
-            double length = lw_v3_norm(lw_v3_sub(lw_space_scene_at(s, f, p->link[1], p->at[1]), lw_space_scene_at(s, f, p->link[0], p->at[0])));
-            reached[0] = fmin(reached[0], length), reached[1] = fmax(reached[1], length);
-        }
-        if (p->extent[1] > 0)
-            lw_scene_note_stroke(s->note, p->name, reached, p->extent, &m->units);
+    const lw_spatial_spring *p = spring;
+    return lw_v3_norm(lw_v3_sub(lw_space_scene_at(s, frame, p->link[1], p->at[1]), lw_space_scene_at(s, frame, p->link[0], p->at[0])));
+}
+
+/* Turn, within half a turn either way, or slide from the posture. */
+static double displacement(const lw_space_scene *s, size_t frame, const void *joint)
+{
+    const lw_spatial_joint *j = joint;
+    lw_vec3 beside = lw_v3_add(j->at, lw_v3_across(j->axis)), at[2], way[2];
+    for (int side = 0; side < 2; side++) {
+        at[side] = lw_space_scene_at(s, frame, j->link[side], j->at);
+        way[side] = lw_v3_sub(lw_space_scene_at(s, frame, j->link[side], beside), at[side]);
+    }
+    lw_vec3 axis = lw_v3_sub(lw_space_scene_at(s, frame, j->link[0], lw_v3_add(j->at, j->axis)), at[0]);
+    return j->kind == LW_SPATIAL_PRISMATIC ? lw_v3_dot(lw_v3_sub(at[1], at[0]), axis)
+                                           : atan2(lw_v3_dot(lw_v3_cross(way[0], way[1]), axis), lw_v3_dot(way[0], way[1]));
+}
+
+static void note_limit(lw_space_scene *s, double (*value)(const lw_space_scene *, size_t, const void *), const void *part, const char *limit, const char *name,
+                       const double allowed[2], bool angle)
+{
+    double reached[2] = { INFINITY, -INFINITY };
+    for (size_t f = 0; f < s->n_frame; f++)
+        reached[0] = fmin(reached[0], value(s, f, part)), reached[1] = fmax(reached[1], value(s, f, part));
+    lw_scene_note_limit(s->note, limit, name, reached, allowed, angle, &s->model->units);
+}
+
+/* Strokes of cylinders and stops of joints that the motion passes. */
+static void note_limits(const lw_spatial *m, lw_space_scene *s)
+{
+    for (int i = 0; i < m->n_spring; i++)
+        if (m->spring[i].extent[1] > 0)
+            note_limit(s, distance_of_ends, &m->spring[i], "stroke of cylinder", m->spring[i].name, m->spring[i].extent, false);
+    for (int i = 0; i < m->n_joint; i++) {
+        const lw_spatial_joint *j = &m->joint[i];
+        const lw_joint_stop *p = &j->stop;
+        double allowed[2] = { p->has_least ? p->least : -INFINITY, p->has_greatest ? p->greatest : INFINITY };
+        bool turns = j->kind == LW_SPATIAL_REVOLUTE, within = !turns || (fabs(p->least) < LW_PI && fabs(p->greatest) < LW_PI);
+        if ((p->has_least || p->has_greatest) && within && (turns || j->kind == LW_SPATIAL_PRISMATIC))
+            note_limit(s, displacement, j, "stop of joint", j->name, allowed, turns);
     }
 }
 
@@ -588,7 +619,7 @@ lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options 
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     measure(s);
     if (!o->pose)                        /* a run goes a little beyond, into the stops */
-        note_strokes(m, s);
+        note_limits(m, s);
     return LW_OK;
 }
 
