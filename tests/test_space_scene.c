@@ -455,8 +455,8 @@ TEST(stops_limit_the_input)
         OWN(lw_spatial) m = { 0 };
         char text[600];
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', 'a'], 'joints': [{'name': 'A', 'kind': '%s', 'links': ['ground', 'a'], "
-                 "'at': [0, 0, 0], 'axis': [0, 0, 1], 'stop': {'least': -0.2, 'greatest': 0.5}}], 'inputs': [{'joint': 'A', 'value': 3}], 'tracers': [{'name': 'T', 'link': "
-                 "'a', 'at': [1, 0, 0]}]}", slides ? "prismatic" : "revolute");
+                 "'at': [0, 0, 0], 'axis': [0, 0, 1], 'stop': {'least': -0.2, 'greatest': 0.5}}], 'inputs': [{'joint': 'A', 'value': 3}], "
+                 "'tracers': [{'name': 'T', 'link': 'a', 'at': [1, 0, 0]}]}", slides ? "prismatic" : "revolute");
         read_spatial(text, "stops", &m);
         OWN(lw_space_scene) s = make_scene(&m, 0);
         CHECK_TEXT(s.note, "");
