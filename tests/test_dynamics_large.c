@@ -973,6 +973,20 @@ TEST(refusals_say_why)
     m.body[7].inertia = 0;
     CHECK_FAILS(lw_dynamics_make(&m, &o, &d, &check_error), LW_E_ARG, "\"b6\" needs");
     m.body[7].inertia = 1;
+    for (int n = 3; n <= 40; n += 37) {                  /* a four-bar with two driven cranks among n pendulums */
+        OWN(lw_model) two = { 0 };
+        text t = { 0 };
+        put(&t, "{'linkwright': 1, 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0, 1]},"
+                "{'name': 'C', 'links': ['b', 'c'], 'at': [2, 1.2]}, {'name': 'D', 'links': ['c', 'ground'], 'at': [2, 0]}");
+        for (int i = 0; i < n; i++)
+            put(&t, ", {'name': 'P%d', 'links': ['ground', 'p%d'], 'at': [%d, 0]}", i, i, i + 3);
+        put(&t, "], 'inputs': [{'joint': 'P0', 'motion': 't'}, {'joint': 'A', 'motion': '0.3*t'}, {'joint': 'D', 'motion': '0.9*t'}, "
+                "{'joint': 'P1', 'motion': '2*t'}]}");
+        json_quotes(t.at);
+        CHECK_INT(lw_model_read(t.at, t.n, "two", &two, &check_error), LW_OK);
+        free(t.at);
+        CHECK_FAILS(lw_dynamics_make(&two, &o, &d, &check_error), LW_E_ARG, "leave motions out, as that of \"D\"");
+    }
 }
 
 CHECK_MAIN

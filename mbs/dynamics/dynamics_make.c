@@ -326,6 +326,22 @@ static lw_status start_on_motion(lw_dynamics *d, double *q, lw_error *e)
     return s == LW_OK ? lw_mbs_arrange(d, d->o.from, q) : s;
 }
 
+/* More inputs have a motion than the n_free that can move.  Names the last one without which as many can; the order of the inputs changes. */
+static lw_status refuse_inputs(lw_dynamics *d, const double *q, int n_free, lw_error *e)
+{
+    const int rank = d->rank, last = --d->n_driven;
+    const char *name = "";
+    for (int i = last; i >= 0 && !*name; i--) {
+        const int out = d->driven[i], measure = d->driven_measure[i];
+        d->driven[i] = d->driven[last], d->driven_measure[i] = d->driven_measure[last];
+        d->driven[last] = out, d->driven_measure[last] = measure;
+        if (lw_mbs_arrange(d, d->o.from, q) == LW_OK && d->rank == rank)
+            name = lw_dynamics_input_name(d, out);
+    }
+    return lw_error_set(e, LW_E_ARG, "%d inputs have a motion but only %d can be moved independently; leave motions out, as that of \"%s\", which follows "
+                        "from the others", last + 1, n_free, name);
+}
+
 static lw_status find_posture(lw_dynamics *d, lw_error *e)
 {
     double *q = d->start_q;
@@ -352,8 +368,7 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
     d->n_driven = driven;
     s = lw_mbs_arrange(d, d->o.from, q);
     if (s == LW_OK && d->rank < rank + driven)
-        return lw_error_set(e, LW_E_ARG, "%d inputs have a motion but only %d can be moved independently; leave "
-                            "motions out", driven, d->rank - rank);
+        return refuse_inputs(d, q, d->rank - rank, e);
     if (s == LW_OK && driven && d->freedom == 0)
         return start_on_motion(d, q, e);
     if (s == LW_OK && driven)
