@@ -244,10 +244,10 @@ void lw_fit_report_range(const lw_target *t, const lw_candidate *c, double *from
 /* Measure the motion from station to station, of closed targets back to the first.  Where the assembly mode changes,
  * the motion passes a limit: the transmission angle is 0 there, and the acceleration infinite. */
 static void measure_between_stations(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s,
-                                     const lw_candidate *c, lw_motion_limits *limits)
+                                     const lw_candidate *c, int coarse, lw_motion_limits *limits)
 {
     size_t spans = t->closed ? t->n : t->n - 1;
-    int samples = spans < SAMPLES/8 ? SAMPLES/(int)spans : 8;
+    int samples = spans < SAMPLES/8/(size_t)coarse ? SAMPLES/coarse/(int)spans : 8;
     for (size_t i = 0; i < spans; i++) {
         double here[LW_MODE_MAX], next[LW_MODE_MAX];
         size_t k = (i + 1) % t->n;
@@ -268,7 +268,7 @@ static double folded(double angle) { return fmin(angle, LW_PI - angle); }
 /* Describe the circuit of station 0.  The input of an open target turns if the linkage was made for it, or can turn within the
  * limits.  Else it goes to and fro between the ends of the target. */
 static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c,
-                             const lw_motion *m, lw_motion_limits *limits, lw_fit_report *r)
+                             const lw_motion *m, int coarse, lw_motion_limits *limits, lw_fit_report *r)
 {
     int at = arc_of(plan, m, c);
     r->circuits = m->n_circuit;
@@ -277,11 +277,12 @@ static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_f
     const lw_arc *a = &m->arc[at];
     double first = folded(a->transmission_min), last = folded(a->transmission_max);     /* to rounding */
     r->turns = a->turns && (t->closed || c->intended.turns || fmin(first, last) >= s->min_transmission);
-    describe_arc(plan, c, a, r);
+    if (coarse == 1)
+        describe_arc(plan, c, a, r);
     if (r->turns)
-        lw_motion_limits_run(plan, s, c->dim, a->mode, a->first, a->last, SAMPLES, limits);
+        lw_motion_limits_run(plan, s, c->dim, a->mode, a->first, a->last, SAMPLES/coarse, limits);
     else
-        measure_between_stations(t, plan, s, c, limits);
+        measure_between_stations(t, plan, s, c, coarse, limits);
     if (!r->turns)
         return;
     r->transmission_min = fmin(first, last);
@@ -291,7 +292,7 @@ static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_f
 static double angle_of(double margin) { return asin(sqrt(fmin(fmax(margin, 0), 1))); }
 
 static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
-                            const lw_plan *plan, const lw_closed_motion *cycle, lw_motion_limits *limits,
+                            const lw_plan *plan, const lw_closed_motion *cycle, int coarse, lw_motion_limits *limits,
                             lw_fit_report *r)
 {
     lw_motion m;
@@ -302,7 +303,7 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
     else {
         lw_status st = lw_motion_find(plan, c->dim, &m);
         if (st == LW_OK)
-            describe_circuit(t, plan, s, c, &m, limits, r);
+            describe_circuit(t, plan, s, c, &m, coarse, limits, r);
         r->no_memory |= st == LW_E_MEMORY;
     }
     r->acceleration_max = limits->acceleration;
@@ -314,6 +315,8 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
         r->curve_max = NAN;
         return;
     }
+    if (coarse > 1)
+        return;
     for (int j = 0; j < cycle->n; j++)
         measure_distance(t, plan, c, cycle->leg[j].mode, lw_closed_motion_first(cycle, j), cycle->leg[j].last, r);
     if (t->closed && r->turns)
@@ -378,9 +381,10 @@ static size_t sample_curve(const lw_candidate *c, const lw_plan *plan, size_t a,
 /* Compare the target with the curve in the order in which the tracer moves: from station to station if these have an
  * order. */
 static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
-                           const lw_closed_motion *cycle, lw_fit_report *r)
+                           const lw_closed_motion *cycle, int coarse, lw_fit_report *r)
 {
     enum { STEPS = 12, WHOLE = 1600 };
+    const int whole_steps = WHOLE/coarse;
     size_t spans = t->closed ? t->n : t->n - 1, n = 0;
     lw_vec2 *curve = malloc(sizeof *curve*(spans*STEPS + WHOLE + 1));
     if (!curve) {
@@ -389,15 +393,15 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
     }
     bool circuit = cycle->n > 0, piece = circuit || (s->timing == LW_TIMING_NONE && !c->mode_of);
     if (circuit)
-        n = lw_fit_report_cycle_points(plan, c, cycle, WHOLE, curve);
+        n = lw_fit_report_cycle_points(plan, c, cycle, whole_steps, curve);
     else if (piece)
-        n = sample_curve(c, plan, 0, covered_travel(t, c, r->turns), WHOLE, curve, r);
+        n = sample_curve(c, plan, 0, covered_travel(t, c, r->turns), whole_steps, curve, r);
     double whole = 0;
     for (size_t i = 0; i < spans; i++)
         whole += fabs(travel_to_next(t, c, r->turns, i));
     for (size_t i = 0; i < spans && !piece; i++) {
         double here[LW_MODE_MAX], next[LW_MODE_MAX], travel = travel_to_next(t, c, r->turns, i);
-        int steps = STEPS + (int)(WHOLE*fmin(fabs(travel)/(whole + 1e-300), 1));     /* within a wide span the point may turn back */
+        int steps = STEPS + (int)(whole_steps*fmin(fabs(travel)/(whole + 1e-300), 1));     /* within a wide span the point may turn back */
         modes_at(c, plan, i, here);
         modes_at(c, plan, (i + 1) % t->n, next);
         n += sample_curve(c, plan, i, travel, here[0] != next[0] ? 1 : steps, curve + n, r);
@@ -405,7 +409,8 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
     if (!t->closed && !piece)
         n += sample_curve(c, plan, t->n - 1, 0, 1, curve + n, r);
     if (n >= 2) {
-        r->no_memory |= lw_likeness_measure(t, curve, n, &r->likeness) != LW_OK;
+        if (coarse == 1)
+            r->no_memory |= lw_likeness_measure(t, curve, n, &r->likeness) != LW_OK;
         r->stray = lw_likeness_stray(t, curve, n);
         r->no_memory |= isnan(r->stray.to_target);
     }
@@ -439,9 +444,9 @@ static void limit_input(const lw_target *t, const lw_candidate *c, lw_fit_report
     in->last = in->value + r->input_turns_per_period*(to - c->input[0]);
 }
 
-/* The report on a candidate whose plan is made. */
+/* The report on a candidate whose plan is made; `coarse` 1: the whole, else a sketch from 1/coarse of the postures. */
 static lw_status report_with(const lw_plan *plan, const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
-                             lw_fit_report *r, lw_error *e)
+                             int coarse, lw_fit_report *r, lw_error *e)
 {
     lw_motion_limits limits = lw_motion_limits_begin();
     lw_closed_motion cycle;
@@ -474,13 +479,14 @@ static lw_status report_with(const lw_plan *plan, const lw_target *t, const lw_f
         r->legs = cycle.n;
         if (!t->closed)                                  /* an open target is met by a part of the motion only */
             cycle.n = 0;
-        describe_motion(t, s, c, plan, &cycle, &limits, r);
+        describe_motion(t, s, c, plan, &cycle, coarse, &limits, r);
         if (lw_task_has_place(s->task))
-            compare_curves(t, s, c, plan, &cycle, r);
+            compare_curves(t, s, c, plan, &cycle, coarse, r);
         classify(t, s, c, r);
         lw_fit_report_limits(t, s, c, &limits, r);
         limit_input(t, c, r);
-        r->no_memory |= lw_verify(t, s, c, plan, at, r) != LW_OK;
+        if (coarse == 1)
+            r->no_memory |= lw_verify(t, s, c, plan, at, r) != LW_OK;
         r->meets = lw_motion_limits_meets(&limits, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);
         r->verified &= r->meets;
         r->no_memory |= limits.no_memory;
@@ -489,15 +495,26 @@ static lw_status report_with(const lw_plan *plan, const lw_target *t, const lw_f
     return r->no_memory ? lw_error_set(e, LW_E_MEMORY, "out of memory for a report") : LW_OK;
 }
 
-lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r, lw_error *e)
+static lw_status make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, int coarse, lw_fit_report *r, lw_error *e)
 {
     lw_plan *plan = malloc(sizeof *plan);
     memset(r, 0, sizeof *r);
     lw_status st = plan ? full_plan(t, s, c, &r->linkage, plan, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (st == LW_OK)
-        st = report_with(plan, t, s, c, r, e);
+        st = report_with(plan, t, s, c, coarse, r, e);
     free(plan);
     return st;
+}
+
+lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r, lw_error *e)
+{
+    return make(t, s, c, 1, r, e);
+}
+
+lw_status lw_fit_report_sketch(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r)
+{
+    enum { COARSE = 20 };
+    return make(t, s, c, COARSE, r, NULL);
 }
 
 lw_status lw_fit_report_linkage(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k, lw_error *e)

@@ -60,6 +60,9 @@ typedef struct lw_fit_options {
     /* Called after each round whose best find is better than that of the rounds before; may be NULL. */
     void      (*found)(void *context, const struct lw_candidate *best);
     void       *context;
+    /* What a linkage counts as, less is better, as a logarithm; INFINITY: it is no result.  Called from several threads.  With default limits
+     * finds for a few stations are moved to where they count as less; NULL: they are not. */
+    double    (*worth)(const lw_target *t, const lw_fit_spec *s, const struct lw_candidate *c);
 } lw_fit_options;
 lw_fit_options lw_fit_options_default(void);
 

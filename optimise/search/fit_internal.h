@@ -1,13 +1,15 @@
 /* optimise/search/fit_internal.h - the state of one search and its parts, from bottom to top: candidates and their
- * problems (fit.c), the work of a round (successive_halving.c), one round (fit_round.c), the list of results
- * (rank.c), the search (fit_run.c). */
+ * problems (fit.c), the work of a round (successive_halving.c), one round (fit_round.c), finds moved to better
+ * linkages (climb.c), the list of results (rank.c), the search (fit_run.c). */
 #ifndef LW_OPTIMISE_SEARCH_FIT_INTERNAL_H
 #define LW_OPTIMISE_SEARCH_FIT_INTERNAL_H
 
 #include <stdatomic.h>
 
+#include "optimise/problem/work.h"
 #include "optimise/search/fit.h"
 #include "optimise/search/pool.h"
+#include "optimise/solvers/lm.h"
 
 enum {
     LW_SEARCH_BLOCK = 400,             /* starts drawn by one job                                   */
@@ -156,10 +158,24 @@ lw_status lw_search_order_stations(lw_search *s, lw_fit *out, lw_error *e);
  * results are a front.  With spec.tolerance, then put the smallest linkages within it into s->shrunk. */
 lw_status lw_search_widen(lw_search *s);
 
+/* The problem of a find with its conditions and a least transmission angle [deg], in the find's intended motion; scratch in the thread's
+ * bench.  NULL: *st says why. */
+lw_problem *lw_search_problem_again(lw_search *s, int thread, double angle, lw_found *c, lw_status *st);
+
+/* Improve c by least squares; with `conditions`, by a solver that keeps conditions on the motion where these are violated. */
+void lw_search_improve(lw_search *s, const lw_problem *p, const lw_lm_options *o, bool conditions, void *work, lw_found *c);
+
+/* Find out f of an improved find and how far it is from keeping the conditions; f becomes INFINITY if it is no result. */
+void lw_search_judge(const lw_search *s, const lw_problem *p, lw_work *work, lw_found *c);
+
+/* ---- climb.c: move the best finds of the pool to where the linkage is worth more (lw_fit_options.worth), until wall clock `until` (0: no
+ * limit).  LW_E_MEMORY. */
+lw_status lw_search_climb(lw_search *s, double until);
+
 /* ---- rank.c: the pool as candidates for the caller, best first, each curve once */
 lw_status lw_search_rank(lw_search *s, lw_fit *out);
 
-/* Fill `out` with one find; false: no memory, which s->no_memory tells, or no inputs suit its stations. */
-bool lw_search_fill(lw_search *s, const lw_found *c, lw_candidate *out);
+/* Fill `out` with one find, by the bench of this thread; false: no memory, which s->no_memory tells, or no inputs suit its stations. */
+bool lw_search_fill(lw_search *s, int thread, const lw_found *c, lw_candidate *out);
 
 #endif

@@ -9,7 +9,6 @@
 #include "base/parallel.h"
 #include "mbs/batch/posture.h"
 #include "optimise/search/fit_internal.h"
-#include "optimise/solvers/lm.h"
 #include "optimise/solvers/lowdiscrepancy.h"
 #include "optimise/search/random_linkage.h"
 #include "optimise/problem/constraint.h"
@@ -156,10 +155,7 @@ static void run_solver(lw_search *s, const lw_solver *solver, const lw_problem *
     c->stop = r.stop;
 }
 
-/* Improve c by least squares; with `conditions`, by a solver that keeps conditions on the motion where these are
- * violated. */
-static void improve(lw_search *s, const lw_problem *p, const lw_lm_options *o, bool conditions, void *work,
-                    lw_found *c)
+void lw_search_improve(lw_search *s, const lw_problem *p, const lw_lm_options *o, bool conditions, void *work, lw_found *c)
 {
     const lw_solver *mine = s->o->solver;
     if (mine && mine->run != lw_lm_run) {
@@ -192,7 +188,7 @@ static void improve_all(lw_search *s, lw_problem *p, int steps, int n, void *wor
         p->intended = best[i].intended;
         lw_problem_work_intended(p, work);
         bool conditions = !p->family->linkage || steps > FIRST_STEPS || keeps_conditions(p, best[i].x, work);
-        improve(s, p, &o, conditions, work, &best[i]);
+        lw_search_improve(s, p, &o, conditions, work, &best[i]);
         if (p->plan.n_higher > 0 && isfinite(best[i].f))             /* the seeds move with the linkage */
             if (lw_plan_seed(&p->plan, best[i].x, p->intended.mode[p->plan.n_mode - 1], best[i].intended.mode)
                 == LW_E_MEMORY)
@@ -380,8 +376,7 @@ static void fold_angles(const lw_problem *p, double *x)
         fold(p, p->also[k].i_tool, x);
 }
 
-/* Find out f of an improved find and how far it is from keeping the conditions; f becomes INFINITY if it is no result. */
-static void judge(const lw_search *s, const lw_problem *p, lw_work *work, lw_found *c)
+void lw_search_judge(const lw_search *s, const lw_problem *p, lw_work *work, lw_found *c)
 {
     fold_angles(p, c->x);
     if (isfinite(c->f) && (p->timing != LW_TIMING_PRESCRIBED || p->transmission_is_soft))  /* f of x alone, without stations kept */
@@ -444,10 +439,10 @@ static void polish_one(void *context, size_t job, int thread)
     p->intended = c->intended;
     lw_problem_work_intended(p, work);
     l->spent = -c->evals;
-    improve(s, p, &o, true, work, c);
+    lw_search_improve(s, p, &o, true, work, c);
     l->spent += c->evals;
     l->spent *= cost;
-    judge(s, p, work, c);
+    lw_search_judge(s, p, work, c);
     if (isfinite(c->f))
         list->any = true;
 }
@@ -639,7 +634,7 @@ static lw_status order_one(lw_search *s, int k, int sense, lw_found *c, lw_varia
     p->intended = c->intended;
     *of = lw_pool_variables(p);
     lw_problem_work_intended(p, work);
-    judge(s, p, work, c);
+    lw_search_judge(s, p, work, c);
     return LW_OK;
 }
 
@@ -754,7 +749,7 @@ static bool fit_smaller(lw_search *s, lw_problem *p, double most, double f_rough
         if (scaled)
             scale_linkage(p, most/fmax(most, lw_problem_size(p, now.x)), now.x);
         if (lw_lm_feasible(p, now.x, work))
-            improve(s, p, o, true, work, &now);
+            lw_search_improve(s, p, o, true, work, &now);
         else
             now.f = INFINITY;
         c->evals = now.evals;
@@ -775,17 +770,16 @@ static bool is_within(const lw_search *s, const lw_problem *p, const lw_work *w,
     return isfinite(c->f) && c->beyond == 0 && most*p->unit <= s->o->spec.tolerance;
 }
 
-/* The problem of a find with the conditions of its chain, in the find's intended motion; NULL: *st says why. */
-static lw_problem *chain_problem(lw_search *s, int thread, int angle, lw_found *c, lw_status *st)
+lw_problem *lw_search_problem_again(lw_search *s, int thread, double angle, lw_found *c, lw_status *st)
 {
     lw_problem *p = lw_search_problem(s, thread, c->candidate, false, st);
     if (!p)
         return NULL;
     p->intended = c->intended;
     p->transmission_is_soft = false;
-    p->min_transmission = fmax(p->min_transmission, chain_angle[angle]*LW_PI/180);
+    p->min_transmission = fmax(p->min_transmission, angle*LW_PI/180);
     p->n_side = p->n_side_known;
-    c->gentle = chain_angle[angle];
+    c->gentle = angle;
     lw_problem_work_intended(p, s->bench[thread].work);
     return p;
 }
@@ -813,7 +807,7 @@ static void run_chain(void *context, size_t job, int thread)
     const bool fine = list->within;
     int length = fine ? LONG_CHAIN : CHAIN, angle = (int)job % CHAINS, failed = 0;
     lw_found now = l->find[0];
-    lw_problem *p = chain_problem(s, thread, angle, &now, &l->status);
+    lw_problem *p = lw_search_problem_again(s, thread, chain_angle[angle], &now, &l->status);
     void *work = s->bench[thread].work;
     l->find[0].f = INFINITY;
     if (!p)
@@ -834,7 +828,7 @@ static void run_chain(void *context, size_t job, int thread)
             continue;
         }
         l->find[k] = now;
-        judge(s, p, work, &l->find[k]);
+        lw_search_judge(s, p, work, &l->find[k]);
         if (fine && !is_within(s, p, work, &l->find[k])) {
             l->find[k].f = INFINITY;
             failed++;
@@ -880,7 +874,7 @@ static void run_rung(void *context, size_t job, int thread)
         if (start[i].chain < 0 || (i > 0 && start[i].chain == start[0].chain && start[i].at == start[0].at))
             continue;
         lw_found now = *found_at(list, start[i]);
-        lw_problem *p = chain_problem(s, thread, angle, &now, &l->status);
+        lw_problem *p = lw_search_problem_again(s, thread, chain_angle[angle], &now, &l->status);
         void *work = s->bench[thread].work;
         long before = now.evals;
         if (!p)
@@ -892,7 +886,7 @@ static void run_rung(void *context, size_t job, int thread)
         bool found = fit_smaller(s, p, most, ROUGH*ROUGH*(double)p->n, &o, work, &now);
         l->spent += (now.evals - before)*cost;
         if (found)
-            judge(s, p, work, &now);
+            lw_search_judge(s, p, work, &now);
         if (!found || !(now.f < l->find[0].f))
             continue;
         l->find[0] = now;
@@ -1091,6 +1085,8 @@ lw_status lw_search_widen(lw_search *s)
         list->until = lw_search_stopped(s) ? lw_clock_wall() + lw_search_grace(s) : 0;
     list->shrink = SHRINK;
     lw_status st = run_chains(s, list, first, n, pool);
+    if (st == LW_OK)
+        st = lw_search_climb(s, list->until);
     list->within = true;
     for (size_t i = 0; is_smallest_wanted(s) && i < sizeof shrink_within/sizeof *shrink_within && st == LW_OK; i++) {
         n = i > 0 ? choose_smallest(s, first) : n;

@@ -86,7 +86,7 @@ static void show_best(lw_search *s, lw_found *shown)
     lw_candidate c;
     if (!s->o->found || s->pool.n == 0 || best->beyond > shown->beyond || (best->beyond == shown->beyond && !(best->f < shown->f)))
         return;
-    if (lw_search_fill(s, best, &c)) {
+    if (lw_search_fill(s, 0, best, &c)) {
         s->o->found(s->o->context, &c);
         lw_candidate_free(&c);
         shown->beyond = best->beyond;

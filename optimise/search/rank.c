@@ -66,13 +66,13 @@ static bool same_proportions(lw_search *s, const lw_found *a, const lw_found *b)
 }
 
 /* The problem of a find in its intended motion, the stations at their best inputs; NULL: there are none. */
-static const lw_problem *settled(lw_search *s, const lw_found *c, lw_work **w)
+static const lw_problem *settled(lw_search *s, int thread, const lw_found *c, lw_work **w)
 {
     lw_status st;
-    lw_problem *p = lw_search_problem(s, 0, c->candidate, false, &st);
+    lw_problem *p = lw_search_problem(s, thread, c->candidate, false, &st);
     if (!p)
         return NULL;
-    *w = s->bench[0].work;
+    *w = s->bench[thread].work;
     p->intended = c->intended;
     lw_problem_work_intended(p, *w);
     return lw_problem_settle(p, c->x, *w) ? p : NULL;
@@ -81,7 +81,7 @@ static const lw_problem *settled(lw_search *s, const lw_found *c, lw_work **w)
 static bool trace(lw_search *s, const lw_found *c, traced *t)
 {
     lw_work *w;
-    const lw_problem *p = settled(s, c, &w);
+    const lw_problem *p = settled(s, 0, c, &w);
     t->of = c;
     if (!p)
         return false;
@@ -127,10 +127,10 @@ static void put_input(const lw_problem *p, const lw_work *w, size_t k, double in
         c->input[k] = from + step;
 }
 
-bool lw_search_fill(lw_search *s, const lw_found *c, lw_candidate *out)
+bool lw_search_fill(lw_search *s, int thread, const lw_found *c, lw_candidate *out)
 {
     lw_work *w;
-    const lw_problem *p = settled(s, c, &w);
+    const lw_problem *p = settled(s, thread, c, &w);
     if (!p)
         return false;
     *out = (lw_candidate){ .intended = p->intended,
@@ -207,15 +207,15 @@ static void rank_pool(lw_search *s, const lw_pool *pool, int most, bool shrunk, 
             lw_candidate instead;
             fresh = !lw_task_has_place(s->o->spec.task) ? !same_proportions(s, t->of, before->of)
                                                         : !same_curves(t, before, r->n);
-            bool smaller = !fresh && is_smaller(s, c, before->of), exact = is_as_exact(c, before->of);
-            fresh |= (shrunk || !exact) && (smaller || c->gentle > before->of->gentle);
-            if (fresh || !smaller || !exact || !lw_search_fill(s, c, &instead))
+            bool smaller = !fresh && (is_smaller(s, c, before->of) || (c->worthy && !before->of->worthy)), exact = is_as_exact(c, before->of);
+            fresh |= (shrunk || !exact || c->worthy) && (smaller || c->gentle > before->of->gentle);
+            if (fresh || !smaller || !exact || !lw_search_fill(s, 0, c, &instead))
                 continue;
             lw_candidate_free(&out->candidate[k]);
             out->candidate[k] = instead;
             before->of = c;
         }
-        if (fresh && lw_search_fill(s, c, &out->candidate[out->n]))
+        if (fresh && lw_search_fill(s, 0, c, &out->candidate[out->n]))
             out->candidate[out->n++].shrunk = shrunk;
     }
 }

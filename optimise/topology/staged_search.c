@@ -283,6 +283,7 @@ static lw_status run_search(const stage_part *p, const lw_fit_options *o, int se
     lw_fit_options mine = *o;
     mine.part = search == COMPACT ? LW_FIT_COMPACT : part;
     mine.both_ways = search >= BOTH_WAYS || (search == COMPACT && o->families && can_stray(p, later));
+    mine.worth = lw_fit_results_worth;
     return lw_fit_run(p->t, &mine, fit, e);
 }
 

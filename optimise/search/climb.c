@@ -1,0 +1,165 @@
+/* optimise/search/climb.c - finds for few stations moved to where the linkage is worth more.
+ *
+ * Few stations leave dimensions free: of the linkages that meet them equally well least squares finds any, though some are gentler, smaller
+ * or less sensitive than others.  The measure that orders the results has no derivatives here, so the finds that are worth most go on
+ * from there by an evolution strategy with one parent and one child (Rechenberg 1973). */
+#include <limits.h>
+#include <stdlib.h>
+
+#include "base/clock.h"
+#include "base/rng.h"
+#include "optimise/search/fit_internal.h"
+
+enum {
+    CLIMBS = 2,                  /* finds that go on                                              */
+    TRIALS = 80,                 /* of each                                                       */
+    FIT_STEPS = 20,              /* of the fit after a step                                       */
+    STATIONS = 15                /* more stations leave nothing free                              */
+};
+#define MET        1e-2          /* sizes of the target: mean error of finds that meet it           */
+#define EXACT      1e-14         /* f of a find that meets every station; those it becomes do so too  */
+#define OFF        1e-3          /* a step off the linkages that meet it as well adds so much       */
+#define FIRST_STEP 0.2           /* parts of the lengths                                            */
+#define LEAST_STEP 1e-3
+#define MOST_STEP  0.5
+#define LONGER     1.5           /* the step after one that was better, ...                         */
+#define SHORTER    0.9           /* ... and after another                                           */
+#define GAIN       1e-3          /* less is rounding                                                */
+#define WORSE      1             /* finds that count as e times the best do not go on               */
+
+typedef struct climb {
+    lw_found     find;
+    double       worth;
+    long         spent;
+    lw_variables of;
+    lw_status    status;
+} climb;
+
+typedef struct climb_list {
+    lw_search *s;
+    long       allowance;                    /* evaluations of a climb, counted by their cost         */
+    double     until;
+    int        n;
+    climb      item[LW_POOL_MAX];
+} climb_list;
+
+static bool is_over(const climb_list *list)
+{
+    return (list->until > 0 && lw_clock_wall() > list->until) || (list->s->o->interrupt && *list->s->o->interrupt);
+}
+
+static double worth_of(lw_search *s, int thread, const lw_found *c)
+{
+    lw_candidate as;
+    if (c->beyond || !isfinite(c->f) || !lw_search_fill(s, thread, c, &as))
+        return INFINITY;
+    double worth = s->o->worth(s->t, &s->o->spec, &as);
+    lw_candidate_free(&as);
+    return worth;
+}
+
+static void find_worth(void *context, size_t job, int thread)
+{
+    climb_list *list = context;
+    climb *l = &list->item[job];
+    bool met = l->find.f <= MET*MET*(double)list->s->t->n;
+    l->worth = met && !is_over(list) ? worth_of(list->s, thread, &l->find) : INFINITY;
+}
+
+/* Move a find by one random step of all variables; `fits`: then fit it to the target again.  f INFINITY: it is no result. */
+static void move(climb_list *list, climb *l, int thread, double reach, bool fits, lw_rng *rng, lw_found *now)
+{
+    lw_search *s = list->s;
+    double normal[LW_VAR_MAX];
+    *now = l->find;
+    lw_problem *p = lw_search_problem_again(s, thread, 0, now, &l->status);
+    now->f = INFINITY;
+    now->evals = 1;
+    if (!p)
+        return;
+    void *work = s->bench[thread].work;
+    for (int v = 0; v < p->n_var; v++)
+        normal[v] = lw_rng_normal(rng);
+    lw_lm_options o = lw_lm_options_default();
+    o.max_steps = FIT_STEPS;
+    o.f_tol = 1e-9;
+    o.until = list->until;
+    o.interrupt = s->o->interrupt;
+    if (lw_lm_scatter(p, OFF*OFF*(double)p->n, reach, normal, now->x, work)) {
+        now->f = lw_problem_value(p, now->x, NULL, work);
+        if (fits)
+            lw_search_improve(s, p, &o, true, work, now);
+        if (isfinite(now->f))
+            lw_search_judge(s, p, work, now);
+    }
+    l->spent += now->evals*lw_search_effort(s, p).cost;
+    l->of = lw_pool_variables(p);
+}
+
+static void run_climb(void *context, size_t job, int thread)
+{
+    climb_list *list = context;
+    climb *l = &list->item[job];
+    double step[2] = { FIRST_STEP, FIRST_STEP };         /* without and with a fit: the one trades error for worth, the other does not */
+    lw_rng rng;
+    lw_rng_seed(&rng, list->s->o->seed, UINT64_MAX - job);
+    for (int i = 0; i < TRIALS && l->status == LW_OK && !is_over(list) && l->spent < list->allowance; i++) {
+        const bool exact = l->find.f <= EXACT, fits = exact || i % 2;
+        double *reach = &step[fits];
+        lw_found now;
+        if (*reach < LEAST_STEP)
+            continue;
+        move(list, l, thread, *reach, fits, &rng, &now);
+        double worth = exact && !(now.f <= EXACT) ? INFINITY : worth_of(list->s, thread, &now);
+        bool better = worth < l->worth - GAIN;
+        *reach = fmin(*reach*(better ? LONGER : SHORTER), MOST_STEP);
+        if (!better)
+            continue;
+        now.evals += l->find.evals;
+        now.worthy = true;
+        l->find = now;
+        l->worth = worth;
+    }
+}
+
+static int by_worth(const void *a, const void *b)
+{
+    const climb *p = a, *q = b;
+    return p->worth != q->worth ? (p->worth > q->worth) - (p->worth < q->worth) : (p->find.f > q->find.f) - (p->find.f < q->find.f);
+}
+
+static lw_status run(climb_list *list, int n, lw_job *job)
+{
+    const lw_loop loop = { list->s->n_thread, (size_t)n, job, list, { { list->item, sizeof *list->item }, { NULL, 0 } } };
+    return lw_loop_run(&loop, list->s->o->sharing);
+}
+
+lw_status lw_search_climb(lw_search *s, double until)
+{
+    if (!s->o->worth || !lw_task_has_place(s->o->spec.task) || s->t->n > STATIONS)
+        return LW_OK;
+    climb_list *list = calloc(1, sizeof *list);
+    int n = 0;
+    if (!list)
+        return LW_E_MEMORY;
+    list->s = s;
+    list->until = until;
+    list->allowance = s->o->families ? lw_search_budget(s)/(8*CLIMBS) : LONG_MAX;
+    list->n = s->pool.n;
+    for (int i = 0; i < list->n; i++)
+        list->item[i].find = s->pool.item[i];
+    lw_status st = run(list, list->n, find_worth);
+    qsort(list->item, (size_t)list->n, sizeof *list->item, by_worth);
+    while (n < list->n && n < CLIMBS && isfinite(list->item[n].worth) && list->item[n].worth <= list->item[0].worth + WORSE)
+        n++;
+    st = st == LW_OK ? run(list, n, run_climb) : st;
+    for (int i = 0; i < n && st == LW_OK; i++) {
+        const climb *l = &list->item[i];
+        st = l->status;
+        s->evals += l->spent;
+        if (l->find.worthy)
+            lw_pool_put(&s->pool, &l->find, &l->of);
+    }
+    free(list);
+    return st;
+}
