@@ -779,7 +779,7 @@ typedef struct lw_simulation_report {
     double      energy_error;          /* greatest |E - E(start) - work| [J]                                       */
     double      residual;
     /* Planar models with contacts, unless max_seconds is set: how far places [m] and angles [rad] are from those of a second run at a tolerance
-     * of coarse_tolerance, of a stepper at the ends of its pieces.  0: there was none, or it ended early. */
+     * of coarse_tolerance, as far as it came; of a stepper at the ends of its pieces.  0: there was none. */
     double      coarse_tolerance, place_off, turn_off;
 } lw_simulation_report;
 

@@ -336,7 +336,8 @@ TEST(models_that_mislead)
 }
 
 /* A second, coarser run tells how far the places of a run with contacts may be off: about as far as they are, where contacts are captured; it tells
- * where impacts make a motion chaotic, too, and nothing where index1 is exact. */
+ * where impacts make a motion chaotic, too, and nothing where index1 is exact.  Steps of second order that are 2.8 times as long
+ * are 2.8^2 - 1 = 7 times farther off. */
 TEST(coarse_run_tells_the_error)
 {
     expect("for f in hook boxes walking-machine; do for k in index1 capture; do\n"
@@ -347,20 +348,22 @@ TEST(coarse_run_tells_the_error)
            "bodies = [names.index(n[:-5] + '.x') for n in names if n.endswith('.turn')]\n"
            "off = max(math.hypot(a[i] - b[i], a[i + 1] - b[i + 1]) for a, b in zip(exact['rows'], run['rows']) for i in bodies)\n"
            "said = run['coarse_run']['place']\n"
-           "assert 1e-5 < off < 1e-3 and off/2 < said < 5*off, (off, said)\n"
+           "assert 1e-5 < off < 1e-3 and off/2 < said < 10*off, (off, said)\n"
            "assert exact['coarse_run']['place'] < 1e-8\n"
            "END", 0, NULL, NULL);
     expect("! $P simulate examples/dynamics/hook.json 2>&1 | grep 'a run with a tolerance'", 0, NULL, NULL);
     expect("! $P simulate examples/dynamics/boxes.json --formulation capture --time 9 2>&1 | grep 'a run with a tolerance'", 0, NULL, NULL);   /* no time for it */
-    expect("$P simulate examples/dynamics/boxes.json --formulation capture", 0, "# a run with a tolerance of 3.2e-09 differs by", "m/s count as rest");
-    /* a ball that bounces inside a wheel: each impact multiplies an error */
+    expect("$P simulate examples/dynamics/boxes.json --formulation capture", 0, "# a run with a tolerance of 1.7e-08 differs by", "m/s count as rest");
+    /* a ball that bounces inside a wheel: each impact multiplies an error, and after 20 s its place is not known */
     expect("printf '%s' '{\"linkwright\": 1, \"gravity\": [0, -9.81], \"links\": [{\"name\": \"ground\", \"shapes\": [{\"circle\": [0, 0], \"radius\": 1}, "
            "{\"circle\": [3, 0], \"radius\": 1}, {\"polygon\": [[-2, 0], [-1, 0], [-1, 4], [-2, 4]]}, {\"polygon\": [[4, 0], [5, 0], [5, 4], [4, 4]]}, "
            "{\"polygon\": [[-2, -2], [5, -2], [5, 0], [-2, 0]]}]}, {\"name\": \"ball\", \"mass\": 1, \"centre\": [0.6, 3], \"inertia\": 0.01, \"shapes\": "
            "[{\"circle\": [0.6, 3], \"radius\": 0.1}]}], \"joints\": [{\"name\": \"F\", \"kind\": \"n\", \"links\": [\"ground\", \"ball\"]}], \"contacts\": "
-           "[{\"links\": [\"ground\", \"ball\"], \"restitution\": 1}]}' > $D/pinball.json; $P simulate $D/pinball.json --to 20", 0, NULL, "a run with a tolerance of 1e-08 differs by up to");
+           "[{\"links\": [\"ground\", \"ball\"], \"restitution\": 1}]}' > $D/pinball.json; $P simulate $D/pinball.json --to 20",
+           4, NULL, "a run with a tolerance of 1e-08 differs by up to");
     /* the same with a compliant rim, whose impacts are no events */
-    expect("sed 's/\"restitution\": 1}/\"stiffness\": 1e6}/' $D/pinball.json | $P simulate - --to 20", 0, NULL, "a run with a tolerance of 1e-08 differs by up to");
+    expect("sed 's/\"restitution\": 1}/\"stiffness\": 1e6}/' $D/pinball.json | $P simulate - --to 20",
+           4, NULL, "the rows are not reliable: a run with a tolerance of 1e-08 differs by up to");
 }
 
 /* A four-bar drawn with rounded numbers beside a change point: trace and simulate say which way it goes and why; for a

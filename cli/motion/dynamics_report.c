@@ -42,6 +42,8 @@ void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status
     if (r->coarse.large)
         fprintf(f, "# a run with a tolerance of %.2g differs by up to %.2g m and %.2g rad\n", r->coarse.tolerance, r->coarse.place,
                 r->coarse.turn);
+    if (r->coarse.ended)
+        fprintf(f, "# that run ended at t = %.6g s\n", r->coarse.ended_t);
     if (status != LW_OK)
         fprintf(f, "# incomplete: ended at t = %.12g s: %s\n", r->t, e->text);
 }
@@ -93,6 +95,8 @@ void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_repo
         cli_json_real(j, "tolerance", r->coarse.tolerance);
         cli_json_real(j, "place", r->coarse.place);
         cli_json_real(j, "turn", r->coarse.turn);
+        if (r->coarse.ended)
+            cli_json_real(j, "ended", r->coarse.ended_t);
         cli_json_end(j);
     }
     cli_json_int(j, "steps", r->steps);

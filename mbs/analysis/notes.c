@@ -164,9 +164,11 @@ void lw_dynamics_notes(lw_note_sink c, const lw_dynamics *d, const lw_dynamics_r
     if (r->captured_rest > 0)
         note(c, "bounces of up to %.2g m/s count as rest; the error is of first order there", r->captured_rest);
     if (r->coarse.large)
-        note(c, "a run with a tolerance of %.2g differs by up to %.2g m (%s, t = %.6g s) and %.2g rad (%s, t = %.6g s); expect errors of about that size",
+        note(c, "a run with a tolerance of %.2g differs by up to %.2g m (%s, t = %.6g s) and %.2g rad (%s, t = %.6g s); expect errors of up to about that size",
              r->coarse.tolerance, r->coarse.place, lw_dynamics_model(d)->linkage.link_name[r->coarse.placed], r->coarse.place_t, r->coarse.turn,
              lw_dynamics_model(d)->linkage.link_name[r->coarse.turned], r->coarse.turn_t);
+    if (r->coarse.ended)
+        note(c, "that run ended at t = %.6g s, so the errors behind this time are not known; a smaller tolerance shows them", r->coarse.ended_t);
     note_start(c, d, r);
     for (int i = 0; i < r->n_event && i < 10; i++) {
         const lw_run_event *h = &r->event[i];

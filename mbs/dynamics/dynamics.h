@@ -72,7 +72,7 @@ typedef struct lw_dynamics_options {
     bool           hold_inputs;  /* keep inputs without a motion where they are */
     bool           rigid;        /* treat elastic links as rigid bars of the same mass */
     bool           compare;      /* lw_dynamics_analyse repeats a run of a planar model with contacts with less accuracy (lw_coarse_run) */
-    bool           coarse;       /* such a run of captured contacts: its steps are twice as long */
+    double         coarse;       /* such a run of captured contacts: its steps are so many times as long; 0: any other run */
     bool           closed;       /* spatial: treat joints with clearance as ideal joints; analyses other than dynamic do so anyway */
 } lw_dynamics_options;
 
@@ -99,7 +99,10 @@ typedef lw_status lw_moment_sink(void *context, const lw_moment *m);
 /* How far a run with contacts is from the same run with less accuracy.  Each impact amplifies errors, and captured contacts leave an error that
  * the energy does not show; the difference of two runs shows both. */
 typedef struct lw_coarse_run {
-    double tolerance;            /* of the coarse run; 0: there was none, or it ended early */
+    double tolerance;            /* of the coarse run; 0: there was none */
+    bool   ended;                /* it ended early, at ended_t [s]: the differences are those until then */
+    double ended_t;
+    double apart;                /* greatest difference of a centre of mass or of a point that can touch, over the size of the linkage */
     double place, place_t;       /* greatest difference of a centre of mass [m], and when [s] */
     double turn, turn_t;         /* of the angle of a link [rad], and when [s] */
     int    placed, turned;       /* these links */

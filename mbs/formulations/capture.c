@@ -1101,13 +1101,13 @@ static double step_end(lw_run *run, double t)
     return row - end < 1e-9*(row - t) && !lw_run_at_kink(run, end) ? row : fmin(row, end);
 }
 
-/* The longest step from here.  Where functions of time limit it, the limit does not depend on the tolerance.  The run takes half of it, the coarser run
- * beside it all of it: with equal steps the difference of the two runs would not show the error. */
+/* The longest step from here.  Where functions of time limit it, the limit does not depend on the tolerance.  The run takes a part of it, so that the steps of
+ * the coarser run beside it can be longer: with equal steps the difference of the two runs would not show the error. */
 static double longest_step(const capture *g)
 {
     const lw_dynamics_options *o = &g->d->o;
     double spacing = g->run->timed.spacing, most = spacing > 0 ? spacing : INFINITY;
-    return fmin(g->part*(o->to - o->from), o->coarse ? most : 0.5*most);
+    return fmin(g->part*(o->to - o->from), 0.35*fmax(1, o->coarse)*most);
 }
 
 static lw_status run_steps(capture *g, double *y)
@@ -1218,7 +1218,7 @@ static lw_status run_capture(lw_run *run)
     lw_dynamics *d = run->d;
     size_t n_q = (size_t)d->n_q, n_v = (size_t)d->n_v, rows = (size_t)d->n_c + (size_t)d->touch->row_max;
     capture g = { .run = run, .d = d, .t = d->o.from, .n_kept = d->n_kept, .size = smallest(d),
-                  .part = (d->o.coarse ? 2 : 1)*fmin(fmax(pow(d->o.relative, 0.2), finest), coarsest) };
+                  .part = fmax(1, d->o.coarse)*fmin(fmax(pow(d->o.relative, 0.2), finest), coarsest) };
     size_t n_z = (size_t)d->eq.n_z;
     double *memory = calloc(6*n_z + 2*n_q + 6*n_v + rows + 2*rows*(size_t)d->row_size + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
     g.at = calloc((size_t)d->touch->list.n + 1, sizeof *g.at);
