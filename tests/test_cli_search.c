@@ -91,15 +91,18 @@ TEST(only_the_topologies_asked_for)
 
 TEST(a_resumed_fit_is_not_worse)
 {
-    json_t *first = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt --crank-only --budget 2000 --rounds 1 -o $D/r.json -q; "
-                            "cat $D/r.json");
+    json_t *first = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt --crank-only --budget 2000 --rounds 1 --seed 2 -o $D/r.json "
+                            "-q; cat $D/r.json");
     json_t *then = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt --crank-only --budget 2000 --rounds 1 --seed 9 --start-from "
                            "$D/r.json --json");
     double before = real(json_array_get(json_object_get(first, "results"), 0), "objective");
     double after = real(json_array_get(json_object_get(then, "results"), 0), "objective");
+    json_t *alone = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt --crank-only --budget 2000 --rounds 1 --seed 9 --json");
     CHECK(after <= before*(1 + 1e-6) + 1e-26);
+    CHECK(real(json_array_get(json_object_get(alone, "results"), 0), "objective") > before*1.001);      /* else this would not notice */
     json_decref(first);
     json_decref(then);
+    json_decref(alone);
     expect("$P fit $D/t.csv --start-from $D/none.json", 3, NULL, "none.json");
     expect("printf '{\"linkwright\":1,\"links\":[\"ground\",\"a\"],\"joints\":[{\"links\":[\"ground\",\"a\"],"
            "\"name\":\"A\",\"at\":[0,0]}]}' > $D/l.json; $P fit $D/t.csv --start-from $D/l.json", 3, NULL,
