@@ -298,11 +298,19 @@ TEST_OF_FIGURES(the_direction_changes_no_first_row)
     CHECK_NEAR(first_four_bar(back_x, back_y), first_four_bar(x, y), 0, 0.02);
 }
 
-/* Two stages of one family each, a four-link mechanism whose slider drives it, and a six-bar, for an open path with default limits. */
-static void search_open_path(bool crank_only, double tolerance, double max_seconds, int n_stage, double unless, lw_staged_search *s)
+static void make_open_path(const lw_linkage *k, lw_target *t)
 {
     enum { N = 8 };
     double x[2*N], y[2*N], angle[2*N];
+    six_bar_curve(k, 2*N, x, y, angle);
+    for (int i = 0; i < N; i += 2)
+        y[i] += 0.05;
+    CHECK_INT(lw_target_make(N, x, y, NULL, NULL, NULL, 0, t, NULL), LW_OK);
+}
+
+/* Two stages of one family each, a four-link mechanism whose slider drives it, and a six-bar, for an open path with default limits. */
+static void search_open_path(bool crank_only, double tolerance, double max_seconds, int n_stage, double unless, long budget, lw_staged_search *s)
+{
     lw_linkage slider, k = six_bar();
     lw_type_linkage(lw_type_find("sliderdriven"), &slider);
     lw_family four = { .name = "slider", .linkage = &slider, .links = 4 }, six = { .name = "six-bar", .linkage = &k, .links = 6 };
@@ -313,12 +321,9 @@ static void search_open_path(bool crank_only, double tolerance, double max_secon
     o.spec.timing = LW_TIMING_FREE;
     o.spec.crank_only = o.spec.exclude_drag_link = crank_only;
     o.spec.tolerance = tolerance;
-    o.budget = 400;
+    o.budget = budget;
     o.max_seconds = max_seconds;
-    six_bar_curve(&k, 2*N, x, y, angle);
-    for (int i = 0; i < N; i += 2)
-        y[i] += 0.05;
-    CHECK_INT(lw_target_make(N, x, y, NULL, NULL, NULL, 0, &t, NULL), LW_OK);
+    make_open_path(&k, &t);
     lw_fit_spec_set_limits(&o.spec, &t, 0);
     CHECK_INT(lw_staged_search_run(&t, &o, stage, n_stage, s, NULL), LW_OK);
 }
@@ -335,8 +340,8 @@ static bool holds(const lw_staged_search *s, const lw_candidate *c)
 TEST(a_search_of_all_holds_that_of_cranks)
 {
     OWN(lw_staged_search) all = { 0 }, cranks = { 0 };
-    search_open_path(false, 0, 0, 2, 0, &all);
-    search_open_path(true, 0, 0, 2, 0, &cranks);
+    search_open_path(false, 0, 0, 2, 0, 2000, &all);
+    search_open_path(true, 0, 0, 2, 0, 2000, &cranks);
     CHECK(cranks.fit.n > 1 && all.stage[1].n_of[1] > 0);
     for (int i = 0; i < cranks.fit.n; i++)
         CHECK(holds(&all, &cranks.fit.candidate[i]));
@@ -347,8 +352,8 @@ TEST(a_search_within_a_tolerance_holds_that_without)
 {
     OWN(lw_staged_search) all = { 0 }, within = { 0 };
     int smaller = 0;
-    search_open_path(false, 0, 0, 2, 0, &all);
-    search_open_path(false, 1, 0, 2, 0, &within);
+    search_open_path(false, 0, 0, 2, 0, 2000, &all);
+    search_open_path(false, 1, 0, 2, 0, 2000, &within);
     CHECK(all.fit.n > 1);
     for (int i = 0; i < all.fit.n; i++)
         CHECK(holds(&within, &all.fit.candidate[i]));
@@ -357,11 +362,40 @@ TEST(a_search_within_a_tolerance_holds_that_without)
     CHECK(smaller > 0);
 }
 
+/* A larger budget finds all that a smaller one finds, so its first row is no worse; also one that ends within a part, of which it makes
+ * the first searches. */
+TEST(a_larger_budget_is_never_worse)
+{
+    static const long budget[] = { 10000, 17000, 30000 };
+    enum { RUNS = sizeof budget/sizeof *budget };
+    lw_staged_search s[RUNS];
+    double first[RUNS];
+    lw_linkage k = six_bar();
+    lw_fit_spec spec = lw_fit_spec_default();
+    OWN(lw_target) t = { 0 };
+    make_open_path(&k, &t);
+    spec.timing = LW_TIMING_FREE;
+    lw_fit_spec_set_limits(&spec, &t, 0);
+    for (int r = 0; r < RUNS; r++) {
+        lw_fit_results rows;
+        search_open_path(false, 0, 0, 2, 0, budget[r], &s[r]);
+        CHECK_INT(lw_fit_results_make(&t, &spec, &s[r].fit, 10, NULL, NULL, &rows, NULL), LW_OK);
+        first[r] = rows.n > 0 ? rows.report[0].counts_as : INFINITY;
+        lw_fit_results_free(&rows);
+        CHECK(isfinite(first[r]));
+        for (int i = 0; r > 0 && i < s[r - 1].fit.n; i++)
+            CHECK(holds(&s[r], &s[r - 1].fit.candidate[i]));
+        CHECK(r == 0 || (first[r] <= first[r - 1] && s[r].stage[0].n_part > s[r - 1].stage[0].n_part));
+    }
+    for (int r = 0; r < RUNS; r++)
+        lw_staged_search_free(&s[r]);
+}
+
 /* A linkage whose input rocks is near enough: then cranks are searched, and only they. */
 TEST(more_links_are_left_out_if_a_crank_is_enough)
 {
     OWN(lw_staged_search) s = { 0 };
-    search_open_path(false, 0, 0, 2, 1e9, &s);
+    search_open_path(false, 0, 0, 2, 1e9, 400, &s);
     CHECK_INT(s.n_stage, 2);
     CHECK(s.stage[1].n_of[0] > 0);
     CHECK_INT(s.stage[1].n_of[1], 0);
@@ -386,7 +420,7 @@ static int stages_of_a_line(bool level, double unless, double *near, double *cou
     CHECK_INT(lw_target_make(9, x, y, level ? theta : NULL, NULL, NULL, 0, &t, NULL), LW_OK);
     o.spec.task = level ? LW_TASK_MOTION : LW_TASK_PATH;
     o.spec.timing = LW_TIMING_FREE;
-    o.budget = 300;
+    o.budget = level ? 10000 : 300;                           /* the front of large four-bars takes more                 */
     lw_fit_spec_set_limits(&o.spec, &t, 0);
     CHECK_INT(lw_staged_search_run(&t, &o, stage, 2, &s, NULL), LW_OK);
     lw_fit four_bars = { .candidate = s.fit.candidate };      /* the first by error: with a crank, or no row              */
@@ -431,7 +465,7 @@ TEST(reports_are_made_before_the_time_ends)
 {
     OWN(lw_staged_search) s = { 0 };
     int n_report = 0;                                   /* they may take as long as the search: on a busy machine some are left for later */
-    search_open_path(false, 0, 1e4, 1, 0, &s);
+    search_open_path(false, 0, 1e4, 1, 0, 400, &s);
     CHECK(s.fit.n > 1);
     for (int i = 0; i < s.fit.n; i++)
         n_report += s.fit.candidate[i].report != NULL;

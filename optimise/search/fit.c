@@ -66,7 +66,7 @@ bool lw_search_widens(const lw_search *s)
 
 double lw_search_widening(const lw_search *s)
 {
-    return lw_search_widens(s) ? WIDEN_PART*s->o->max_seconds : 0;
+    return lw_search_widens(s) && !s->o->no_front ? WIDEN_PART*s->o->max_seconds : 0;
 }
 
 double lw_search_end(const lw_search *s)

@@ -49,6 +49,8 @@ typedef struct lw_fit_options {
     long        starts;          /* starts of each candidate in a round; 0: by the type              */
     int         max_rounds;      /* 0: by the size of the problem                                   */
     double      rounds_from, rounds_to;      /* with `types`: only this part of the rounds, 0 to 1; rounds_to 0: to the end */
+    bool        no_front;        /* another search starts from what is found: unless the target is met exactly, finds are not fitted again
+                                  * at other sizes                                                  */
     int         n_result;        /* most results (10)                                               */
     const volatile int *interrupt;   /* the search stops when it becomes nonzero; NULL: nothing stops it */
     /* Called after each round, may be NULL; done in [0, 1], best objective so far. */

@@ -167,7 +167,7 @@ static lw_status search_all(lw_search *s, lw_fit *out, lw_error *e)
     st = search_rounds(s, &out->stop, e);
     if (st == LW_OK && s->o->both_ways)
         st = lw_search_order_stations(s, out, e);
-    if (st == LW_OK)
+    if (st == LW_OK && (!s->o->no_front || out->stop == LW_STOP_F_TARGET))
         st = lw_search_widen(s);
     if (st == LW_OK)
         st = lw_search_rank(s, out);

@@ -14,9 +14,12 @@ enum {
     PARENTS = 4,            /* linkages of a stage that get a dyad                                  */
     CHILDREN = 24,          /* that they have in all, half of them the best one's                    */
     AGAIN = 8,              /* linkages that a stage found before and starts from again              */
-    FIRST = 4,              /* under a time limit, the first part of a stage's budget: one in so many, ... */
+    FIRST = 10000,          /* evaluations of the first part of a stage with default limits           */
+    FIRST_WHOLE = 4,        /* under a time limit, the first part of the budget of a stage without these: one in so many, ... */
     FIRST_TYPES = 32,       /* ... and of the rounds of four-link types: one so long that time cuts it finds no small linkages */
-    UNLESS = 3,             /* the first part of a stage with `unless`, with or without a time limit: so many times less */
+    ENOUGH = 300000,        /* evaluations of a stage after which it may end because of `unless`      */
+    SMALL = 100000,         /* evaluations of a part below which only its last search makes a front  */
+    EXACT = 100000,         /* with default limits, the same because the target is met exactly: there may be smaller linkages */
     OF_EACH = 4,            /* candidates of every number of links that are kept, in case the best has a defect */
     ROWS = 24,              /* rows that the next search starts from, with default limits            */
     PARTS = 4,              /* small cranks have one of so many parts of a budget, and all others one, at first  */
@@ -43,6 +46,7 @@ typedef struct stage_part {
     double                 end;      /* wall clock; 0: no limit                                     */
     bool                   grows;    /* from the best linkages with two links fewer, with a dyad added */
     bool                   in_part;  /* the stage has a larger budget than this part                */
+    long                   left;     /* of that budget: a search that needs more is not begun       */
     lw_stage_result       *r;
     lw_staged_search      *out;
     lw_error              *e;
@@ -186,7 +190,8 @@ static bool is_dominated(const lw_fit *f, int n, const lw_candidate *c)
 
 /* Keep the first candidates, some of every number of links, and with default limits some of each part of the types or dimensions: small
  * linkages and those without a crank may be first in another measure than the error.  And keep those that none before is as good as
- * in size and transmission angle, all that have a report, since rows may be among them, and all that are shrunk. */
+ * in size and transmission angle, all that have a report, since rows may be among them or may have been those of a smaller budget, and all
+ * that are shrunk. */
 static void shorten(lw_staged_search *s, const lw_fit_options *o)
 {
     const bool front = o->spec.by_default;
@@ -197,11 +202,12 @@ static void shorten(lw_staged_search *s, const lw_fit_options *o)
     for (int i = 0; i < f->n; i++) {
         lw_candidate *c = &f->candidate[i];
         int links = lw_candidate_links(c);
-        bool wanted = others < most || seen[links] < each || seen_of[links][c->part] < of_part || c->report
+        bool wanted = others < most || seen[links] < each || seen_of[links][c->part] < of_part
                    || (front && !is_dominated(f, n, c));
+        bool twin = last >= 0 && same(c, &f->candidate[last]);
         if (c->shrunk) {
             f->candidate[n++] = *c;
-        } else if (wanted && (last < 0 || !same(c, &f->candidate[last]))) {
+        } else if (c->report || (wanted && !twin)) {
             last = n;
             f->candidate[n++] = *c;
             others++;
@@ -301,14 +307,18 @@ static double seconds_until(double end)
     return end > 0 ? fmax(1e-3, end - lw_clock_wall()) : 0;
 }
 
-/* Make the reports of what a search found now, so that rows are chosen among all of it when the time ends.  They take no longer than the
- * search took. */
+/* Make the reports of what a search found now, so that rows are chosen among all of it whenever the stages end.  Under a time limit they take
+ * no longer than the search took.  (Without it, four-link types are searched as a whole: nothing of them can be lost.) */
 static void keep_reports(const stage_part *p, double seconds)
 {
     const lw_fit_options *o = p->o;
-    const lw_results_effort effort = { .jobs = o->jobs, .until = fmin(p->end, lw_clock_wall() + seconds), .interrupt = o->interrupt };
-    if (p->end > 0 && o->spec.by_default)
-        lw_fit_results_keep(p->t, &o->spec, &p->out->fit, &effort);
+    const double until = p->end > 0 ? fmin(p->end, lw_clock_wall() + seconds) : 0;
+    const lw_results_effort effort = { .jobs = o->jobs, .until = until, .interrupt = o->interrupt };
+    if (!o->spec.by_default || (p->end <= 0 && !p->stage->families.make))
+        return;
+    if (p->stage->families.make)
+        shorten(p->out, o);                               /* linkages found again need no report           */
+    lw_fit_results_keep(p->t, &o->spec, &p->out->fit, &effort);
 }
 
 /* Run the searches of four-link types. */
@@ -402,6 +412,7 @@ typedef struct family_search {
     int         n_before;            /* how often the stage was searched for this kind before       */
     bool        later;               /* an earlier part has searched the stage for this kind        */
     long        budget, sweep;       /* as in lw_fit_options                                        */
+    bool        last;                /* of the searches of a part: the others make no front         */
 } family_search;
 
 /* Search the families of a stage once, from the best linkages found before. */
@@ -423,6 +434,7 @@ static lw_status run_families(const stage_part *p, const family_search *f, const
     mine.families = &all;
     mine.part_number = number_of(f->kind, f->n_before);
     mine.budget = f->budget;
+    mine.no_front = !f->last && p->o->budget < SMALL;
     mine.sweep = f->sweep;
     mine.max_seconds = seconds_until(p->end);
     mine.whole_rounds = any_with(&p->out->fit, p->stage->links);
@@ -437,10 +449,11 @@ static lw_status run_families(const stage_part *p, const family_search *f, const
     return st;
 }
 
-/* Search the families of a stage for cranks, for others, or whole, with this budget; *n: how often that was done.  If small cranks are
+/* Search the families of a stage for cranks, for others, or whole, with this budget; *n: how often that was done.  A search that needs more
+ * than p->left is not begun, nor any after it, since a larger budget would have another one; *whole: all were begun.  If small cranks are
  * searched too, either search has a quarter of the budget, and so has the search both ways if the best curve strays.  The search that
- * found the first of the rows that a person would see now has the rest. */
-static lw_status run_searches(const stage_part *p, lw_fit_part kind, long budget, int *n)
+ * found the first of the rows that a person would see now has the rest, and makes a front of what all of them found. */
+static lw_status run_searches(const stage_part *p, lw_fit_part kind, long budget, int *n, bool *whole)
 {
     const bool cranks = kind == LW_FIT_CRANKS, compact = can_be_compact(p->o) && kind != LW_FIT_OTHERS;
     bool again = false, stopped = false, exact = false;
@@ -456,12 +469,13 @@ static lw_status run_searches(const stage_part *p, lw_fit_part kind, long budget
             bool last = !compact || k > 2 || (k == 2 && !again);
             search[k] = k == 0 ? OTHERS : k == 1 ? COMPACT : !last ? BOTH_WAYS
                       : best_search(&seen, &rows, p->stage->links, number_of(kind, n_first), search, k);
-            family_search f = { kind, search[k], *n, n_first > 0, last || quarter > left ? left : quarter, p->o->sweep };
-            if (f.sweep == 0 && (p->in_part || compact))
+            family_search f = { kind, search[k], *n, n_first > 0, last || quarter > left ? left : quarter, p->o->sweep, last };
+            if (f.sweep == 0 && (p->in_part || p->o->spec.by_default))
                 f.sweep = f.budget/2;
-            left -= f.budget;
-            st = run_families(p, &f, &seen, &rows);
-            ++*n;
+            *whole = budget - left + f.budget <= p->left;
+            left = *whole ? left - f.budget : 0;
+            st = *whole ? run_families(p, &f, &seen, &rows) : LW_OK;
+            *n += *whole;
         } else
             lw_error_set(p->e, st, "no memory for reports");
         lw_fit_results_free(&rows);
@@ -509,45 +523,56 @@ static lw_status run_all_families(const stage_part *p)
     const lw_fit_options *o = p->o;
     bool enough = false, must_turn = o->spec.crank_only || (p->t->closed && !lw_task_has_place(o->spec.task));
     lw_fit_part kind = o->spec.by_default ? LW_FIT_CRANKS : LW_FIT_WHOLE;
-    lw_status st = run_searches(p, kind, o->budget, &p->r->n_of[0]);
+    bool whole = true;
+    lw_status st = run_searches(p, kind, o->budget, &p->r->n_of[0], &whole);
     lw_stop stop = p->r->stop;
-    if ((st != LW_OK && st != LW_E_KIND) || kind != LW_FIT_CRANKS || must_turn || stop == LW_STOP_F_TARGET)
+    if ((st != LW_OK && st != LW_E_KIND) || !whole || kind != LW_FIT_CRANKS || must_turn || stop == LW_STOP_F_TARGET)
         return st;
     if (p->stage->unless > 0 && (st = is_enough(p->t, o, p->end, p->stage->unless, true, false, p->out, &enough)) != LW_OK)
         return lw_error_set(p->e, st, "no memory for a report");
-    st = enough ? LW_OK : run_searches(p, LW_FIT_OTHERS, (o->budget + 1)/2, &p->r->n_of[1]);
+    st = enough ? LW_OK : run_searches(p, LW_FIT_OTHERS, (o->budget + 1)/2, &p->r->n_of[1], &whole);
     p->r->stop = st == LW_STOPPED ? p->r->stop : stop;    /* an exact find of the others does not end the search for cranks */
     return st;
 }
 
 /* ---- which stage gets the next evaluations -------------------------------------------------------- */
 
-/* Under a time limit stages are searched in parts, each twice as large as the one before, the first a quarter of the stage's
- * budget or a thirty-second of its rounds.  After the first parts, the stage whose last part lowered the logarithm of the error most
- * per evaluation has the next part.  If time does not end it before, each has its own budget in the end, the last part of more links after
- * all of fewer.  No part depends on the time limit, and what was found is kept: so a search with more time does all that one
+/* With default limits, families are searched in parts that end after 1e4, 3e4, 1e5, 3e5, ... evaluations of a stage, whatever the budget; without a
+ * time limit the stage that had least has the next part, and the first part that does not fit ends the search.  No find with a report is
+ * dropped: so a run does all that one with a smaller budget (of 1e4 at least) does, and then more.
+ *
+ * Under a time limit, four-link types have parts too, and stages without default limits: each twice as large as the one before, the first a
+ * quarter of the stage's budget or a thirty-second of its rounds.  After the first parts, the stage whose last part lowered the logarithm of the
+ * error most per evaluation has the next part.  If time does not end it before, each has its own budget in the end, the last part of more links
+ * after all of fewer.  No part depends on the time limit, and what was found is kept: so a search with more time does all that one
  * with less does, and then more. */
 typedef struct contest {
+    bool   timed;
     long   whole[LW_STAGE_MAX];      /* budget of each                                              */
     long   part[LW_STAGE_MAX];       /* budget of the last part of each                             */
+    long   spent[LW_STAGE_MAX];      /* of all its parts                                            */
     long   left[LW_STAGE_MAX];       /* of its budget; 0: it takes no part any more                 */
     double rate[LW_STAGE_MAX];       /* what the last part gained per evaluation                    */
     bool   beyond;                   /* all had their budgets: time alone ends the search           */
 } contest;
 
-/* Budget of the first part of a stage; a large budget does not make it longer.  A stage that is left out if a linkage is near enough
- * has parts without a time limit, too: the later ones are left out as well. */
-static long first_part(const lw_search_stage *stage, long whole, bool in_parts)
-{
-    long usual = stage->families.make && whole > LW_FIT_BUDGET ? LW_FIT_BUDGET : whole;
-    int parts = (in_parts ? stage->families.make ? FIRST : FIRST_TYPES : 1)*(stage->unless > 0 ? UNLESS : 1);
-    return parts > 1 ? (usual + parts - 1)/parts : whole;
-}
+/* Do the parts of a stage end whatever its budget is? */
+static bool in_ends(const lw_fit_options *o, const lw_search_stage *stage) { return o->spec.by_default && stage->families.make; }
 
 /* Budget of the next part of stage i. */
-static long next_part(const contest *c, int i)
+static long next_part(const contest *c, const lw_fit_options *o, const lw_search_stage *stage, int i)
 {
-    return 2*c->part[i] < c->left[i] ? 2*c->part[i] : c->left[i];
+    if (in_ends(o, &stage[i])) {
+        long end = FIRST;
+        for (bool three = true; end <= c->spent[i]; three = !three)
+            end = three ? 3*end : end/3*10;
+        return c->spent[i] == 0 && c->whole[i] < end ? c->whole[i] : end - c->spent[i];
+    }
+    if (c->part[i] > 0)
+        return 2*c->part[i] < c->left[i] ? 2*c->part[i] : c->left[i];
+    const bool families = stage[i].families.make != NULL;
+    long usual = families && c->whole[i] > LW_FIT_BUDGET ? LW_FIT_BUDGET : c->whole[i], parts = families ? FIRST_WHOLE : FIRST_TYPES;
+    return c->timed ? (usual + parts - 1)/parts : c->whole[i];
 }
 
 /* The least objective with at most so many links. */
@@ -560,16 +585,15 @@ static double least_of(const lw_fit *f, int links)
     return least;
 }
 
-/* The stage that gets the next part: the one that gained most; of several that gained nothing the one with the smallest
- * part.  -1: none. */
-static int winner(const contest *c, int n)
+/* The stage that gets the next part: the one that gained most; of several that gained nothing the one that had least.  -1: none. */
+static int winner(const contest *c, const lw_fit_options *o, const lw_search_stage *stage, int n)
 {
     int best = -1;
     long fewer = 0;                  /* what stages with fewer links have left                      */
     for (int i = 0; i < n; i++) {
-        bool may = c->left[i] > 0 && (fewer == 0 || next_part(c, i) < c->left[i]);
+        bool may = c->left[i] > 0 && (fewer == 0 || next_part(c, o, stage, i) < c->left[i]);
         fewer += c->left[i];
-        if (may && (best < 0 || c->rate[i] > c->rate[best] || (c->rate[i] == c->rate[best] && c->part[i] <= c->part[best])))
+        if (may && (best < 0 || c->rate[i] > c->rate[best] || (c->rate[i] == c->rate[best] && c->spent[i] < c->spent[best])))
             best = i;
     }
     return best;
@@ -597,7 +621,7 @@ static lw_status run_part(const lw_target *t, const lw_fit_options *o, const lw_
     lw_stage_result *r = &out->stage[i];
     lw_fit_options mine = *o;
     const stage_part p = { .t = t, .o = &mine, .stage = &stage[i], .end = end, .grows = i > 0 && !lw_task_has_angle(o->spec.task),
-                           .in_part = budget < c->whole[i], .r = r, .out = out, .e = e };
+                           .in_part = budget < c->whole[i], .left = c->left[i], .r = r, .out = out, .e = e };
     double before = least_of(&out->fit, stage[i].links), whole = (double)c->whole[i];
     long spent = r->evals;
     mine.families = NULL;
@@ -614,9 +638,13 @@ static lw_status run_part(const lw_target *t, const lw_fit_options *o, const lw_
     r->seconds += lw_clock_wall() - start;
     double after = least_of(&out->fit, stage[i].links);
     spent = r->evals - spent;
+    const bool over = !c->timed && budget > c->left[i], met = r->stop == LW_STOP_F_TARGET;
     c->part[i] = budget;
-    c->left[i] = r->stop != LW_STOP_F_TARGET ? c->left[i] - budget : 0;
-    c->rate[i] = !(after < before) || spent == 0 || isinf(before) ? 0 : log((before + ROUNDING)/(after + ROUNDING))/(double)spent;
+    c->spent[i] += budget;
+    c->left[i] = (met && !(in_ends(o, &stage[i]) && c->spent[i] < EXACT)) || budget > c->left[i] ? 0 : c->left[i] - budget;
+    for (int k = 0; k < LW_STAGE_MAX && over; k++)
+        c->left[k] = 0;
+    c->rate[i] = !c->timed || !(after < before) || spent == 0 || isinf(before) ? 0 : log((before + ROUNDING)/(after + ROUNDING))/(double)spent;
     for (int k = 0; k < out->n_stage; k++)                /* better linkages to add a dyad to: as promising  */
         if (stage[k].links == stage[i].links + 2)
             c->rate[k] = fmax(c->rate[k], c->rate[i]);
@@ -628,21 +656,22 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
 {
     lw_status st = LW_OK;
     const double end = o->max_seconds > 0 ? lw_clock_wall() + o->max_seconds : 0;
-    contest c = { .part = { 0 } };
+    contest c = { .timed = end > 0 };
     bool asked = false;
     memset(out, 0, sizeof *out);
     n_stage = n_stage < LW_STAGE_MAX ? n_stage : LW_STAGE_MAX;
     for (;;) {
         bool first = out->n_stage < n_stage, enough = false;
-        int i = first ? out->n_stage : winner(&c, n_stage);
+        int i = first ? out->n_stage : winner(&c, o, stage, n_stage);
         bool over = end > 0 && end - lw_clock_wall() <= LEAST_PART*o->max_seconds;
         if (i < 0 && end > 0 && o->budget <= 0 && !c.beyond && go_beyond(&c, stage, out))
-            i = winner(&c, n_stage);
+            i = winner(&c, o, stage, n_stage);
         if (i < 0 || (over && (!first || out->fit.n > 0))) {
             st = i < 0 || c.beyond ? st : LW_STOPPED;
             break;
         }
-        if (stage[i].unless > 0 && is_enough(t, o, end, stage[i].unless, !first, o->spec.by_default && lw_target_prefers_turns(t), out, &enough) != LW_OK) {
+        if (stage[i].unless > 0 && (first || c.spent[i] >= ENOUGH)
+            && is_enough(t, o, end, stage[i].unless, !first, o->spec.by_default && lw_target_prefers_turns(t), out, &enough) != LW_OK) {
             lw_staged_search_free(out);
             return lw_error_set(e, LW_E_MEMORY, "no memory for a report");
         }
@@ -656,8 +685,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
             out->stage[out->n_stage++] = (lw_stage_result){ .links = stage[i].links, .best = INFINITY };
             c.whole[i] = c.left[i] = stage[i].budget > 0 ? stage[i].budget : o->budget > 0 ? o->budget : LW_FIT_BUDGET;
         }
-        long budget = first ? first_part(&stage[i], c.whole[i], end > 0) : next_part(&c, i);
-        lw_status now = run_part(t, o, stage, i, budget, end, &c, out, e);
+        lw_status now = run_part(t, o, stage, i, next_part(&c, o, stage, i), end, &c, out, e);
         if (now < 0 && now != LW_E_KIND) {
             lw_staged_search_free(out);
             return now;

@@ -3,11 +3,12 @@
  * The best linkages of a stage with two links fewer, and a dyad added, are starts of the next stage; so more links
  * are never worse than fewer.  The caller says which families a stage has.
  *
- * Under a time limit stages are searched in parts of doubling size that start again from their best linkages; the stage that
- * gains most per evaluation has the next part.  The limit does not change the parts, and rows found are kept: more time is never
- * worse.  Without a limit each stage has its budget at once.
+ * With default limits, and under a time limit, stages are searched in parts of growing size that start again from their best linkages.
+ * Neither budget nor time change the parts, and what was found is kept: a larger budget, or more time, is never worse.  With default limits
+ * the parts of a stage of families end after 1e4, 3e4, 1e5, 3e5, 1e6, ... evaluations; a search of a part that would exceed the budget is not
+ * begun.  Under a time limit the stage that gains most per evaluation has the next part.
  *
- * With default limits a stage divides its budget among a search for cranks, one for small cranks, and the better of the two.  If the
+ * With default limits a part divides its budget among a search for cranks, one for small cranks, and the better of the two.  If the
  * input need not turn, linkages of other kinds then have half as much again.  Searches for cranks see only what searches for cranks
  * found: a search for all linkages makes all searches of one with `crank_only`, and finds what that finds.
  */
@@ -23,8 +24,8 @@ typedef struct lw_search_stage {
     lw_families      families;       /* make NULL: the four-link types of lw_fit_options.types      */
     double           unless;         /* > 0, with default limits: this stage and all after it are left out if of the cranks found the first row
                                       * counts as no more than this (lw_fit_report.counts_as), or is within spec.tolerance.  Once begun,
-                                      * they end as soon as both are so; if they are so with others than cranks, only cranks are searched.  A
-                                      * third of the budget, or of the first part of it, is searched before it looks again */
+                                      * they end after a part, of those from 3e5 evaluations on, when both are so; if they are so with others than
+                                      * cranks, only cranks are searched */
     long             budget;         /* of the stage; 0: that of lw_fit_options                      */
     /* Write the name of a linkage with an added dyad.  LW_NOTHING: the linkage is not wanted; a failure ends the search.
      * NULL: names come from the parent. */
