@@ -111,6 +111,7 @@ TEST(catalogue_check)
            "simple-joint,1,8,3,nonfractionated chains,17,here,\\n' > $D/t.csv; $P catalogue check $D/t.csv --json", 4,
            "\"counted\":16,\"verdict\":\"DISAGREES\"", NULL);
     expect("$P catalogue check --time 1e-9 --disagreeing", 0, NULL, " 0 disagree, ");
+    expect("head -c 8192 /dev/zero > $D/cut; $P catalogue check $D/cut", 3, NULL, "not a catalogue");   /* as a killed build leaves it */
     expect("echo a,b > $D/t.csv; $P catalogue check $D/t.csv", 3, NULL, "t.csv:1:1: the header must be");
     expect("$P catalogue count", 2, NULL, "there are build");
 }

@@ -30,9 +30,11 @@ bool cli_can_read_again(const char *path)
 
 bool cli_is_catalogue(const char *path)
 {
+    static const char first[2][16] = { "SQLite format 3", { 0 } };      /* zeros: its first transaction was cut off, and SQLite puts it right */
     char head[16];
     FILE *f = cli_can_read_again(path) ? fopen(path, "rb") : NULL;
-    bool is = f && fread(head, sizeof head, 1, f) == 1 && memcmp(head, "SQLite format 3", sizeof head) == 0;
+    bool read = f && fread(head, sizeof head, 1, f) == 1;
+    bool is = read && (memcmp(head, first[0], sizeof head) == 0 || memcmp(head, first[1], sizeof head) == 0);
     if (f)
         fclose(f);
     return is;
