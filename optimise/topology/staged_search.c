@@ -17,6 +17,7 @@ enum {
     FIRST = 10000,          /* evaluations of the first part of a stage with default limits           */
     FIRST_WHOLE = 4,        /* under a time limit, the first part of the budget of a stage without these: one in so many, ... */
     FIRST_TYPES = 32,       /* ... and of the rounds of four-link types: one so long that time cuts it finds no small linkages */
+    UNLESS = 3,             /* ... of a stage with `unless`: so many times less                      */
     ENOUGH = 300000,        /* evaluations of a stage after which it may end because of `unless`      */
     SMALL = 100000,         /* evaluations of a part below which only its last search makes a front  */
     EXACT = 100000,         /* with default limits, the same because the target is met exactly: there may be smaller linkages */
@@ -301,6 +302,12 @@ static bool any_with(const lw_fit *f, int links)
     return false;
 }
 
+/* Do the parts of a stage end whatever its budget is? */
+static bool in_ends(const lw_fit_options *o, const lw_search_stage *stage)
+{
+    return o->spec.by_default && stage->families.make && !(o->max_seconds > 0);
+}
+
 /* Seconds of a search that may last until `end`. */
 static double seconds_until(double end)
 {
@@ -434,7 +441,7 @@ static lw_status run_families(const stage_part *p, const family_search *f, const
     mine.families = &all;
     mine.part_number = number_of(f->kind, f->n_before);
     mine.budget = f->budget;
-    mine.no_front = !f->last && p->o->budget < SMALL;
+    mine.no_front = !f->last && in_ends(p->o, p->stage) && p->o->budget < SMALL;
     mine.sweep = f->sweep;
     mine.max_seconds = seconds_until(p->end);
     mine.whole_rounds = any_with(&p->out->fit, p->stage->links);
@@ -537,15 +544,14 @@ static lw_status run_all_families(const stage_part *p)
 
 /* ---- which stage gets the next evaluations -------------------------------------------------------- */
 
-/* With default limits, families are searched in parts that end after 1e4, 3e4, 1e5, 3e5, ... evaluations of a stage, whatever the budget; without a
- * time limit the stage that had least has the next part, and the first part that does not fit ends the search.  No find with a report is
+/* With default limits and without a time limit, families are searched in parts that end after 1e4, 3e4, 1e5, 3e5, ... evaluations of a stage,
+ * whatever the budget; the stage that had least has the next part, and the first part that does not fit ends the search.  No find with a report is
  * dropped: so a run does all that one with a smaller budget (of 1e4 at least) does, and then more.
  *
- * Under a time limit, four-link types have parts too, and stages without default limits: each twice as large as the one before, the first a
- * quarter of the stage's budget or a thirty-second of its rounds.  After the first parts, the stage whose last part lowered the logarithm of the
- * error most per evaluation has the next part.  If time does not end it before, each has its own budget in the end, the last part of more links
- * after all of fewer.  No part depends on the time limit, and what was found is kept: so a search with more time does all that one
- * with less does, and then more. */
+ * Under a time limit parts are twice as large as those before, the first a quarter of the stage's budget or a thirty-second of its rounds.  After the
+ * first parts, the stage whose last part lowered the logarithm of the error most per evaluation has the next part.  If time does not end it before,
+ * each has its own budget in the end, the last part of more links after all of fewer.  No part depends on the time limit, and what was found is kept:
+ * so a search with more time does all that one with less does, and then more. */
 typedef struct contest {
     bool   timed;
     long   whole[LW_STAGE_MAX];      /* budget of each                                              */
@@ -555,9 +561,6 @@ typedef struct contest {
     double rate[LW_STAGE_MAX];       /* what the last part gained per evaluation                    */
     bool   beyond;                   /* all had their budgets: time alone ends the search           */
 } contest;
-
-/* Do the parts of a stage end whatever its budget is? */
-static bool in_ends(const lw_fit_options *o, const lw_search_stage *stage) { return o->spec.by_default && stage->families.make; }
 
 /* Budget of the next part of stage i. */
 static long next_part(const contest *c, const lw_fit_options *o, const lw_search_stage *stage, int i)
@@ -571,7 +574,7 @@ static long next_part(const contest *c, const lw_fit_options *o, const lw_search
     if (c->part[i] > 0)
         return 2*c->part[i] < c->left[i] ? 2*c->part[i] : c->left[i];
     const bool families = stage[i].families.make != NULL;
-    long usual = families && c->whole[i] > LW_FIT_BUDGET ? LW_FIT_BUDGET : c->whole[i], parts = families ? FIRST_WHOLE : FIRST_TYPES;
+    long usual = families && c->whole[i] > LW_FIT_BUDGET ? LW_FIT_BUDGET : c->whole[i], parts = (families ? FIRST_WHOLE : FIRST_TYPES)*(stage[i].unless > 0 ? UNLESS : 1);
     return c->timed ? (usual + parts - 1)/parts : c->whole[i];
 }
 
@@ -670,7 +673,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
             st = i < 0 || c.beyond ? st : LW_STOPPED;
             break;
         }
-        if (stage[i].unless > 0 && (first || c.spent[i] >= ENOUGH)
+        if (stage[i].unless > 0 && (first || !in_ends(o, &stage[i]) || c.spent[i] >= ENOUGH)
             && is_enough(t, o, end, stage[i].unless, !first, o->spec.by_default && lw_target_prefers_turns(t), out, &enough) != LW_OK) {
             lw_staged_search_free(out);
             return lw_error_set(e, LW_E_MEMORY, "no memory for a report");
