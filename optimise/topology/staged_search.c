@@ -574,7 +574,8 @@ static long next_part(const contest *c, const lw_fit_options *o, const lw_search
     if (c->part[i] > 0)
         return 2*c->part[i] < c->left[i] ? 2*c->part[i] : c->left[i];
     const bool families = stage[i].families.make != NULL;
-    long usual = families && c->whole[i] > LW_FIT_BUDGET ? LW_FIT_BUDGET : c->whole[i], parts = (families ? FIRST_WHOLE : FIRST_TYPES)*(stage[i].unless > 0 ? UNLESS : 1);
+    long usual = families && c->whole[i] > LW_FIT_BUDGET ? LW_FIT_BUDGET : c->whole[i];
+    int parts = (families ? FIRST_WHOLE : FIRST_TYPES)*(stage[i].unless > 0 ? UNLESS : 1);
     return c->timed ? (usual + parts - 1)/parts : c->whole[i];
 }
 
