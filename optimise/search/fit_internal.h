@@ -155,8 +155,9 @@ lw_status lw_search_round(lw_search *s, lw_error *e);
 lw_status lw_search_order_stations(lw_search *s, lw_fit *out, lw_error *e);
 
 /* Before the pool is ranked: fit its best finds again with less size and with greater transmission angles, so that the
- * results are a front.  With spec.tolerance, then put the smallest linkages within it into s->shrunk. */
-lw_status lw_search_widen(lw_search *s);
+ * results are a front; `go_on` then moves them until a time (0: no limit), lw_search_climb.  With spec.tolerance, at last put the smallest linkages
+ * within it into s->shrunk. */
+lw_status lw_search_widen(lw_search *s, lw_status (*go_on)(lw_search *s, double until));
 
 /* The problem of a find with its conditions and a least transmission angle [deg], in the find's intended motion; scratch in the thread's
  * bench.  NULL: *st says why. */

@@ -1062,7 +1062,7 @@ static lw_status run_chains(lw_search *s, chain_list *list, const lw_found *firs
     return st;
 }
 
-lw_status lw_search_widen(lw_search *s)
+lw_status lw_search_widen(lw_search *s, lw_status (*go_on)(lw_search *s, double until))
 {
     lw_pool *pool = &s->pool;
     if (!lw_search_widens(s) || (s->o->interrupt && *s->o->interrupt))
@@ -1086,7 +1086,7 @@ lw_status lw_search_widen(lw_search *s)
     list->shrink = SHRINK;
     lw_status st = run_chains(s, list, first, n, pool);
     if (st == LW_OK)
-        st = lw_search_climb(s, list->until);
+        st = go_on(s, list->until);
     list->within = true;
     for (size_t i = 0; is_smallest_wanted(s) && i < sizeof shrink_within/sizeof *shrink_within && st == LW_OK; i++) {
         n = i > 0 ? choose_smallest(s, first) : n;

@@ -168,7 +168,7 @@ static lw_status search_all(lw_search *s, lw_fit *out, lw_error *e)
     if (st == LW_OK && s->o->both_ways)
         st = lw_search_order_stations(s, out, e);
     if (st == LW_OK && (!s->o->no_front || out->stop == LW_STOP_F_TARGET))
-        st = lw_search_widen(s);
+        st = lw_search_widen(s, lw_search_climb);
     if (st == LW_OK)
         st = lw_search_rank(s, out);
     if (st == LW_OK && s->no_memory)
