@@ -361,8 +361,8 @@ TEST(coarse_run_tells_the_error)
            "[{\"circle\": [0.6, 3], \"radius\": 0.1}]}], \"joints\": [{\"name\": \"F\", \"kind\": \"n\", \"links\": [\"ground\", \"ball\"]}], \"contacts\": "
            "[{\"links\": [\"ground\", \"ball\"], \"restitution\": 1}]}' > $D/pinball.json; $P simulate $D/pinball.json --to 20",
            4, NULL, "a run with a tolerance of 1e-08 differs by up to");
-    /* the same with a compliant rim, whose impacts are no events */
-    expect("sed 's/\"restitution\": 1}/\"stiffness\": 1e6}/' $D/pinball.json | $P simulate - --to 20",
+    /* the same with a compliant rim, whose impacts are no events; the exit code is the same without notes */
+    expect("sed 's/\"restitution\": 1}/\"stiffness\": 1e6}/' $D/pinball.json | $P simulate - --to 20 -q",
            4, NULL, "the rows are not reliable: a run with a tolerance of 1e-08 differs by up to");
 }
 

@@ -84,7 +84,7 @@ static lw_dynamics_options dynamics_options(const cli_call *call, bool elastic)
     o.max_step = s->max_steps;
     o.until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
     o.stop = cli_stop_flag();
-    o.compare = call->common.json || !call->common.quiet;
+    o.compare = true;
     return o;
 }
 

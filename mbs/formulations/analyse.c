@@ -129,7 +129,7 @@ static lw_status check_coarse(const comparison *c, const lw_coarse_run *r, lw_er
         return LW_OK;
     return lw_error_set(e, LW_E_NUMERIC, "the rows are not reliable: a run with a tolerance of %.2g differs by up to %.2g m and %.2g rad, in places by "
                         "%.2g of the size of the linkage and its motion, where tolerance^(1/5) = %.2g is allowed; ask for a smaller tolerance or an "
-                        "earlier end, or leave out this comparison with --quiet", r->tolerance, r->place, r->turn, r->apart/size, most);
+                        "earlier end", r->tolerance, r->place, r->turn, r->apart/size, most);
 }
 
 static lw_status run_compared(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_error *e)
