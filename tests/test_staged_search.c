@@ -257,9 +257,9 @@ static double first_four_bar(double x[24], double y[24])
     return counts_as;
 }
 
-/* Five poses of a garage door are met to a thousandth of their diagonal by linkages of many shapes.  Of these a search that knows what they are
- * worth finds one that counts as less than the best of those which least squares happens to reach, and the second simulation agrees. */
-TEST_OF_FIGURES(poses_are_met_by_the_linkage_that_is_worth_most)
+/* Five poses of a garage door are met to a thousandth of their diagonal by linkages of many shapes.  Of these a search that knows what they
+ * count as finds one that counts as less than the best of those which least squares happens to reach, and the second simulation agrees. */
+TEST_OF_FIGURES(poses_are_met_by_the_linkage_that_counts_as_least)
 {
     double x[] = { 0, 0.15, 0.5, 0.95, 1.25 }, y[] = { 1.05, 1.35, 1.75, 2.1, 2.2 }, theta[] = { 90, 75, 45, 15, 0 }, least[2];
     OWN(lw_target) t = { 0 };
@@ -272,7 +272,7 @@ TEST_OF_FIGURES(poses_are_met_by_the_linkage_that_is_worth_most)
         OWN(lw_fit) fit = { 0 };
         o.spec.task = LW_TASK_MOTION;
         o.max_rounds = 2;
-        o.worth = knows ? lw_fit_results_worth : NULL;
+        o.cost = knows ? lw_fit_results_cost : NULL;
         lw_fit_spec_set_limits(&o.spec, &t, 0);
         CHECK_INT(lw_fit_run(&t, &o, &fit, NULL), LW_OK);
         CHECK_INT(lw_fit_results_make(&t, &o.spec, &fit, 10, NULL, NULL, &rows, NULL), LW_OK);

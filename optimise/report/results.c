@@ -421,13 +421,13 @@ static lw_status report_of(const lw_target *t, const lw_fit_spec *s, const lw_ca
     return st == LW_OK ? find_as_made(t, s, c, r) : st;
 }
 
-double lw_fit_results_worth(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c)
+double lw_fit_results_cost(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c)
 {
     lw_fit_report *r = malloc(sizeof *r);
     bool usable = r && lw_fit_report_sketch(t, s, c, r) == LW_OK && !r->fault[0] && !r->broken && find_as_made(t, s, c, r) == LW_OK;
-    double worth = usable ? cost_of(t, c, r) - 4*PER_LINK : INFINITY;
+    double cost = usable ? cost_of(t, c, r) - 4*PER_LINK : INFINITY;
     free(r);
-    return worth;
+    return cost;
 }
 
 static void make_report(void *context, size_t i, int thread)

@@ -48,8 +48,8 @@ lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw
 /* Make the report of each candidate that has none, and keep it with the candidate for lw_fit_results_make.  A report that cannot be
  * made, or not in time, is left to that. */
 void      lw_fit_results_keep(const lw_target *t, const lw_fit_spec *s, lw_fit *fit, const lw_results_effort *effort);
-/* The logarithm of counts_as, as lw_fit_options.worth, from a sketch of the report; INFINITY: the candidate breaks a limit or does not close. */
-double    lw_fit_results_worth(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c);
+/* The logarithm of counts_as, as lw_fit_options.cost, from a sketch of the report; INFINITY: the candidate breaks a limit or does not close. */
+double    lw_fit_results_cost(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c);
 void      lw_fit_results_free(lw_fit_results *r);
 
 #endif

@@ -1,7 +1,7 @@
-/* optimise/search/climb.c - finds for few stations moved to where the linkage is worth more.
+/* optimise/search/climb.c - finds for few stations moved to where the linkage counts as less.
  *
  * Few stations leave dimensions free: of the linkages that meet them equally well least squares finds any, though some are gentler, smaller
- * or less sensitive than others.  The measure that orders the results has no derivatives here, so the finds that are worth most go on
+ * or less sensitive than others.  The measure that orders the results has no derivatives here, so the finds that count as least go on
  * from there by an evolution strategy with one parent and one child (Rechenberg 1973). */
 #include <limits.h>
 #include <stdlib.h>
@@ -29,7 +29,7 @@ enum {
 
 typedef struct climb {
     lw_found     find;
-    double       worth;
+    double       cost;
     long         spent;
     lw_variables of;
     lw_status    status;
@@ -48,22 +48,22 @@ static bool is_over(const climb_list *list)
     return (list->until > 0 && lw_clock_wall() > list->until) || (list->s->o->interrupt && *list->s->o->interrupt);
 }
 
-static double worth_of(lw_search *s, int thread, const lw_found *c)
+static double cost_of(lw_search *s, int thread, const lw_found *c)
 {
     lw_candidate as;
     if (c->beyond || !isfinite(c->f) || !lw_search_fill(s, thread, c, &as))
         return INFINITY;
-    double worth = s->o->worth(s->t, &s->o->spec, &as);
+    double cost = s->o->cost(s->t, &s->o->spec, &as);
     lw_candidate_free(&as);
-    return worth;
+    return cost;
 }
 
-static void find_worth(void *context, size_t job, int thread)
+static void find_cost(void *context, size_t job, int thread)
 {
     climb_list *list = context;
     climb *l = &list->item[job];
     bool met = l->find.f <= MET*MET*(double)list->s->t->n;
-    l->worth = met && !is_over(list) ? worth_of(list->s, thread, &l->find) : INFINITY;
+    l->cost = met && !is_over(list) ? cost_of(list->s, thread, &l->find) : INFINITY;
 }
 
 /* Move a find by one random step of all variables; `fits`: then fit it to the target again.  f INFINITY: it is no result. */
@@ -100,7 +100,7 @@ static void run_climb(void *context, size_t job, int thread)
 {
     climb_list *list = context;
     climb *l = &list->item[job];
-    double step[2] = { FIRST_STEP, FIRST_STEP };         /* without and with a fit: the one trades error for worth, the other does not */
+    double step[2] = { FIRST_STEP, FIRST_STEP };         /* without and with a fit: the one trades error for cost, the other does not */
     lw_rng rng;
     lw_rng_seed(&rng, list->s->o->seed, UINT64_MAX - job);
     for (int i = 0; i < TRIALS && l->status == LW_OK && !is_over(list) && l->spent < list->allowance; i++) {
@@ -110,22 +110,22 @@ static void run_climb(void *context, size_t job, int thread)
         if (*reach < LEAST_STEP)
             continue;
         move(list, l, thread, *reach, fits, &rng, &now);
-        double worth = exact && !(now.f <= EXACT) ? INFINITY : worth_of(list->s, thread, &now);
-        bool better = worth < l->worth - GAIN;
+        double cost = exact && !(now.f <= EXACT) ? INFINITY : cost_of(list->s, thread, &now);
+        bool better = cost < l->cost - GAIN;
         *reach = fmin(*reach*(better ? LONGER : SHORTER), MOST_STEP);
         if (!better)
             continue;
         now.evals += l->find.evals;
-        now.worthy = true;
+        now.moved = true;
         l->find = now;
-        l->worth = worth;
+        l->cost = cost;
     }
 }
 
-static int by_worth(const void *a, const void *b)
+static int by_cost(const void *a, const void *b)
 {
     const climb *p = a, *q = b;
-    return p->worth != q->worth ? (p->worth > q->worth) - (p->worth < q->worth) : (p->find.f > q->find.f) - (p->find.f < q->find.f);
+    return p->cost != q->cost ? (p->cost > q->cost) - (p->cost < q->cost) : (p->find.f > q->find.f) - (p->find.f < q->find.f);
 }
 
 static lw_status run(climb_list *list, int n, lw_job *job)
@@ -136,7 +136,7 @@ static lw_status run(climb_list *list, int n, lw_job *job)
 
 lw_status lw_search_climb(lw_search *s, double until)
 {
-    if (!s->o->worth || !lw_task_has_place(s->o->spec.task) || s->t->n > STATIONS)
+    if (!s->o->cost || !lw_task_has_place(s->o->spec.task) || s->t->n > STATIONS)
         return LW_OK;
     climb_list *list = calloc(1, sizeof *list);
     int n = 0;
@@ -148,16 +148,16 @@ lw_status lw_search_climb(lw_search *s, double until)
     list->n = s->pool.n;
     for (int i = 0; i < list->n; i++)
         list->item[i].find = s->pool.item[i];
-    lw_status st = run(list, list->n, find_worth);
-    qsort(list->item, (size_t)list->n, sizeof *list->item, by_worth);
-    while (n < list->n && n < CLIMBS && isfinite(list->item[n].worth) && list->item[n].worth <= list->item[0].worth + WORSE)
+    lw_status st = run(list, list->n, find_cost);
+    qsort(list->item, (size_t)list->n, sizeof *list->item, by_cost);
+    while (n < list->n && n < CLIMBS && isfinite(list->item[n].cost) && list->item[n].cost <= list->item[0].cost + WORSE)
         n++;
     st = st == LW_OK ? run(list, n, run_climb) : st;
     for (int i = 0; i < n && st == LW_OK; i++) {
         const climb *l = &list->item[i];
         st = l->status;
         s->evals += l->spent;
-        if (l->find.worthy)
+        if (l->find.moved)
             lw_pool_put(&s->pool, &l->find, &l->of);
     }
     free(list);

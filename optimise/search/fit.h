@@ -64,7 +64,7 @@ typedef struct lw_fit_options {
     void       *context;
     /* What a linkage counts as, less is better, as a logarithm; INFINITY: it is no result.  Called from several threads.  With default limits
      * finds for a few stations are moved to where they count as less; NULL: they are not. */
-    double    (*worth)(const lw_target *t, const lw_fit_spec *s, const struct lw_candidate *c);
+    double    (*cost)(const lw_target *t, const lw_fit_spec *s, const struct lw_candidate *c);
 } lw_fit_options;
 lw_fit_options lw_fit_options_default(void);
 

@@ -1,6 +1,6 @@
 /* optimise/search/fit_internal.h - the state of one search and its parts, from bottom to top: candidates and their
- * problems (fit.c), the work of a round (successive_halving.c), one round (fit_round.c), finds moved to better
- * linkages (climb.c), the list of results (rank.c), the search (fit_run.c). */
+ * problems (fit.c), the work of a round (successive_halving.c), one round (fit_round.c), finds moved to where the
+ * linkage counts as less (climb.c), the list of results (rank.c), the search (fit_run.c). */
 #ifndef LW_OPTIMISE_SEARCH_FIT_INTERNAL_H
 #define LW_OPTIMISE_SEARCH_FIT_INTERNAL_H
 
@@ -169,7 +169,7 @@ void lw_search_improve(lw_search *s, const lw_problem *p, const lw_lm_options *o
 /* Find out f of an improved find and how far it is from keeping the conditions; f becomes INFINITY if it is no result. */
 void lw_search_judge(const lw_search *s, const lw_problem *p, lw_work *work, lw_found *c);
 
-/* ---- climb.c: move the best finds of the pool to where the linkage is worth more (lw_fit_options.worth), until wall clock `until` (0: no
+/* ---- climb.c: move the best finds of the pool to where the linkage counts as less (lw_fit_options.cost), until wall clock `until` (0: no
  * limit).  LW_E_MEMORY. */
 lw_status lw_search_climb(lw_search *s, double until);
 

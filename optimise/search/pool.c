@@ -52,7 +52,7 @@ static bool is_covered(const lw_pool *p, int i)
 {
     const lw_found *c = &p->item[i];
     bool covered = false;
-    for (int k = 0; k < i && !covered && !c->worthy; k++)
+    for (int k = 0; k < i && !covered && !c->moved; k++)
         covered = p->item[k].size <= AS_SMALL*c->size && p->item[k].gentle >= c->gentle;
     return covered;
 }

@@ -19,7 +19,7 @@ typedef struct lw_found {
     long    evals;
     double  seconds;
     lw_stop stop;
-    bool    worthy;              /* moved to where the linkage is worth more (lw_search_climb)       */
+    bool    moved;               /* to where the linkage counts as less (lw_search_climb)            */
     int     hits;                /* how often it was found                                          */
 } lw_found;
 

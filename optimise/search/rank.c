@@ -207,8 +207,8 @@ static void rank_pool(lw_search *s, const lw_pool *pool, int most, bool shrunk, 
             lw_candidate instead;
             fresh = !lw_task_has_place(s->o->spec.task) ? !same_proportions(s, t->of, before->of)
                                                         : !same_curves(t, before, r->n);
-            bool smaller = !fresh && (is_smaller(s, c, before->of) || (c->worthy && !before->of->worthy)), exact = is_as_exact(c, before->of);
-            fresh |= (shrunk || !exact || c->worthy) && (smaller || c->gentle > before->of->gentle);
+            bool smaller = !fresh && (is_smaller(s, c, before->of) || (c->moved && !before->of->moved)), exact = is_as_exact(c, before->of);
+            fresh |= (shrunk || !exact || c->moved) && (smaller || c->gentle > before->of->gentle);
             if (fresh || !smaller || !exact || !lw_search_fill(s, 0, c, &instead))
                 continue;
             lw_candidate_free(&out->candidate[k]);

@@ -14,13 +14,13 @@ enum {
     PARENTS = 4,            /* linkages of a stage that get a dyad                                  */
     CHILDREN = 24,          /* that they have in all, half of them the best one's                    */
     AGAIN = 8,              /* linkages that a stage found before and starts from again              */
-    FIRST = 10000,          /* evaluations of the first part of a stage with default limits           */
-    FIRST_WHOLE = 4,        /* under a time limit, the first part of the budget of a stage without these: one in so many, ... */
+    FIRST = 10000,          /* evaluations of the first part of a stage in parts of fixed ends (in_ends) */
+    FIRST_TIMED = 4,        /* under a time limit, the first part of a stage's budget: one in so many, ... */
     FIRST_TYPES = 32,       /* ... and of the rounds of four-link types: one so long that time cuts it finds no small linkages */
     UNLESS = 3,             /* ... of a stage with `unless`: so many times less                      */
-    ENOUGH = 300000,        /* evaluations of a stage after which it may end because of `unless`      */
-    SMALL = 100000,         /* evaluations of a part below which only its last search makes a front  */
-    EXACT = 100000,         /* with default limits, the same because the target is met exactly: there may be smaller linkages */
+    ENOUGH = 300000,        /* evaluations of a stage in such parts after which it may end because of `unless`, ... */
+    EXACT = 100000,         /* ... or because the target is met exactly: there may be smaller linkages */
+    SMALL = 100000,         /* evaluations of such a part below which only its last search makes a front */
     OF_EACH = 4,            /* candidates of every number of links that are kept, in case the best has a defect */
     ROWS = 24,              /* rows that the next search starts from, with default limits            */
     PARTS = 4,              /* small cranks have one of so many parts of a budget, and all others one, at first  */
@@ -290,7 +290,7 @@ static lw_status run_search(const stage_part *p, const lw_fit_options *o, int se
     lw_fit_options mine = *o;
     mine.part = search == COMPACT ? LW_FIT_COMPACT : part;
     mine.both_ways = search >= BOTH_WAYS || (search == COMPACT && o->families && can_stray(p, later));
-    mine.worth = lw_fit_results_worth;
+    mine.cost = lw_fit_results_cost;
     return lw_fit_run(p->t, &mine, fit, e);
 }
 
@@ -575,7 +575,7 @@ static long next_part(const contest *c, const lw_fit_options *o, const lw_search
         return 2*c->part[i] < c->left[i] ? 2*c->part[i] : c->left[i];
     const bool families = stage[i].families.make != NULL;
     long usual = families && c->whole[i] > LW_FIT_BUDGET ? LW_FIT_BUDGET : c->whole[i];
-    int parts = (families ? FIRST_WHOLE : FIRST_TYPES)*(stage[i].unless > 0 ? UNLESS : 1);
+    int parts = (families ? FIRST_TIMED : FIRST_TYPES)*(stage[i].unless > 0 ? UNLESS : 1);
     return c->timed ? (usual + parts - 1)/parts : c->whole[i];
 }
 

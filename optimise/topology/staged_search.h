@@ -4,9 +4,9 @@
  * are never worse than fewer.  The caller says which families a stage has.
  *
  * With default limits, and under a time limit, stages are searched in parts of growing size that start again from their best linkages.
- * Neither budget nor time change the parts, and what was found is kept: a larger budget, or more time, is never worse.  With default limits
- * the parts of a stage of families end after 1e4, 3e4, 1e5, 3e5, 1e6, ... evaluations; a search of a part that would exceed the budget is not
- * begun.  Under a time limit the stage that gains most per evaluation has the next part.
+ * Neither budget nor time change the parts, and what was found is kept: a larger budget, or more time, finds all that a smaller one finds.
+ * Without a time limit the parts of a stage of families end after 1e4, 3e4, 1e5, 3e5, 1e6, ... evaluations; a search of a part that would exceed
+ * the budget is not begun.  Under a time limit parts double, and the stage that gains most per evaluation has the next part.
  *
  * With default limits a part divides its budget among a search for cranks, one for small cranks, and the better of the two.  If the
  * input need not turn, linkages of other kinds then have half as much again.  Searches for cranks see only what searches for cranks
@@ -24,8 +24,8 @@ typedef struct lw_search_stage {
     lw_families      families;       /* make NULL: the four-link types of lw_fit_options.types      */
     double           unless;         /* > 0, with default limits: this stage and all after it are left out if of the cranks found the first row
                                       * counts as no more than this (lw_fit_report.counts_as), or is within spec.tolerance.  Once begun,
-                                      * they end after a part, of those from 3e5 evaluations on, when both are so; if they are so with others than
-                                      * cranks, only cranks are searched */
+                                      * they end after the first part (without a time limit: from 3e5 evaluations on) after which both are so; if
+                                      * they are so with others than cranks, only cranks are searched */
     long             budget;         /* of the stage; 0: that of lw_fit_options                      */
     /* Write the name of a linkage with an added dyad.  LW_NOTHING: the linkage is not wanted; a failure ends the search.
      * NULL: names come from the parent. */
