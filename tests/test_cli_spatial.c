@@ -35,7 +35,8 @@ TEST(robots)
     expect("$P robot jacobian examples/space/arm.json --tool-at 0.1,0.1,0.9", 4, NULL, "the posture is singular, and the drives cannot move it "
            "this way; begin from another one");
     expect("echo '{@linkwright@: 1, @links@: [@ground@, {@name@: @a@, @mass@: 1, @centre@: [0.5, 0, 0], @inertia@: [1, 1, 1]}, {@name@: @b@, @mass@: 1, "
-           "@centre@: [1.5, 0, 0], @inertia@: [1, 1, 1]}], @joints@: [{@name@: @A@, @kind@: @r@, @links@: [@ground@, @a@], @at@: [0, 0, 0], @axis@: [0, 0, 1]}, {@name@: @B@, @kind@: @r@, @links@: [@a@, @b@], @at@: [1, 0, 0], @axis@: [0, 0, 1]}], @drives@: [{@joint@: @A@}, "
+           "@centre@: [1.5, 0, 0], @inertia@: [1, 1, 1]}], @joints@: [{@name@: @A@, @kind@: @r@, @links@: [@ground@, @a@], @at@: [0, 0, 0], @axis@: [0, 0, 1]}, "
+           "{@name@: @B@, @kind@: @r@, @links@: [@a@, @b@], @at@: [1, 0, 0], @axis@: [0, 0, 1]}], @drives@: [{@joint@: @A@}, "
            "{@joint@: @B@}], @tracers@: [{@name@: @T@, @link@: @b@, @at@: [2, 0, 0]}]}' | tr @ '\"' > $D/straight.json && "
            "$P robot jacobian $D/straight.json --tool-at 1.5,0.2,0", 4, NULL, "the posture is singular, or the robot lacks this freedom; begin from another one");
     expect("$P robot jacobian $D/straight.json --tool-at 1.5,0.2,0 --drives-at 1,20", 0, "at (1.5, 0.2, 0) m", NULL);

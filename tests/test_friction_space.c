@@ -136,7 +136,8 @@ TEST(guides_and_balls)
                      "[{'name': 'P', 'link': 'A', 'at': [0, 0, 0]}]}", row[i].velocity, row[i].joint, ideal ? "" :
                      ", 'speed': 1e-4");
             bool sticks = ideal && i == 2;
-            run(text, ideal ? LW_FORMULATION_INDEX1 : i == 2 ? LW_FORMULATION_RADAU : LW_FORMULATION_CVODE, 0.4, 16, 1e-9);      /* 2 mu m g r^2/(I speed) is 4e3/s or 4e4/s */
+            /* 2 mu m g r^2/(I speed) is 4e3/s or 4e4/s */
+            run(text, ideal ? LW_FORMULATION_INDEX1 : i == 2 ? LW_FORMULATION_RADAU : LW_FORMULATION_CVODE, 0.4, 16, 1e-9);
             CHECK_INT(k.r.smooth_friction, ideal && !sticks);
             for (int s = 0; s < k.n; s++)
                 CHECK_NEAR(k.v[s], fmax(0, row[i].axis - row[i].rate*k.t[s]), sticks ? 1e-9 : ideal ? 5e-2 : 5e-3, 0);

@@ -138,9 +138,11 @@ static void block(FILE *f, int n)
 /* A block that a spring pulls along the ground at 0.2 m/s, and that sticks and slips; n: speed of the friction, 10^-n m/s. */
 static void pulled(FILE *f, int n)
 {
-    fprintf(f, "'gravity': [0, -9.81], 'links': ['ground', {'name': 'block', 'mass': 1, 'centre': [0, 0], 'inertia': 0.1}, {'name': 'puller', 'mass': 1, 'centre': [1, 0], 'inertia': 0.1}], "
+    fprintf(f, "'gravity': [0, -9.81], 'links': ['ground', {'name': 'block', 'mass': 1, 'centre': [0, 0], 'inertia': 0.1}, "
+            "{'name': 'puller', 'mass': 1, 'centre': [1, 0], 'inertia': 0.1}], "
             "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'block'], 'at': [0, 0], 'along': [1, 0], 'friction': {'coefficient': 0.3, 'speed': "
-            "1e-%d}}, {'name': 'T', 'kind': 't', 'links': ['ground', 'puller'], 'at': [1, 0], 'along': [1, 0]}], 'inputs': [{'joint': 'T', 'motion': '0.2*t'}], "
+            "1e-%d}}, {'name': 'T', 'kind': 't', 'links': ['ground', 'puller'], 'at': [1, 0], 'along': [1, 0]}], "
+            "'inputs': [{'joint': 'T', 'motion': '0.2*t'}], "
             "'springs': [{'links': ['block', 'puller'], 'at': [[0, 0], [1, 0]], 'stiffness': 50}]", n);
 }
 

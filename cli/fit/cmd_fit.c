@@ -41,7 +41,8 @@ static const cli_option options[] = {
       "joints and its own number, as 5.1.3", 0, 0, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(cli_fit_settings, budget), "N", "1e6",
       "number of evaluations of the objective, for each number of links above four, whose input turns fully; if it need not, half as many "
-      "again for other linkages. Four links always have their whole search. With default limits a larger budget never gives a worse first row. The "
+      "again for other linkages. Four links always have their whole search. With default limits a larger budget, from 1e4 on, does all that a "
+      "smaller one does. The "
       "same number again is for fits at other sizes and transmission angles, for mechanisms with sliders, and for those with slots or "
       "gears. With --time and without --budget the search goes on until the time ends; the exit code is 0 if it had the default", 1e3, 1e12, NULL, NULL },
     { "start-from", 0, CLI_INPUT, offsetof(cli_fit_settings, resume), "FILE", NULL,

@@ -135,7 +135,8 @@ static lw_status check_rigid(const lw_json_node *n, const lw_elastic *p, lw_erro
             }
             if (fabs(force) > 1e-6*most*fmax(1, size))
                 return lw_json_fault(n, e, "the stiffness resists a motion of the whole body %s: %.3g N or N m against %.3g of the greatest "
-                                     "entry; is it fixed somewhere, are the nodes elsewhere, or is it in other units than N/m, N and N m (N/mm, N mm)?", motion[k], fabs(force), most);
+                                     "entry; is it fixed somewhere, are the nodes elsewhere, or is it in other units than N/m, N and N m (N/mm, N mm)?",
+                                     motion[k], fabs(force), most);
         }
     return LW_OK;
 }

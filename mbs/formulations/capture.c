@@ -254,8 +254,8 @@ static double closes_in(const capture *g, const lw_touch *p, const lw_touch_moti
     return way > 0 && square > 0 ? 2*way/(root - m->rate) : INFINITY;
 }
 
-/* Time until the first event within h, INFINITY: there is none; n places are struck, or end their slip, within h.  The first is an impact if `strikes`.
- */
+/* Time until the first event within h, INFINITY: there is none; n places are struck, or end their slip, within h.  The first is an impact
+ * if `strikes`. */
 typedef struct ahead_of { double h, first; int n; bool strikes; } ahead_of;
 
 static void note_ahead(ahead_of *to, double in, bool strikes)
