@@ -9,7 +9,7 @@
  * has something to prepare writes CHECK_MAIN { ... }, which calls check_run() and ends with check_end().
  *
  * LW_SEED=... repeats a run with random numbers; check_seed() returns it, check_rng(n) is its n-th generator, and a check that
- * fails prints it. */
+ * fails prints it.  LW_ONLY=text: only the tests whose names hold the text. */
 #ifndef LW_TESTS_CHECK_H
 #define LW_TESTS_CHECK_H
 
@@ -118,8 +118,16 @@ static lw_error check_error __attribute__((unused));
          if ((!g_ || !strstr(g_, w_)) && check_fail(__FILE__, __LINE__)) \
              fprintf(stderr, "\"%s\" does not hold \"%s\"\n", g_ ? g_ : "(null)", w_); } while (0)
 
+static inline bool check_wanted(const char *name)
+{
+    const char *only = getenv("LW_ONLY");
+    return !only || strstr(name, only);
+}
+
 #define RUN(test) \
-    do { check_count_outside(); test(); \
+    do { check_count_outside(); \
+         if (!check_wanted(#test)) break; \
+         test(); \
          if (check_failed_here) { check_n_failed++; printf("FAIL %s\n", #test); check_failed_here = 0; } \
          else { check_n_passed++; } \
          fflush(stdout); } while (0)

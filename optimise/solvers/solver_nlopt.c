@@ -7,6 +7,7 @@
  * for it late cost little. */
 #include <limits.h>
 #include <nlopt.h>
+#include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
 #include "base/real.h"
@@ -120,12 +121,23 @@ static nlopt_result set_up(nlopt_opt opt, steps kind, bool takes_constraints, ca
     return ok;
 }
 
+/* Is there as much memory as a method takes for so many variables and conditions?  Some methods go on in another way when they get less,
+ * and nlopt_copy does not look whether it got any. */
+static bool memory_is_there(const lw_function *fn)
+{
+    size_t rows = 4*fn->n + fn->m + 64;
+    void *volatile all = malloc(rows*rows*sizeof(double));         /* volatile: the call is not optimised away */
+    bool there = all != NULL;
+    free(all);
+    return there;
+}
+
 static lw_stop minimise(nlopt_algorithm algorithm, steps kind, bool takes_constraints, lw_barrier_stage *stage, const double *start)
 {
     lw_record *r = stage->record;
     unsigned n = (unsigned)r->fn->n;
     double x[LW_VAR_MAX], f;
-    call c = { stage, nlopt_create(algorithm, n), 1.0 };
+    call c = { stage, memory_is_there(r->fn) ? nlopt_create(algorithm, n) : NULL, 1.0 };
     if (!c.opt) {
         r->no_memory = true;
         return LW_STOP_FAILED;
