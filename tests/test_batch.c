@@ -338,6 +338,33 @@ TEST(nearest_points_of_polylines)
     }
 }
 
+/* The same bits on every instruction set; test_timing.c holds costs and assignments against all there are. */
+TEST(points_assigned_to_samples)
+{
+    enum { N = 5, M = 16, ROW = M + 8 };
+    subject q;
+    double at[6][M], cost[2][N*ROW] = { { 0 } }, least[2][N*ROW] = { { 0 } }, *point = at[5];
+    const double weight[N] = { 1, 2, 0.5, 3, 1 };
+    const lw_samples of = { M, at[0], at[1], at[2], at[3], at[4], 0.5 };
+    lw_rng r = check_rng(17);
+    named(&q, "fourbar", (double[]){ 3, 1, 2.5, 2.5, 1, 1, 0, 0, 0 }, 1);
+    for (int trial = 0; trial < 40; trial++) {
+        size_t first = lw_rng_bits(&r) % M;
+        for (int k = 0; k < 6*M; k++)
+            at[k/M][k % M] = lw_rng_normal(&r);
+        for (int isa = 0; lw_kernels_supported(isa); isa++) {
+            double *c = cost[isa > 0];
+            q.p.kernels = lw_kernels_supported(isa);
+            lw_batch_costs(&q.p, &of, N, point, point + N, weight, 0.3, c);
+            for (int i = 0; i < N; i++)
+                memcpy(c + i*ROW + M, c + i*ROW, 8*sizeof *c);
+            double all = lw_batch_in_order(&q.p, N, M, c, first, trial & 1 ? 1 : -1, INFINITY, least[isa > 0]);
+            CHECK(all > c[first]);
+            CHECK(isa == 0 || (memcmp(cost[0], cost[1], sizeof cost[0]) == 0 && memcmp(least[0], least[1], sizeof least[0]) == 0));
+        }
+    }
+}
+
 TEST(no_lanes_no_work)
 {
     static subject q;

@@ -117,7 +117,7 @@ static double all_sequences(const lw_problem *p, const lw_work *w, int first, si
     for (int k = from; k <= (i ? M : 0); k++) {
         int j = (first + (p->intended.sense > 0 ? k : M*M - k)) % M;
         double rest = i + 1 < p->n ? all_sequences(p, w, first, i + 1, k) : 0;
-        least = fmin(least, w->cost[i*M + (size_t)j] + rest);
+        least = fmin(least, w->cost[i*LW_COST_ROW + (size_t)j] + rest);
     }
     return least;
 }
@@ -132,7 +132,7 @@ static void check_costs(const lw_problem *p, const lw_work *w)
             lw_vec2 at = lw_v2(w->curve_x[j], w->curve_y[j]);
             lw_vec2 half = lw_v2_scale(lw_v2(w->curve_x[b] - w->curve_x[a], w->curve_y[b] - w->curve_y[a]), part);
             double d = lw_v2_nearer(lw_v2(p->x[i], p->y[i]), lw_v2_sub(at, half), lw_v2_add(at, half), INFINITY);
-            CHECK_NEAR(w->cost[i*M + (size_t)j], p->w[i]*d*d, 1e-15, 1e-12);
+            CHECK_NEAR(w->cost[i*LW_COST_ROW + (size_t)j], p->w[i]*d*d, 1e-15, 1e-12);
         }
 }
 
@@ -154,7 +154,7 @@ TEST(programme_finds_the_cheapest_sequence)
             if (c[first] > c[(first + 1) % M] || c[first] > c[(first + M - 1) % M])
                 continue;                                /* it starts where station 0 is nearest    */
             for (size_t i = 0; i < p.n; i++)
-                mine += w->cost[i*M + (size_t)((first + p.intended.sense*steps[i] + M) % M)];
+                mine += w->cost[i*LW_COST_ROW + (size_t)((first + p.intended.sense*steps[i] + M) % M)];
             cheapest = fmin(cheapest, all);
             got = fmin(got, mine);
         }
@@ -280,7 +280,7 @@ TEST(inputs_are_eliminated_alone_and_in_blocks)
 /* How far the curve leaves its tangent at the sample of least cost for station i within half a step, where that tangent stands for it. */
 static double sagitta(const lw_problem *p, const double *x, const lw_work *w, size_t i)
 {
-    const double *c = w->cost + i*M;
+    const double *c = w->cost + i*LW_COST_ROW;
     double most = 0;
     int j = 0;
     for (int k = 1; k < M; k++)

@@ -57,6 +57,17 @@ void lw_batch_nearest(const lw_plan *plan, const lw_polyline *line, size_t n, co
     lw_kernels_of(plan)->nearest(line, n, x, y, near_x, near_y);
 }
 
+void lw_batch_costs(const lw_plan *plan, const lw_samples *of, size_t n, const double *x, const double *y, const double *weight,
+                    double factor, double *cost)
+{
+    lw_kernels_of(plan)->costs(of, n, x, y, weight, factor, cost);
+}
+
+double lw_batch_in_order(const lw_plan *plan, size_t n, size_t m, const double *cost, size_t first, int sense, double enough, double *least)
+{
+    return lw_kernels_of(plan)->in_order(n, m, cost, first, sense, enough, least);
+}
+
 void lw_batch_turns(const lw_plan *plan, size_t n, const double *angle, double *c, double *s)
 {
     lw_kernels_of(plan)->turns(n, angle, c, s);

@@ -94,6 +94,24 @@ typedef struct lw_polyline {
 void lw_batch_nearest(const lw_plan *plan, const lw_polyline *line, size_t n, const double *x, const double *y, double *near_x,
                       double *near_y);
 
+/* Costs of assigning n points to m samples of a curve, m a power of two and at least 8:
+ *     cost[i*(m + 8) + j] = weight[i] factor d^2,
+ * d the distance from point i to the piece of a line from sample j - reach tangent to sample j + reach tangent.  `per` is 1 over the square of the
+ * tangent, 0 where that is 0.  Columns m to m + 7 are left out. */
+typedef struct lw_samples {
+    size_t        m;
+    const double *x, *y, *tangent_x, *tangent_y, *per;      /* (m)                                */
+    double        reach;
+} lw_samples;
+void lw_batch_costs(const lw_plan *plan, const lw_samples *of, size_t n, const double *x, const double *y, const double *weight,
+                    double factor, double *cost);
+
+/* Assign n points to the m samples of a closed curve in their order (sense < 0: in the reverse order), the first point to sample `first`: points
+ * may share a sample, and the last is at most m samples after the first.  Costs are those above; columns m to m + 7 repeat the first eight.
+ * least[i*(m + 8) + k], k = 0 .. m, becomes the least cost of points 0 to i if none is more than k samples after the first.  Returns the least cost of
+ * all; INFINITY as soon as that is at least `enough`. */
+double lw_batch_in_order(const lw_plan *plan, size_t n, size_t m, const double *cost, size_t first, int sense, double enough, double *least);
+
 /* Cosines and sines of n angles.  The arrays hold n rounded up to a multiple of 8, do not overlap, and all of their
  * elements may be read or written.  The errors are at most 2 units in the last place of 1. */
 void lw_batch_turns(const lw_plan *plan, size_t n, const double *angle, double *c, double *s);

@@ -605,4 +605,5 @@ static void kernel_turns(size_t n, const double *angle, double *c, double *s)
 
 extern const lw_kernels lw_kernels_here;
 const lw_kernels lw_kernels_here = { LW_ISA_NAME, kernel_point, kernel_frame, kernel_jacobians, kernel_sum,
-                                     lw_kernel_normal, lw_kernel_nearest, kernel_turns, lw_kernel_group_posture, &lw_higher_size, &lw_follow_size };
+                                     lw_kernel_normal, lw_kernel_nearest, lw_kernel_costs, lw_kernel_in_order, kernel_turns,
+                                     lw_kernel_group_posture, &lw_higher_size, &lw_follow_size };

@@ -26,6 +26,8 @@
 #define lw_kernel_group_posture       LW_OF_ISA(lw_kernel_group_posture, LW_ISA)
 #define lw_kernel_normal     LW_OF_ISA(lw_kernel_normal, LW_ISA)
 #define lw_kernel_nearest    LW_OF_ISA(lw_kernel_nearest, LW_ISA)
+#define lw_kernel_costs      LW_OF_ISA(lw_kernel_costs, LW_ISA)
+#define lw_kernel_in_order   LW_OF_ISA(lw_kernel_in_order, LW_ISA)
 #define lw_fast_points       LW_OF_ISA(lw_fast_points, LW_ISA)
 #define lw_fast_jacobian     LW_OF_ISA(lw_fast_jacobian, LW_ISA)
 #define lw_fast_sum          LW_OF_ISA(lw_fast_sum, LW_ISA)
@@ -226,6 +228,10 @@ void lw_kernel_normal(const lw_normal *in, double *h, double *g);
 
 /* Nearest points of a polyline.  kernel_nearest.c */
 void lw_kernel_nearest(const lw_polyline *line, size_t n, const double *x, const double *y, double *near_x, double *near_y);
+
+/* Assignment of points to samples of a curve.  kernel_assign.c */
+void lw_kernel_costs(const lw_samples *of, size_t n, const double *x, const double *y, const double *weight, double factor, double *cost);
+double lw_kernel_in_order(size_t n, size_t m, const double *cost, size_t first, int sense, double enough, double *least);
 
 /* Plans of the form lw_fast_dyad, all steps in one loop.  kernel_fast_dyad.c */
 void lw_fast_points(const run *k, int which, size_t n, const rows *out, int per_lane, int frame);

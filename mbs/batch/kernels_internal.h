@@ -33,6 +33,8 @@ typedef struct lw_kernels {
                   const double *tx, const double *ty, const double *w, double *grad, double *margin);
     void (*normal)(const lw_normal *in, double *h, double *g);
     void (*nearest)(const lw_polyline *line, size_t n, const double *x, const double *y, double *near_x, double *near_y);
+    void (*costs)(const lw_samples *of, size_t n, const double *x, const double *y, const double *weight, double factor, double *cost);
+    double (*in_order)(size_t n, size_t m, const double *cost, size_t first, int sense, double enough, double *least);
     void (*turns)(size_t n, const double *angle, double *c, double *s);
     /* Follow the higher groups from the seed to one input.  work: lw_group_posture_size bytes. */
     void (*group_posture)(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,

@@ -71,18 +71,12 @@ static void tangents(const lw_work *w, double *tx, double *ty, double *per)
  * beside a cusp, samples of one branch may be nearer to a station of the other one than those of its own. */
 static void fill_costs(const lw_problem *p, const double *x, lw_work *w)
 {
-    double tx[M], ty[M], per[M], reach = p->theta || p->n_also > 0 ? 0 : 0.5;
+    double tx[M], ty[M], per[M];
+    const lw_samples of = { M, w->curve_x, w->curve_y, tx, ty, per, p->theta || p->n_also > 0 ? 0 : 0.5 };
     tangents(w, tx, ty, per);
+    lw_batch_costs(&p->plan, &of, p->n, p->x, p->y, p->w, p->a, w->cost);
     for (size_t i = 0; i < p->n; i++) {
-        double *c = w->cost + i*M;
-        for (int j = 0; j < M; j++) {
-            double dx = p->x[i] - w->curve_x[j], dy = p->y[i] - w->curve_y[j];
-            double s = (dx*tx[j] + dy*ty[j])*per[j];
-            s = s > reach ? reach : s < -reach ? -reach : s;
-            dx -= s*tx[j];
-            dy -= s*ty[j];
-            c[j] = p->w[i]*p->a*(dx*dx + dy*dy);
-        }
+        double *c = w->cost + i*LW_COST_ROW;
         for (int j = 0; p->theta && j < M; j++) {
             double turn = atan2(w->curve_v[j], w->curve_u[j]) + x[p->i_tool0] - p->theta[i];
             turn = remainder(turn, 2*LW_PI);
@@ -92,51 +86,29 @@ static void fill_costs(const lw_problem *p, const double *x, lw_work *w)
             add_costs(x, &w->also[k], &p->also[k], i, c);
         for (int j = 0; j < M; j++)
             c[j] = w->curve_m[j] >= 0 ? c[j] : 1e30;
+        memcpy(c + M, c, sizeof *c*(LW_COST_ROW - M));
     }
 }
 
 /* Cheapest increasing assignment with station 0 at sample `first`; order[] gets the number of steps after `first`.  INFINITY: it costs
  * `enough` or more. */
-static double rising(const lw_problem *p, lw_work *w, int first, int stride, double enough, short *order)
+static double rising(const lw_problem *p, lw_work *w, int first, double enough, short *order)
 {
-    double *best = w->best;
-    size_t n = p->n;
-    for (int k = 0; k <= M; k++)
-        best[k] = w->cost[first];
-    for (size_t i = 1; i < n; i++) {
-        const double *c = w->cost + i*M;
-        short *from = w->from + i*(M + 1);
-        double least = 1e300;
-        short at = 0;
-        for (int k = 0, j = first; k <= M; k++, j = (j + stride) & (M - 1)) {
-            if (best[k] < least) {
-                least = best[k];
-                at = (short)k;
-            }
-            from[k] = at;
-            best[k] = least + c[j];
-        }
-        if (least >= enough)                             /* further stations cost more */
-            return INFINITY;
-    }
-    int end = 0;
-    for (int k = 1; k <= M; k++)
-        if (best[k] < best[end])
-            end = k;
-    double f = best[end];
-    for (size_t i = n - 1; i > 0; i--) {
-        order[i] = (short)end;
-        end = w->from[i*(M + 1) + (size_t)end];
-    }
-    order[0] = 0;
-    return n == 1 ? w->cost[first] : f;
+    double f = lw_batch_in_order(&p->plan, p->n, M, w->cost, (size_t)first, p->intended.sense, enough, w->least);
+    if (!(f < enough))
+        return INFINITY;
+    int at = M;
+    for (size_t i = p->n; i-- > 0; order[i] = (short)at)
+        for (const double *least = w->least + i*LW_COST_ROW; at > 0 && least[at - 1] == least[at]; )
+            at--;
+    return f;
 }
 
 /* Assign each station to its nearest sample, in any order. */
 static void nearest(const lw_problem *p, lw_work *w)
 {
     for (size_t i = 0; i < p->n; i++) {
-        const double *c = w->cost + i*M;
+        const double *c = w->cost + i*LW_COST_ROW;
         int best = 0;
         for (int j = 1; j < M; j++)
             if (c[j] < c[best])
@@ -149,14 +121,14 @@ static void nearest(const lw_problem *p, lw_work *w)
  * minimum; each start needs one dynamic programme. */
 static bool monotone(const lw_problem *p, lw_work *w)
 {
-    int stride = p->intended.sense > 0 ? 1 : M - 1, kept = -1;
+    int kept = -1;
     double least = 1e29;
     short *now = w->order, *keep = w->order + p->n;
     for (int j = 0; j < M; j++) {
         const double *c = w->cost;
         if (c[j] > c[(j + 1) & (M - 1)] || c[j] >= c[(j + M - 1) & (M - 1)])
             continue;
-        double f = rising(p, w, j, stride, least, now);
+        double f = rising(p, w, j, least, now);
         if (f < least) {
             least = f;
             kept = j;

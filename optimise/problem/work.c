@@ -84,9 +84,8 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->step_first = piece(base, &at, (2*variables + (size_t)p->n_linear + 1)*sizeof *w->step_first);
     w->step_column = piece(base, &at, (2 + (size_t)p->n_linear)*variables*sizeof *w->step_column);
     w->step_h = piece(base, &at, 4*variables*variables*v);
-    w->cost = piece(base, &at, p->n*(LW_CURVE_SAMPLES + 1)*v);
-    w->best = piece(base, &at, 2*(LW_CURVE_SAMPLES + 1)*v);
-    w->from = piece(base, &at, p->n*(LW_CURVE_SAMPLES + 1)*sizeof(short));
+    w->cost = piece(base, &at, p->n*LW_COST_ROW*v);
+    w->least = piece(base, &at, p->n*LW_COST_ROW*v);
     w->order = piece(base, &at, 2*p->n*sizeof(short));
     w->try_theta = piece(base, &at, 3*ld*v);
     w->pool = piece(base, &at, 3*ld*v);

@@ -30,6 +30,8 @@ typedef struct lw_cycle_point { double c, s, input, rate, around, psi_c, psi_s; 
 /* Pins and tracers whose places are checked. */
 #define LW_PLACE_MAX (LW_JOINT_MAX + 1 + LW_ALSO_MAX)
 
+#define LW_COST_ROW (LW_CURVE_SAMPLES + 8)
+
 /* Consecutive stations; the first follows the last. */
 typedef struct lw_block { size_t first, count; } lw_block;
 
@@ -76,8 +78,8 @@ typedef struct lw_work {
     double *step_h;                /* its quadratic model: four matrices of (n_var)^2                  */
     double *step_a, *step_b;       /* conditions on a step of a solver: rows a (n_var), a . step >= b  */
     short  *step_first, *step_column;      /* their nonzero coefficients, as lw_qp_rows has them         */
-    double *cost, *best;         /* dynamic programme: station by sample                           */
-    short  *from, *order;
+    double *cost, *least;        /* dynamic programme: station by sample (LW_COST_ROW); as lw_batch_in_order */
+    short  *order;
     void   *batch, *registers;   /* of lw_random_linkage_draw: n_reg rows of LW_CURVE_SAMPLES complex numbers */
 } lw_work;
 
