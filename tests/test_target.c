@@ -144,7 +144,7 @@ TEST(length_and_size)
 {
     OWN(lw_target) t = { 0 };
     CHECK_OK(read("x,y\n0,0\n3,0\n3,2\n3,4\n", &t, &check_error));
-    CHECK(!t.closed);                                         /* gap 5 > 1.5 * 3 */
+    CHECK(!t.closed);                                         /* gap 5 > 1.25 * 3 */
     lw_target_free(&t);
     CHECK_OK(read("# closed: yes\nx,y\n0,0\n3,0\n3,4\n", &t, &check_error));
     CHECK_NEAR(t.length, 12, 0, 0);
@@ -227,6 +227,7 @@ TEST(units_by_comment_suffix_and_option)
         { "x,y,angle_turn\n1,2,0.25\n", 1, LW_PI/2 },
         { "x,y,t\n1,2,0.25\n", 1, LW_PI/2 },
         { "# units: mm\nx_mm,y,t\n1,2,0.5\n", 1e-3, LW_PI },
+        { "x;y;angle;weight\n\nmm;[mm];\xc2\xb0;-\n1;2;90;1\n", 1e-3, LW_PI/2 },     /* a line of units below the names */
     };
     for (size_t i = 0; i < sizeof cases/sizeof *cases; i++) {
         OWN(lw_target) t = { 0 };
@@ -278,6 +279,7 @@ TEST(closed_by_guess)
         { "x,y\n0,0\n3,0\n3,4\n0,4\n", true },
         { "# units: mm deg\nx,y,theta\n0,0,0\n-14,22,45\n-6,38,95\n", false },           /* a hinge of a door               */
         { "# units: deg\nx,y,theta\n0,0,0\n3,0,45\n3,3,90\n0,3,135\n", false },          /* a box that is turned over        */
+        { "# units: mm deg\nx,y,theta\n0,0,0\n0,-120,0\n-250,-380,-60\n-320,-420,-90\n", false },      /* a folding table  */
         { "# units: deg\nx,y,theta\n0,0,0\n3,0,5\n3,3,9\n0,3,4\n", true },
         { "# units: deg\nx,y,theta\n0,0,350\n3,0,80\n3,3,170\n0,3,260\n", true },        /* a planet: the body turns once    */
         { "# units: deg\nx,y,angle\n0,0,0\n3,0,10\n3,3,20\n0,3,30\n", false },
@@ -538,6 +540,9 @@ TEST(every_fault_has_its_place)
         { "x,y,theta,angle,theta_in\n1,2,3,4,5\n", 1, 11, "both give the tool angle" },
         { "x_mm,y_cm\n1,2\n", 1, 6, "\"y_cm\" says cm, but \"x_mm\" said mm" },
         { "# units: mm\nx,y_cm\n1,2\n", 2, 3, "a comment said mm" },
+        { "x [mm],y\nmm,cm\n1,2\n", 1, 8, "units are mixed" },
+        { "x,y,weight\nmm,mm,mm\n1,2,3\n", 1, 5, "is no" },
+        { "x,y\nmm,ell\n1,2\n", 2, 1, "which is no number" },
         { "x,y\n1,2\n# units: mm m\n", 3, 13, "units are mixed" },
         { "x,y,theta_deg,theta_in_rad\n1,2,3,4\n", 1, 15, "units are mixed" },
         { "# units: mm\n# units: cm\nx,y\n1,2\n", 2, 10, "units are mixed" },

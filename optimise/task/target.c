@@ -154,6 +154,10 @@ static double diagonal(const lw_target *t, int n_also)
     return least;
 }
 
+/* The gap of a closed target from its last station to the first, in longest steps: 1.1 at most of those that people handed in as
+ * closed, 1.46 at least of strokes that bend, such as the poses of a folding table. */
+#define CLOSING_STEP 1.25
+
 /* Do angles at the stations come back to the first one, as far as their steps tell?  Input angles have to go on to whole turns, body
  * angles may also turn back. */
 static bool angles_close(const double *angle, size_t n, bool input)
@@ -166,16 +170,16 @@ static bool angles_close(const double *angle, size_t n, bool input)
     }
     all = fabs(all);
     double gap = input ? TURN*fmax(1, ceil(all/TURN - ANGLE_EPS)) - all : fabs(remainder(all, TURN));
-    return gap <= fmax(1.5*longest, all/20);
+    return gap <= fmax(CLOSING_STEP*longest, all/20);
 }
 
-/* Is a path closed whose file does not say so?  The gap is at most one and a half of the longest step, or a twentieth of the path (dense
- * curves need not end where they begin); angles of a body and of the input close, too.  Three points without input angles are no
- * curve: they are places on a stroke. */
+/* Is a path closed whose file does not say so?  Input angles decide, if there are any: the point comes back when the input has turned.
+ * Else the gap is at most CLOSING_STEP longest steps, or a twentieth of the path (dense curves need not end where they begin).  Angles
+ * of a body close, too.  Three points without input angles are no curve: they are places on a stroke. */
 static bool looks_closed(const lw_target *t, double gap, double longest)
 {
-    return t->n > (t->angle ? 2 : 3) && t->size > 0 && gap <= fmax(1.5*longest, t->length/20) &&
-           (!t->theta || angles_close(t->theta, t->n, false)) && (!t->angle || angles_close(t->angle, t->n, true));
+    return t->n > (t->angle ? 2 : 3) && t->size > 0 && (!t->theta || angles_close(t->theta, t->n, false)) &&
+           (t->angle ? angles_close(t->angle, t->n, true) : gap <= fmax(CLOSING_STEP*longest, t->length/20));
 }
 
 /* Set sizes, length, and whether the path is closed. */

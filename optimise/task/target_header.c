@@ -162,7 +162,24 @@ typedef struct seen {
     int     at[NUMBERED_COUNT];          /* column of the file, -1: missing */
     long    place[NUMBERED_COUNT];       /* its byte in the header line, from 1 */
     lw_text_span name[NUMBERED_COUNT];
+    const char *below[NUMBERED_COUNT];   /* unit in a line of units below the header, by column of the file; NULL: none */
 } seen;
+
+/* Read a line of units below the names, such as mm;mm;[deg], where - or nothing is no unit.  False: it is no such line. */
+static bool read_units_below(const lw_header *h, lw_text_span line, const char *unit[NUMBERED_COUNT])
+{
+    size_t at = 0;
+    lw_text_span field;
+    bool any = false;
+    for (int i = 0; i < NUMBERED_COUNT && lw_field_next(line, h->separator, &at, &field); i++) {
+        bool bracket = field.n > 2 && (field.s[0] == '[' || field.s[0] == '(');
+        unit[i] = find_unit(bracket ? lw_span_trim((lw_text_span){ field.s + 1, field.n - 2 }) : field);
+        if (!unit[i] && field.n > 0 && !lw_span_is(field, "-"))
+            return false;
+        any = any || unit[i];
+    }
+    return any;
+}
 
 static bool of_a_point(int column)
 {
@@ -240,14 +257,20 @@ static lw_status take_column(lw_header *h, seen *f, lw_text_span name, long line
     f->at[c] = h->n_column;
     f->place[c] = place;
     f->name[c] = name;
-    if (!unit)
-        return LW_OK;
-    lw_units scratch = lw_units_si();
-    bool length = lw_units_set_length(&scratch, unit);
-    if (columns[c % COLUMN_COUNT].kind != (length ? 'l' : 'a'))
-        return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "column %s is no %s, so %s cannot be its unit",
-                           quote(name, text), length ? "length" : "angle", unit);
-    return take_unit(h, unit, quote(name, text), line, place, e);
+    const char *given[] = { unit, f->below[h->n_column] };
+    for (int i = 0; i < COUNT(given); i++) {
+        if (!given[i])
+            continue;
+        lw_units scratch = lw_units_si();
+        bool length = lw_units_set_length(&scratch, given[i]);
+        if (columns[c % COLUMN_COUNT].kind != (length ? 'l' : 'a'))
+            return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "column %s is no %s, so %s cannot be its unit",
+                               quote(name, text), length ? "length" : "angle", given[i]);
+        lw_status s = take_unit(h, given[i], quote(name, text), line, place, e);
+        if (s != LW_OK)
+            return s;
+    }
+    return LW_OK;
 }
 
 /* ---- what the columns mean --------------------------------------------------------------------- */
@@ -419,9 +442,9 @@ static bool names_nothing(const lw_header *h, lw_text_span line)
     return true;
 }
 
-lw_status lw_header_columns(lw_header *h, lw_text_span line, long number, lw_error *e)
+lw_status lw_header_columns(lw_header *h, lw_text_span line, lw_text_span below, long number, lw_error *e)
 {
-    seen f;
+    seen f = { .below = { NULL } };
     size_t at = 0;
     static const lw_text_span pair[] = { { "x", 1 }, { "y", 1 } };
     lw_text_span name;
@@ -432,6 +455,9 @@ lw_status lw_header_columns(lw_header *h, lw_text_span line, long number, lw_err
     for (int i = 0; i < NUMBERED_COUNT; i++)
         f.at[i] = -1;
     h->n_column = 0;
+    h->units_below = s == LW_OK && h->named && read_units_below(h, below, f.below);
+    if (!h->units_below)
+        memset(f.below, 0, sizeof f.below);
     if (s == LW_OK && !h->named)
         for (; s == LW_OK && h->n_column < 2; h->n_column++)
             s = take_column(h, &f, pair[h->n_column], number, 1, e);

@@ -64,6 +64,7 @@ typedef struct lw_header {
     char        decimal;                      /* '.' or ',' in the numbers read so far, 0: none */
     long        decimal_line;                 /* where the first one stands       */
     bool        named;                        /* there is a line that names the columns */
+    bool        units_below;                  /* and one of units below it */
     int         n_column;
     lw_target_field     role[LW_TARGET_FIELD_COUNT];      /* by column of the file             */
     int         column[LW_TARGET_FIELD_COUNT];    /* by role, -1: missing              */
@@ -74,9 +75,10 @@ typedef struct lw_header {
     char        length_by[48], angle_by[48];   /* where the unit was given; "": nowhere */
 } lw_header;
 
-/* Fill h (zeroed except for file, closed -1, units SI) from all comments of the file, then from the header line. */
+/* Fill h (zeroed except for file, closed -1, units SI) from all comments of the file, then from the header line and the line below it, which may
+ * hold units. */
 lw_status lw_header_comments(lw_header *h, const lw_target_options *o, lw_lines l, lw_error *e);
-lw_status lw_header_columns(lw_header *h, lw_text_span line, long number, lw_error *e);
+lw_status lw_header_columns(lw_header *h, lw_text_span line, lw_text_span below, long number, lw_error *e);
 
 /* ---- stations (target.c, target_order.c) ---- */
 

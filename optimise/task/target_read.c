@@ -205,7 +205,7 @@ static lw_status read_rows(lw_header *h, lw_lines l, lw_target *t, lw_error *e)
     return lw_error_at(e, LW_E_NOTATION, h->file, line, find_place(h, all, line, place.role), "%s", fault.text);
 }
 
-/* Read the line that names the columns; without one, two columns are x and y. l: then before the first row. */
+/* Read the line that names the columns, and one of units below it; without names, two columns are x and y. l: then before the first row. */
 static lw_status read_columns(lw_header *h, lw_lines *l, lw_error *e)
 {
     lw_lines before = *l;
@@ -218,9 +218,11 @@ static lw_status read_columns(lw_header *h, lw_lines *l, lw_error *e)
         if (!next_row(l))
             return lw_error_at(e, LW_E_NOTATION, h->file, l->number, 1, "no header and no stations follow this line");
     }
-    lw_status s = lw_header_columns(h, l->line, l->number, e);
-    if (s == LW_OK && !h->named)
-        *l = before;
+    lw_lines below = *l;
+    lw_text_span none = { l->line.s, 0 };
+    lw_status s = lw_header_columns(h, l->line, next_row(&below) ? below.line : none, l->number, e);
+    if (s == LW_OK && (!h->named || h->units_below))
+        *l = h->named ? below : before;
     return s;
 }
 
