@@ -541,6 +541,8 @@ TEST(every_fault_has_its_place)
         { "x_mm,y_cm\n1,2\n", 1, 6, "\"y_cm\" says cm, but \"x_mm\" said mm" },
         { "# units: mm\nx,y_cm\n1,2\n", 2, 3, "a comment said mm" },
         { "x [mm],y\nmm,cm\n1,2\n", 1, 8, "units are mixed" },
+        { "x,y,theta\n0,0,0\n0,1,-10\n", 3, 5, "more than half a turn here, from 0 to -10" },
+        { "x,y,theta2\n0,0,0\n0,1,5\n0,2,9\n", 4, 5, "call the column theta2_deg" },
         { "x,y,weight\nmm,mm,mm\n1,2,3\n", 1, 5, "is no" },
         { "x,y\nmm,ell\n1,2\n", 2, 1, "which is no number" },
         { "x,y\n1,2\n# units: mm m\n", 3, 13, "units are mixed" },

@@ -181,6 +181,24 @@ static lw_status count_rows(const lw_header *h, lw_lines l, size_t *n, lw_error 
     return LW_OK;
 }
 
+/* Refuse angles without a unit that cannot be meant in radians: beyond a whole turn, where no angle is an arc tangent that jumps, they
+ * would go on by more than half a turn from one station to the next. */
+static lw_status check_angles(const lw_header *h, lw_lines l, const lw_target *t, lw_error *e)
+{
+    for (int role = 0; role < LW_TARGET_FIELD_COUNT && !*h->angle_by; role++) {
+        const double *a = lw_target_array(t, (lw_target_field)role);
+        lw_target_field first = lw_field_first((lw_target_field)role);
+        if (!a || (first != LW_TARGET_FIELD_THETA && first != LW_TARGET_FIELD_ANGLE) || strcmp(h->name[role], "t") == 0)
+            continue;
+        for (size_t i = 1; i < t->n; i++)
+            if (fabs(a[i] - a[i-1]) > LW_PI*(1 + 1e-9) && fmax(fabs(a[i]), fabs(a[i-1])) > 2*LW_PI*(1 + 1e-9))
+                return lw_error_at(e, LW_E_NOTATION, h->file, t->line[i], find_place(h, l, t->line[i], (lw_target_field)role),
+                                   "angles have no unit, and in radians %s would go on by more than half a turn here, from %g to %g; if they are "
+                                   "degrees, call the column %s_deg or add \"# units: deg\"", h->name[role], a[i-1], a[i], h->name[role]);
+    }
+    return LW_OK;
+}
+
 static lw_status read_rows(lw_header *h, lw_lines l, lw_target *t, lw_error *e)
 {
     bool has[LW_TARGET_FIELD_COUNT];
@@ -198,6 +216,8 @@ static lw_status read_rows(lw_header *h, lw_lines l, lw_target *t, lw_error *e)
     if (s != LW_OK)
         return s;
     t->units = h->units;
+    if ((s = check_angles(h, all, t, e)) != LW_OK)
+        return s;
     s = lw_target_finish(t, h->closed, &place, &fault);
     if (s == LW_OK || s == LW_E_MEMORY)
         return s == LW_OK ? s : lw_error_set(e, s, "%s", fault.text);
