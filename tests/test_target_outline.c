@@ -263,6 +263,12 @@ TEST(round_shapes)
         { "<svg xmlns:xlink='x'><defs><circle id='c' r='3'/></defs><use xlink:href='#c' x='5' transform='scale(2)'/></svg>",
           6, 6, 0, 10, 0 },
         { "<svg><symbol id='s'><circle r='3'/></symbol><use href='#s' x='5' y='5'/></svg>", 3, 3, 0, 5, -5 },
+        { "<svg viewBox='0 0 100 100'><symbol id='s' viewBox='0 0 10 10'><circle cx='5' cy='5' r='5'/></symbol><use href='#s' x='10' y='10' "
+          "width='40' height='40'/></svg>", 20, 20, 0, 30, -30 },
+        { "<svg viewBox='0 0 100 100'><symbol id='s' viewBox='0 0 10 10'><circle cx='5' cy='5' r='5'/></symbol><use href='#s'/></svg>",
+          50, 50, 0, 50, -50 },
+        { "<svg viewBox='0 0 100 100'><svg x='10' width='50%' height='25%' viewBox='0 0 10 10'><circle cx='5' cy='5' r='5'/></svg></svg>",
+          12.5, 12.5, 0, 35, -12.5 },
         { "<svg:svg><svg:path d='M3&#10;0A3 3 0 1 1-3,0&#xA;A3 3 0 1 1 3 0z'/></svg:svg>", 3, 3, 0, 0, 0 },
         { "<!-- Generator: Adobe Illustrator 25.0 --><svg viewBox='0 0 72 72'><circle r='72'/></svg>", 25.4, 25.4, 0,
           0, 0 }
@@ -476,6 +482,7 @@ TEST(pieces_join)
         { "0\nLINE\n11\n5\n0\nLINE\n10\n5\n11\n5\n21\n5\n0\nLINE\n10\n5\n11\n9\n", 3 },
         { "0\nLINE\n11\n5\n0\nLINE\n8\nB\n10\n5\n11\n5\n21\n5\n", 2 },
         { "0\nLINE\n11\n5\n0\nLINE\n10\n5.00001\n11\n5\n21\n5\n", 1 },
+        { "0\nLINE\n21\n-19\n0\nARC\n10\n2\n20\n-9.5\n40\n9.70824\n50\n258.11\n51\n101.89\n", 1 },    /* ends apart by 1e-5 of it */
         { "0\nLINE\n11\n5\n0\nLWPOLYLINE\n10\n5\n20\n0\n10\n5\n20\n3\n10\n8\n20\n3\n0\nARC\n10\n8\n20\n4\n40\n1\n"
           "50\n270\n51\n0\n", 1 }
     };

@@ -54,7 +54,7 @@ void cli_fit_note_simpler(const cli_call *call, const cli_fit_set *set)
                  fmax(from_pivot, grain)/m, unit);
     if (alone && circle)
         cli_note(call, "%s: a link of %.6g %s that turns about (%.6g, %.6g) draws this path alone, within %.2g %s", set->path,
-                 r/m, unit, c.x/m, c.y/m, fmax(off, grain)/m, unit);
+                 r/m, unit, (grain*round(c.x/grain) + 0.0)/m, (grain*round(c.y/grain) + 0.0)/m, fmax(off, grain)/m, unit);
 }
 
 /* What to search next if no linkage found is near.  A closed path of equal parts is what a gear pair of that ratio makes. */

@@ -637,6 +637,9 @@ static int compare_curves(const void *a, const void *b)
     return i < k ? -1 : i > k;
 }
 
+/* Ends that are nearer than this part of the drawing meet: angles of arcs with two decimals move their ends so. */
+#define MEETING 1e-4
+
 /* Join open pieces that meet end to end, in any order of the file. */
 static lw_status join_pieces(reader *r)
 {
@@ -661,7 +664,7 @@ static lw_status join_pieces(reader *r)
         for (int last = 0; last < 2 && !c->closed && c->n > 1; last++)
             ends[n++] = (end){ c->p[last ? c->n - 1 : 0], 2*i + last };
     }
-    match_ends(d, ends, n, mate, 1e-5*hypot(hi.x - lo.x, hi.y - lo.y));
+    match_ends(d, ends, n, mate, MEETING*hypot(hi.x - lo.x, hi.y - lo.y));
     for (int pass = 0; pass < 2; pass++)               /* open chains from one of their ends; then the closed ones */
         for (int i = 0; i < d->n; i++)
             for (int last = 0; last < 2 && !used[i]; last++) {

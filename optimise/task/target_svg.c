@@ -42,7 +42,7 @@ typedef struct element {
 } element;
 
 /* An open element. */
-typedef struct level { matrix m; bool hidden; char group[48]; } level;
+typedef struct level { matrix m; bool hidden; char group[48]; double window[2]; } level;
 
 typedef struct reader {
     lw_cursor  c;                      /* the whole file                                              */
@@ -546,9 +546,9 @@ static void fit_view(const element *el, const double size[2], const double view[
 }
 
 /* Size of the drawing's unit from width="120mm" height="80mm" viewBox="0 0 120 80" of the root, and where the drawing lies on the
- * page, whose corner keeps the coordinates of that of the view box. Files of Illustrator count in points, those of Inkscape
+ * page, whose corner keeps the coordinates of that of the view box. l->window: its size in its own units, 0 if it has none. Files of Illustrator count in points, those of Inkscape
  * before 0.92 in 1/90 inch, unless they say another size. */
-static void read_scale(reader *r, const element *el, matrix *m)
+static void read_scale(reader *r, const element *el, level *l)
 {
     lw_error quiet;
     double v[2] = { 0, 0 }, unit[2] = { 0, 0 }, view[4] = { 0 }, scale[2] = { 0, 0 }, offset[2] = { 0, 0 };
@@ -567,8 +567,10 @@ static void read_scale(reader *r, const element *el, matrix *m)
     bool boxed = c.text && take_numbers(&c, view, 4) == LW_OK && view[2] > 0 && view[3] > 0, sized = unit[0] > 0 || unit[1] > 0;
     bool old = value_has(el, ATTRIBUTE_VERSION, "0.91") || value_has(el, ATTRIBUTE_VERSION, "0.48");
     double pixel = old ? 25.4/90 : r->illustrator ? 25.4/72 : PIXEL;
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++) {
+        l->window[i] = boxed ? view[2+i] : v[i]*unit[i]/PIXEL;
         v[i] *= unit[i] == PIXEL ? pixel : unit[i];
+    }
     if (boxed && sized) {
         double size[2] = { unit[0] > 0 ? v[0] : v[1]*view[2]/view[3], unit[1] > 0 ? v[1] : v[0]*view[3]/view[2] };
         fit_view(el, size, view, scale, offset);
@@ -578,23 +580,30 @@ static void read_scale(reader *r, const element *el, matrix *m)
     r->out.unit_given = scale[0] > 0;
     r->out.scale = scale[0] > 0 ? scale[0] : 1;
     if (scale[0] > 0)
-        *m = (matrix){ 1, 0, 0, scale[1]/scale[0], offset[0]/scale[0], offset[1]/scale[0] };
+        l->m = (matrix){ 1, 0, 0, scale[1]/scale[0], offset[0]/scale[0], offset[1]/scale[0] };
 }
 
-/* A drawing in a drawing is moved, and scaled to its width and height. */
-static lw_status enter_inner(const element *el, matrix *m)
+/* The width or height of a drawing in a drawing: without one, and in percent, it is that of the window around it. */
+static lw_status take_part(const element *el, int key, double window, double *v)
+{
+    lw_cursor c = el->value[key];
+    if (!value_has(el, key, "%"))
+        return take_value(el, key, window, v);
+    lw_status s = take_number(&c, v);
+    *v *= window/100;
+    return s;
+}
+
+/* A drawing in a drawing, or a symbol, is moved, and scaled to its width and height. */
+static lw_status enter_inner(const element *el, level *l)
 {
     double x, y, size[2], view[4] = { 0 }, scale[2] = { 1, 1 }, offset[2] = { 0, 0 };
     lw_cursor c = el->value[ATTRIBUTE_VIEW];
-    if (value_has(el, ATTRIBUTE_WIDTH, "%") || value_has(el, ATTRIBUTE_HEIGHT, "%"))
-        return LW_OK;
     lw_status s = take_value(el, ATTRIBUTE_X, 0, &x);
     if (s == LW_OK)
         s = take_value(el, ATTRIBUTE_Y, 0, &y);
-    if (s == LW_OK)
-        s = take_value(el, ATTRIBUTE_WIDTH, 0, &size[0]);
-    if (s == LW_OK)
-        s = take_value(el, ATTRIBUTE_HEIGHT, 0, &size[1]);
+    for (int i = 0; s == LW_OK && i < 2; i++)
+        s = take_part(el, i ? ATTRIBUTE_HEIGHT : ATTRIBUTE_WIDTH, l->window[i], &size[i]);
     if (s == LW_OK && c.text)
         s = take_numbers(&c, view, 4);
     if (s != LW_OK)
@@ -603,7 +612,9 @@ static lw_status enter_inner(const element *el, matrix *m)
     if (fits)
         fit_view(el, size, view, scale, offset);
     matrix own = { scale[0], 0, 0, scale[1], x + offset[0] - (fits ? scale[0]*view[0] : 0), y + offset[1] - (fits ? scale[1]*view[1] : 0) };
-    *m = lw_affine_product(m, &own);
+    l->m = lw_affine_product(&l->m, &own);
+    for (int i = 0; i < 2; i++)
+        l->window[i] = fits ? view[2+i] : size[i];
     return LW_OK;
 }
 
@@ -775,7 +786,7 @@ static lw_status draw(reader *r, const element *el, const level *in)
 
 /* ---- the tree ------------------------------------------------------------------------------------------------- */
 
-static lw_status read_tree(reader *r, lw_cursor c, bool one, const level *in);
+static lw_status read_tree(reader *r, lw_cursor c, const element *use, const level *in);
 
 /* Find the element with an id; behind it, *c is where its text begins. */
 static bool find_element(const reader *r, const char *id, lw_cursor *c)
@@ -818,7 +829,7 @@ static lw_status draw_clone(reader *r, const element *el, const level *in)
     matrix m = { 1, 0, 0, 1, x, y };
     own.m = lw_affine_product(&in->m, &m);
     copy_value(el, ATTRIBUTE_ID, own.group, sizeof own.group);
-    return read_tree(r, c, true, &own);
+    return read_tree(r, c, el, &own);
 }
 
 /* Set the map, the visibility and the group of an element's inside. */
@@ -827,7 +838,7 @@ static lw_status open_level(reader *r, const element *el, bool root, level *l)
     const lw_cursor *style = &el->value[ATTRIBUTE_STYLE];
     lw_status s = LW_OK;
     if (root)
-        read_scale(r, el, &l->m);
+        read_scale(r, el, l);
     if (given(el, ATTRIBUTE_TRANSFORM)) {
         lw_cursor c = el->value[ATTRIBUTE_TRANSFORM];
         if (given(el, ATTRIBUTE_ORIGIN))
@@ -838,7 +849,7 @@ static lw_status open_level(reader *r, const element *el, bool root, level *l)
     if (style->text && declares(style->text + style->at, style->size - style->at, "transform", ""))
         return lw_cursor_fail(style, "a transform inside of a style is not read; apply it to the curve in the drawing program");
     if (s == LW_OK && !root && strcmp(el->name, "svg") == 0)
-        s = enter_inner(el, &l->m);
+        s = enter_inner(el, l);
     l->hidden = l->hidden || is_hidden(r, el);
     if (strcmp(el->name, "g") == 0 && (given(el, label_of(el)) || given(el, ATTRIBUTE_ID)))
         copy_value(el, given(el, label_of(el)) ? label_of(el) : ATTRIBUTE_ID, l->group, sizeof l->group);
@@ -855,8 +866,19 @@ static void take_style(reader *r, lw_cursor *c)
         r->style[r->n_style++] = start;
 }
 
-/* Draw the elements from c on; one: only the first one, with what it holds, even if it is only defined. */
-static lw_status read_tree(reader *r, lw_cursor c, bool one, const level *in)
+/* A clone says how large the symbol or the drawing is that it shows. */
+static void size_clone(element *el, const element *use)
+{
+    static const int key[] = { ATTRIBUTE_WIDTH, ATTRIBUTE_HEIGHT };
+    if (strcmp(el->name, "symbol") == 0)
+        strcpy(el->name, "svg");
+    for (int i = 0; i < 2 && strcmp(el->name, "svg") == 0; i++)
+        if (given(use, key[i]))
+            el->value[key[i]] = use->value[key[i]];
+}
+
+/* Draw the elements from c on, or only the first one, with what it holds, even if it is only defined, if a clone shows it. */
+static lw_status read_tree(reader *r, lw_cursor c, const element *use, const level *in)
 {
     level open[DEPTH_MAX];
     int depth = 0;
@@ -874,8 +896,8 @@ static lw_status read_tree(reader *r, lw_cursor c, bool one, const level *in)
         } else {
             bool root = !r->rooted && strcmp(el.name, "svg") == 0;
             r->rooted = r->rooted || root;
-            if (one && depth == 0 && strcmp(el.name, "symbol") == 0)
-                strcpy(el.name, "g");
+            if (use && depth == 0)
+                size_clone(&el, use);
             s = open_level(r, &el, root, &l);
             if (s == LW_OK && strcmp(el.name, "style") == 0 && !el.empty)
                 take_style(r, &c);
@@ -890,7 +912,7 @@ static lw_status read_tree(reader *r, lw_cursor c, bool one, const level *in)
             if (!el.empty)
                 open[depth++] = l;
         }
-        if (one && depth == 0)
+        if (use && depth == 0)
             return LW_OK;
     }
 }
@@ -915,7 +937,7 @@ lw_status lw_target_read_svg(const char *text, size_t size, const char *file, co
     r.illustrator = has_word(text, size < 1000 ? size : 1000, "Adobe Illustrator");
     lw_status s = lw_text_check(text, size, file, e);
     if (s == LW_OK)
-        s = read_tree(&r, r.c, false, &top);
+        s = read_tree(&r, r.c, NULL, &top);
     if (s == LW_OK && r.out.n == 0)
         s = lw_error_at(e, LW_E_NOTATION, file, 1, 1, "there is no visible path, line, polygon, rectangle, circle or "
                         "ellipse in this drawing%s", r.has_text ? "; convert text to paths" : "");
