@@ -83,6 +83,18 @@ TEST(through_flat_postures)
            "37 True 2 True True [0.25, 0.75]\n98 True 0 True True []\n101 True 2 True True [0.25, 0.75]\n"
            "401 True 2 True True [0.25, 0.75]\n", "without a limit");
     expect("$P simulate $D/flat.json --speed 6.283185307179586 -n 4 | tail -1", 0, "# singular posture in 2 rows, first at t = 0.25", NULL);
+    expect("$P simulate $D/flat.json --speed 6.283185307179586 -n 97", 0, NULL, "at t = 0.25 s the motion passes a singular posture");
+    /* Friction in all pins: next to the flat posture rigid links have no forces, or several, and the motion goes on.  Else the drive is that without
+     * friction and the friction at the reactions.  Equilibria are without friction, however near. */
+    expect("sed 's/, \"at\"/, \"friction\": {\"coefficient\": 0.3, \"radius\": 0.2}, \"at\"/g' $D/flat.json > $D/rub.json\n"
+           "for a in kinematic quasistatic; do for n in 36 97; do $P simulate $D/rub.json -a $a --speed 6.283185307179586 -n $n --json | python3 -c '\n"
+           "import json, math, sys\n"
+           "d = json.load(sys.stdin); rows = [dict(zip(d[\"columns\"], r)) for r in d[\"rows\"]]\n"
+           "known = [r for r in rows if r[\"B.fx\"] is not None]; mu = 0.06 if sys.argv[1] == \"kinematic\" else 0\n"
+           "rub = lambda r: mu*sum(math.hypot(r[j + \".fx\"], r[j + \".fy\"]) for j in \"ABCD\")\n"
+           "off = max(abs(r[\"A.drive\"] - 9.81*3.25*math.cos(r[\"A.input\"]) - rub(r)) for r in known)\n"
+           "print(len(rows), len(known), max(abs(r[\"b.turn\"]) for r in rows) < 1e-9, off < 1e-8)' $a; done; done", 0,
+           "37 35 True True\n98 91 True True\n37 35 True True\n98 98 True True\n", "friction of rigid links leaves no forces or several");
 }
 
 /* Times whose digits or whose phase are used up are refused; what is assumed is printed; 10 km are travelled at 100 m/s. */

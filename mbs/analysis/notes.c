@@ -28,6 +28,11 @@ void lw_note_adjusted(lw_note_sink c, double moved, double turned)
 
 void lw_note_lost(lw_note_sink c, const char *what, const double between[2], double unit, const char *name, const char *how)
 {
+    if (between[0] == between[1]) {
+        note(c, "at %s = %.9g %s the motion passes a singular posture, where links can move while the drive stands still: forces of joints may grow without "
+             "limit near it, and a machine may leave it on another branch", what, between[0]/unit, name);
+        return;
+    }
     note(c, "between %s = %.9g and %.9g %s the motion passes a parallel singularity, where the drives lose control of the links: links can move there "
          "while all drives stand still%s%s%s, drive forces grow without limit near it, and a machine may leave it on another branch (robot reachability, "
          "workspace)", what, between[0]/unit, between[1]/unit, name, *how ? " (" : "", how, *how ? ")" : "");
@@ -138,8 +143,9 @@ void lw_dynamics_notes(lw_note_sink c, const lw_dynamics *d, const lw_dynamics_r
     if (r->gave_up)
         note(c, "%s; the rest of the run is by %s", r->why, lw_formulation_name(r->formulation));
     if (r->without_forces)
-        note(c, "%ld row%s in a singular posture, the first at t = %.12g s: forces without a limit there are left "
-             "empty", r->without_forces, r->without_forces == 1 ? " is" : "s are", r->without_forces_t);
+        note(c, "%ld row%s in a singular posture%s, the first at t = %.12g s: forces without a limit there are left "
+             "empty", r->without_forces, r->without_forces == 1 ? " is" : "s are",
+             r->jams ? ", or so near one that friction of rigid links leaves no forces or several (Painleve's paradox)" : "", r->without_forces_t);
     if (r->lost)
         lw_note_lost(c, "t", r->lost_t, 1, "s", r->lost_how);
     if (r->smooth_friction)

@@ -305,6 +305,9 @@ static lw_status go_to_value(lw_prescribed_motion *d, double t)
         if (p->crossings > 0 && (d->away - p->crossing)*(u - p->crossing) < 0) {
             d->crossings += p->crossings > before ? p->crossings - before : 1;
             d->crossing = moment_of(d, d->away_t, t, p->crossing);
+            if (!d->lost)
+                d->between[0] = d->between[1] = d->crossing;
+            d->lost = true;
         }
         d->away_t = t;
         d->away = u;
@@ -622,7 +625,7 @@ bool lw_prescribed_motion_lost(lw_prescribed_motion *d, const lw_assembly *names
     how[0] = 0;
     if (!d->place && hold(d, d->t) && lw_continuation_factor(&d->f, d->q) > 1e-15)
         watch(d);
-    if (d->lost)
+    if (d->lost && !d->place)
         tell_free_motion(d, names, d->loose, how);
     memcpy(between, d->between, sizeof d->between);
     return d->lost;

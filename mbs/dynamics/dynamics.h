@@ -151,6 +151,7 @@ typedef struct lw_dynamics_report {
     long   samples;              /* passed to the sink; intervals + 1 if the run succeeds */
     long   without_forces;       /* samples in singular postures in which some force has no limit, */
     double without_forces_t;     /* and the time of the first */
+    bool   jams;                 /* in some of them because friction of rigid links leaves no forces, or several, though all motion is prescribed */
     bool   lost;                 /* the inputs move every freedom: between these times, the first time, the drives lose control of the links */
     double lost_t[2];            /* (mbs/space/space_hold.h, mbs/constraints/prescribed_motion.h) */
     char   lost_how[240];        /* "link ... turns about ...": what moves there while they stand still; empty: not known */

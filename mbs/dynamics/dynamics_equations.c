@@ -509,7 +509,8 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
                               double *power)
 {
     int joints = d->n_friction, n = joints + (d->touch ? d->touch->n_slip : 0), stride = d->n_v + d->n_c;
-    if (d->choice.formulation == LW_FORMULATION_DRIVEN)
+    bool driven = d->choice.formulation == LW_FORMULATION_DRIVEN;
+    if (driven)
         lw_mbs_full_friction(d, d->n_friction, v);
     if (n == joints && n >= MANY && rub_in_passes(d, q, v, a, l, power)) {
         if (!d->touch && !(d->friction_determinant > d->least_determinant))
@@ -533,7 +534,13 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
     }
     if (s == LW_OK)
         s = lw_friction_add(&(lw_friction_scene){ d, dim, reaction_of, rubbing }, n, d->friction, response, t, d->n_v, a,
-                            d->n_c, l, size, d->touch ? &d->touch->determinant : &d->friction_determinant, d->e);
+                            d->n_c, l, size, d->touch ? &d->touch->determinant : &d->friction_determinant, driven ? NULL : d->e);
+    if (s == LW_E_NUMERIC && driven) {       /* the motion goes on without them */
+        for (int r = 0; r < d->n_c; r++)
+            l[r] = NAN;
+        d->jams = true;
+        return LW_OK;
+    }
     if (!d->touch && !(d->friction_determinant > d->least_determinant))
         d->least_determinant = d->friction_determinant;
     for (int j = 0; s == LW_OK && power && j < n; j++)

@@ -95,6 +95,7 @@ struct lw_dynamics {
     int    *rank_ints;
     double *force, *bias, *q_try, *v_try, *small_v, *stop_v, *a, *l, *l_each, *hold;
     double  friction_determinant, least_determinant;    /* of the friction equations, without contacts; the least of a run */
+    bool    jams;                             /* in a prescribed motion friction of rigid links left no forces, or several */
     double *rub;                              /* n_friction reactions, 2*(n_v + n_c): scratch of many joints with friction */
     double *response;                         /* lw_mbs_response; NULL: not yet wanted */
     double *start_q, *start_v, *start_z, *drawn_q;   /* drawn_q: of the drawing, closed */

@@ -170,8 +170,8 @@ static lw_status fill(driven *z, window *w, double t)
         }
         if (s == LW_OK)
             s = forces_at(d, t, to, to + n);
-        if (s != LW_OK)
-            return s;
+        if (s != LW_OK || isnan(d->l[0]))
+            return s == LW_OK ? LW_OPEN : s;
         memcpy(to + 2*n, d->a, (size_t)n*sizeof *to);
         for (int c = 0; c < d->n_c; c++)
             to[3*n + c] = d->l[c]*w->x[i];

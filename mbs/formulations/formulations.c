@@ -65,14 +65,16 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     if (d->touch && !settles && (a == LW_ANALYSIS_STATIC || ((postures || d->freedom == 0) && !prescribed)))
         return lw_error_set(e, LW_E_KIND, "contacts, ropes and rigid stops take part in runs in time of models with a freedom, in prescribed motion of "
                             "rigid links without first-order states, and in statics of rigid links with a freedom");
+    r->no_friction = !settles && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_QUASISTATIC)
+                     && (d->n_friction || lw_mbs_touch_rubs(d) || (d->space && d->space->n_rub));
+    if (r->no_friction)
+        d->n_friction = 0;
     for (int i = 0; i < d->n_friction; i++)
         d->ideal_friction = d->ideal_friction || d->friction[i].ideal;
     for (int i = 0; d->space && i < d->space->model->n_contact; i++) {
         const lw_friction *f = &d->space->model->joint[d->space->model->contact[i]].friction;
         d->ideal_friction = d->ideal_friction || (f->coefficient > 0 && !(f->speed > 0));
     }
-    r->no_friction = !settles && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_QUASISTATIC)
-                     && (d->n_friction || lw_mbs_touch_rubs(d) || (d->space && d->space->n_rub));
     if (d->eq.n_z && (postures || a == LW_ANALYSIS_STATIC))
         return lw_error_set(e, LW_E_KIND, "the model has first-order states (\"%s\"), whose values this analysis does not know; "
                             "run it in time (dynamic)", d->eq.name(d->eq.context, LW_NAMED_STATE, 0));
@@ -204,6 +206,7 @@ static lw_status run_one(lw_run *run)
     run->n_jumped = run->n_near = 0;
     run->jumps_t = -INFINITY;
     d->least_determinant = 1;
+    d->jams = false;
     r->smooth_friction = d->ideal_friction && r->formulation != LW_FORMULATION_DRIVEN &&
                          r->formulation != LW_FORMULATION_REDUCED &&
                          !(r->formulation == LW_FORMULATION_INDEX1 && lw_stick_suits(d));

@@ -386,6 +386,7 @@ static lw_status hand_out(lw_run *run, const lw_moment *m)
         known &= isfinite(m->l[i]) != 0;
     if (!known && r->without_forces++ == 0)
         r->without_forces_t = m->t;
+    r->jams = r->jams || (!known && run->d->jams);
     if (!(m->off <= most_off + far_off*run->d->o.relative))
         return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the constraints are off by %.3g of the size of the linkage", m->t, m->off);
     if ((s = check_energy(run, m)) != LW_OK)
