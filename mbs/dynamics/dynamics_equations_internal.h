@@ -260,14 +260,19 @@ lw_status lw_mbs_factor_touch(lw_dynamics *d);
 double lw_mbs_row_rate(const lw_dynamics *d, int r, const double *x);
 
 /* The power method for the response of accelerations to a change of velocities, the fastest decay [1/s], or of places, the square of the
- * greatest frequency.  0: none is known.  Forces alone count: geometry that turns forces of constraints does not. */
-double lw_mbs_fastest(lw_dynamics *d, double t, const double *q, const double *v, bool by_v);
+ * greatest frequency.  rubs: with friction.  0: none is known.  Forces alone count: geometry that turns forces of constraints does not. */
+double lw_mbs_fastest(lw_dynamics *d, double t, const double *q, const double *v, bool by_v, bool rubs);
+
+/* The fastest decay that dampers and states cause [1/s], where the state is q, v and the states are those placed last: of all dampers together
+ * where derivatives are at hand, else of one.  rubs: regularised friction by the reactions d->l, too. */
+double lw_mbs_fastest_decay(lw_dynamics *d, double t, const double *q, const double *v, bool rubs);
 
 /* Do dampers make the equations stiff over the length of the run? */
 bool lw_mbs_is_stiff(lw_dynamics *d);
 
-/* Are they so from t on, where the state is q, v and the states placed last, and are steps of an explicit method of length h short for it? */
-bool lw_mbs_became_stiff(lw_dynamics *d, double t, const double *q, const double *v, double h);
+/* Does decay (as above) keep the steps of an explicit method as short as h, from t on to the end of the run?  returns: may it, so that an implicit
+ * method is worth a try, from which the run can return? */
+bool lw_mbs_became_stiff(lw_dynamics *d, double t, const double *q, const double *v, double h, bool returns);
 
 /* Do first-order states decay so fast that cvode takes less time than index1 at the tolerance? */
 bool lw_mbs_states_decay(lw_dynamics *d);

@@ -16,6 +16,7 @@ static const double vibrating = 2e3;
  * stability, none.  Measured for motors and controllers from 600 to 8000: damped_states at states_at, times this power of the tolerance. */
 static const double damped_states = 640, states_at = 1e-3, states_power = 0.15;
 static const double at_limit = 4;            /* decay times the length of explicit steps which it limits: 6, less where lengths vary */
+static const double may_limit = 0.5, worth = 150;        /* the same where it may limit them, at small tolerances; steps left */
 enum { most_looked = 400 };              /* dampers and motors that are looked at, evenly spread */
 
 /* The fastest decay of a state by itself: the greatest derivative of a rate by its own state. */
@@ -75,7 +76,7 @@ static void add_response(void *context, int row, int column, double by_q, double
         r->force[row] += (r->by_v ? by_v : by_q)*r->change[column];
 }
 
-double lw_mbs_fastest(lw_dynamics *d, double t, const double *q, const double *v, bool by_v)
+double lw_mbs_fastest(lw_dynamics *d, double t, const double *q, const double *v, bool by_v, bool rubs)
 {
     double *u = d->v_try, *force = d->a, size = 0;
     response r = { d->n_v, by_v, u, force };
@@ -95,6 +96,8 @@ double lw_mbs_fastest(lw_dynamics *d, double t, const double *q, const double *v
             u[i] /= most;
         memset(force, 0, (size_t)d->n_v*sizeof *force);
         d->eq.derivatives(d->eq.context, t, q, v, d->force, &(lw_force_sink){ &r, add_response, NULL });
+        if (rubs)
+            lw_mbs_rub_slopes(d, q, v, &(lw_force_sink){ &r, add_response, NULL });
         lw_mbs_impulse(d, force, d->small_v);
         memcpy(u, d->small_v, (size_t)d->n_v*sizeof *u);
     }
@@ -103,11 +106,10 @@ double lw_mbs_fastest(lw_dynamics *d, double t, const double *q, const double *v
 
 static bool knows_dampers_together(const lw_dynamics *d) { return !d->space && d->eq.exact && !d->o.force.apply; }
 
-/* The fastest decay that dampers and states cause [1/s]: of all dampers together where derivatives are at hand, else of one. */
-static double fastest_decay(lw_dynamics *d, double t, const double *q, const double *v)
+double lw_mbs_fastest_decay(lw_dynamics *d, double t, const double *q, const double *v, bool rubs)
 {
-    bool together = knows_dampers_together(d), looks = !together && d->eq.n_damper > 0;
-    double most = together ? lw_mbs_fastest(d, t, q, v, true) : 0, *g = d->small_v, *change = d->v_try;
+    bool together = rubs || knows_dampers_together(d), looks = !together && d->eq.n_damper > 0;
+    double most = together ? lw_mbs_fastest(d, t, q, v, true, rubs) : 0, *g = d->small_v, *change = d->v_try;
     if (looks && (lw_mbs_rows(d, t, q) != LW_OK || lw_mbs_factor(d, false) != LW_OK))
         return 0;
     for (int k = 0; k < d->eq.n_damper && looks; k += 1 + d->eq.n_damper/most_looked) {
@@ -124,19 +126,20 @@ static double fastest_decay(lw_dynamics *d, double t, const double *q, const dou
 bool lw_mbs_is_stiff(lw_dynamics *d)
 {
     if (!d->decay_known) {
-        d->decay = fastest_decay(d, d->o.from, d->start_q, d->start_v);
-        d->frequency = knows_dampers_together(d) ? sqrt(lw_mbs_fastest(d, d->o.from, d->start_q, d->start_v, false)) : 0;
+        d->decay = lw_mbs_fastest_decay(d, d->o.from, d->start_q, d->start_v, false);
+        d->frequency = knows_dampers_together(d) ? sqrt(lw_mbs_fastest(d, d->o.from, d->start_q, d->start_v, false, false)) : 0;
     }
     d->decay_known = true;
     return d->decay*(d->o.to - d->o.from) > (d->space ? stiff_space : stiff);
 }
 
-bool lw_mbs_became_stiff(lw_dynamics *d, double t, const double *q, const double *v, double h)
+bool lw_mbs_became_stiff(lw_dynamics *d, double t, const double *q, const double *v, double h, bool returns)
 {
-    if (d->eq.conservative && d->eq.n_z == 0)
+    bool rubs = returns && d->n_friction > 0;
+    if (d->eq.conservative && d->eq.n_z == 0 && !rubs)
         return false;
-    double decay = fastest_decay(d, t, q, v);
-    return decay*h > at_limit && decay*(d->o.to - t) > (d->space ? stiff_space : stiff);
+    double decay = lw_mbs_fastest_decay(d, t, q, v, rubs), left = d->o.to - t;
+    return returns ? decay*h > may_limit && left > worth*h : decay*h > at_limit && decay*left > (d->space ? stiff_space : stiff);
 }
 
 bool lw_mbs_states_decay(lw_dynamics *d)

@@ -68,9 +68,10 @@ typedef struct stepper {
     int           n_aimed;                   /* steps that ended at samples, or could have */
     double       *before;                    /* state (n) before the last step of the implicit method */
     int           n_cut;                     /* times in a row that this method began a step again */
-    bool          may_leave;                 /* for the implicit method */
+    bool          may_leave, returns;        /* for the implicit method, from which it returns where steps may be longer */
     long          look, looked;              /* steps after which to see whether equations became stiff, and at the last time */
-    double        looked_t;
+    double        looked_t, mean;            /* mean: of the lengths of steps of late */
+    double        first;                     /* length of the first step; 0: the solver chooses it */
 } stepper;
 
 /* Event functions of stops, contacts or friction; that of kinks comes after them. */
@@ -120,7 +121,10 @@ static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
     w->work = calloc(lw_integrate_work(run->n, w->ode.n_event), sizeof *w->work);
     if (!w->work)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
-    return lw_integrate_start(&w->explicit_one, &w->ode, &each, w->work, t, y, run->e);
+    s = lw_integrate_start(&w->explicit_one, &w->ode, &each, w->work, t, y, run->e);
+    w->explicit_one.h = w->first;
+    w->first = 0;
+    return s;
 }
 
 static void end_steps(stepper *w, lw_dynamics_report *r)
@@ -166,6 +170,25 @@ static lw_status restart(stepper *w, const double *y, double flight, lw_error *e
         w->explicit_one.h = fmin(w->explicit_one.h, 0.5*flight);
     return w->implicit ? lw_cvode_restart(&w->implicit_one, y, 0.5*flight, e)
                        : lw_integrate_restart(&w->explicit_one, y, e);
+}
+
+/* Regularised friction of a joint whose slip falls to 0 and rises again, or changes its sign, within a step is missed by its stages where that
+ * takes little time.  So a step ends no later than the slip would be 0 at its present rate of change, unless the joint rests already, up to an error
+ * allowed.  0: no limit. */
+static double step_to_rest(const lw_dynamics *d, const lw_integrator *w)
+{
+    const double *q = w->y, *v = w->y + d->n_q, *a = w->dy + d->n_q;
+    static const double rests = 3;           /* slip over the speed of the friction, below which stages see that it changes */
+    double most = INFINITY;
+    for (int j = 0; j < d->n_friction; j++) {
+        lw_friction_joint whole = d->friction[j];
+        whole.held = true, whole.part = -1;
+        double push = whole.coefficient*whole.lever_arm, slip = lw_mbs_rub_one(d, &whole, q, v, 1, d->hold)/push;
+        double rate = lw_mbs_rub_one(d, &whole, q, a, 1, d->hold)/push;
+        if (slip*rate < 0 && fabs(slip) > fmax(rests*whole.speed/whole.lever_arm, w->o.absolute))
+            most = fmin(most, -slip/rate);
+    }
+    return most < INFINITY ? most : 0;
 }
 
 /* Places that touch after a step: their event functions are positive, and the next step misses none. */
@@ -374,8 +397,8 @@ static lw_status act_on_events(stepper *w, good_state *f, double *y)
     return s;
 }
 
-/* Equations can become stiff on the way, as where a valve opens, and then steps are short for stability alone.  Seen first after LOOK steps, then after twice
- * as many each time. */
+/* Equations can become stiff on the way, as where a valve opens, and then steps are short for stability alone.  Seen after each LOOK steps, which
+ * double whenever the run comes back from an implicit method. */
 enum { LOOK = 64 };
 
 /* Joints that rest by regularised friction make them stiff, too: after so many steps as long as stability allows, where more than `worth` of them are left. */
@@ -389,16 +412,15 @@ bool lw_run_friction_limits(const lw_run *run, const lw_integrator *w)
 
 static bool became_stiff(lw_run *run, stepper *w, const double *y)
 {
-    long n = w->explicit_one.n_step;
+    long n = w->explicit_one.n_step + w->explicit_one.n_refused;
     double t = time_of(w);
-    if (w->may_leave && run->d->n_friction)  /* its decay is not among the derivatives, and comes and goes with the slip */
-        return lw_run_friction_limits(run, &w->explicit_one);
-    if (!w->may_leave || n < w->look)
-        return false;
-    double mean = (t - w->looked_t)/(double)(n - w->looked);
-    w->look = 2*n, w->looked = n, w->looked_t = t;
+    bool limits = w->may_leave && run->d->n_friction && lw_run_friction_limits(run, &w->explicit_one);
+    w->mean = limits ? t - w->explicit_one.t_old : (t - w->looked_t)/(double)(n - w->looked);
+    if (limits || !w->may_leave || n < w->look)
+        return limits;
+    w->look = n + (LOOK << run->n_back), w->looked = n, w->looked_t = t;
     run->d->eq.place_states(run->d->eq.context, y + lw_run_states(run));
-    return lw_mbs_became_stiff(run->d, t, y, y + run->d->n_q, mean);
+    return lw_mbs_became_stiff(run->d, t, y, y + run->d->n_q, w->mean, w->returns);
 }
 
 /* A step from `t` on with contacts fails: rows of places have become dependent.  Choose others, and begin with a short step. */
@@ -430,15 +452,7 @@ static lw_status pass_kink_of_loads(stepper *w, double *y, lw_ode_stop *stop)
     return s;
 }
 
-/* Go on to the end of the run by an implicit method. */
-static lw_status leave(stepper *w, double *y)
-{
-    double length = time_of(w) - w->explicit_one.t_old;
-    memcpy(y, state(w), (size_t)w->run->n*sizeof *y);
-    end_steps(w, w->run->r);
-    return w->run->leave_stiff(w->run, y, length);
-}
-
+/* To the end of the run.  LW_NOTHING: the run can go on otherwise from the state reached. */
 static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
 {
     lw_dynamics *d = run->d;
@@ -458,6 +472,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         memset(w->explicit_one.side, 1, (size_t)d->n_friction);
     for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
         double from = time_of(w);
+        if (d->n_friction && has_stops && !w->implicit)
+            w->explicit_one.o.greatest = step_to_rest(d, &w->explicit_one);
         if (w->implicit)
             memcpy(w->before, state(w), (size_t)run->n*sizeof *y);
         s = step(w, step_end(run, w), &stop, run->e);
@@ -509,10 +525,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         }
         if (s == LW_OK && stop != LW_ODE_END && run->clear > 0 && !w->implicit && d->weak > run->clear)
             s = LW_NOTHING;
-        if (s == LW_OK && stop != LW_ODE_END && became_stiff(run, w, state(w))) {
-            s = leave(w, y);
-            break;
-        }
+        if (s == LW_OK && stop != LW_ODE_END && became_stiff(run, w, state(w)))
+            s = LW_NOTHING;
     }
     free(f.y);
     return s;
@@ -530,7 +544,9 @@ static lw_status run_bodies(lw_run *run, bool implicit)
     lw_dynamics *d = run->d;
     stepper w = { .run = run, .implicit = implicit, .look = LOOK, .looked_t = d->o.from };
     bool changed = false;
+    lw_dynamics_report asked = { 0 };
     w.may_leave = !implicit && lw_run_may_leave(d);
+    w.returns = w.may_leave && lw_formulation_radau.able(d, true, &asked) == LW_OK;
     w.open = !implicit && !d->space && !d->touch && d->s.n_joint <= d->s.n_body && d->n_driven == 0;
     double *y = calloc(2*(size_t)run->n, sizeof *y);
     if (!y)
@@ -547,7 +563,11 @@ static lw_status run_bodies(lw_run *run, bool implicit)
         s = lw_run_begin(run, y);
     if (s == LW_OK)
         s = run_steps(run, &w, d->o.from, y);
-    if (s == LW_OK && d->touch) {
+    if (s == LW_NOTHING) {
+        memcpy(y, state(&w), (size_t)run->n*sizeof *y);
+        end_steps(&w, run->r);
+        s = run->leave_stiff(run, y, w.mean);
+    } else if (s == LW_OK && d->touch) {
         memcpy(y, state(&w), (size_t)run->n*sizeof *y);
         s = lw_run_touch_end(run, time_of(&w), y);
     }
@@ -561,9 +581,10 @@ static lw_status run_bodies(lw_run *run, bool implicit)
     return s;
 }
 
-static lw_status go_on(lw_run *run, double *out, bool implicit)
+/* h: NULL, or as for lw_run_explicit_from. */
+static lw_status go_on(lw_run *run, double *out, bool implicit, double *h)
 {
-    stepper w = { .run = run, .implicit = implicit };
+    stepper w = { .run = run, .implicit = implicit, .may_leave = h, .returns = h, .first = h ? *h : 0, .look = LOOK << run->n_back, .looked_t = run->r->t };
     size_t n = (size_t)run->n;
     double *y = calloc(2*n, sizeof *y), *old = run->y;
     if (!y)
@@ -579,6 +600,8 @@ static lw_status go_on(lw_run *run, double *out, bool implicit)
     if (s == LW_NOTHING) {
         run->r->t = time_of(&w);
         memcpy(out, state(&w), n*sizeof *y);
+        if (h)
+            *h = w.mean;
     }
     end_steps(&w, run->r);
     free(w.each);
@@ -587,9 +610,11 @@ static lw_status go_on(lw_run *run, double *out, bool implicit)
     return s;
 }
 
-lw_status lw_run_go_on_implicit(lw_run *run, double *out) { return go_on(run, out, true); }
+lw_status lw_run_go_on_implicit(lw_run *run, double *out) { return go_on(run, out, true, NULL); }
 
-lw_status lw_run_go_on(lw_run *run, double *out) { return go_on(run, out, run->d->n_friction > 0 || lw_mbs_is_stiff(run->d)); }
+lw_status lw_run_go_on(lw_run *run, double *out) { return go_on(run, out, run->d->n_friction > 0 || lw_mbs_is_stiff(run->d), NULL); }
+
+lw_status lw_run_explicit_from(lw_run *run, double *out, double *h) { return go_on(run, out, false, h); }
 
 lw_status lw_run_hand_over(lw_run *run, double *y)
 {
@@ -604,7 +629,7 @@ lw_status lw_run_hand_over(lw_run *run, double *y)
     r->gave_up = r->formulation;
     r->gave_up_t = r->t;
     r->formulation = to;
-    return go_on(run, y, implicit);
+    return go_on(run, y, implicit, NULL);
 }
 
 /* ---- index1 and cvode -------------------------------------------------------------------------------- */

@@ -185,14 +185,22 @@ static bool starts_singular(const lw_dynamics *d)
     return d->space && memcmp(d->start_q, d->space->s.start, (size_t)d->n_q*sizeof *d->start_q) == 0 && lw_space_lost_freedoms(&d->space->follow) > 0;
 }
 
-/* lw_run.leave_stiff: radau, or cvode where there is a rigid stop. */
+/* lw_run.leave_stiff: cvode where there is a rigid stop, else radau and index1 in turn. */
 static lw_status leave_stiff(lw_run *run, double *y, double length)
 {
     lw_dynamics_report *r = run->r, asked = { 0 };
     bool radau = lw_formulation_radau.able(run->d, true, &asked) == LW_OK;
-    snprintf(r->why, sizeof r->why, "%s to t = %.3g s, where the equations became stiff, then an implicit method", lw_formulation_name(r->formulation), r->t);
+    snprintf(r->why, sizeof r->why, "%s to t = %.3g s, where the equations became stiff, then an implicit method%s", lw_formulation_name(r->formulation), r->t,
+             radau ? ", or index1 where that costs less" : "");
     r->formulation = radau ? LW_FORMULATION_RADAU : LW_FORMULATION_CVODE;
-    return radau ? lw_run_radau_from(run, y, length) : lw_run_go_on_implicit(run, y);
+    lw_status s = radau ? lw_run_radau_from(run, y, &length) : lw_run_go_on_implicit(run, y);
+    while (s == LW_NOTHING) {
+        bool back = r->formulation == LW_FORMULATION_RADAU;
+        run->n_back += back;
+        r->formulation = back ? LW_FORMULATION_INDEX1 : LW_FORMULATION_RADAU;
+        s = back ? lw_run_explicit_from(run, y, &length) : lw_run_radau_from(run, y, &length);
+    }
+    return s;
 }
 
 /* One run by the formulation of run->r; what it ended on is in run->e. */

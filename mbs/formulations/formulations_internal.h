@@ -41,13 +41,18 @@ lw_status lw_run_hand_over(lw_run *run, double *y);
 /* May an explicit method begin a run that grows stiff on the way, to be left for an implicit one then? */
 bool lw_run_may_leave(lw_dynamics *d);
 
+/* Go on from (run->r->t, y) by index1 with a first step of length *h.  LW_NOTHING: y is the state where the equations became stiff again, *h the
+ * length of steps of late. */
+lw_status lw_run_explicit_from(lw_run *run, double *y, double *h);
+
 /* Does regularised friction limit the steps of w, and is enough left for an implicit method? */
 bool lw_run_friction_limits(const lw_run *run, const lw_integrator *w);
 
 /* ---- radau.c ----------------------------------------------------------------------------------------- */
 
-/* Go on from (run->r->t, y) by radau to the end of the run, with a first step of length h. */
-lw_status lw_run_radau_from(lw_run *run, const double *y, double h);
+/* Go on from (run->r->t, y) by radau, where explicit steps have the length *h.  LW_NOTHING: y is a state from which these cost less, *h their
+ * length. */
+lw_status lw_run_radau_from(lw_run *run, double *y, double *h);
 
 /* ---- driven_space.c ---------------------------------------------------------------------------------- */
 

@@ -1,7 +1,7 @@
 /* mbs/formulations/radau.c - the formulations radau and alpha.
  *
- * Radau IIA of order 9, or 5 for elastic links, clearances and friction at tolerances from 1e-7 on (Hairer & Wanner 1996, section
- * IV.8; 1999), for stiff models of any size: elastic links above all, whose fast vibrations an explicit method would have to
+ * Radau IIA of order 9, or 5 for elastic links and clearances at tolerances from 1e-7 on and for friction that is nearly a jump (Hairer & Wanner
+ * 1996, section IV.8; 1999), for stiff models of any size: elastic links above all, whose fast vibrations an explicit method would have to
  * follow and BDF methods damp or excite.
  *
  *     q' = G v,   M v' + J^T l = Q(t, q, v, x),   x' = f(t, q, v, x),   Phi(t, q) = 0
@@ -77,9 +77,10 @@ typedef struct stages {
     double  h_factored;                      /* the step of the factored matrices; 0: none */
     long    since;                           /* steps with the present history; 0: none */
     bool    dense;                           /* samples lie within steps */
-    bool    may_leave;                       /* for index1 */
-    int     n_watched;                       /* steps since watched_t */
-    double  watched_t, explicit_step;        /* step of an explicit method that follows the fastest vibration; 0: not known */
+    bool    may_leave, goes_back;            /* for index1, which the run came from */
+    int     n_watched, watch;                /* steps since watched_t; steps whose mean length decides */
+    double  watched_t, explicit_step;        /* step of an explicit method; 0: not known */
+    double  fastest;                         /* the fastest decay or vibration where it had that length */
     double *side;                            /* (3 n_switch) sides of the switches: at the start of the step, within it, before the last one passed */
     double  across;                          /* time in which that one was passed */
 } stages;
@@ -852,29 +853,38 @@ static double next_step(const stages *g, double h, double *end)
 
 /* Vibrations that are not damped can ask for steps as short as those of an explicit method, which cost less.  Then the run goes on
  * by index1.
- * WATCHED: steps whose mean length decides.  explicit_angle: steps of the explicit method times the greatest frequency (measured: 4.4 to 5) or the
- * fastest decay (6).  cost: of a step of radau, of 3 and of 5 stages, over that of an explicit one (1.4 and 2.3 to 3.2 of 51 coordinates).  looser:
+ * WATCHED, WATCHED_BACK: steps whose mean length decides; in a run that came from index1, then twice as many each time.  explicit_angle: steps of
+ * the explicit method times the greatest frequency (measured: 4.4 to 5) or the fastest decay (6).  cost: of a step of radau, of 3 and of 5 stages, over that of an explicit one (1.4 and 2.3 to 3.2 of 51 coordinates).  looser:
  * with this multiple of the tolerance index1 is still more accurate, because its steps are short for stability. */
-enum { WATCHED = 32 };
+enum { WATCHED = 32, WATCHED_BACK = 12 };
 static const double explicit_angle = 4.5, cost[2] = { 1.3, 2.4 }, looser = 10;
+
+static double fastest(stages *g)
+{
+    lw_dynamics *d = g->run->d;
+    lw_tangent_spread(d, g->l);
+    d->eq.place_states(d->eq.context, g->x);
+    return fmax(sqrt(lw_mbs_fastest(d, g->t, g->q, g->v, false, false)), lw_mbs_fastest_decay(d, g->t, g->q, g->v, d->n_friction > 0));
+}
 
 /* Do the last steps cost more than explicit ones would? */
 static bool is_slower(stages *g)
 {
     lw_dynamics *d = g->run->d;
-    double mean = (g->t - g->watched_t)/WATCHED, row = (d->o.to - d->o.from)/fmax(1, d->o.intervals);
-    if (!g->may_leave || ++g->n_watched < WATCHED)
+    double mean = (g->t - g->watched_t)/g->watch, row = (d->o.to - d->o.from)/fmax(1, d->o.intervals);
+    if (!g->may_leave || ++g->n_watched < g->watch)
         return false;
     g->n_watched = 0;
     g->watched_t = g->t;
     if (!g->dense && mean > 0.5*row)         /* rows make them short */
         return false;
     if (!(g->explicit_step > 0))
-        g->explicit_step = explicit_angle/fmax(sqrt(lw_mbs_fastest(d, g->t, g->q, g->v, false)), lw_mbs_fastest(d, g->t, g->q, g->v, true));
-    return mean < cost[g->s > 3]*g->explicit_step && g->explicit_step < INFINITY;
+        g->explicit_step = explicit_angle/fastest(g);
+    double step = g->goes_back ? g->explicit_step*g->fastest/fastest(g) : g->explicit_step;
+    return mean < cost[g->s > 3]*step && (step < INFINITY || g->goes_back);
 }
 
-/* Go on by index1 to the end.  LW_NOTHING: it cannot; samples that it handed out stay. */
+/* Go on by index1 to the end.  LW_OK: done, or it cannot; samples that it handed out stay. */
 static lw_status leave(stages *g)
 {
     lw_run *run = g->run;
@@ -889,7 +899,7 @@ static lw_status leave(stages *g)
     g->may_leave = false;
     if (s == LW_E_NUMERIC && !run->refused) {
         run->e->text[0] = '\0';
-        return LW_NOTHING;
+        return LW_OK;
     }
     run->r->formulation = LW_FORMULATION_INDEX1;
     snprintf(run->r->why, sizeof run->r->why, "radau to t = %.3g s, where vibrations made its steps as short as those of the explicit "
@@ -1081,8 +1091,8 @@ static lw_status after_step(stages *g)
         s = rechoose(g);
     if (s == LW_OK)
         s = pass_singular(g);
-    if (s == LW_OK && run->next <= run->d->o.intervals && is_slower(g) && (s = leave(g)) == LW_NOTHING)
-        s = LW_OK;
+    if (s == LW_OK && run->next <= run->d->o.intervals && is_slower(g))
+        s = g->goes_back ? LW_NOTHING : leave(g);
     return s;
 }
 
@@ -1169,14 +1179,15 @@ static const double jump = 30;
 
 static bool high_order(const lw_dynamics *d, double slip)
 {
-    return d->o.relative < 1e-7 ? slip > jump*d->o.relative : !(d->elastic || d->eq.next_piece || d->n_friction);
+    return (d->o.relative < 1e-7 || !(d->elastic || d->eq.next_piece)) && slip > jump*d->o.relative;
 }
 
-/* from: a state of the run at r->t, which goes on with steps of length h; NULL: the run begins. */
-static lw_status run_implicit(lw_run *run, bool alpha, const double *from, double h)
+/* from: a state of the run at r->t, where explicit steps have the length *h; NULL: the run begins.  LW_NOTHING: as lw_run_radau_from. */
+static lw_status run_implicit(lw_run *run, bool alpha, double *from, double *h)
 {
     lw_dynamics *d = run->d;
-    stages g = { .run = run, .alpha = alpha, .n = d->n_v, .n_q = d->n_q, .n_x = d->eq.n_z, .c = d->n_kept, .t = from ? run->r->t : d->o.from, .h = h };
+    stages g = { .run = run, .alpha = alpha, .n = d->n_v, .n_q = d->n_q, .n_x = d->eq.n_z, .c = d->n_kept, .t = from ? run->r->t : d->o.from,
+                 .h = from ? *h : 1e-4*(d->o.to - d->o.from), .goes_back = from };
     size_t n = (size_t)g.n, c = (size_t)g.c, q = (size_t)g.n_q, x = (size_t)g.n_x;
     g.slip = lw_friction_least_slip(d->n_friction, d->friction, d->eq.unit);
     g.way = &methods[high_order(d, g.slip)];
@@ -1184,8 +1195,9 @@ static lw_status run_implicit(lw_run *run, bool alpha, const double *from, doubl
         set_alpha(&g, d->o.rho);
     else
         set_method(&g);
-    g.may_leave = !alpha && d->o.formulation == LW_FORMULATION_AUTO && !d->n_friction && !d->eq.next_piece && !d->eq.n_z
-               && !d->eq.more_inertia && !lw_mbs_is_stiff(d);
+    g.may_leave = from || (!alpha && d->o.formulation == LW_FORMULATION_AUTO && !d->n_friction && !d->eq.next_piece && !d->eq.n_z
+                           && !d->eq.more_inertia && !lw_mbs_is_stiff(d));
+    g.watch = from ? WATCHED_BACK << run->n_back : WATCHED;
     g.counts_rates = !alpha && !d->elastic && !d->eq.next_piece && !lw_mbs_is_damped(d, false);
     g.watched_t = g.t;
     g.dense = !alpha && !d->elastic && !d->space && !d->eq.next_piece;
@@ -1218,8 +1230,14 @@ static lw_status run_implicit(lw_run *run, bool alpha, const double *from, doubl
         if (lw_tangent_make(d, k > 0, d->eq.more_inertia, k ? &g.pair[k - 1] : &g.real) != LW_OK)
             s = lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     g.real.rubs = g.pair[0].rubs = g.pair[1].rubs = d->n_friction > 0;
+    if (s == LW_OK && from)
+        g.explicit_step = *h, g.fastest = fastest(&g);
     if (s == LW_OK)
         s = run_steps(&g);
+    if (s == LW_NOTHING) {
+        state(&g, from);
+        *h = fmin(g.h_old, g.explicit_step*g.fastest/fastest(&g));
+    }
     if (s == LW_E_NUMERIC && (from || d->o.formulation != LW_FORMULATION_AUTO))
         s = lw_run_hand_over(run, state(&g, run->y));
     lw_tangent_free(&g.real);
@@ -1230,9 +1248,9 @@ static lw_status run_implicit(lw_run *run, bool alpha, const double *from, doubl
     return s;
 }
 
-static lw_status run_radau(lw_run *run) { return run_implicit(run, false, NULL, 1e-4*(run->d->o.to - run->d->o.from)); }
-static lw_status run_alpha(lw_run *run) { return run_implicit(run, true, NULL, 1e-4*(run->d->o.to - run->d->o.from)); }
-lw_status lw_run_radau_from(lw_run *run, const double *y, double h) { return run_implicit(run, false, y, h); }
+static lw_status run_radau(lw_run *run) { return run_implicit(run, false, NULL, NULL); }
+static lw_status run_alpha(lw_run *run) { return run_implicit(run, true, NULL, NULL); }
+lw_status lw_run_radau_from(lw_run *run, double *y, double *h) { return run_implicit(run, false, y, h); }
 
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {

@@ -17,8 +17,9 @@ typedef struct lw_run {
     void           *context;
     lw_dynamics_report *r;
     lw_error       *e;
-    /* Goes on from (r->t, y), where the equations became stiff, by an implicit method to the end, and reports it; length: of the last step. */
+    /* Goes on from (r->t, y), where the equations became stiff, by an implicit method, and reports it; length: of explicit steps of late. */
     lw_status     (*leave_stiff)(struct lw_run *run, double *y, double length);
+    int     n_back;                  /* number of times that the run went back to the explicit method */
     int     n;                       /* numbers in y */
     bool    has_work;
     long    n_busy;                  /* evaluations */
