@@ -216,20 +216,12 @@ static lw_status compile_pieces(const place *p, lw_template *t, const char *text
     return s == LW_OK ? add_piece(t, text + start, at - start, start, NULL, e) : s;
 }
 
-static void quote(lw_bytes *b, const char *text)
+void lw_master_quote(lw_bytes *b, const char *text)
 {
+    char code[8];
     lw_bytes_add(b, "\"", 1);
-    for (const char *c = text; *c; c++) {
-        char code[8];
-        if (*c == '"' || *c == '\\') {
-            lw_bytes_add(b, "\\", 1);
-            lw_bytes_add(b, c, 1);
-        } else if ((unsigned char)*c < 0x20) {
-            snprintf(code, sizeof code, "\\u%04x", *c);
-            lw_bytes_text(b, code);
-        } else
-            lw_bytes_add(b, c, 1);
-    }
+    for (const char *c = text; *c; c++)
+        lw_bytes_add(b, code, (size_t)lw_json_character(*c, code));
     lw_bytes_add(b, "\"", 1);
 }
 
@@ -250,7 +242,7 @@ static lw_status compile_scalar(const place *p, lw_template *t, lw_error *e)
         lw_number_print(t->number, digits);
         lw_bytes_text(&b, digits);
     } else if (text)
-        quote(&b, text);
+        lw_master_quote(&b, text);
     else
         lw_bytes_text(&b, lw_json_truth(&t->json) == 1 ? "true" : lw_json_truth(&t->json) == 0 ? "false" : "null");
     lw_status s = lw_bytes_end(&b, e);

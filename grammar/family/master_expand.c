@@ -612,22 +612,6 @@ static lw_status put(writer *w, const lw_template *t);
 
 static void put_text(writer *w, const char *text) { lw_bytes_text(&w->out, text); }
 
-static void put_quoted(writer *w, const char *text)
-{
-    put_text(w, "\"");
-    for (const char *c = text; *c; c++) {
-        char code[8];
-        if (*c == '"' || *c == '\\')
-            put_text(w, "\\");
-        if ((unsigned char)*c < 0x20) {
-            snprintf(code, sizeof code, "\\u%04x", *c);
-            put_text(w, code);
-        } else
-            lw_bytes_add(&w->out, c, 1);
-    }
-    put_text(w, "\"");
-}
-
 static void put_number(writer *w, double v)
 {
     char digits[LW_NUMBER_SIZE];
@@ -787,7 +771,7 @@ static lw_status put_object(writer *w, const lw_template *t)
         put_text(w, any ? ", " : "");
         any = true;
         s = note(w, c, true);
-        put_quoted(w, c->json.key);
+        lw_master_quote(&w->out, c->json.key);
         put_text(w, ": ");
         if (s == LW_OK)
             s = is_geometric(w, c) ? put_geometric(w, c, t) : put(w, c);
@@ -804,7 +788,7 @@ static lw_status put_formula(writer *w, const lw_template *t)
     if (s != LW_OK)
         return s;
     if (a.kind == LW_AMOUNT_TEXT)
-        put_quoted(w, a.text);
+        lw_master_quote(&w->out, a.text);
     else if (a.kind == LW_AMOUNT_TRUTH)
         put_text(w, a.number != 0 ? "true" : "false");
     else if ((s = in_unit_of_key(w, t, t->formula, &a, &v)) == LW_OK)
@@ -827,7 +811,7 @@ static lw_status put(writer *w, const lw_template *t)
         lw_bytes b = { 0 };
         s = pieces_text(w, t, &b);
         if (s == LW_OK && !b.failed)
-            put_quoted(w, b.data ? b.data : "");
+            lw_master_quote(&w->out, b.data ? b.data : "");
         s = s == LW_OK && b.failed ? no_memory(w) : s;
         lw_bytes_free(&b);
         return s;
@@ -872,7 +856,7 @@ static lw_status put_list(writer *w, const char *key, const lw_template *own)
     }
     put_text(w, ",\n  ");
     lw_status s = note(w, first, true);
-    put_quoted(w, key);
+    lw_master_quote(&w->out, key);
     put_text(w, ": ");
     if (s == LW_OK)
         s = note(w, first, false);
@@ -918,7 +902,7 @@ static lw_status put_model(writer *w)
         }
         put_text(w, ",\n  ");
         s = note(w, t, true);
-        put_quoted(w, t->json.key);
+        lw_master_quote(&w->out, t->json.key);
         put_text(w, ": ");
         if (s == LW_OK)
             s = put(w, t);

@@ -2,6 +2,7 @@
 #ifndef LW_GRAMMAR_FAMILY_MASTER_INTERNAL_H
 #define LW_GRAMMAR_FAMILY_MASTER_INTERNAL_H
 
+#include "base/bytes.h"
 #include "grammar/family/master.h"
 #include "grammar/text/json_internal.h"
 
@@ -143,5 +144,8 @@ bool lw_master_omits(const lw_master *m, int view, const char *key);
 
 /* Work out value[]. */
 lw_status lw_variant_update(lw_variant *v, lw_error *e);
+
+/* Write a text as a JSON string. */
+void lw_master_quote(lw_bytes *b, const char *text);
 
 #endif

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "base/number.h"
+#include "grammar/text/json_internal.h"
 
 typedef struct writer {
     FILE           *f;
@@ -30,14 +31,10 @@ static void put_step(const writer *w, int level, int i)
 
 static void put_string(const writer *w, const char *s)
 {
+    char code[8];
     fputc('"', w->f);
     for (; *s; s++)
-        if (*s == '"' || *s == '\\')
-            fprintf(w->f, "\\%c", *s);
-        else if ((unsigned char)*s < 0x20)
-            fprintf(w->f, "\\u%04x", (unsigned)*s);
-        else
-            fputc(*s, w->f);
+        fwrite(code, 1, (size_t)lw_json_character(*s, code), w->f);
     fputc('"', w->f);
 }
 

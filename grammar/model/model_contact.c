@@ -157,8 +157,9 @@ static lw_status read_pair_of_links(const lw_json_node *object, lw_model *m, int
     return s;
 }
 
-lw_status lw_model_read_contact(const lw_json_node *object, size_t index, lw_model *m, lw_error *e)
+lw_status lw_model_read_contact(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
 {
+    lw_model *m = r->model;
     static const char *const known[] = { "name", "links", "friction", "friction_speed", "restitution", "stiffness",
                                          "exponent", "damping" };
     lw_contact *c = &m->contact[m->n_contact++];
@@ -180,8 +181,9 @@ lw_status lw_model_read_contact(const lw_json_node *object, size_t index, lw_mod
     return s;
 }
 
-lw_status lw_model_read_rope(const lw_json_node *object, size_t index, lw_model *m, lw_error *e)
+lw_status lw_model_read_rope(const lw_json_node *object, size_t index, const lw_reading *reading, lw_error *e)
 {
+    lw_model *m = reading->model;
     static const char *const known[] = { "name", "links", "at", "length", "restitution", "stiffness", "exponent", "damping" };
     lw_rope *r = &m->rope[m->n_rope++];
     lw_json_node at;

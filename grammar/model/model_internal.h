@@ -36,7 +36,17 @@ typedef struct lw_reading {
     lw_status (*ends)(const lw_json_node *object, const char *name, void *model, lw_error *e);
     lw_expression **(*cylinder)(void *model, lw_json *json, const char *name, const double extent[2], int *spring, double *length);
     lw_status (*motor)(const lw_json_node *object, const char *name, void *model, lw_motor_joint *out, lw_error *e);
+    /* A spring or damper between two points [0], at a joint [1], whose keys are checked.  spatial: the joint may have several coordinates. */
+    lw_status (*spring[2])(const lw_json_node *object, const char *what, size_t index, const struct lw_reading *r, lw_error *e);
+    bool       spatial;
 } lw_reading;
+
+/* Reads one element of a list of loads. */
+typedef lw_status lw_read_one(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e);
+
+/* A list of the root, which may be left out: the number of its elements; read each. */
+size_t lw_read_count(const lw_json_node *root, const char *key);
+lw_status lw_read_each(const lw_json_node *root, const char *key, lw_read_one *read, const lw_reading *r, lw_error *e);
 
 /* An optional expression or number; *out keeps NULL if it is left out. */
 lw_status lw_read_expression(const lw_json_node *object, const char *key, const lw_reading *r, lw_expression_scope scope,
@@ -58,8 +68,8 @@ lw_status lw_motion_replace(const char *text, const int *n_profile, lw_moves *co
 lw_status lw_read_spring_numbers(const lw_json_node *object, const lw_reading *r, lw_expression_scope scope, double unit, double *stiffness,
                                  double *damping, double *free, lw_expression **law, lw_error *e);
 
-/* Check the keys of a spring or damper.  Does it act at a "joint", or between two points of "links"? */
-lw_status lw_read_spring_place(const lw_json_node *object, bool damper, const char *const *known, int n_known, bool *at_joint, lw_error *e);
+/* One of "springs", of "dampers". */
+lw_read_one lw_read_spring, lw_read_damper;
 
 /* A motor of "stall" and "free_speed": its keys and name; then, once its joint is known, its numbers. */
 lw_status lw_read_motor_name(const lw_json_node *object, size_t index, lw_motor *p, lw_error *e);
@@ -87,14 +97,13 @@ lw_status lw_read_check_centre(const lw_json_node *root, int link, const char *n
  * lists. */
 lw_status lw_states_name(const lw_json_node *root, lw_states *z, lw_error *e);
 
-/* Controllers and the ends of cylinders, which other expressions name; later, the equations of states. */
-lw_status lw_states_read_controllers(const lw_json_node *root, const lw_reading *r, lw_error *e);
-lw_status lw_states_read_cylinder_ends(const lw_json_node *root, const lw_reading *r, lw_error *e);
+/* One of "controllers", and the ends of one of "cylinders", which other expressions name; later, the equations of states. */
+lw_read_one lw_states_read_controller, lw_states_read_cylinder_ends;
 lw_status lw_states_read(const lw_json_node *root, const lw_reading *r, lw_error *e);
 
 /* One of "motors" with a "resistance", or with a "torque"; or false: it has neither. */
 bool lw_is_driven_motor(const lw_json_node *object);
-lw_status lw_states_read_motor(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e);
+lw_read_one lw_states_read_motor;
 
 /* ---- model_rotor.c: rotors that turn between moving links ------------------------------------------------------ */
 
@@ -116,7 +125,6 @@ lw_status lw_model_check_elastic(const lw_json_node *root, const lw_model *m, lw
 
 /* The "shapes" of all links; then one of "contacts", which needs them, and one of "ropes". */
 lw_status lw_model_read_shapes(const lw_json_node *root, lw_model *m, lw_error *e);
-lw_status lw_model_read_contact(const lw_json_node *object, size_t index, lw_model *m, lw_error *e);
-lw_status lw_model_read_rope(const lw_json_node *object, size_t index, lw_model *m, lw_error *e);
+lw_read_one lw_model_read_contact, lw_model_read_rope;
 
 #endif

@@ -4,6 +4,25 @@
 
 #define COUNT(a) ((int)(sizeof (a)/sizeof *(a)))
 
+size_t lw_read_count(const lw_json_node *root, const char *key)
+{
+    lw_json_node all;
+    return lw_json_member(root, key, &all) && lw_json_kind_of(&all) == LW_JSON_ARRAY ? lw_json_count(&all) : 0;
+}
+
+lw_status lw_read_each(const lw_json_node *root, const char *key, lw_read_one *read, const lw_reading *r, lw_error *e)
+{
+    lw_json_node all;
+    if (!lw_json_member(root, key, &all))
+        return LW_OK;
+    lw_status s = lw_read_list(&all, 0, SIZE_MAX, e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
+        lw_json_node one = lw_json_element(&all, i);
+        s = read(&one, i, r, e);
+    }
+    return s;
+}
+
 lw_status lw_read_spring_numbers(const lw_json_node *object, const lw_reading *r, lw_expression_scope scope, double unit, double *stiffness,
                                  double *damping, double *free, lw_expression **law, lw_error *e)
 {
@@ -25,20 +44,37 @@ lw_status lw_read_spring_numbers(const lw_json_node *object, const lw_reading *r
     return s;
 }
 
-lw_status lw_read_spring_place(const lw_json_node *object, bool damper, const char *const *known, int n_known, bool *at_joint, lw_error *e)
+static lw_status read_spring_or_damper(const lw_json_node *object, size_t index, bool damper, const lw_reading *r, lw_error *e)
 {
+    static const char *const spring[] = { "name", "links", "at", "joint", "coordinate", "stiffness", "damping", "free", "law" };
+    static const char *const dashpot[] = { "name", "links", "at", "joint", "coordinate", "damping" };
+    const char *known[COUNT(spring)], *what = damper ? "damper" : "spring";
+    int n_known = 0;
     lw_json_node n, joint;
+    for (int i = 0; i < (damper ? COUNT(dashpot) : COUNT(spring)); i++)
+        if (r->spatial || strcmp(spring[i], "coordinate") != 0)
+            known[n_known++] = damper ? dashpot[i] : spring[i];
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK)
         s = lw_json_known_keys(object, known, n_known, e);
     if (s != LW_OK)
         return s;
-    *at_joint = lw_json_member(object, "joint", &joint);
-    if (*at_joint && (lw_json_member(object, "links", &n) || lw_json_member(object, "at", &n)))
-        return lw_json_fault(&n, e, "a %s acts at a \"joint\" or between the points \"at\" of two \"links\"; keep one", damper ? "damper" : "spring");
+    bool at_joint = lw_json_member(object, "joint", &joint);
+    if (at_joint && (lw_json_member(object, "links", &n) || lw_json_member(object, "at", &n)))
+        return lw_json_fault(&n, e, "a %s acts at a \"joint\" or between the points \"at\" of two \"links\"; keep one", what);
     if (!lw_json_member(object, damper ? "damping" : "stiffness", &n) && (damper || !lw_json_member(object, "law", &n)))
         return lw_json_fault(object, e, damper ? "\"damping\" is missing" : "\"stiffness\" or \"law\" is missing");
-    return LW_OK;
+    return r->spring[at_joint](object, what, index, r, e);
+}
+
+lw_status lw_read_spring(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
+{
+    return read_spring_or_damper(object, index, false, r, e);
+}
+
+lw_status lw_read_damper(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
+{
+    return read_spring_or_damper(object, index, true, r, e);
 }
 
 lw_status lw_read_motor_name(const lw_json_node *object, size_t index, lw_motor *p, lw_error *e)

@@ -46,8 +46,6 @@ static int look_up_state(const void *model, lw_json *json, const char *word, con
     return -1;
 }
 
-static lw_reading reading_of(lw_model *m);
-
 /* ---- links and inputs -------------------------------------------------------------------------- */
 
 static lw_status read_body(const lw_json_node *link, lw_model *m, int i, lw_error *e)
@@ -120,28 +118,29 @@ static lw_status check_centres(const lw_json_node *root, const lw_model *m, lw_e
     return s;
 }
 
-static lw_status read_motion(const lw_json_node *input, lw_model *m, int i, lw_error *e)
+static lw_status read_motion(const lw_json_node *input, const lw_reading *r, int i, lw_error *e)
 {
+    lw_model *m = r->model;
     const lw_number_key speed = { "speed", 1, LW_ANY, &m->speed[i], &m->has_speed[i] };
     lw_json_node n;
-    const lw_reading r = reading_of(m);
     lw_status s = lw_read_numbers(input, &speed, 1, e);
     if (s == LW_OK && m->has_speed[i] && lw_json_member(input, "motion", &n))
         return lw_json_fault(&n, e, "\"motion\" says where the input is at every time, \"speed\" how fast it "
                              "starts before it runs freely; keep one");
-    return s == LW_OK ? lw_read_expression(input, "motion", &r, LW_OF_TIME, &m->motion[i], e) : s;
+    return s == LW_OK ? lw_read_expression(input, "motion", r, LW_OF_TIME, &m->motion[i], e) : s;
 }
 
-static lw_status read_motions(const lw_json_node *root, lw_model *m, lw_error *e)
+static lw_status read_motions(const lw_json_node *root, const lw_reading *r, lw_error *e)
 {
+    const lw_model *m = r->model;
     lw_json_node one, many;
     if (lw_json_member(root, "input", &one))
-        return read_motion(&one, m, 0, e);
+        return read_motion(&one, r, 0, e);
     lw_status s = LW_OK;
     if (lw_json_member(root, "inputs", &many))
         for (int i = 0; s == LW_OK && i < m->linkage.n_input; i++) {
             one = lw_json_element(&many, (size_t)i);
-            s = read_motion(&one, m, i, e);
+            s = read_motion(&one, r, i, e);
         }
     return s;
 }
@@ -273,16 +272,10 @@ static lw_status read_motor_joint(const lw_json_node *object, const char *name, 
     return LW_OK;
 }
 
-static lw_reading reading_of(lw_model *m)
-{
-    return (lw_reading){ m, &m->states, &m->linkage.units, &m->n_profile, &m->profile, look_up_state, find_spring,
-                         read_cylinder_ends, find_cylinder, read_motor_joint };
-}
-
 /* A spring between two points.  Without "free" its free length is that in the posture. */
-static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m, lw_error *e)
+static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, const lw_reading *r, lw_error *e)
 {
-    const lw_reading r = reading_of(m);
+    lw_model *m = r->model;
     lw_spring *p = &m->spring[m->n_spring];
     lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK)
@@ -291,12 +284,12 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
         return s;
     m->n_spring++;
     p->free = hypot(p->at[1].x - p->at[0].x, p->at[1].y - p->at[0].y);
-    return lw_read_spring_numbers(object, &r, LW_OF_LENGTH, m->linkage.units.metre, &p->stiffness, &p->damping, &p->free, &p->law, e);
+    return lw_read_spring_numbers(object, r, LW_OF_LENGTH, m->linkage.units.metre, &p->stiffness, &p->damping, &p->free, &p->law, e);
 }
 
-static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m, lw_error *e)
+static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, const lw_reading *r, lw_error *e)
 {
-    const lw_reading r = reading_of(m);
+    lw_model *m = r->model;
     lw_joint_spring *p = &m->joint_spring[m->n_joint_spring];
     lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK)
@@ -304,20 +297,13 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
     if (s != LW_OK)
         return s;
     m->n_joint_spring++;
-    return lw_read_spring_numbers(object, &r, LW_OF_DISPLACEMENT, joint_unit(m, p->joint), &p->stiffness, &p->damping, &p->free, &p->law, e);
+    return lw_read_spring_numbers(object, r, LW_OF_DISPLACEMENT, joint_unit(m, p->joint), &p->stiffness, &p->damping, &p->free, &p->law, e);
 }
 
-/* A spring or damper: between two points of "links", or at a "joint". */
-static lw_status read_spring(const lw_json_node *object, size_t index, lw_model *m, bool damper, lw_error *e)
+static lw_reading reading_of(lw_model *m)
 {
-    static const char *const spring[] = { "name", "links", "at", "joint", "stiffness", "damping", "free", "law" };
-    static const char *const dashpot[] = { "name", "links", "at", "joint", "damping" };
-    const char *what = damper ? "damper" : "spring";
-    bool at_joint;
-    lw_status s = lw_read_spring_place(object, damper, damper ? dashpot : spring, damper ? COUNT(dashpot) : COUNT(spring), &at_joint, e);
-    if (s != LW_OK)
-        return s;
-    return at_joint ? read_joint_spring(object, what, index, m, e) : read_line_spring(object, what, index, m, e);
+    return (lw_reading){ m, &m->states, &m->linkage.units, &m->n_profile, &m->profile, look_up_state, find_spring,
+                         read_cylinder_ends, find_cylinder, read_motor_joint, { read_line_spring, read_joint_spring }, false };
 }
 
 /* A load on the line between two places, in the last force of the model, as forces at its ends. */
@@ -347,13 +333,13 @@ static lw_status read_line(const lw_json_node *object, const lw_json_node *along
     return s != LW_OK || f->fx || f->fy ? s : lw_json_fault(object, e, "a force along a line needs \"fx\" or \"fy\" [N/m]");
 }
 
-static lw_status read_force(const lw_json_node *object, size_t index, lw_model *m, lw_error *e)
+static lw_status read_force(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
 {
+    lw_model *m = r->model;
     static const char *const known[] = { "name", "link", "at", "frame", "fx", "fy", "torque", "along" };
     static const char *const frames[] = { "plane", "link" };
     lw_force *f = &m->force[m->n_force++];
     lw_json_node n, along;
-    const lw_reading r = reading_of(m);
     int frame = 0;
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
@@ -364,10 +350,10 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_model *
         s = lw_read_look_up(&n, "frame", frames, COUNT(frames), &frame, e);
     f->follows = frame == 1;
     if (s == LW_OK && lw_json_member(object, "along", &along))
-        return read_line(object, &along, &r, m, e);
-    if (s == LW_OK && (s = lw_read_expression(object, "fx", &r, LW_OF_STATE, &f->fx, e)) == LW_OK &&
-        (s = lw_read_expression(object, "fy", &r, LW_OF_STATE, &f->fy, e)) == LW_OK)
-        s = lw_read_expression(object, "torque", &r, LW_OF_STATE, &f->torque, e);
+        return read_line(object, &along, r, m, e);
+    if (s == LW_OK && (s = lw_read_expression(object, "fx", r, LW_OF_STATE, &f->fx, e)) == LW_OK &&
+        (s = lw_read_expression(object, "fy", r, LW_OF_STATE, &f->fy, e)) == LW_OK)
+        s = lw_read_expression(object, "torque", r, LW_OF_STATE, &f->torque, e);
     if (s != LW_OK)
         return s;
     if (!f->fx && !f->fy && !f->torque)
@@ -377,11 +363,11 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_model *
     return f->fx || f->fy ? lw_read_need(object, "at", &n, e) : LW_OK;
 }
 
-static lw_status read_motor(const lw_json_node *object, size_t index, lw_model *m, lw_error *e)
+static lw_status read_motor(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
 {
-    const lw_reading r = reading_of(m);
+    lw_model *m = r->model;
     if (lw_is_driven_motor(object))
-        return lw_states_read_motor(object, index, &r, e);
+        return lw_states_read_motor(object, index, r, e);
     lw_motor *p = &m->motor[m->n_motor++];
     lw_status s = lw_read_motor_name(object, index, p, e);
     if (s == LW_OK)
@@ -391,45 +377,17 @@ static lw_status read_motor(const lw_json_node *object, size_t index, lw_model *
 
 /* ---- all loads ------------------------------------------------------------------------------------ */
 
-typedef enum { SPRINGS, DAMPERS, FORCES, MOTORS, CONTACTS, ROPES } load;
-
-static lw_status read_loads(const lw_json_node *root, load which, lw_model *m, lw_error *e)
-{
-    static const char *const key[] = {
-        [SPRINGS] = "springs", [DAMPERS] = "dampers", [FORCES] = "forces", [MOTORS] = "motors",
-        [CONTACTS] = "contacts", [ROPES] = "ropes"
-    };
-    lw_json_node all;
-    if (!lw_json_member(root, key[which], &all))
-        return LW_OK;
-    lw_status s = lw_read_list(&all, 0, SIZE_MAX, e);
-    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
-        lw_json_node one = lw_json_element(&all, i);
-        s = which == FORCES ? read_force(&one, i, m, e) : which == MOTORS ? read_motor(&one, i, m, e)
-          : which == CONTACTS ? lw_model_read_contact(&one, i, m, e) : which == ROPES ? lw_model_read_rope(&one, i, m, e)
-          : read_spring(&one, i, m, which == DAMPERS, e);
-    }
-    return s;
-}
-
-/* Number of the elements of a list, 0 if it is left out. */
-static size_t count_list(const lw_json_node *root, const char *key)
-{
-    lw_json_node all;
-    return lw_json_member(root, key, &all) && lw_json_kind_of(&all) == LW_JSON_ARRAY ? lw_json_count(&all) : 0;
-}
-
 static lw_status reserve_loads(const lw_json_node *root, lw_model *m, lw_error *e)
 {
-    size_t springs = count_list(root, "springs") + count_list(root, "dampers") + 1;
-    size_t motors = count_list(root, "motors") + 1;
-    m->spring = calloc(springs + count_list(root, "cylinders"), sizeof *m->spring);
+    size_t springs = lw_read_count(root, "springs") + lw_read_count(root, "dampers") + 1;
+    size_t motors = lw_read_count(root, "motors") + 1;
+    m->spring = calloc(springs + lw_read_count(root, "cylinders"), sizeof *m->spring);
     m->joint_spring = calloc(springs + motors, sizeof *m->joint_spring);
     m->states.rotor = calloc(motors, sizeof *m->states.rotor);
-    m->force = calloc(2*count_list(root, "forces") + 1, sizeof *m->force);
+    m->force = calloc(2*lw_read_count(root, "forces") + 1, sizeof *m->force);
     m->motor = calloc(motors, sizeof *m->motor);
-    m->contact = calloc(count_list(root, "contacts") + 1, sizeof *m->contact);
-    m->rope = calloc(count_list(root, "ropes") + 1, sizeof *m->rope);
+    m->contact = calloc(lw_read_count(root, "contacts") + 1, sizeof *m->contact);
+    m->rope = calloc(lw_read_count(root, "ropes") + 1, sizeof *m->rope);
     return m->spring && m->joint_spring && m->force && m->motor && m->states.rotor && m->contact && m->rope
          ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
@@ -441,6 +399,11 @@ lw_status lw_model_read(const char *text, size_t size, const char *file, lw_mode
 
 lw_status lw_model_read_result(const char *text, size_t size, const char *file, int which, lw_model *m, lw_error *e)
 {
+    static const struct { const char *key; lw_read_one *read; } load[] = {
+        { "springs", lw_read_spring }, { "dampers", lw_read_damper }, { "cylinders", lw_states_read_cylinder_ends },
+        { "controllers", lw_states_read_controller }, { "forces", read_force }, { "motors", read_motor },
+        { "contacts", lw_model_read_contact }, { "ropes", lw_model_read_rope }
+    };
     lw_json json;
     const lw_reading r = reading_of(m);
     lw_json_node place[4];
@@ -463,21 +426,15 @@ lw_status lw_model_read_result(const char *text, size_t size, const char *file, 
     if (s == LW_OK)
         s = lw_moves_read_profiles(root, &m->n_profile, &m->profile, e);
     if (s == LW_OK)
-        s = read_motions(root, m, e);
+        s = read_motions(root, &r, e);
     if (s == LW_OK)
         s = read_joint_extras(root, m, e);
     if (s == LW_OK)
         s = lw_model_read_shapes(root, m, e);
     if (s == LW_OK)
         s = lw_states_name(root, &m->states, e);
-    for (int kind = SPRINGS; s == LW_OK && kind <= DAMPERS; kind++)
-        s = read_loads(root, (load)kind, m, e);
-    if (s == LW_OK)
-        s = lw_states_read_cylinder_ends(root, &r, e);
-    if (s == LW_OK)
-        s = lw_states_read_controllers(root, &r, e);
-    for (int kind = FORCES; s == LW_OK && kind <= ROPES; kind++)
-        s = read_loads(root, (load)kind, m, e);
+    for (int i = 0; s == LW_OK && i < COUNT(load); i++)
+        s = lw_read_each(root, load[i].key, load[i].read, &r, e);
     if (s == LW_OK)
         s = lw_states_read(root, &r, e);
     if (s == LW_OK)

@@ -477,7 +477,7 @@ static lw_status generate_controller(const lw_json_node *object, const controlle
 
 /* u = limit(p e + I - d y' + feed), e = wanted - measured, I' = i e + (u - unlimited u)/unwind; y' is that of measured
  * behind a lag of time "filter". */
-static lw_status read_controller(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
+lw_status lw_states_read_controller(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
 {
     controller c;
     char name[LW_NAME_SIZE];
@@ -615,7 +615,7 @@ lw_status lw_states_read_motor(const lw_json_node *object, size_t index, const l
 
 /* ---- cylinders ----------------------------------------------------------------------------------------------- */
 
-static lw_status read_cylinder_ends(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
+lw_status lw_states_read_cylinder_ends(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
 {
     char name[LW_NAME_SIZE];
     lw_status s = lw_read_own_name(object, "cylinder", index, name, e);
@@ -782,38 +782,11 @@ static lw_status read_cylinder(const lw_json_node *object, size_t index, const l
     return s;
 }
 
-/* ---- lists --------------------------------------------------------------------------------------------------- */
-
-typedef lw_status read_one(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e);
-
-static lw_status read_list(const lw_json_node *root, const char *key, read_one *read, const lw_reading *r, lw_error *e)
-{
-    lw_json_node all;
-    if (!lw_json_member(root, key, &all))
-        return LW_OK;
-    lw_status s = lw_read_list(&all, 0, SIZE_MAX, e);
-    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
-        lw_json_node one = lw_json_element(&all, i);
-        s = read(&one, i, r, e);
-    }
-    return s;
-}
-
-lw_status lw_states_read_controllers(const lw_json_node *root, const lw_reading *r, lw_error *e)
-{
-    return read_list(root, "controllers", read_controller, r, e);
-}
-
-lw_status lw_states_read_cylinder_ends(const lw_json_node *root, const lw_reading *r, lw_error *e)
-{
-    return read_list(root, "cylinders", read_cylinder_ends, r, e);
-}
-
 lw_status lw_states_read(const lw_json_node *root, const lw_reading *r, lw_error *e)
 {
-    lw_status s = read_list(root, "states", read_state, r, e);
+    lw_status s = lw_read_each(root, "states", read_state, r, e);
     if (s == LW_OK)
-        s = read_list(root, "cylinders", read_cylinder, r, e);
+        s = lw_read_each(root, "cylinders", read_cylinder, r, e);
     for (int i = 0; i < 2; i++)
         lw_key_table_free(&r->states->named[i]);
     return s;

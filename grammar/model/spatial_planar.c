@@ -4,17 +4,16 @@
 #include <stdlib.h>
 #include <string.h>
 #include "grammar/model/spatial.h"
+#include "grammar/text/json_internal.h"
 
 typedef struct plane { FILE *f; const lw_spatial *m; lw_vec3 x, y, normal; } plane;
 
 static void put_string(const plane *w, const char *s)
 {
+    char code[8];
     fputc('"', w->f);
     for (; *s; s++)
-        if ((unsigned char)*s < 0x20)
-            fprintf(w->f, "\\u%04x", (unsigned)*s);
-        else
-            fprintf(w->f, *s == '"' || *s == '\\' ? "\\%c" : "%c", *s);
+        fwrite(code, 1, (size_t)lw_json_character(*s, code), w->f);
     fputc('"', w->f);
 }
 

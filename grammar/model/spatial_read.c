@@ -123,8 +123,6 @@ static int look_up_state(const void *model, lw_json *json, const char *word, con
     return -1;
 }
 
-static lw_reading reading_of(lw_spatial *m);
-
 /* ---- links ------------------------------------------------------------------------------------- */
 
 /* Entries xx, yy, zz, xy, xz, yz of frame I frame^T. */
@@ -456,11 +454,12 @@ static lw_status read_friction(const lw_json_node *n, const lw_spatial *m, lw_sp
     return lw_read_friction(n, m->units.metre, j->kind != LW_SPATIAL_PRISMATIC, &j->friction, e);
 }
 
-static lw_status read_joint(const lw_json_node *joint, lw_spatial *m, lw_error *e)
+static lw_status read_joint(const lw_json_node *joint, size_t index, const lw_reading *r, lw_error *e)
 {
+    lw_spatial *m = r->model;
     static const char *const known[] = { "name", "kind", "links", "at", "axis", "second_axis", "lead", "stop", "cone",
                                          "friction", "clearance" };
-    lw_spatial_joint *j = &m->joint[m->n_joint];
+    lw_spatial_joint *j = &m->joint[index];
     lw_json_node links, n;
     lw_status s = lw_json_expect(joint, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(joint, known, COUNT(known), e)) == LW_OK &&
@@ -562,9 +561,9 @@ static double measure_unit(const lw_spatial *m, lw_spatial_measure of)
     return of.of == LW_OF_TURN ? m->units.radian : m->units.metre;
 }
 
-static lw_status read_input(const lw_json_node *input, lw_spatial *m, lw_error *e)
+static lw_status read_input(const lw_json_node *input, const lw_reading *r, lw_error *e)
 {
-    const lw_reading r = reading_of(m);
+    lw_spatial *m = r->model;
     static const char *const known[] = { "joint", "tracer", "coordinate", "value", "first", "last", "motion", "speed" };
     lw_spatial_input *in = &m->input[m->n_input++];
     lw_json_node n;
@@ -595,11 +594,12 @@ static lw_status read_input(const lw_json_node *input, lw_spatial *m, lw_error *
     if (s == LW_OK && in->has_speed && lw_json_member(input, "motion", &n))
         return lw_json_fault(&n, e, "\"motion\" says where the input is at every time, \"speed\" how fast it starts "
                                     "before it runs freely; keep one");
-    return s == LW_OK ? lw_read_expression(input, "motion", &r, LW_OF_TIME, &in->motion, e) : s;
+    return s == LW_OK ? lw_read_expression(input, "motion", r, LW_OF_TIME, &in->motion, e) : s;
 }
 
-static lw_status read_inputs(const lw_json_node *root, lw_spatial *m, lw_error *e)
+static lw_status read_inputs(const lw_json_node *root, const lw_reading *r, lw_error *e)
 {
+    lw_spatial *m = r->model;
     lw_json_node one, many;
     bool has_one = lw_json_member(root, "input", &one), has_many = lw_json_member(root, "inputs", &many);
     if (has_one && has_many)
@@ -610,7 +610,7 @@ static lw_status read_inputs(const lw_json_node *root, lw_spatial *m, lw_error *
         s = has_memory(m->input = calloc(n + 1, sizeof *m->input), e);
     for (size_t i = 0; s == LW_OK && i < n; i++) {
         lw_json_node input = has_many ? lw_json_element(&many, i) : one;
-        s = read_input(&input, m, e);
+        s = read_input(&input, r, e);
     }
     return s;
 }
@@ -639,8 +639,9 @@ static lw_status read_drives(const lw_json_node *root, lw_spatial *m, lw_error *
 }
 
 /* "couplings": gears, belts and ropes as sums of turns and slides that stay as they are. */
-static lw_status read_coupling(const lw_json_node *object, size_t index, lw_spatial *m, lw_error *e)
+static lw_status read_coupling(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
 {
+    lw_spatial *m = r->model;
     static const char *const known[] = { "name", "terms" }, *const known_of_term[] = { "joint", "coordinate", "factor" };
     lw_spatial_coupling *c = &m->coupling[index];
     lw_json_node all;
@@ -675,10 +676,11 @@ static lw_status read_coupling(const lw_json_node *object, size_t index, lw_spat
     return s;
 }
 
-static lw_status read_tracer(const lw_json_node *tracer, lw_spatial *m, lw_error *e)
+static lw_status read_tracer(const lw_json_node *tracer, size_t index, const lw_reading *r, lw_error *e)
 {
+    lw_spatial *m = r->model;
     static const char *const known[] = { "name", "link", "at", "frame" };
-    lw_spatial_tracer *t = &m->tracer[m->n_tracer];
+    lw_spatial_tracer *t = &m->tracer[index];
     lw_json_node link, at;
     lw_mat3 frame;
     lw_status s = lw_json_expect(tracer, LW_JSON_OBJECT, e);
@@ -715,51 +717,25 @@ static lw_status read_ends(const lw_json_node *object, lw_spatial *m, lw_spatial
     return s;
 }
 
-static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m,
-                                  lw_error *e)
+static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, const lw_reading *r, lw_error *e)
 {
-    const lw_reading r = reading_of(m);
+    lw_spatial *m = r->model;
     lw_spatial_spring *p = &m->spring[m->n_spring++];
     lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK)
         s = read_ends(object, m, p, e);
-    return s != LW_OK ? s : lw_read_spring_numbers(object, &r, LW_OF_LENGTH, m->units.metre, &p->stiffness, &p->damping, &p->free, &p->law, e);
+    return s != LW_OK ? s : lw_read_spring_numbers(object, r, LW_OF_LENGTH, m->units.metre, &p->stiffness, &p->damping, &p->free, &p->law, e);
 }
 
-static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m,
-                                   lw_error *e)
+static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, const lw_reading *r, lw_error *e)
 {
-    const lw_reading r = reading_of(m);
+    lw_spatial *m = r->model;
     lw_spatial_joint_spring *p = &m->joint_spring[m->n_joint_spring++];
     lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK)
         s = read_measure(object, m, false, what, &p->measure, e);
-    return s != LW_OK ? s : lw_read_spring_numbers(object, &r, LW_OF_DISPLACEMENT, measure_unit(m, p->measure), &p->stiffness, &p->damping, &p->free,
+    return s != LW_OK ? s : lw_read_spring_numbers(object, r, LW_OF_DISPLACEMENT, measure_unit(m, p->measure), &p->stiffness, &p->damping, &p->free,
                                                    &p->law, e);
-}
-
-static lw_status read_spring_or_damper(const lw_json_node *object, size_t index, lw_spatial *m, bool damper,
-                                       lw_error *e)
-{
-    static const char *const spring[] = { "name", "links", "at", "joint", "coordinate", "stiffness", "damping", "free",
-                                          "law" };
-    static const char *const dashpot[] = { "name", "links", "at", "joint", "coordinate", "damping" };
-    const char *what = damper ? "damper" : "spring";
-    bool at_joint;
-    lw_status s = lw_read_spring_place(object, damper, damper ? dashpot : spring, damper ? COUNT(dashpot) : COUNT(spring), &at_joint, e);
-    if (s != LW_OK)
-        return s;
-    return at_joint ? read_joint_spring(object, what, index, m, e) : read_line_spring(object, what, index, m, e);
-}
-
-static lw_status read_spring(const lw_json_node *n, size_t i, lw_spatial *m, lw_error *e)
-{
-    return read_spring_or_damper(n, i, m, false, e);
-}
-
-static lw_status read_damper(const lw_json_node *n, size_t i, lw_spatial *m, lw_error *e)
-{
-    return read_spring_or_damper(n, i, m, true, e);
 }
 
 /* A load on the line between two places, in the last force of the model, as forces at its ends. */
@@ -791,9 +767,9 @@ static lw_status read_line(const lw_json_node *object, const lw_json_node *along
     return s != LW_OK || any ? s : lw_json_fault(object, e, "a force along a line needs one of \"fx\", \"fy\", \"fz\" [N/m]");
 }
 
-static lw_status read_force(const lw_json_node *object, size_t index, lw_spatial *m, lw_error *e)
+static lw_status read_force(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
 {
-    const lw_reading r = reading_of(m);
+    lw_spatial *m = r->model;
     static const char *const known[] = { "name", "link", "at", "frame", "fx", "fy", "fz", "tx", "ty", "tz", "along" };
     static const char *const frames[] = { "ground", "link" };
     lw_spatial_force *f = &m->force[m->n_force++];
@@ -808,11 +784,11 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_spatial
         s = lw_read_look_up(&n, "frame", frames, COUNT(frames), &frame, e);
     f->follows = frame == 1;
     if (s == LW_OK && lw_json_member(object, "along", &along))
-        return read_line(object, &along, &r, m, e);
+        return read_line(object, &along, r, m, e);
     for (int i = 0; s == LW_OK && i < 3; i++) {
-        s = lw_read_expression(object, known[4 + i], &r, LW_OF_STATE, &f->force[i], e);
+        s = lw_read_expression(object, known[4 + i], r, LW_OF_STATE, &f->force[i], e);
         if (s == LW_OK)
-            s = lw_read_expression(object, known[7 + i], &r, LW_OF_STATE, &f->torque[i], e);
+            s = lw_read_expression(object, known[7 + i], r, LW_OF_STATE, &f->torque[i], e);
         forces += f->force[i] != NULL, torques += f->torque[i] != NULL;
     }
     if (s != LW_OK)
@@ -837,11 +813,11 @@ static lw_status read_motor_place(const lw_json_node *object, const lw_spatial *
                          lw_spatial_kind_of(k)->word);
 }
 
-static lw_status read_motor(const lw_json_node *object, size_t index, lw_spatial *m, lw_error *e)
+static lw_status read_motor(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
 {
-    const lw_reading r = reading_of(m);
+    lw_spatial *m = r->model;
     if (lw_is_driven_motor(object))
-        return lw_states_read_motor(object, index, &r, e);
+        return lw_states_read_motor(object, index, r, e);
     lw_motor *p = &m->motor[m->n_motor++];
     lw_status s = lw_read_motor_name(object, index, p, e);
     if (s == LW_OK)
@@ -896,17 +872,10 @@ static lw_status read_motor_joint(const lw_json_node *object, const char *name, 
 static lw_reading reading_of(lw_spatial *m)
 {
     return (lw_reading){ m, &m->states, &m->units, &m->n_profile, &m->profile, look_up_state, find_spring,
-                         read_cylinder_ends, find_cylinder, read_motor_joint };
+                         read_cylinder_ends, find_cylinder, read_motor_joint, { read_line_spring, read_joint_spring }, true };
 }
 
 /* ---- the whole --------------------------------------------------------------------------------- */
-
-/* Number of the elements of a list, 0 if it is left out. */
-static size_t count_list(const lw_json_node *root, const char *key)
-{
-    lw_json_node all;
-    return lw_json_member(root, key, &all) && lw_json_kind_of(&all) == LW_JSON_ARRAY ? lw_json_count(&all) : 0;
-}
 
 static lw_status check_centres(const lw_json_node *root, const lw_spatial *m, lw_error *e)
 {
@@ -925,37 +894,15 @@ static lw_status check_centres(const lw_json_node *root, const lw_spatial *m, lw
     return s;
 }
 
-static lw_status read_each(const lw_json_node *root, const char *key, lw_spatial *m,
-                           lw_status (*read)(const lw_json_node *, size_t, lw_spatial *, lw_error *), lw_error *e)
-{
-    lw_json_node all;
-    if (!lw_json_member(root, key, &all))
-        return LW_OK;
-    lw_status s = lw_read_list(&all, 0, SIZE_MAX, e);
-    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
-        lw_json_node one = lw_json_element(&all, i);
-        s = read(&one, i, m, e);
-    }
-    return s;
-}
-
-static lw_status take_joint(const lw_json_node *n, size_t i, lw_spatial *m, lw_error *e)
-{
-    (void)i;
-    return read_joint(n, m, e);
-}
-
-static lw_status take_tracer(const lw_json_node *n, size_t i, lw_spatial *m, lw_error *e)
-{
-    (void)i;
-    return read_tracer(n, m, e);
-}
-
 static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
 {
     static const char *const known[] = { "linkwright", "name", "units", "links", "ground", "joints", "input", "inputs",
                                          "drives", "tracers", "$schema", "gravity", "springs", "dampers", "forces",
                                          "motors", "profiles", "states", "controllers", "cylinders", "couplings" };
+    static const struct { const char *key; lw_read_one *read; } load[] = {
+        { "springs", lw_read_spring }, { "dampers", lw_read_damper }, { "cylinders", lw_states_read_cylinder_ends },
+        { "controllers", lw_states_read_controller }, { "forces", read_force }, { "motors", read_motor }
+    };
     const lw_reading r = reading_of(m);
     lw_json_node n;
     lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
@@ -970,33 +917,31 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
         s = read_links(root, m, e);
     if (s != LW_OK)
         return s;
-    size_t springs = count_list(root, "springs") + count_list(root, "dampers") + 1;
-    m->joint = calloc(count_list(root, "joints") + 1, sizeof *m->joint);
-    m->coupling = calloc(count_list(root, "couplings") + 1, sizeof *m->coupling);
-    m->tracer = calloc(count_list(root, "tracers") + 1, sizeof *m->tracer);
-    size_t motors = count_list(root, "motors") + 1;
-    m->spring = calloc(springs + count_list(root, "cylinders"), sizeof *m->spring);
+    size_t springs = lw_read_count(root, "springs") + lw_read_count(root, "dampers") + 1;
+    m->joint = calloc(lw_read_count(root, "joints") + 1, sizeof *m->joint);
+    m->coupling = calloc(lw_read_count(root, "couplings") + 1, sizeof *m->coupling);
+    m->tracer = calloc(lw_read_count(root, "tracers") + 1, sizeof *m->tracer);
+    size_t motors = lw_read_count(root, "motors") + 1;
+    m->spring = calloc(springs + lw_read_count(root, "cylinders"), sizeof *m->spring);
     m->joint_spring = calloc(springs + motors, sizeof *m->joint_spring);
-    m->force = calloc(2*count_list(root, "forces") + 1, sizeof *m->force);
+    m->force = calloc(2*lw_read_count(root, "forces") + 1, sizeof *m->force);
     m->motor = calloc(motors, sizeof *m->motor);
     m->states.rotor = calloc(motors, sizeof *m->states.rotor);
     if (!m->joint || !m->coupling || !m->tracer || !m->spring || !m->joint_spring || !m->force || !m->motor || !m->states.rotor)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if ((s = lw_read_need(root, "joints", &n, e)) == LW_OK && (s = lw_read_list(&n, 1, SIZE_MAX, e)) == LW_OK &&
-        (s = read_each(root, "joints", m, take_joint, e)) == LW_OK && (s = check_connected(root, m, e)) == LW_OK &&
-        (s = read_each(root, "couplings", m, read_coupling, e)) == LW_OK &&
-        (s = read_each(root, "tracers", m, take_tracer, e)) == LW_OK && (s = check_centres(root, m, e)) == LW_OK &&
-        (s = lw_moves_read_profiles(root, &m->n_profile, &m->profile, e)) == LW_OK && (s = read_inputs(root, m, e)) == LW_OK)
+        (s = lw_read_each(root, "joints", read_joint, &r, e)) == LW_OK && (s = check_connected(root, m, e)) == LW_OK &&
+        (s = lw_read_each(root, "couplings", read_coupling, &r, e)) == LW_OK &&
+        (s = lw_read_each(root, "tracers", read_tracer, &r, e)) == LW_OK && (s = check_centres(root, m, e)) == LW_OK &&
+        (s = lw_moves_read_profiles(root, &m->n_profile, &m->profile, e)) == LW_OK && (s = read_inputs(root, &r, e)) == LW_OK)
         s = read_drives(root, m, e);
     if (s == LW_OK && lw_json_member(root, "gravity", &n))
         s = lw_read_triple(&n, 1, &m->gravity, e);
-    if (s == LW_OK && (s = lw_states_name(root, &m->states, e)) == LW_OK &&
-        (s = read_each(root, "springs", m, read_spring, e)) == LW_OK &&
-        (s = read_each(root, "dampers", m, read_damper, e)) == LW_OK &&
-        (s = lw_states_read_cylinder_ends(root, &r, e)) == LW_OK && (s = lw_states_read_controllers(root, &r, e)) == LW_OK &&
-        (s = read_each(root, "forces", m, read_force, e)) == LW_OK && (s = read_each(root, "motors", m, read_motor, e)) == LW_OK)
-        s = lw_states_read(root, &r, e);
-    return s;
+    if (s == LW_OK)
+        s = lw_states_name(root, &m->states, e);
+    for (int i = 0; s == LW_OK && i < COUNT(load); i++)
+        s = lw_read_each(root, load[i].key, load[i].read, &r, e);
+    return s == LW_OK ? lw_states_read(root, &r, e) : s;
 }
 
 lw_status lw_spatial_read(const char *text, size_t size, const char *file, lw_spatial *m, lw_error *e)

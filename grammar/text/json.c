@@ -281,3 +281,9 @@ lw_status lw_json_known_keys(const lw_json_node *object, const char *const *know
     }
     return LW_OK;
 }
+
+int lw_json_character(char c, char out[8])
+{
+    return c == '"' || c == '\\'        ? snprintf(out, 8, "\\%c", c)
+         : (unsigned char)c < 0x20      ? snprintf(out, 8, "\\u%04x", (unsigned)c) : (out[0] = c, 1);
+}

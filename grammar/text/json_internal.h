@@ -83,4 +83,7 @@ int lw_json_truth(const lw_json_node *n);
  * users and are accepted. */
 lw_status lw_json_known_keys(const lw_json_node *object, const char *const *known, int n_known, lw_error *e);
 
+/* The character of a text as a JSON string has it: itself or an escape.  Returns the number of bytes. */
+int lw_json_character(char c, char out[8]);
+
 #endif
