@@ -1,6 +1,7 @@
 /* enumerate/critical.c - see critical.h. */
 #include <stdlib.h>
 #include <string.h>
+#include "base/growable_array.h"
 #include "enumerate/critical.h"
 
 /* A number for each circle. */
@@ -17,14 +18,10 @@ typedef struct walk {
 
 static lw_status append(lw_critical_list *list, uint32_t circles, int copies)
 {
-    if (list->n == list->room) {
-        int room = list->room ? 2*list->room : 64;
-        lw_critical *set = realloc(list->set, (size_t)room*sizeof *set);
-        if (!set)
-            return LW_E_MEMORY;
-        list->set = set;
-        list->room = room;
-    }
+    lw_critical *set = lw_array_grow(list->set, list->n, &list->room, sizeof *set);
+    if (!set)
+        return LW_E_MEMORY;
+    list->set = set;
     int room = 3*__builtin_popcount(circles) - 4;
     list->set[list->n++] = (lw_critical){ circles, 0, room, copies - room };
     return LW_OK;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/growable_array.h"
 #include "base/real.h"
 #include "base/vec2.h"
 #include "cli/program/data.h"
@@ -123,14 +124,10 @@ lw_status cli_mbs_read(const char *name, const char *ending, char *path, char **
 
 cli_mbs_row *cli_mbs_add(cli_mbs *b, const char *problem, const char *solver, double tolerance)
 {
-    if (b->n == b->capacity) {
-        int capacity = b->capacity ? 2*b->capacity : 64;
-        cli_mbs_row *more = realloc(b->row, sizeof *more*(size_t)capacity);
-        if (!more)
-            return NULL;
-        b->row = more;
-        b->capacity = capacity;
-    }
+    cli_mbs_row *more = lw_array_grow(b->row, b->n, &b->capacity, sizeof *more);
+    if (!more)
+        return NULL;
+    b->row = more;
     cli_mbs_row *r = &b->row[b->n++];
     *r = (cli_mbs_row){ .problem = problem, .tolerance = tolerance, .make = NAN, .seconds = NAN, .error = NAN,
                         .off = NAN, .energy = NAN, .known = NAN };

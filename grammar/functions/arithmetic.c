@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/growable_array.h"
 #include "base/number.h"
 #include "base/suggest.h"
 #include "grammar/text/text_internal.h"
@@ -119,13 +120,10 @@ lw_status lw_arithmetic_arguments(lw_arithmetic *p, const lw_math_function *f, l
     if (!lw_arithmetic_take(p, '('))
         return lw_arithmetic_fault(p, p->at, "'(' is expected: %s", f->form);
     for (int room = 0;;) {
-        if (*n == room) {
-            room = room ? 2*room : 8;
-            lw_argument *more = realloc(*list, (size_t)room*sizeof *more);
-            if (!more)
-                return lw_error_set(p->e, LW_E_MEMORY, "out of memory for the arguments of a function");
-            *list = more;
-        }
+        lw_argument *more = lw_array_grow(*list, *n, &room, sizeof *more);
+        if (!more)
+            return lw_error_set(p->e, LW_E_MEMORY, "out of memory for the arguments of a function");
+        *list = more;
         lw_arithmetic_peek(p);
         lw_argument *a = &(*list)[*n];
         a->at = p->at;

@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include "base/error.h"
+#include "base/real.h"
 
 typedef enum lw_op {
     LW_OP_VARIABLE, LW_OP_NEGATE, LW_OP_ADD, LW_OP_SUBTRACT, LW_OP_MULTIPLY, LW_OP_DIVIDE,
@@ -36,6 +37,13 @@ typedef struct lw_argument { lw_operand o; size_t at; } lw_argument;     /* at: 
 typedef struct lw_math_function { const char *name; int op, least, most; const char *form; } lw_math_function;
 
 typedef struct lw_arithmetic lw_arithmetic;
+
+/* The value of mod(a, b): the remainder with the sign of b. */
+static inline double lw_modulo(double a, double b)
+{
+    double r = fmod(a, b);
+    return r != 0 && (r < 0) != (b < 0) ? r + b : r;
+}
 
 typedef struct lw_language {
     const char *words;               /* "function or variable", for messages */

@@ -75,12 +75,6 @@ static double half_sine(double u)
     return s*s;
 }
 
-static double modulo(double a, double b)
-{
-    double r = fmod(a, b);
-    return r != 0 && (r < 0) != (b < 0) ? r + b : r;
-}
-
 double lw_op_value(const lw_expression *x, const lw_expression_node *n, double a, double b)
 {
     double p[LW_SERIES_ORDER_MAX + 1];
@@ -110,7 +104,7 @@ double lw_op_value(const lw_expression *x, const lw_expression_node *n, double a
     case LW_OP_SIGN:      return (a > 0) - (a < 0);
     case LW_OP_MIN:       return isnan(b) || b < a ? b : a;
     case LW_OP_MAX:       return isnan(b) || b > a ? b : a;
-    case LW_OP_MOD:       return modulo(a, b);
+    case LW_OP_MOD:       return lw_modulo(a, b);
     case LW_OP_HYPOT:     return hypot(a, b);
     case LW_OP_HALF_SINE: return half_sine(a);
     case LW_OP_CUBIC:

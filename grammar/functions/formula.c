@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/growable_array.h"
 #include "base/real.h"
 #include "base/suggest.h"
 #include "base/vec2.h"
@@ -227,14 +228,10 @@ static bool take_word(parser *p, const char *word)
 static lw_status emit(parser *p, operation o)
 {
     lw_formula *f = p->made;
-    if (f->n == f->room) {
-        int room = f->room ? 2*f->room : 8;
-        operation *more = realloc(f->operation, (size_t)room*sizeof *more);
-        if (!more)
-            return lw_error_set(p->e, LW_E_MEMORY, "out of memory for a formula");
-        f->operation = more;
-        f->room = room;
-    }
+    operation *more = lw_array_grow(f->operation, f->n, &f->room, sizeof *more);
+    if (!more)
+        return lw_error_set(p->e, LW_E_MEMORY, "out of memory for a formula");
+    f->operation = more;
     f->depth += 1 - o.n;
     f->deepest = f->depth > f->deepest ? f->depth : f->deepest;
     if (f->deepest > STACK_MAX)
@@ -580,12 +577,6 @@ static lw_status elementary(const operation *o, lw_amount *a, lw_error *e)
     return LW_OK;
 }
 
-static double modulo(double a, double b)
-{
-    double r = fmod(a, b);
-    return r != 0 && (r < 0) != (b < 0) ? r + b : r;
-}
-
 static lw_status of_pair(const operation *o, lw_amount *a, const lw_amount *b, lw_error *e)
 {
     double y;
@@ -596,7 +587,7 @@ static lw_status of_pair(const operation *o, lw_amount *a, const lw_amount *b, l
         *a = lw_amount_plain(atan2(x, y));
         a->dimension.of[LW_DIMENSION_RADIAN] = 1;
     } else
-        a->number = o->op == LW_OP_MOD ? modulo(x, y) : hypot(x, y);
+        a->number = o->op == LW_OP_MOD ? lw_modulo(x, y) : hypot(x, y);
     return LW_OK;
 }
 

@@ -1,6 +1,7 @@
 /* grammar/linkage/linkage_check.c - the checks that every user of a linkage relies on. */
 #include "base/bytes.h"
 #include "base/real.h"
+#include "base/union_find.h"
 #include "grammar/linkage/linkage_internal.h"
 
 #include <stdbool.h>
@@ -181,14 +182,6 @@ static lw_status check_inputs(const lw_assembly *assembly, lw_linkage_place *pla
 
 /* ---- the whole -------------------------------------------------------------------------------- */
 
-/* The link that stands for all links joined to `link` so far. */
-static int head_of(int *head, int link)
-{
-    while (head[link] != link)
-        link = head[link] = head[head[link]];
-    return link;
-}
-
 /* Index of a link that no path of joints connects to the ground; -1 if there is none, -2 without memory. */
 static int find_loose_link(const lw_assembly *assembly)
 {
@@ -198,9 +191,9 @@ static int find_loose_link(const lw_assembly *assembly)
     for (int i = 0; i < assembly->n_link; i++)
         head[i] = i;
     for (int i = 0; i < assembly->n_joint; i++)
-        head[head_of(head, assembly->joint[i].link[0])] = head_of(head, assembly->joint[i].link[1]);
+        head[lw_root_of(head, assembly->joint[i].link[0])] = lw_root_of(head, assembly->joint[i].link[1]);
     for (int i = 0; i < assembly->n_link && loose < 0; i++)
-        loose = head_of(head, i) == head_of(head, assembly->ground) ? -1 : i;
+        loose = lw_root_of(head, i) == lw_root_of(head, assembly->ground) ? -1 : i;
     if (head != few)
         free(head);
     return loose;

@@ -1,5 +1,6 @@
 /* grammar/linkage/linkage_gear.c - finds the link that carries a gear pair, or a rack and its pinion. */
 #include "base/real.h"
+#include "base/union_find.h"
 #include "grammar/linkage/assembly.h"
 
 #include <stdbool.h>
@@ -18,14 +19,7 @@ typedef struct bearings {
     pin_place *place;    /* (n_joint) */
 } bearings;
 
-static int root(int *set, int i)
-{
-    while (set[i] != i)
-        i = set[i] = set[set[i]];
-    return i;
-}
-
-static void join(int *set, int a, int b) { set[root(set, a)] = root(set, b); }
+static void join(int *set, int a, int b) { set[lw_root_of(set, a)] = lw_root_of(set, b); }
 
 static int by_place(const void *first, const void *second)
 {
@@ -74,18 +68,18 @@ static void find_bearings(const lw_assembly *a, bearings *b, int i, int side)
         b->side_joint[j] = -1;
     for (int j = 0; j < a->n_joint; j++) {
         const lw_joint *q = &a->joint[j];
-        int weld[2] = { root(b->weld, q->link[0]), root(b->weld, q->link[1]) };
+        int weld[2] = { lw_root_of(b->weld, q->link[0]), lw_root_of(b->weld, q->link[1]) };
         if (weld[0] != side && weld[1] != side)
             continue;
         if (lw_joint_translates(q->kind))
             keep_first(&b->first[i][weld[weld[0] == side]], j);
         if (lw_joint_turns(q->kind))
-            keep_first(&b->side_joint[root(b->pin, j)], j);
+            keep_first(&b->side_joint[lw_root_of(b->pin, j)], j);
     }
     for (int j = 0; j < a->n_joint; j++) {
-        int at_side = b->side_joint[root(b->pin, j)];
+        int at_side = b->side_joint[lw_root_of(b->pin, j)];
         for (int end = 0; at_side >= 0 && end < 2; end++)
-            keep_first(&b->first[i][root(b->weld, a->joint[j].link[end])], at_side);
+            keep_first(&b->first[i][lw_root_of(b->weld, a->joint[j].link[end])], at_side);
     }
 }
 
@@ -126,11 +120,11 @@ static lw_gear gear_on(const lw_assembly *a, bearings *b, const int *side, int c
 {
     lw_gear g = { .carrier = carrier };
     for (int i = 0; i < 2; i++) {
-        int j = b->first[i][root(b->weld, carrier)];
+        int j = b->first[i][lw_root_of(b->weld, carrier)];
         const lw_joint *q = &a->joint[j];
         g.centre[i] = q->at;
         g.slider[i] = lw_joint_translates(q->kind) ? j : -1;
-        g.way[i] = root(b->weld, q->link[1]) == side[i] ? 1.0 : -1.0;
+        g.way[i] = lw_root_of(b->weld, q->link[1]) == side[i] ? 1.0 : -1.0;
     }
     return g;
 }
@@ -142,11 +136,11 @@ static lw_status find_carrier(const lw_assembly *a, int joint, bearings *b, lw_g
     lw_gear any = { 0 }, best = { 0 };
     find_sets(a, b);
     for (int i = 0; i < 2; i++) {
-        side[i] = root(b->weld, q->link[i]);
+        side[i] = lw_root_of(b->weld, q->link[i]);
         find_bearings(a, b, i, side[i]);
     }
     for (int c = 0; c < a->n_link; c++) {
-        int weld = root(b->weld, c);
+        int weld = lw_root_of(b->weld, c);
         if (weld == side[0] || weld == side[1] || b->first[0][weld] < 0 || b->first[1][weld] < 0)
             continue;
         lw_gear try = gear_on(a, b, side, c);

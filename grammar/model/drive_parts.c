@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/bytes.h"
+#include "base/growable_array.h"
 #include "base/number.h"
 #include "base/real.h"
 #include "base/suggest.h"
@@ -254,14 +255,12 @@ lw_status lw_drive_parts_read(const char *text, size_t size, const char *file, l
             else if (h.n == 0)
                 s = read_header(f, n, file, line, &h, e);
             else {
-                if (n_part == room) {
-                    long *more = realloc(lines, (size_t)(room = 2*room + 64)*sizeof *lines);
-                    if (!more) {
-                        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
-                        break;
-                    }
-                    lines = more;
+                long *more = lw_array_grow(lines, n_part, &room, sizeof *lines);
+                if (!more) {
+                    s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+                    break;
                 }
+                lines = more;
                 lines[n_part++] = line;
                 s = read_part(&h, f, n, file, line, p, e);
             }
