@@ -1,53 +1,18 @@
 /* Spherical and revolute joints with clearance in space: closed forms of a bouncing ball and of the contact laws, the
  * limits of no clearance and of a stiff contact, the same linkage in the plane, a pretensioned joint, a DELTA robot. */
 #include "mbs/clearance/clearance.h"
-#include "mbs/dynamics/dynamics_space.h"
-#include "mbs/formulations/formulations.h"
 #include "tests/clearance_models.h"
-#include "tests/spatial_models.h"
+#include "tests/space_run.h"
 
-typedef struct sample { double t, energy, distance, force, turn; lw_vec3 tracer, omega, reaction, moment; } sample;
-typedef struct kept { lw_dynamics *d; int n; sample at[512]; lw_space_contact contact[12]; } kept;
-
-static kept k;
-
-static lw_status keep_moment(void *context, const lw_moment *moment)
-{
-    kept *to = context;
-    lw_space_moment o;
-    lw_error e;
-    lw_status st = lw_dynamics_space_moment(to->d, moment, &o, &e);
-    const lw_space *s = lw_dynamics_space(to->d);
-    sample *p = &to->at[to->n++];
-    *p = (sample){ .t = o.t, .energy = o.kinetic + o.potential - o.work };
-    if (s->model->n_contact) {
-        lw_space_touch touch = lw_dynamics_space_touch(to->d, 0, &o);
-        p->distance = touch.distance, p->force = touch.force;
-    }
-    if (s->model->n_tracer)
-        p->tracer = lw_space_point_at(o.frame, s->tracer[0]);
-    p->turn = s->model->n_input ? o.input[0] : 0;
-    p->omega = lw_space_omega(o.frame, 0, o.v), p->reaction = o.joint[0].force, p->moment = o.joint[0].moment;
-    return st;
-}
+static srun k;
 
 static lw_dynamics_report run(const lw_spatial *m, lw_formulation f, double to, int intervals, double tolerance, bool closed)
 {
-    lw_error e = { 0 };
-    lw_dynamics_report r = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
     o.formulation = f, o.to = to, o.intervals = intervals, o.relative = o.absolute = tolerance;
     o.rigid = true, o.closed = closed;
-    k.n = 0;
-    if (lw_dynamics_make_spatial(m, &o, &k.d, &e) != LW_OK || lw_dynamics_run(k.d, keep_moment, &k, &r, &e) != LW_OK) {
-        fprintf(stderr, "%s\n", e.text);
-        CHECK(false);
-        return r;
-    }
-    for (int i = 0; i < lw_dynamics_space(k.d)->model->n_contact && i < 12; i++)
-        k.contact[i] = *lw_dynamics_space_contact(k.d, i);
-    lw_dynamics_free(k.d);
-    return r;
+    srun_go(m, &o, &k);
+    return k.r;
 }
 
 /* A ball of mass 2 kg in a socket at the origin; more: parts of the model. */
@@ -88,8 +53,8 @@ TEST(a_ball_bounces)
         for (int i = 0; i < k.n; i++) {
             double t = fmod(k.at[i].t + 1e-12, period) - 1e-12, depth = g/(w*w)*(1 - cos(w*(t - fall))) + v/w*sin(w*(t - fall));
             double want = t < fall ? g*t*t/2 : t < fall + contact ? gap + depth : g*(period - t)*(period - t)/2;
-            CHECK_NEAR(lw_v3_dot(k.at[i].tracer, down), want, 2e-9, 0);
-            CHECK_NEAR(lw_v3_norm(lw_v3_cross(k.at[i].tracer, down)), 0, 1e-11, 0);
+            CHECK_NEAR(lw_v3_dot(k.at[i].tracer[0], down), want, 2e-9, 0);
+            CHECK_NEAR(lw_v3_norm(lw_v3_cross(k.at[i].tracer[0], down)), 0, 1e-11, 0);
         }
         CHECK(q.energy_error < 1e-9*q.energy_scale);
         CHECK_INT(k.contact[0].losses, 5);
@@ -231,7 +196,7 @@ static void compare_with_the_plane(double friction)
     o.time = seconds, o.settle = 0, o.tolerance = 1e-12, o.speed = 9, o.every = seconds/10, o.sink = keep_plane, o.context = &plane;
     CHECK_OK(lw_clearance_run(scene, &o, &r, &check_error));
     for (int i = 0; i < plane.n && i < k.n; i++) {
-        CHECK_NEAR(k.at[i].turn, plane.at[i].input, 1e-8, 0);
+        CHECK_NEAR(k.at[i].input, plane.at[i].input, 1e-8, 0);
         CHECK_NEAR(k.at[i].distance, lw_v2_norm(plane.at[i].point[0].pin), 1e-8, 0);
     }
     CHECK_INT(plane.n, k.n);
@@ -265,8 +230,8 @@ TEST(a_ball_spins_down)
         for (int i = 0; i < 2; i++)
             turn[i] = lw_v3_dot(k.at[i ? 4 : 2].omega, lw_v3_scale(spin, 0.01));
         CHECK_NEAR((turn[0] - turn[1])/0.5, radius*weight*sin(atan(mu))/0.01, 0, 1e-6);
-        CHECK_NEAR(lw_v3_norm(k.at[4].reaction), weight, 0, 1e-6);
-        CHECK_NEAR(lw_v3_norm(k.at[4].moment), radius*weight*sin(atan(mu)), 0, 1e-6);
+        CHECK_NEAR(lw_v3_norm(k.at[4].joint[0].force), weight, 0, 1e-6);
+        CHECK_NEAR(lw_v3_norm(k.at[4].joint[0].moment), radius*weight*sin(atan(mu)), 0, 1e-6);
         CHECK(q.energy_error < 1e-6*q.energy_scale);
         CHECK_INT(q.smooth_friction, trial == 0);
     }
@@ -367,7 +332,7 @@ TEST(a_delta_with_clearance)
     load_spatial("delta-clearance", &m);
     run(&m, LW_FORMULATION_AUTO, 0.02, 4, 1e-9, true);
     for (int i = 0; i < k.n; i++)
-        ideal[i] = k.at[i].tracer;
+        ideal[i] = k.at[i].tracer[0];
     for (int pass = 0; pass < 2; pass++) {
         for (int j = 0; j < m.n_joint; j++)
             if (lw_spatial_has_clearance(&m.joint[j])) {
@@ -380,7 +345,7 @@ TEST(a_delta_with_clearance)
         CHECK(q.energy_error < 1e-3*q.energy_scale);
         off[pass] = apart[pass] = 0;
         for (int i = 0; i < k.n; i++)
-            off[pass] = fmax(off[pass], lw_v3_norm(lw_v3_sub(k.at[i].tracer, ideal[i])));
+            off[pass] = fmax(off[pass], lw_v3_norm(lw_v3_sub(k.at[i].tracer[0], ideal[i])));
         for (int i = 0; i < 12; i++) {
             apart[pass] += k.contact[i].apart/12;
             worst = fmax(worst, k.contact[i].distance_most/m.joint[k.contact[i].joint].clearance.gap);

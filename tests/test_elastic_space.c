@@ -1,38 +1,14 @@
 /* tests/test_elastic_space.c - elastic links in space: vibrations of bars, the planar model turned into space, large deflections,
  * spins, a DELTA robot. */
-#include "mbs/dynamics/dynamics_space.h"
 #include "mbs/equilibrium/modes.h"
 #include "mbs/elastic/expand_space.h"
-#include "mbs/formulations/formulations.h"
-#include "tests/planar_models.h"
-#include "tests/spatial_models.h"
+#include "tests/space_run.h"
 #include "tests/temporary.h"
 
 #define SQUARE "{'shape': 'rectangle', 'width': 0.1, 'height': 0.1}"
 #define STEEL  "{'E': 210e9, 'nu': 0.3, 'density': 7850}"
 
 /* ---- runs -------------------------------------------------------------------------------------------------- */
-
-typedef struct record { const lw_space *s; lw_dynamics *d; int n; double strain, energy[401]; lw_vec3 at[401], linear[401], angular[401]; int nodes; lw_space_inner inner[64]; lw_rest rest; } record;
-
-static lw_status keep(void *context, const lw_moment *moment)
-{
-    record *r = context;
-    lw_space_moment o;
-    lw_status st = lw_dynamics_space_moment(r->d, moment, &o, NULL);
-    if (st != LW_OK)
-        return st;
-    r->at[r->n] = lw_space_point_at(o.frame, r->s->tracer[0]);
-    r->energy[r->n] = o.kinetic + o.potential;
-    r->strain = lw_dynamics_space_strain(r->d, &o);
-    lw_dynamics_space_momentum(r->d, &o, &r->linear[r->n], &r->angular[r->n]);
-    if (lw_dynamics_spatial_elastic(r->d)) {
-        lw_dynamics_space_inner(r->d, &o, 0, r->inner);
-        r->nodes = lw_dynamics_spatial_elastic(r->d)->chain[0].n_bound;
-    }
-    r->n++;
-    return LW_OK;
-}
 
 static lw_status read_text(lw_spatial *m, lw_error *e, const char *format, ...) __attribute__((format(printf, 3, 4)));
 static lw_status read_text(lw_spatial *m, lw_error *e, const char *format, ...)
@@ -48,17 +24,9 @@ static lw_status read_text(lw_spatial *m, lw_error *e, const char *format, ...)
 }
 
 /* Run m, which is freed. */
-static void run(lw_spatial *m, lw_dynamics_options o, record *r)
+static void run(lw_spatial *m, lw_dynamics_options o, srun *r)
 {
-    lw_dynamics_report report;
-    r->n = 0;
-    lw_status st = lw_dynamics_make_spatial(m, &o, &r->d, &check_error);
-    if (st == LW_OK) {
-        r->s = lw_dynamics_space(r->d);
-        st = lw_dynamics_analyse(r->d, keep, r, &report, &r->rest, &check_error);
-    }
-    CHECK_OK(st);
-    lw_dynamics_free(r->d);
+    srun_go(m, &o, r);
     lw_spatial_free(m);
 }
 
@@ -144,7 +112,7 @@ TEST(mass_beside_the_area)
 TEST(height)
 {
     static const char *const height[] = { "[0, 0, 1]", "[0, 1, 0]", "[3, 0, 2]" };
-    static record r;
+    static srun r;
     double z[3];
     for (int k = 0; k < 3; k++) {
         lw_spatial m;
@@ -159,22 +127,12 @@ TEST(height)
         double i = k == 1 ? q.iy : q.iz, zeta = k == 1 ? q.zeta_z : q.zeta_y;
         double exact = -8/(3*210e9*i) - 2*zeta*2.6/(210e9*q.area), stress = k == 1 ? 2*q.z/q.iy : 2*q.y/q.iz;
         run(&m, o, &r);
-        z[k] = r.at[0].z;
+        z[k] = r.at[0].tracer[0].z;
         CHECK_NEAR(z[k], exact, 0, 1e-7);
         if (k < 2)
             CHECK_NEAR(fabs(r.inner[0].stress), stress, 0, 1e-6);
     }
     CHECK_NEAR(z[2], z[0], 1e-12, 0);
-}
-
-typedef struct flat_record { lw_dynamics *d; int n; lw_vec2 at[21]; } flat_record;
-
-static lw_status keep_flat(void *context, const lw_moment *m)
-{
-    flat_record *r = context;
-    const lw_system *s = lw_dynamics_system(r->d);
-    r->at[r->n++] = lw_system_point(s, s->tracer_body[0], s->tracer_arm[0], m->q);
-    return LW_OK;
 }
 
 #define SOFT_WITH(more) "{'section': " SQUARE ", 'material': {'E': 1e8, 'nu': 0.3, 'density': 1000}, 'segments': 3, 'damping': 1e-4" more "}"
@@ -187,19 +145,16 @@ static void swing_as_in_the_plane(const char *flat_more, const char *more)
     snprintf(planar, sizeof planar, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'bar', 'elastic': " SOFT_WITH("%s") "}, {'name': 'bob', "
         "'mass': 3, 'centre': [1, -0.2], 'inertia': 0.05}], 'joints': [{'name': 'A', 'links': ['ground', 'bar'], 'at': [0, 0]}, {'name': "
         "'B', 'links': ['bar', 'bob'], 'at': [1, 0]}], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [1, -0.2]}]}", flat_more);
-    static record r;
-    flat_record flat = { 0 };
-    lw_dynamics_report report;
+    static srun r;
+    static flat_run flat;
     lw_dynamics_options o = lw_dynamics_options_default();
-    OWN(lw_model) f = { 0 };
+    lw_model f;
     lw_spatial m;
     lw_rng rng = check_rng(1);
     o.intervals = 20;
     o.relative = o.absolute = 1e-8;
     read_planar(planar, "test", &f);
-    CHECK_OK(lw_dynamics_make(&f, &o, &flat.d, &check_error));
-    CHECK_OK(lw_dynamics_run(flat.d, keep_flat, &flat, &report, &check_error));
-    lw_dynamics_free(flat.d);
+    flat_go(&f, o.to, o.intervals, o.relative, &flat);
     lw_mat3 t = lw_quaternion_matrix(lw_quaternion_of_vector(lw_v3(lw_rng_range(&rng, -2, 2), lw_rng_range(&rng, -2, 2),
                                                                    lw_rng_range(&rng, -2, 2))));
     lw_vec3 b = lw_m3_column(&t, 0), c = lw_m3_apply(&t, lw_v3(1, -0.2, 0)), z = lw_m3_column(&t, 2);
@@ -214,8 +169,8 @@ static void swing_as_in_the_plane(const char *flat_more, const char *more)
     CHECK_INT(r.n, 21);
     CHECK_INT(flat.n, 21);
     for (int i = 0; i < 21; i++) {
-        lw_vec3 want = lw_m3_apply(&t, lw_v3(flat.at[i].x, flat.at[i].y, 0));
-        CHECK_NEAR(lw_v3_norm(lw_v3_sub(r.at[i], want)), 0, 2e-6, 0);
+        lw_vec3 want = lw_m3_apply(&t, lw_v3(flat.tracer[i].x, flat.tracer[i].y, 0));
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(r.at[i].tracer[0], want)), 0, 2e-6, 0);
     }
 }
 
@@ -230,7 +185,7 @@ TEST(as_in_the_plane)
  * other kinds lie about (15.8, 47.2, 53.4) with 47.2 along the radius at the root. */
 TEST(bend)
 {
-    static record r;
+    static srun r;
     char axis[1024] = "[[0, 0, 0]";
     lw_vec3 end = { 0, 0, 0 };
     for (int i = 1; i <= 8; i++) {
@@ -247,9 +202,9 @@ TEST(bend)
                        "['ground', 'arc'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'arc', 'at': [%.17g, %.17g, 0]}], "
                        "'forces': [{'link': 'arc', 'at': [%.17g, %.17g, 0], 'fz': 600}]}", axis, end.x, end.y, end.x, end.y));
     run(&m, o, &r);
-    CHECK_NEAR(r.at[0].y, 15.8, 0.3, 0);
-    CHECK_NEAR(r.at[0].x, 47.2, 0.3, 0);
-    CHECK_NEAR(r.at[0].z, 53.4, 0.3, 0);
+    CHECK_NEAR(r.at[0].tracer[0].y, 15.8, 0.3, 0);
+    CHECK_NEAR(r.at[0].tracer[0].x, 47.2, 0.3, 0);
+    CHECK_NEAR(r.at[0].tracer[0].z, 53.4, 0.3, 0);
 }
 
 /* The Princeton beam (Dowell & Traybar 1975; data of Bauchau et al. 2016): an aluminium bar 0.508 m long, 12.77 by 3.2024 mm, whose height is
@@ -261,7 +216,7 @@ TEST(princeton)
         { 4.448, 15, { 0.5074929303, 0.0182424101, -0.0097997612 } }, { 4.448, 45, { 0.5044789262, 0.0358860996, -0.0409950378 } },
         { 4.448, 90, { 0.5011635086, 0, -0.0757886518 } }, { 13.345, 15, { 0.5030766085, 0.0563952736, -0.0306761999 } },
         { 13.345, 45, { 0.4792891826, 0.0978990055, -0.1177859798 } }, { 13.345, 90, { 0.4599413578, 0, -0.1962341829 } } };
-    static record r;
+    static srun r;
     for (size_t k = 0; k < sizeof known/sizeof *known; k++) {
         double c = cos(known[k].angle*LW_PI/180), n = sin(known[k].angle*LW_PI/180), load = known[k].load, tip[2][3];
         for (int fine = 0; fine < 2; fine++) {
@@ -275,7 +230,7 @@ TEST(princeton)
                                "'forces': [{'link': 'bar', 'at': [0.508, 0, 0], 'fz': %g}]}", fine ? 32 : 16, n, c, -load));
             run(&m, o, &r);
             const lw_space_inner *root = &r.inner[0];
-            lw_vec3 at = r.at[0];
+            lw_vec3 at = r.at[0].tracer[0];
             CHECK_NEAR(root->torque, -load*at.y, 1e-8, 0);
             CHECK_NEAR(root->bending[0], load*at.x*n, 1e-8, 0);       /* y of the section is (0, n, c), z (0, -c, n) */
             CHECK_NEAR(root->bending[1], -load*at.x*c, 1e-8, 0);
@@ -297,7 +252,7 @@ TEST(generalised_alpha)
                                "'elastic': " SOFT "}, {'name': 'c', 'elastic': " SOFT "}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, "
                                "0, 0], 'axis': [0, 1, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [1, 0, 0], 'axis': [0, 1, 1]}, {'name': 'C', 'links': "
                                "['b', 'c'], 'at': [2, 0, 0], 'axis': [0, 1, 0]}], 'tracers': [{'name': 'P', 'link': 'c', 'at': [3, 0, 0]}]}";
-    static record exact, r;
+    static srun exact, r;
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_spatial m;
     o.to = 0.5, o.intervals = 5;
@@ -314,9 +269,9 @@ TEST(generalised_alpha)
         lw_dynamics_free(d);
         run(&m, o, i ? &r : &exact);
         for (int k = 0; k < 6 && i; k++)
-            CHECK_NEAR(lw_v3_norm(lw_v3_sub(r.at[k], exact.at[k])), 0, 30*tolerance[i], 0);
+            CHECK_NEAR(lw_v3_norm(lw_v3_sub(r.at[k].tracer[0], exact.at[k].tracer[0])), 0, 30*tolerance[i], 0);
         if (i > 1)
-            lost[i - 2] = exact.energy[5] - r.energy[5];
+            lost[i - 2] = exact.at[5].total - r.at[5].total;
     }
     CHECK(lost[1] > 3*fabs(lost[0]));
 }
@@ -324,7 +279,7 @@ TEST(generalised_alpha)
 /* A free bar on a hub that tumbles keeps momentum and energy over a hundred turns. */
 TEST(tumbles)
 {
-    static record r;
+    static srun r;
     lw_spatial m;
     lw_dynamics_options o = lw_dynamics_options_default();
     o.to = 100, o.intervals = 100;
@@ -339,9 +294,9 @@ TEST(tumbles)
     CHECK_INT(r.n, 101);
     double most = 0;
     for (int i = 0; i < r.n; i++) {
-        most = fmax(most, fabs(r.energy[i]/r.energy[0] - 1));
-        CHECK_NEAR(lw_v3_norm(lw_v3_sub(r.linear[i], r.linear[0])), 0, 1e-12, 0);
-        CHECK_NEAR(lw_v3_norm(lw_v3_sub(r.angular[i], r.angular[0])), 0, 1e-12*lw_v3_norm(r.angular[0])*10, 0);
+        most = fmax(most, fabs(r.at[i].total/r.at[0].total - 1));
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(r.at[i].linear, r.at[0].linear)), 0, 1e-12, 0);
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(r.at[i].angular, r.at[0].angular)), 0, 1e-12*lw_v3_norm(r.at[0].angular)*10, 0);
     }
     CHECK(most < 1e-8);
 }
@@ -436,7 +391,7 @@ TEST(a_disc_whirls)
     static const struct { double speed, beside, tilt; } known[] = { { 0.5, 1e-4, 0 }, { 1.5, 1e-4, 0 }, { 0.6, 0, 1e-3 }, { 2, 0, 1e-3 } };
     const double d = 0.02, e = 210e9, i4 = LW_PI*pow(d, 4)/64, ga = e/2.6*LW_PI*d*d/4*0.9, mass = 20, across = 0.3, along = 0.5;
     const double h = 0.5, shear = 12*e*i4/(ga*h*h), lift = 24*e*i4/(h*h*h*(1 + shear)), turn = 2*(4 + shear)/(1 + shear)*e*i4/h;
-    static record r;
+    static srun r;
     for (int k = 0; k < 4; k++) {
         lw_spatial m;
         lw_error error;
@@ -461,8 +416,8 @@ TEST(a_disc_whirls)
         CHECK_INT(r.n, 41);
         for (int i = 0; i < r.n; i++) {
             double t = o.to*i/40, arm = tilts ? 0.1 : 1;
-            CHECK_NEAR(r.at[i].y, arm*(steady*cos(w*t) + forth*cos(f*t) + back*cos(b*t)), 5e-4*arm*fabs(steady), 0);
-            CHECK_NEAR(r.at[i].z, arm*(steady*sin(w*t) + forth*sin(f*t) + back*sin(b*t)), 5e-4*arm*fabs(steady), 0);
+            CHECK_NEAR(r.at[i].tracer[0].y, arm*(steady*cos(w*t) + forth*cos(f*t) + back*cos(b*t)), 5e-4*arm*fabs(steady), 0);
+            CHECK_NEAR(r.at[i].tracer[0].z, arm*(steady*sin(w*t) + forth*sin(f*t) + back*sin(b*t)), 5e-4*arm*fabs(steady), 0);
         }
     }
 }
@@ -491,7 +446,7 @@ TEST(line_loads)
         { 0, 2, { 1, 1 } }, { 0, 2, { 0, 1 } }, { 2, 0, { 0.5, -1 } }, { 0.5, 1.5, { 2, 2 } }, { 1.5, 0.4, { 1, 3 } },
     };
     static const char *const how[] = { "'segments': 1", "'segments': 9", "'segments': 9, 'superelements': 1" };
-    static record got;
+    static srun got;
     const double u[3] = { 2./3, -1./3, 2./3 }, y[3] = { 1/sqrt(5), 2/sqrt(5), 0 };
     lw_vec3 z = lw_v3_cross(lw_v3(u[0], u[1], u[2]), lw_v3(y[0], y[1], y[2]));
     double shearing = 210e9/2.6*0.02*0.03/1.2, ei[2] = { 210e9*0.02*pow(0.03, 3)/12, 210e9*0.03*pow(0.02, 3)/12 };
@@ -517,7 +472,7 @@ TEST(line_loads)
         CHECK_TEXT(e.text, "");
         o.analysis = LW_ANALYSIS_STATIC;
         run(&m, o, &got);
-        lw_vec3 moved = lw_v3_sub(got.at[0], lw_v3(2*u[0], 2*u[1], 2*u[2]));
+        lw_vec3 moved = lw_v3_sub(got.at[0].tracer[0], lw_v3(2*u[0], 2*u[1], 2*u[2]));
         double size = (i%3 ? 1 : 3)*fabs(want[1][2]);      /* the shear in an element under a linear load is left out */
         CHECK_NEAR(lw_v3_dot(moved, lw_v3(y[0], y[1], y[2])), want[0][2], 2e-5*size, 0);
         CHECK_NEAR(lw_v3_dot(moved, z), want[1][2], 2e-5*size, 0);
@@ -526,8 +481,8 @@ TEST(line_loads)
         CHECK_NEAR(got.inner[0].bending[1], want[0][1], 1e-7, 0);
         CHECK_NEAR(got.inner[0].bending[0], -want[1][1], 1e-7, 0);
         for (int k = 0; k < 2; k++) {
-            CHECK_NEAR(got.inner[got.nodes - 1].shear[k], 0, 1e-7, 0);
-            CHECK_NEAR(got.inner[got.nodes - 1].bending[k], 0, 1e-7, 0);
+            CHECK_NEAR(got.inner[got.n_inner - 1].shear[k], 0, 1e-7, 0);
+            CHECK_NEAR(got.inner[got.n_inner - 1].bending[k], 0, 1e-7, 0);
         }
     }
     static const struct { const char *force, *says; lw_status status; } bad[] = {
@@ -556,7 +511,7 @@ TEST(line_loads)
 /* A free body, rigid or elastic, under a load along it that grows: F/m, and the turn about its centre by the load's moment. */
 TEST(a_line_load_pushes_a_body)
 {
-    static record got;
+    static srun got;
     for (int elastic = 0; elastic < 2; elastic++) {
         lw_spatial m;
         lw_dynamics_options o = lw_dynamics_options_default();
@@ -571,8 +526,8 @@ TEST(a_line_load_pushes_a_body)
         o.intervals = 1;
         run(&m, o, &got);
         /* F = 3 t at 4/3 m: p = 3/2 t^2, L about the centre -t^2/2 about y */
-        CHECK_NEAR(got.linear[1].z, 0.375, elastic ? 1e-5 : 1e-6, 0);
-        CHECK_NEAR(got.angular[1].y + lw_v3_cross(got.at[1], got.linear[1]).y*-1, -0.125, elastic ? 1e-5 : 1e-9, 0);
+        CHECK_NEAR(got.at[1].linear.z, 0.375, elastic ? 1e-5 : 1e-6, 0);
+        CHECK_NEAR(got.at[1].angular.y + lw_v3_cross(got.at[1].tracer[0], got.at[1].linear).y*-1, -0.125, elastic ? 1e-5 : 1e-9, 0);
     }
 }
 
@@ -580,7 +535,7 @@ TEST(a_line_load_pushes_a_body)
  * start as those of the rigid model do, and have its momentum; then the bars bend little. */
 TEST(driven_from_the_start)
 {
-    static record bent, stiff;
+    static srun bent, stiff;
     for (int i = 0; i < 2; i++) {
         lw_spatial m;
         lw_dynamics_options o = lw_dynamics_options_default();
@@ -597,10 +552,10 @@ TEST(driven_from_the_start)
         o.rigid = i == 1;
         run(&m, o, i ? &stiff : &bent);
     }
-    CHECK(lw_v3_norm(stiff.linear[0]) > 10);
-    CHECK_NEAR(lw_v3_norm(lw_v3_sub(bent.linear[0], stiff.linear[0])), 0, 1e-9, 0);
+    CHECK(lw_v3_norm(stiff.at[0].linear) > 10);
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(bent.at[0].linear, stiff.at[0].linear)), 0, 1e-9, 0);
     for (int k = 0; k < bent.n; k++)                  /* a thick bar: quasi-static bending is some um */
-        CHECK_NEAR(lw_v3_norm(lw_v3_sub(bent.at[k], stiff.at[k])), 0, 5e-5, 0);
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(bent.at[k].tracer[0], stiff.at[k].tracer[0])), 0, 5e-5, 0);
 }
 
 /* ---- superelements -------------------------------------------------------------------------------------------- */
@@ -618,7 +573,7 @@ static lw_status read_bar(lw_spatial *m, const char *elastic, double gravity, do
 #define BAR "'section': {'shape': 'box', 'width': 0.05, 'height': 0.08, 'wall': 0.004}, 'height': [0, 0, 1], 'material': " STEEL \
             ", 'axis': [[0, 0, 0], [2, 0, 0]]"
 
-static record sagged;
+static srun sagged;
 
 static double sag(const char *elastic, double gravity, double force)
 {
@@ -628,7 +583,7 @@ static double sag(const char *elastic, double gravity, double force)
     if (read_bar(&m, elastic, gravity, force) != LW_OK)
         return NAN;
     run(&m, o, &sagged);
-    return sagged.at[0].z;
+    return sagged.at[0].tracer[0].z;
 }
 
 /* Clapeyron: half the work of a load is strain energy, of a weight what the whole potential loses. */
@@ -637,7 +592,7 @@ static void check_strain(const char *elastic)
     double w = sag(elastic, 0, -1);
     CHECK_NEAR(sagged.strain, -w/2, 0, 1e-6);
     sag(elastic, -0.1, 0);
-    CHECK_NEAR(sagged.strain, -sagged.energy[0], 0, 1e-6);
+    CHECK_NEAR(sagged.strain, -sagged.at[0].total, 0, 1e-6);
 }
 
 static void write_matrix(const char *path, int n, const double *a)
@@ -664,7 +619,7 @@ TEST(condensed)
         char text[500];
         snprintf(text, sizeof text, BAR ", 'segments': 20, 'superelements': %d", pieces);
         CHECK_NEAR(sag(text, -0.1, -1)/whole, 1, 1e-10, 0);
-        CHECK_INT(sagged.nodes, pieces + 1);
+        CHECK_INT(sagged.n_inner, pieces + 1);
         for (int i = 0; i <= pieces; i++) {  /* statics of a bar: what hangs beyond a node */
             double beyond = 2 - 2.0*i/pieces, line = 0.1*7850*(0.05*0.08 - 0.042*0.072);
             CHECK_NEAR(sagged.inner[i].shear[0], -line*beyond - 1, 1e-5, 0);
@@ -897,7 +852,7 @@ TEST(craig_bampton)
         before = modes ? worst : before;
     }
     CHECK(before < 1e-3);
-    static record r[3];                      /* in time the clamped bar falls 1.6 mm by its weight: ten pieces, the mesh, the mesh by modes */
+    static srun r[3];                      /* in time the clamped bar falls 1.6 mm by its weight: ten pieces, the mesh, the mesh by modes */
     for (int k = 0; k < 3; k++) {
         lw_dynamics_options o = lw_dynamics_options_default();
         snprintf(text, sizeof text, "'nodes': [%s], 'stiffness': '%s', 'mass': '%s', 'modes': %d", nodes, path[0], path[1], k == 2 ? 12 : 0);
@@ -907,9 +862,9 @@ TEST(craig_bampton)
         run(&m, o, &r[k]);
         double most = 0;
         for (int i = 0; i < r[k].n; i++) {
-            most = fmax(most, fabs(r[k].at[i].z));
-            CHECK_NEAR(r[k].at[i].z, r[0].at[i].z, k == 2 ? 1e-6 : 5e-9, 0);
-            CHECK_NEAR(r[k].at[i].x, r[0].at[i].x, 0.1*r[0].at[i].z*r[0].at[i].z + 1e-8, 0);       /* foreshortening, of second order */
+            most = fmax(most, fabs(r[k].at[i].tracer[0].z));
+            CHECK_NEAR(r[k].at[i].tracer[0].z, r[0].at[i].tracer[0].z, k == 2 ? 1e-6 : 5e-9, 0);
+            CHECK_NEAR(r[k].at[i].tracer[0].x, r[0].at[i].tracer[0].x, 0.1*r[0].at[i].tracer[0].z*r[0].at[i].tracer[0].z + 1e-8, 0);       /* foreshortening, of second order */
         }
         CHECK(most > 1e-3);
     }
@@ -927,7 +882,7 @@ TEST(condensed_swing)
         { "", 0 }, { ", 'superelements': 1", 2e-3 }, { ", 'superelements': 1, 'modes': 6", 2.5e-5 }, { ", 'superelements': 1, 'modes': 12", 2.5e-5 },
         { ", 'superelements': 2, 'modes': 12", 8e-6 },
     };
-    static record whole, r;
+    static srun whole, r;
     for (int k = 0; k < (int)(sizeof row/sizeof *row); k++) {
         lw_spatial m;
         lw_dynamics_options o = lw_dynamics_options_default();
@@ -941,12 +896,12 @@ TEST(condensed_swing)
         run(&m, o, k ? &r : &whole);
         double worst = 0, lost = 0;
         for (int i = 0; k && i < r.n; i++) {
-            worst = fmax(worst, lw_v3_norm(lw_v3_sub(r.at[i], whole.at[i])));
-            lost = fmax(lost, fabs(r.energy[i] - r.energy[0]));
+            worst = fmax(worst, lw_v3_norm(lw_v3_sub(r.at[i].tracer[0], whole.at[i].tracer[0])));
+            lost = fmax(lost, fabs(r.at[i].total - r.at[0].total));
         }
         CHECK(worst <= row[k].off && lost < 1e-6);
         if (k) {                             /* nothing pulls at the free end; the bar weighs 24 N */
-            const lw_space_inner *end = &r.inner[r.nodes - 1];
+            const lw_space_inner *end = &r.inner[r.n_inner - 1];
             CHECK_NEAR(end->normal, 0, 1e-4, 0);
             CHECK_NEAR(hypot(end->shear[0], end->shear[1]), 0, 1e-4, 0);
         }
@@ -957,7 +912,7 @@ TEST(condensed_swing)
  * lumped mass the bar has too much inertia. */
 TEST(consistent_swing)
 {
-    static record r;
+    static srun r;
     for (int lumped = 0; lumped < 2; lumped++) {
         lw_spatial m;
         lw_dynamics_options o = lw_dynamics_options_default();
@@ -975,8 +930,8 @@ TEST(consistent_swing)
                 angle += step*rate;
                 rate += step/2*drive*cos(angle);
             }
-            worst = fmax(worst, hypot(r.at[i].x - cos(angle), r.at[i].z + sin(angle)));
-            lost = fmax(lost, fabs(r.energy[i] - r.energy[0]));
+            worst = fmax(worst, hypot(r.at[i].tracer[0].x - cos(angle), r.at[i].tracer[0].z + sin(angle)));
+            lost = fmax(lost, fabs(r.at[i].total - r.at[0].total));
         }
         CHECK(r.n == 21 && lost < 1e-3);
         CHECK(lumped ? worst > 1e-2 : worst < 3e-5);
@@ -987,7 +942,7 @@ TEST(consistent_swing)
  * agree. */
 TEST(condensed_tumbles)
 {
-    static record r[2];
+    static srun r[2];
     for (int k = 0; k < 2; k++) {
         lw_spatial m;
         lw_dynamics_options o = lw_dynamics_options_default();
@@ -1003,19 +958,19 @@ TEST(condensed_tumbles)
         run(&m, o, &r[k]);
         CHECK_INT(r[k].n, 21);
         for (int i = 0; i < r[k].n; i++) {
-            CHECK_NEAR(r[k].energy[i]/r[k].energy[0], 1, 1e-9, 0);
-            CHECK_NEAR(lw_v3_norm(lw_v3_sub(r[k].linear[i], r[k].linear[0])), 0, 1e-12, 0);
-            CHECK_NEAR(lw_v3_norm(lw_v3_sub(r[k].angular[i], r[k].angular[0])), 0, 1e-12, 0);
+            CHECK_NEAR(r[k].at[i].total/r[k].at[0].total, 1, 1e-9, 0);
+            CHECK_NEAR(lw_v3_norm(lw_v3_sub(r[k].at[i].linear, r[k].at[0].linear)), 0, 1e-12, 0);
+            CHECK_NEAR(lw_v3_norm(lw_v3_sub(r[k].at[i].angular, r[k].at[0].angular)), 0, 1e-12, 0);
         }
     }
-    CHECK_NEAR(lw_v3_norm(lw_v3_sub(r[0].at[20], r[1].at[20])), 0, 1e-9, 0);
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(r[0].at[20].tracer[0], r[1].at[20].tracer[0])), 0, 1e-9, 0);
 }
 
 /* The spin-up of Simo & Vu-Quoc (1986), tip across the arm that turns as given: -.571 at 7 s, -.559 at 7.5 s, -.3625 at 10 s (+-.001, from
  * ever finer chains).  A condensed piece is not stiffened by the tension in it, so the error falls with the square of the number of pieces. */
 TEST(condensed_spin_up)
 {
-    static record r;
+    static srun r;
     double before = 0;
     for (int pieces = 4; pieces <= 16; pieces *= 2) {
         static const double want[] = { -.571, -.559, -.3625 }, t[] = { 7, 7.5, 10 };
@@ -1032,7 +987,7 @@ TEST(condensed_spin_up)
         double off = 0;
         for (int k = 0; k < 3 && r.n == 21; k++) {
             double psi = 0.4*(t[k]*t[k]/2 + pow(7.5/LW_PI, 2)*(cos(2*LW_PI*t[k]/15) - 1));
-            lw_vec3 at = r.at[(int)(2*t[k])];
+            lw_vec3 at = r.at[(int)(2*t[k])].tracer[0];
             off = fmax(off, fabs(at.y*cos(psi) - at.x*sin(psi) - want[k]));
         }
         CHECK_INT(r.n, 21);
@@ -1045,7 +1000,7 @@ TEST(condensed_spin_up)
 /* A bar of 40 elements swung slowly about its end: in four superelements its tip is where the whole one has it, though each has two nodes. */
 TEST(condensed_swung)
 {
-    static record r[2];
+    static srun r[2];
     for (int k = 0; k < 2; k++) {
         lw_spatial m;
         lw_dynamics_options o = lw_dynamics_options_default();
@@ -1058,14 +1013,14 @@ TEST(condensed_swung)
         run(&m, o, &r[k]);
     }
     for (int i = 0; i <= 60; i++)
-        CHECK_NEAR(lw_v3_norm(lw_v3_sub(r[1].at[i], r[0].at[i])), 0, 1.5e-6, 0);
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(r[1].at[i].tracer[0], r[0].at[i].tracer[0])), 0, 1.5e-6, 0);
 }
 
 /* A shaft that is turned faster and faster about its axis, whole and condensed: the torque at its driven end accelerates all of it,
  * nothing acts on its free end.  The angle 5 t^3 is slow against its vibrations (800 Hz, damped). */
 TEST(condensed_shaft)
 {
-    static record got;
+    static srun got;
     for (int pieces = 0; pieces <= 2; pieces++) {
         lw_spatial m;
         lw_dynamics_options o = lw_dynamics_options_default();
@@ -1083,14 +1038,14 @@ TEST(condensed_shaft)
         double torque = 7850*LW_PI*pow(0.1, 4)/32*30*0.1;
         /* of the whole bar, half an element at either end is the joint's and the free end's own */
         CHECK_NEAR(-got.inner[0].torque/torque, pieces ? 1 : 15./16, 2e-4, 0);
-        CHECK_NEAR(-got.inner[got.nodes - 1].torque/torque, pieces ? 0 : 1./16, 2e-4, 0);
+        CHECK_NEAR(-got.inner[got.n_inner - 1].torque/torque, pieces ? 0 : 1./16, 2e-4, 0);
     }
 }
 
 /* A bent bar whose centre of mass is beside the line of its ends sags under its weight as the whole one, in one piece too. */
 TEST(condensed_frame)
 {
-    static record r[3];
+    static srun r[3];
     for (int i = 0; i < 3; i++) {
         static const char *const more[] = { "", ", 'superelements': 1", ", 'superelements': 1, 'modes': 12" };
         lw_spatial m;
@@ -1101,7 +1056,7 @@ TEST(condensed_frame)
                            "[2, 0, 1]], 'segments': 20%s}}], 'joints': [{'name': 'A', 'kind': 'fixed', 'links': ['ground', 'bar'], 'at': [0, 0, "
                            "0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [2, 0, 1]}], 'gravity': [0.02, 0.03, -0.05]}", more[i]));
         run(&m, o, &r[i]);
-        lw_vec3 off = lw_v3_sub(r[i].at[0], r[0].at[0]), sag = lw_v3_sub(r[0].at[0], lw_v3(2, 0, 1));
+        lw_vec3 off = lw_v3_sub(r[i].at[0].tracer[0], r[0].at[0].tracer[0]), sag = lw_v3_sub(r[0].at[0].tracer[0], lw_v3(2, 0, 1));
         CHECK(lw_v3_norm(off) < 1e-4*lw_v3_norm(sag));
     }
 }
@@ -1357,7 +1312,7 @@ TEST(refused)
 /* A thin strip under the load EI/L^2 bends in space as in the plane: the elastica, with 16 elements. */
 TEST(a_thin_strip)
 {
-    static record r;
+    static srun r;
     lw_spatial m;
     lw_dynamics_options o = lw_dynamics_options_default();
     o.analysis = LW_ANALYSIS_STATIC;
@@ -1367,8 +1322,8 @@ TEST(a_thin_strip)
                        "'link': 'b', 'at': [1, 0, 0], 'fy': %.17g}]}", 210e9*1e-20/12));
     run(&m, o, &r);
     CHECK(r.rest.stable);
-    CHECK_NEAR(r.at[0].y, 0.301720774, 1e-4, 0);
-    CHECK_NEAR(r.at[0].x, 1 - 0.056433236, 1e-4, 0);
+    CHECK_NEAR(r.at[0].tracer[0].y, 0.301720774, 1e-4, 0);
+    CHECK_NEAR(r.at[0].tracer[0].x, 1 - 0.056433236, 1e-4, 0);
 }
 
 /* A strut in any direction under a load along it: the square of its first frequency falls to 0 at Euler's load pi^2 EI/(4 L^2), less
@@ -1378,7 +1333,7 @@ TEST(a_strut_buckles)
 {
     static const struct { double part, aside; } known[] = { { 0.9, 0 }, { 0.99, 0 }, { 1.0154, 0.2194 }, { 1.2938, 0.7195 }, { 1.8848, 0.8032 } };
     static const char *const shape[] = { "'round', 'diameter': 0.02", "'rectangle', 'width': 0.02, 'height': 0.02" };
-    static record r;
+    static srun r;
     for (int square = 0; square < 2; square++) {
         double euler = LW_PI*LW_PI/4*210e9*pow(0.02, 4)*(square ? 1./12 : LW_PI/64), first[2];
         for (int i = 0; i < 5; i++) {
@@ -1398,7 +1353,7 @@ TEST(a_strut_buckles)
                     run(&m, o, &r);
                     CHECK(i < 2 ? r.rest.stable && !r.rest.neutral : r.rest.neutral && !r.rest.stable);
                     lw_vec3 u = lw_v3(0.48, 0.64, 0.6);
-                    CHECK_NEAR(lw_v3_norm(lw_v3_cross(u, r.at[0])), known[i].aside, 2e-3, 0);
+                    CHECK_NEAR(lw_v3_norm(lw_v3_cross(u, r.at[0].tracer[0])), known[i].aside, 2e-3, 0);
                     continue;
                 }
                 CHECK_OK(lw_dynamics_make_spatial(&m, &o, &p, &check_error));
@@ -1424,7 +1379,7 @@ TEST(a_strut_buckles)
  * at 0.2 rad/s only; one of equal sides may turn without any force. */
 TEST(a_strut_nearly_square)
 {
-    static record r;
+    static srun r;
     lw_spatial m;
     lw_dynamics_options o = lw_dynamics_options_default();
     o.analysis = LW_ANALYSIS_STATIC;

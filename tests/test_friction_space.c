@@ -1,48 +1,19 @@
 /* Coulomb friction of joints in space against closed forms: a block on a slope, two blocks on each other, pins, guides and balls
  * that come to rest; and against the plane. */
-#include "mbs/dynamics/dynamics_space.h"
-#include "mbs/formulations/formulations.h"
-#include "tests/planar_models.h"
-#include "tests/spatial_models.h"
+#include "tests/space_run.h"
 
 static lw_formulation asked;
 
-typedef struct kept { lw_dynamics *d; int n; double t[512], turn[512], v[512], drive[512][2]; lw_vec3 tracer[512][2]; lw_dynamics_report r; } kept;
-
-static kept k;
-
-static lw_status keep_moment(void *context, const lw_moment *moment)
-{
-    kept *to = context;
-    lw_space_moment o;
-    lw_error e;
-    lw_status st = lw_dynamics_space_moment(to->d, moment, &o, &e);
-    const lw_space *s = lw_dynamics_space(to->d);
-    int i = to->n++;
-    to->t[i] = o.t;
-    to->turn[i] = s->model->n_input ? o.input[0] : 0;
-    to->v[i] = lw_v3_norm(lw_space_omega(o.frame, 0, o.v));
-    for (int j = 0; j < 2 && (j < s->model->n_drive || j < s->model->n_input); j++)
-        to->drive[i][j] = o.drive[j];
-    for (int j = 0; j < 2 && j < s->model->n_tracer; j++)
-        to->tracer[i][j] = lw_space_point_at(o.frame, s->tracer[j]);
-    return st;
-}
+static srun k;
 
 static void run(const char *text, lw_formulation wanted, double to, int intervals, double tolerance)
 {
     OWN(lw_spatial) m = { 0 };
-    lw_error e = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
     o.to = to, o.intervals = intervals, o.relative = o.absolute = tolerance, o.formulation = asked;
-    k.n = 0;
     read_spatial(text, "friction", &m);
-    if (lw_dynamics_make_spatial(&m, &o, &k.d, &e) != LW_OK || lw_dynamics_run(k.d, keep_moment, &k, &k.r, &e) != LW_OK) {
-        fprintf(stderr, "%s\n", e.text);
-        CHECK(false);
-    }
+    srun_go(&m, &o, &k);
     CHECK_INT(k.r.formulation, wanted);
-    lw_dynamics_free(k.d);
 }
 
 /* A slope of 3 in 4; pushed up with 2 m/s the block stops after 2^2/(2 g (0.6 + 0.8 mu)) and, with a coefficient above 3/4,
@@ -61,9 +32,9 @@ TEST(a_block_on_a_slope)
         run(text, LW_FORMULATION_INDEX1, 1, 40, 1e-11);
         CHECK(!k.r.smooth_friction);
         for (int s = 0; s < k.n; s++) {
-            double t = k.t[s], back = f < 0.75 ? g*(0.6 - 0.8*f)*(t - stop)*(t - stop)/2 : 0;
+            double t = k.at[s].t, back = f < 0.75 ? g*(0.6 - 0.8*f)*(t - stop)*(t - stop)/2 : 0;
             double want = t < stop ? u*t - u/stop*t*t/2 : high - back;
-            CHECK_NEAR(lw_v3_dot(k.tracer[s][0], lw_v3(0.48, 0.64, 0.6)), want, 1e-11, 0);
+            CHECK_NEAR(lw_v3_dot(k.at[s].tracer[0], lw_v3(0.48, 0.64, 0.6)), want, 1e-11, 0);
         }
     }
 }
@@ -78,9 +49,9 @@ TEST(blocks_on_each_other)
         "{'coefficient': 0.5}}], 'gravity': [0, 0, -10], 'forces': [{'link': 'B', 'at': [0, 0, 0.1], 'fy': '10*t'}], 'tracers': [{'name': 'P', 'link': "
         "'A', 'at': [0, 0, 0]}, {'name': 'Q', 'link': 'B', 'at': [0, 0, 0.1]}]}", LW_FORMULATION_INDEX1, 1, 20, 1e-11);
     for (int i = 0; i < k.n; i++) {
-        double t = k.t[i], s = fmax(0, fmin(t, 0.6) - 0.3), x = 10*s*s*s/18, v = 10*s*s/6, r = fmax(0, t - 0.6);
-        CHECK_NEAR(k.tracer[i][0].y, x + v*r + r*r/2, 1e-10, 0);
-        CHECK_NEAR(k.tracer[i][1].y, x + v*r + r*r/2 + 10*r*r*r/6, 1e-10, 0);
+        double t = k.at[i].t, s = fmax(0, fmin(t, 0.6) - 0.3), x = 10*s*s*s/18, v = 10*s*s/6, r = fmax(0, t - 0.6);
+        CHECK_NEAR(k.at[i].tracer[0].y, x + v*r + r*r/2, 1e-10, 0);
+        CHECK_NEAR(k.at[i].tracer[1].y, x + v*r + r*r/2 + 10*r*r*r/6, 1e-10, 0);
     }
 }
 
@@ -92,8 +63,8 @@ TEST(a_load_jumps)
         "[{'link': 'A', 'at': [0, 0, 0], 'fy': '7*max(0, sign(t - 0.5)*sign(0.7 - t))'}], 'tracers': [{'name': 'P', 'link': 'A', 'at': [0, 0, 0]}]}",
         LW_FORMULATION_INDEX1, 2, 20, 1e-11);
     for (int i = 0; i < k.n; i++) {
-        double on = fmin(fmax(k.t[i] - 0.5, 0), 0.2), off = fmin(fmax(k.t[i] - 0.7, 0), 0.5);
-        CHECK_NEAR(k.tracer[i][0].y, 2.5*on*on/2 + 0.5*off - off*off/2, 1e-11, 0);
+        double on = fmin(fmax(k.at[i].t - 0.5, 0), 0.2), off = fmin(fmax(k.at[i].t - 0.7, 0), 0.5);
+        CHECK_NEAR(k.at[i].tracer[0].y, 2.5*on*on/2 + 0.5*off - off*off/2, 1e-11, 0);
     }
 }
 
@@ -110,10 +81,10 @@ TEST(a_pendulum_comes_to_rest)
     run(text, LW_FORMULATION_INDEX1, 10*half, 10, 1e-11);
     for (int i = 0; i < k.n; i++) {
         double left = begin - i*fall;
-        CHECK_NEAR(fabs(k.turn[i]), left > fall/2 ? left : fabs(k.turn[k.n - 1]), 1e-6, 0);
+        CHECK_NEAR(fabs(k.at[i].input), left > fall/2 ? left : fabs(k.at[k.n - 1].input), 1e-6, 0);
     }
-    CHECK(fabs(k.turn[k.n - 1]) <= fall/2);
-    CHECK_NEAR(k.turn[k.n - 2], k.turn[k.n - 1], 1e-12, 0);
+    CHECK(fabs(k.at[k.n - 1].input) <= fall/2);
+    CHECK_NEAR(k.at[k.n - 2].input, k.at[k.n - 1].input, 1e-12, 0);
 }
 
 /* Slip of constant direction where I = m r^2: it falls by mu g. */
@@ -140,9 +111,9 @@ TEST(guides_and_balls)
             run(text, ideal ? LW_FORMULATION_INDEX1 : i == 2 ? LW_FORMULATION_RADAU : LW_FORMULATION_CVODE, 0.4, 16, 1e-9);
             CHECK_INT(k.r.smooth_friction, ideal && !sticks);
             for (int s = 0; s < k.n; s++)
-                CHECK_NEAR(k.v[s], fmax(0, row[i].axis - row[i].rate*k.t[s]), sticks ? 1e-9 : ideal ? 5e-2 : 5e-3, 0);
+                CHECK_NEAR(lw_v3_norm(k.at[s].omega), fmax(0, row[i].axis - row[i].rate*k.at[s].t), sticks ? 1e-9 : ideal ? 5e-2 : 5e-3, 0);
             if (i == 3)
-                CHECK_NEAR(k.tracer[k.n - 1][0].x, 0.3*0.25/2, ideal ? 1e-3 : 1e-4, 0);
+                CHECK_NEAR(k.at[k.n - 1].tracer[0].x, 0.3*0.25/2, ideal ? 1e-3 : 1e-4, 0);
         }
 }
 
@@ -157,12 +128,12 @@ TEST(a_block_bounces)
     asked = LW_FORMULATION_INDEX1;
     run(text, LW_FORMULATION_INDEX1, 2, 20, 1e-13);
     for (int i = 0; i < k.n; i++)
-        x[i] = k.turn[i];
+        x[i] = k.at[i].input;
     asked = LW_FORMULATION_AUTO;
     run(text, LW_FORMULATION_INDEX1, 2, 20, 1e-10);
     CHECK_INT(k.n, 21);
     for (int i = 0; i < k.n; i++)
-        CHECK_NEAR(k.turn[i], x[i], 2e-10, 0);
+        CHECK_NEAR(k.at[i].input, x[i], 2e-10, 0);
 }
 
 /* A four-bar with friction strikes its stops, rests on them and leaves them by a force that turns: rounding of the acceleration there begins no bounce. */
@@ -186,16 +157,7 @@ TEST(stops_are_left)
 }
 
 /* A four-bar with friction in all pins, turned into any plane of space, beside the planar program. */
-static int n_plane;
-static double plane[64];
-
-static lw_status keep_plane(void *context, const lw_moment *m)
-{
-    const lw_dynamics *d = context;
-    double row[64] = { 0 };
-    plane[n_plane++] = lw_system_measure(lw_dynamics_system(d), 0, m->q, row);
-    return LW_OK;
-}
+static flat_run plane;
 
 static lw_vec3 turned(const lw_mat3 *t, double x, double y) { return lw_m3_apply(t, lw_v3(x, y, 0)); }
 
@@ -234,21 +196,14 @@ TEST(as_in_the_plane)
         snprintf(flat + n, sizeof flat - (size_t)n, "], 'input': {'joint': 'J0', 'speed': 3}, 'gravity': [0, -9.81]}");
         snprintf(deep + d, sizeof deep - (size_t)d, "], 'input': {'joint': 'J0', 'speed': 3}, 'gravity': [%.17g, %.17g, %.17g]}",
                  g.x, g.y, g.z);
-        OWN(lw_model) m = { 0 };
-        lw_dynamics *p;
-        lw_dynamics_report r;
-        lw_dynamics_options o = lw_dynamics_options_default();
-        o.intervals = 20, o.to = 2, o.relative = o.absolute = 1e-11;
+        lw_model m;
         read_planar(flat, "plane", &m);
-        n_plane = 0;
-        CHECK_OK(lw_dynamics_make(&m, &o, &p, &check_error));
-        CHECK_OK(lw_dynamics_run(p, keep_plane, p, &r, &check_error));
-        CHECK_INT(r.formulation, LW_FORMULATION_REDUCED);
-        lw_dynamics_free(p);
+        flat_go(&m, 2, 20, 1e-11, &plane);
+        CHECK_INT(plane.r.formulation, LW_FORMULATION_REDUCED);
         run(deep, LW_FORMULATION_INDEX1, 2, 20, 1e-11);
-        CHECK_INT(k.n, n_plane);
-        for (int i = 0; i < k.n && i < n_plane; i++)
-            CHECK_NEAR(k.turn[i], plane[i], 1e-7, 0);
+        CHECK_INT(k.n, plane.n);
+        for (int i = 0; i < k.n && i < plane.n; i++)
+            CHECK_NEAR(k.at[i].input, plane.turn[i] - plane.turn[0], 1e-7, 0);
     }
 }
 
@@ -271,26 +226,18 @@ TEST(drives_carry_friction)
                  c/2 ? "'joint': 'S'" : "'tracer': 'P', 'coordinate': 'x'", by, c/2 ? "" : ", 'drives': [{'joint': 'S'}]");
         run(text, LW_FORMULATION_DRIVEN, 1, 20, 1e-10);
         for (int i = 0; i < k.n; i++)
-            CHECK_NEAR(k.drive[i][0], by*2*6*k.t[i] + 6, 1e-9, 0);
+            CHECK_NEAR(k.at[i].drive[0], by*2*6*k.at[i].t + 6, 1e-9, 0);
     }
     snprintf(text, sizeof text, arm, "");
     run(text, LW_FORMULATION_DRIVEN, 1, 20, 1e-10);
     CHECK_INT(k.n, 21);
-    memcpy(want, k.drive, sizeof want);
+    for (int i = 0; i < 21; i++)
+        memcpy(want[i], k.at[i].drive, sizeof want[i]);
     snprintf(text, sizeof text, arm, ", 'drives': [{'joint': 'J'}, {'joint': 'K'}]");
     run(text, LW_FORMULATION_DRIVEN, 1, 20, 1e-10);
     for (int i = 0; i < k.n; i++)
         for (int j = 0; j < 2; j++)
-            CHECK_NEAR(k.drive[i][j], want[i][j], 1e-9, 0);
-}
-
-static lw_vec2 flat_end[16];
-
-static lw_status keep_end(void *context, const lw_moment *m)
-{
-    const lw_system *sys = lw_dynamics_system(context);
-    flat_end[n_plane++] = lw_system_point(sys, sys->tracer_body[0], sys->tracer_arm[0], m->q);
-    return LW_OK;
+            CHECK_NEAR(k.at[i].drive[j], want[i][j], 1e-9, 0);
 }
 
 /* A soft bar on a pin, and one on a guide, with friction: the implicit method, which has the reactions in its unknowns, against the explicit one,
@@ -312,29 +259,22 @@ TEST(elastic_links_rub)
         run(text, LW_FORMULATION_INDEX1, 0.3, 10, 1e-8);
         CHECK_INT(k.n, 11);
         for (int s = 0; s < 11; s++)
-            explicit_one[s] = k.tracer[s][0];
+            explicit_one[s] = k.at[s].tracer[0];
         asked = LW_FORMULATION_AUTO;
         run(text, LW_FORMULATION_RADAU, 0.3, 10, 1e-8);
         CHECK(k.r.energy_error < 1e-5*k.r.energy_scale);
         for (int s = 0; s < 11; s++)
-            CHECK_NEAR(lw_v3_norm(lw_v3_sub(k.tracer[s][0], explicit_one[s])), 0, 1e-7, 0);
-        OWN(lw_model) m = { 0 };
-        lw_dynamics *p;
-        lw_dynamics_report r;
-        lw_dynamics_options o = lw_dynamics_options_default();
-        o.intervals = 10, o.to = 0.3, o.relative = o.absolute = 1e-8;
+            CHECK_NEAR(lw_v3_norm(lw_v3_sub(k.at[s].tracer[0], explicit_one[s])), 0, 1e-7, 0);
+        lw_model m;
         snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'A', 'elastic': {'section': {'shape': "
                  "'rectangle', 'width': 0.04, 'height': 0.04}, 'material': {'E': 2e7, 'G': 8e6, 'density': 1000}, 'segments': 2, "
                  "'damping': 0.001}}], 'joints': [{'name': 'J', 'links': ['ground', 'A'], 'at': [0, 0], %s}], 'gravity': "
                  "[0, -9.81], 'tracers': [{'name': 'P', 'link': 'A', 'at': [0.5, 0]}]}", in_plane[i]);
-        n_plane = 0;
         read_planar(text, "plane", &m);
-        CHECK_OK(lw_dynamics_make(&m, &o, &p, &check_error));
-        CHECK_OK(lw_dynamics_run(p, keep_end, p, &r, &check_error));
-        CHECK_INT(n_plane, k.n);
-        for (int s = 0; s < k.n && s < n_plane; s++)
-            CHECK_NEAR(hypot(k.tracer[s][0].x - flat_end[s].x, k.tracer[s][0].z - flat_end[s].y), 0, 1e-8, 0);
-        lw_dynamics_free(p);
+        flat_go(&m, 0.3, 10, 1e-8, &plane);
+        CHECK_INT(plane.n, k.n);
+        for (int s = 0; s < k.n && s < plane.n; s++)
+            CHECK_NEAR(hypot(k.at[s].tracer[0].x - plane.tracer[s].x, k.at[s].tracer[0].z - plane.tracer[s].y), 0, 1e-8, 0);
     }
 }
 
