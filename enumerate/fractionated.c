@@ -4,7 +4,6 @@
 #include "enumerate/canon.h"
 #include "enumerate/chains.h"
 #include "enumerate/fractionated.h"
-#include "enumerate/invert.h"
 
 /* Rooted chains: link 0 is the root.  A branch has its root in one block only; a branch set is one branch or
  * more on one root.  Sorted by p links besides the root and f freedoms. */

@@ -1,5 +1,4 @@
 /* enumerate/invert.c - see invert.h. */
-#include <string.h>
 #include "enumerate/canon.h"
 #include "enumerate/invert.h"
 

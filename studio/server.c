@@ -11,7 +11,6 @@
 #include <string.h>
 #include <sys/random.h>
 #include "base/library.h"
-#include "base/number.h"
 #include "grammar/text/json_internal.h"
 #include "studio_files.h"          /* studio_files: the page's files as texts, made by the Makefile */
 

@@ -1,6 +1,5 @@
 /* Product families of linkwright.h: readers of files, models read back, plain numbers. */
 #include "base/real.h"
-#include <stdlib.h>
 #include "grammar/family/master.h"
 #include "grammar/model/model.h"
 #include "grammar/model/spatial.h"

@@ -2,7 +2,6 @@
 #include "base/real.h"
 #include "surface/surface.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"

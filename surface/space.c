@@ -1,10 +1,8 @@
 /* Models in space. */
 #include "surface/surface.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/clock.h"
 #include "catalogues/exchange/format.h"
 #include "grammar/model/spatial.h"
 #include "mbs/dynamics/dynamics_space.h"

@@ -13,7 +13,6 @@
 #include "enumerate/fractionated.h"
 #include "enumerate/freedom.h"
 #include "enumerate/higher.h"
-#include "enumerate/invert.h"
 #include "enumerate/labelled.h"
 #include "enumerate/mechanisms.h"
 #include "enumerate/multiple.h"

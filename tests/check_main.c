@@ -1,6 +1,5 @@
 /* main() of the tests and of the replay of fuzz targets. */
 #include <stdio.h>
-#include <stdlib.h>
 #include "tests/fresh_memory.h"
 #include "tests/program.h"
 

@@ -1,6 +1,5 @@
 /* J'J and J'r by the batch: against the sums written out, columns in any order, and every instruction set the same
  * bits. */
-#include <stdlib.h>
 #include "mbs/batch/batch.h"
 #include "mbs/batch/kernels_internal.h"
 #include "tests/check.h"

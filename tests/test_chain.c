@@ -1,5 +1,4 @@
 /* test_chain.c - chains: joining, counting, renaming, and the pebble game against all 2^n subchains. */
-#include <string.h>
 #include "grammar/topology/chain.h"
 #include "tests/check.h"
 

@@ -1,7 +1,6 @@
 /* tests/test_clearance.c - motion with clearance: paper C's threshold, exact bounces, energy, other formulations, bad
  * input. */
 #include "mbs/clearance/clearance.h"
-#include "mbs/elastic/contact.h"
 #include "tests/clearance_models.h"
 #include "tests/planar_models.h"
 

@@ -1,7 +1,6 @@
 /* tests/test_clearance_scenes.c - clearance together with friction, stops, sliders and further loops; laws of contact
  * against one another where they must agree. */
 #include "mbs/clearance/clearance.h"
-#include "mbs/elastic/contact.h"
 #include "tests/clearance_models.h"
 #include "tests/dynamics_run.h"
 #include "tests/planar_models.h"

@@ -2,7 +2,6 @@
 #include "all_chains.h"
 #include "check.h"
 #include "enumerate/derive.h"
-#include "enumerate/symmetry.h"
 #include "grammar/topology/growth.h"
 
 static lw_status count_one(void *context, const lw_mechanism *m)

@@ -1,6 +1,5 @@
 /* The derivatives of the stabilised index-2 residual against central differences, off the constraints too. */
 #include "mbs/formulations/ggl.c"
-#include "mbs/dynamics/dynamics_space.h"
 #include "tests/dynamics_run.h"
 #include "tests/spatial_models.h"
 

@@ -3,7 +3,6 @@
 #include "grammar/linkage/linkage.h"
 #include "mbs/batch/posture.h"
 #include "mbs/constraints/newton.h"
-#include "optimise/problem/work.h"
 #include "optimise/search/random_linkage.h"
 #include "optimise/topology/staged_search.h"
 #include "tests/check.h"

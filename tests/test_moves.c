@@ -1,5 +1,4 @@
 /* Lists of moves: exact series, kinks, and models that follow them. */
-#include "grammar/functions/motion_law.h"
 #include "grammar/model/spatial.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "tests/dynamics_run.h"

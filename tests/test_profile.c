@@ -2,7 +2,6 @@
 #include "grammar/functions/profile.h"
 
 #include <stdbool.h>
-#include "grammar/functions/motion_law.h"
 #include "tests/check.h"
 
 static double least_time(lw_axis_state from, lw_axis_state to, lw_axis_limits l)

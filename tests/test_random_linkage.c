@@ -4,7 +4,6 @@
 #include "mbs/constraints/newton.h"
 #include "optimise/problem/family.h"
 #include "optimise/search/random_linkage.h"
-#include "optimise/problem/work.h"
 #include "tests/six_bar.h"
 
 static void *make_problem(const lw_family *f, const lw_linkage *k, lw_timing timing, bool turn, lw_problem *p)

@@ -1,7 +1,6 @@
 /* Sentences of the source, and what every sentence must keep: a = L + 1 words, every joint in two of
  * them, the same chain after reading. */
 #include "check.h"
-#include "grammar/topology/planar.h"
 #include "grammar/topology/sentence.h"
 #include "topology.h"
 

@@ -1,7 +1,6 @@
 /* Servo axes against closed forms, published figures and independent computations. */
 #include "base/vec2.h"
 #include "mbs/drives/servo_linear.h"
-#include "mbs/drives/servo_run.h"
 #include "tests/json_text.h"
 
 static lw_servo servo;

@@ -5,7 +5,6 @@
 #include <jansson.h>
 #include <stdlib.h>
 #include "base/bytes.h"
-#include "base/file.h"
 #include "base/vec3.h"
 #include "catalogues/draw/labels.h"
 #include "catalogues/pages/draw.h"

@@ -1,6 +1,5 @@
 /* Starts: with the right shape and inputs the linear fit finds place, size and tracer; what comes out is
  * a start in the sense of the header. */
-#include "optimise/solvers/lm.h"
 #include "optimise/solvers/lowdiscrepancy.h"
 #include "optimise/search/start.h"
 #include "tests/fit_problem.h"

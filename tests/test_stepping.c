@@ -1,7 +1,6 @@
 /* Runs in pieces against runs in one; saved and restored runs bit by bit. */
 #include <linkwright.h>
 
-#include "base/file.h"
 #include "tests/json_text.h"
 
 /* load(path) and parse(text with ' for ") of a kind of models. */

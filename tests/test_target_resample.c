@@ -1,6 +1,5 @@
 /* Stations along a path and smoothing: invariants, and the least of what is minimised. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "optimise/task/target_outline_internal.h"
 #include "tests/check.h"

@@ -15,7 +15,6 @@
 #include "enumerate/canon.h"
 #include "enumerate/mechanisms.h"
 #include "grammar/topology/derivation.h"
-#include "grammar/topology/franke.h"
 #include "grammar/topology/graph6.h"
 #include "grammar/topology/notation.h"
 

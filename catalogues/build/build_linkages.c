@@ -12,7 +12,6 @@
 #include "enumerate/canon.h"
 #include "grammar/text/json_internal.h"
 #include "grammar/topology/graph6.h"
-#include "grammar/topology/mechanism.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/plan/types.h"
 

@@ -1,5 +1,4 @@
 /* catalogues/exchange/export_motion.c - write the motion of a linkage as numbers: poses, curves, joints. */
-#include <stdio.h>
 #include <string.h>
 
 #include "base/real.h"

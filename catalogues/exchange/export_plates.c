@@ -1,8 +1,6 @@
 /* catalogues/exchange/export_plates.c - write a linkage as plates, to cut (DXF R12) or to look at (OpenSCAD). */
 #include <ctype.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/real.h"
 #include "catalogues/exchange/plates.h"

@@ -1,6 +1,5 @@
 #include "catalogues/exchange/format.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "catalogues/exchange/adams.h"

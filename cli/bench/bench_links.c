@@ -8,7 +8,6 @@
 #include "catalogues/pages/draw.h"
 #include "catalogues/draw/plot.h"
 #include "cli/bench/bench.h"
-#include "cli/program/progress.h"
 #include "optimise/topology/topology_search.h"
 
 enum { POINT_MAX = 512 };

@@ -14,7 +14,6 @@
 #include "base/suggest.h"
 #include "base/vec2.h"
 #include "cli/bench/flexible_crank.h"
-#include "cli/program/data.h"
 #include "cli/program/progress.h"
 #include "mbs/clearance/clearance.h"
 #include "mbs/elastic/contact.h"

@@ -1,5 +1,4 @@
 /* linkwright catalogue html - a catalogue as web pages that need no server. */
-#include <string.h>
 
 #include "catalogues/pages/atlas_html.h"
 #include "cli/catalogue/catalogue.h"

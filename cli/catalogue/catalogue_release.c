@@ -1,5 +1,4 @@
 /* linkwright catalogue release - chains, mechanisms and Assur groups as a data set to cite. */
-#include "base/file.h"
 #include "catalogues/build/release.h"
 #include "cli/catalogue/catalogue.h"
 

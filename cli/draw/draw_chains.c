@@ -8,7 +8,6 @@
 #include "catalogues/draw/sheet.h"
 #include "cli/program/topology.h"
 #include "grammar/topology/edges.h"
-#include "grammar/topology/graph6.h"
 
 #define CAPTION_SIZE 320
 #define EACH_WIDTH   320

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "cli/program/json.h"
-#include "cli/program/model.h"
 #include "cli/program/output.h"
 
 #define PLACE(member) offsetof(cli_family_settings, member)

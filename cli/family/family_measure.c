@@ -7,7 +7,6 @@
 #include "base/suggest.h"
 #include "cli/motion/table_run.h"
 #include "cli/program/model.h"
-#include "cli/program/output.h"
 #include "mbs/space/robot.h"
 
 enum { PEAK, MAX, MIN, MEAN, RMS, RANGE, FIRST, LAST, INTEGRAL, OF_COLUMN = INTEGRAL, FREQUENCY, ARC,

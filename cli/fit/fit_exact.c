@@ -1,5 +1,4 @@
 /* cli/fit/fit_exact.c - fit --exact: find linkages through precision points, and their defects. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/number.h"

@@ -1,5 +1,4 @@
 /* linkwright clearance - does a pin keep contact with its bush? */
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"

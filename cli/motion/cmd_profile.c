@@ -8,8 +8,6 @@
 #include "cli/motion/profile_cycle.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
-#include "grammar/functions/motion_law.h"
-#include "grammar/functions/profile.h"
 
 typedef struct settings {
     const char *from, *to, *speed, *acceleration, *jerk, *law, *plot;

@@ -4,7 +4,6 @@
 
 #include "base/clock.h"
 #include "base/real.h"
-#include "catalogues/pages/draw.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "cli/motion/dynamics_report.h"

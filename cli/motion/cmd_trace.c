@@ -6,7 +6,6 @@
 #include "base/number.h"
 #include "base/real.h"
 #include "base/suggest.h"
-#include "catalogues/pages/draw.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "cli/motion/trace.h"

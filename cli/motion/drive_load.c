@@ -1,8 +1,6 @@
 /* The loads of the drives of a model in a work cycle. */
 #include "cli/motion/drive.h"
 
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/real.h"
 #include "catalogues/pages/draw.h"

@@ -11,7 +11,6 @@
 #include "cli/program/json.h"
 #include "cli/program/output.h"
 #include "mbs/drives/servo_linear.h"
-#include "mbs/drives/servo_run.h"
 
 enum { COLUMNS = 12, POLES = LW_MATRIX_STATE_MAX };
 

@@ -5,7 +5,6 @@
 #include "base/number.h"
 #include "cli/motion/trace.h"
 #include "cli/program/output.h"
-#include "mbs/dynamics/dynamics_space.h"
 
 void cli_dynamics_explain(const cli_call *call, const lw_dynamics_report *r)
 {

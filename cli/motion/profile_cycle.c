@@ -1,7 +1,6 @@
 #include "cli/motion/profile_cycle.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/number.h"
 #include "base/real.h"

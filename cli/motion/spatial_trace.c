@@ -7,7 +7,6 @@
 #include "base/suggest.h"
 #include "catalogues/pages/draw.h"
 #include "cli/motion/spatial.h"
-#include "cli/motion/trace.h"
 #include "cli/program/json.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"

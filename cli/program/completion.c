@@ -1,5 +1,4 @@
 /* The completion script of bash, from the same rows as --help. */
-#include <string.h>
 #include "cli/program/command.h"
 
 /* Print the names of options, -x and --name, separated by blanks. */

@@ -3,7 +3,6 @@
 #include "cli/robot/robot.h"
 
 #include <stddef.h>
-#include "base/number.h"
 #include "cli/program/json.h"
 
 #define PLACE(member) offsetof(cli_robot_settings, member)

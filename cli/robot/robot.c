@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/number.h"
-#include "cli/motion/spatial.h"
-#include "cli/motion/trace.h"
 #include "cli/program/model.h"
 
 /* Exactly n numbers with commas between them, whose squares are finite. */

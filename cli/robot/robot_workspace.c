@@ -2,7 +2,6 @@
 #include "cli/robot/robot.h"
 
 #include <limits.h>
-#include <stdlib.h>
 #include "catalogues/pages/draw.h"
 #include "cli/program/json.h"
 #include "cli/program/progress.h"

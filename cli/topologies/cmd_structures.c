@@ -1,5 +1,4 @@
 /* linkwright structures - list every Franke structure with L loops, built by adding ears. */
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 #include "base/clock.h"

@@ -2,7 +2,6 @@
  *
  *     primary = "pi" | word ("(" name ")")? | "profile" "(" name ("," sum)? ")"
  *             | "integral" "(" sum ("," number)? ")" | "lag" "(" sum "," number ("," number)? ")" */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"

@@ -1,5 +1,4 @@
 /* grammar/model/model_elastic.c - "elastic" of a link (docs/notation.md, "Elastic links"). */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/file.h"

@@ -1,7 +1,5 @@
 #include "grammar/model/servo.h"
 
-#include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
 #include "base/vec2.h"

@@ -1,6 +1,5 @@
 #include "grammar/model/work_cycle.h"
 
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,5 @@
 #include "grammar/topology/mechanism_json.h"
 
-#include <string.h>
 #include "base/real.h"
 #include "grammar/text/json_internal.h"
 #include "grammar/text/text_internal.h"

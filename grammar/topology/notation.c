@@ -1,6 +1,5 @@
 #include "grammar/topology/notation.h"
 
-#include <stdlib.h>
 #include <string.h>
 #include "grammar/topology/edges.h"
 #include "grammar/topology/franke.h"

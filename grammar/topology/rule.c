@@ -1,6 +1,5 @@
 #include "grammar/topology/rule.h"
 
-#include <stdlib.h>
 #include <string.h>
 #include "grammar/text/text_internal.h"
 

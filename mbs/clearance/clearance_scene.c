@@ -4,7 +4,6 @@
 
 #include <assert.h>
 #include <stdlib.h>
-#include <string.h>
 #include "mbs/clearance/clearance_internal.h"
 
 lw_clearance_options lw_clearance_options_default(void)

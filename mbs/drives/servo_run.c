@@ -8,7 +8,6 @@
  * gives the voltage.  At a limit the integrals follow back in their own time I/P. */
 #include "mbs/drives/servo_run.h"
 
-#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"

@@ -1,7 +1,6 @@
 /* mbs/dynamics/dynamics_space.c - a spatial model made ready: start, drives; its driven runs; what its joints carry. */
 #include "mbs/dynamics/dynamics_space.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/linalg.h"

@@ -12,7 +12,6 @@
 #include "mbs/formulations/input_panel_internal.h"
 
 #include <assert.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/ode/integrate.h"

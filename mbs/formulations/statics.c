@@ -1,5 +1,4 @@
 /* mbs/formulations/statics.c - equilibrium of any model, and the moment of rest. */
-#include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
 #include "base/vector.h"

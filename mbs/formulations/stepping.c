@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
-#include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/touch_internal.h"
 #include "mbs/formulations/formulations.h"
 

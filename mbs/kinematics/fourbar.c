@@ -11,7 +11,6 @@
  * Near a change point acos would lose half the digits; these quotients lose none. */
 #include "mbs/kinematics/fourbar.h"
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
 #include "base/sum.h"

@@ -5,7 +5,6 @@
  * the margin is a smooth function of s in [0, 1] up to both ends, and samples at equal steps of s are dense there. */
 #include "mbs/kinematics/motion_internal.h"
 #include "mbs/batch/posture.h"
-#include "mbs/plan/plan_internal.h"
 
 enum { N_SAMPLE = 256 };
 

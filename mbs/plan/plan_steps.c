@@ -1,7 +1,6 @@
 /* Make the frames, dimensions, registers and steps of a plan from its topology. */
 #include "mbs/plan/plan_build_internal.h"
 
-#include <stdio.h>
 #include <string.h>
 
 typedef lw_builder builder;

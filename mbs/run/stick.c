@@ -5,7 +5,6 @@
  * is where a slip comes to rest, or where the row would need more than friction can hold.  There all joints at rest are
  * tried as sticking, and those that cannot hold are let go, one after another, towards where they are pushed; one that is
  * pushed back sticks again.  A joint at its limit that others hold at rest stays pushed without slip. */
-#include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
 #include "mbs/run/run_internal.h"

@@ -7,7 +7,6 @@
 #include <string.h>
 #include "mbs/kinematics/motion.h"
 #include "mbs/batch/posture.h"
-#include "optimise/report/report.h"
 #include "optimise/task/motion_limits.h"
 
 enum { KIND_MAX = 16, WAY = 24 };

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/real_complex.h"
-#include "optimise/problem/family.h"
 #include "optimise/problem/circuit.h"
 #include "optimise/problem/residuals.h"
 

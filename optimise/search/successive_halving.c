@@ -17,7 +17,6 @@
 
 #include "base/rng.h"
 #include "optimise/search/fit_internal.h"
-#include "optimise/problem/problem.h"
 
 enum {
     LEAST_JOBS = 32,        /* of a round                                                            */

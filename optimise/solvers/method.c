@@ -4,7 +4,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include "base/clock.h"
 #include "base/vec2.h"
 #include "optimise/solvers/feasible.h"
 

@@ -3,7 +3,6 @@
 #include "optimise/task/target_internal.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/linalg.h"
 

@@ -1,5 +1,4 @@
 /* Places along a curve: stations by length and curvature; smoothing of noisy points. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -4,7 +4,6 @@
  * reader names the line and column of a wrong number inside a path. */
 #include <ctype.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/number.h"

@@ -1,6 +1,5 @@
 #include "optimise/task/task_file.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

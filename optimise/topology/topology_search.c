@@ -1,6 +1,5 @@
 #include "optimise/topology/topology_search.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
