@@ -221,6 +221,7 @@ TEST(bars_bend)
     CHECK_OK(lw_gif_write(&s, &o, &joined, &check_error));
     CHECK(two.size == swapped.size && memcmp(two.data, swapped.data, two.size) == 0);
     CHECK(two.size != joined.size || memcmp(two.data, joined.data, two.size) != 0);
+    s.n_bend = 0, s.bend = NULL;             /* not of the heap */
 }
 
 TEST(a_stopped_animation_is_readable)

@@ -1,5 +1,4 @@
 /* catalogues/draw/chain_embedding.c - embeddings of a chain in the plane, and the choice of the outer loop. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "catalogues/draw/chain_layout_internal.h"

@@ -63,8 +63,8 @@ typedef struct lw_scene {
     int        dim_link[LW_DIM_MAX];
     const struct lw_model *model;             /* whose shapes, ropes and springs are drawn; the caller's;
                                                * NULL: none                                          */
-    int        n_bend;                        /* the caller's; drawn by animations                     */
-    const lw_bent_bar *bend;
+    int        n_bend;                        /* drawn by animations                                   */
+    lw_bent_bar *bend;
     char       note[256];                     /* why it does not move; "" when it does               */
     const volatile sig_atomic_t *stop;        /* ends an animation after the frame that is drawn; may be NULL */
 } lw_scene;

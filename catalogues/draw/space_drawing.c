@@ -272,7 +272,8 @@ static void scale_bar(const page *g, lw_drawing *d)
     const lw_units *units = &g->s->model->units;
     const char *remark = g->width < 600 ? "" : " parallel to the picture";
     if (g->width >= 300)
-        lw_symbol_scale_bar(d, (lw_bearer){ -1, -1, -1 }, lw_v2(94, g->height - 14), g->scale*units->metre, 0.2*g->width, units->length[0] ? units->length : "m",
+        lw_symbol_scale_bar(d, (lw_bearer){ -1, -1, -1 }, lw_v2(94, g->height - 14), g->scale*units->metre, 0.2*g->width,
+                            units->length[0] ? units->length : "m",
                             remark, 1);
 }
 

@@ -339,17 +339,14 @@ static bool is_node(const lw_spatial *m, int link)
 /* Bars of a body with given stiffness.  node (n): the links that nodes are; NULL: all belong to `link`.  LW_E_MEMORY. */
 static lw_status add_mesh(lw_space_scene *s, int link, const int *node, int n, int n_matrix, const lw_vec3 *at, const double *stiffness)
 {
-    int (*edge)[2] = malloc((size_t)n*(size_t)n/2*sizeof *edge + 1);
-    if (!edge)
-        return LW_E_MEMORY;
-    int n_edge = lw_super_edges(n, n_matrix, at, stiffness, edge);
+    int (*edge)[2], n_edge = lw_super_edges(n, n_matrix, at, stiffness, &edge);
     for (int i = 0; i < n_edge; i++) {
         const int *end = edge[i];
         add_bar(s, node ? node[end[0]] : link, at[end[0]], at[end[1]]);
         s->shape[s->n_shape - 1].to = node ? node[end[1]] : -1;
     }
     free(edge);
-    return LW_OK;
+    return n_edge < 0 ? LW_E_MEMORY : LW_OK;
 }
 
 /* Arms from the nearest node to what acts on a body with nodes. */

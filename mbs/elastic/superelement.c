@@ -732,10 +732,12 @@ static bool are_coupled(int n, const double *stiffness, int i, int k)
     return between > rounding*own;
 }
 
-int lw_super_edges(int n, int n_matrix, const lw_vec3 *at, const double *stiffness, int (*edge)[2])
+int lw_super_edges(int n, int n_matrix, const lw_vec3 *at, const double *stiffness, int (**out)[2])
 {
     bool reached[LW_SUPER_NODES] = { true };
-    int n_edge = 0;
+    int n_edge = 0, (*edge)[2] = *out = malloc((size_t)n*(size_t)n/2*sizeof *edge + 1);
+    if (!edge)
+        return -1;
     for (int i = 0; i < n; i++)
         for (int k = i + 1; k < n; k++)
             if (are_coupled(n_matrix, stiffness, i, k))

@@ -49,9 +49,10 @@ lw_vec3 lw_super_moment(const lw_super *s, const lw_beam_node *node);
 lw_status lw_super_reduce(int n, double *k, double *mass, int nodes, const int *keep, const lw_vec3 *at, int more, bool plane,
                           double **rate, double **turn);
 
-/* The edges of a mesh for pictures (returns how many, at most n^2/2): pairs of its first n nodes, displacements of which cause forces at each other by the
- * stiffness (6 n_matrix square).  Where it is condensed, so that all are such pairs: the shortest tree between the nodes (Prim 1957). */
-int lw_super_edges(int n, int n_matrix, const lw_vec3 *at, const double *stiffness, int (*edge)[2]);
+/* The edges of a mesh for pictures: pairs of its first n nodes, displacements of which cause forces at each other by the stiffness
+ * (6 n_matrix square).  Where it is condensed, so that all are such pairs: the shortest tree between the nodes (Prim 1957).  Returns how many;
+ * free *edge.  -1: no memory. */
+int lw_super_edges(int n, int n_matrix, const lw_vec3 *at, const double *stiffness, int (**edge)[2]);
 
 /* Mass, centre [m] and inertia about it (as in lw_spatial_body) of a mass matrix when the body moves as a rigid one. */
 void lw_super_rigid_mass(int n, const lw_vec3 *at, const double *mass, double *total, lw_vec3 *centre, double inertia[6]);
