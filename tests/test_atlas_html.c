@@ -10,7 +10,6 @@
 #include "catalogues/build/build.h"
 #include "catalogues/pages/atlas_html.h"
 #include "catalogues/store/sha256.h"
-#include "enumerate/canon.h"
 #include "grammar/topology/graph6.h"
 #include "tests/all_chains.h"
 #include "tests/check.h"

@@ -215,21 +215,15 @@ static long tenths(double px)
     return lround(10*fmin(fmax(px, -1e7), 1e7));
 }
 
-static void item(lw_bytes *b, long v)
-{
-    lw_bytes_text(b, ",");
-    lw_bytes_integer(b, v);
-}
-
 /* Write [link, panel, from, then per frame x, y, angle as differences]: see page.js. */
 static void motion_of(lw_bytes *b, const lw_scene *s, const lw_view *v, int link, int panel)
 {
     lw_vec2 p = pole(s, link, panel), from = lw_view_pixel(v, p);
     lw_bytes_text(b, "[");
     lw_bytes_integer(b, link);
-    item(b, panel);
-    item(b, tenths(from.x));
-    item(b, tenths(from.y));
+    lw_page_number(b, panel);
+    lw_page_number(b, tenths(from.x));
+    lw_page_number(b, tenths(from.y));
     long x = 0, y = 0, angle = 0;
     double whole = 0;                                  /* angle so far, with whole turns [rad] */
     for (size_t f = 0; f < s->n_frame; f++) {
@@ -237,9 +231,9 @@ static void motion_of(lw_bytes *b, const lw_scene *s, const lw_view *v, int link
         lw_vec2 turn = s->place[f*(size_t)s->linkage.n_link + (size_t)link].turn;
         whole += remainder(atan2(-turn.y, turn.x) - whole, 2*LW_PI);         /* y points down on a page */
         long now[3] = { tenths(at.x), tenths(at.y), lround(10000*whole) };
-        item(b, now[0] - x);
-        item(b, now[1] - y);
-        item(b, now[2] - angle);
+        lw_page_number(b, now[0] - x);
+        lw_page_number(b, now[1] - y);
+        lw_page_number(b, now[2] - angle);
         x = now[0];
         y = now[1];
         angle = now[2];

@@ -56,6 +56,12 @@ static void policy(lw_bytes *b, const lw_bytes *style, const lw_bytes *script, b
     lw_bytes_text(b, loads ? "' 'self'\">\n" : "'\">\n");
 }
 
+void lw_page_number(lw_bytes *b, long n)
+{
+    lw_bytes_text(b, ",");
+    lw_bytes_integer(b, n);
+}
+
 void lw_page_style(lw_bytes *out, const char *const *first, const char *const *second)
 {
     lw_bytes_text(out, "\n");

@@ -9,6 +9,9 @@
 /* Write `text`, escaped, between two pieces of HTML; NULL is an empty text. */
 void lw_page_text(lw_bytes *b, const char *open, const char *text, const char *close);
 
+/* ",12": the next number of a list. */
+void lw_page_number(lw_bytes *b, long n);
+
 /* The inks as variables, light and dark, and their classes; then the lines of one or two files (second may be NULL). */
 void lw_page_style(lw_bytes *out, const char *const *first, const char *const *second);
 void lw_page_script(lw_bytes *out, const char *const *text);

@@ -1,6 +1,5 @@
 #include "catalogues/pages/space_page.h"
 
-#include <string.h>
 
 #include "base/real.h"
 #include "catalogues/draw/svg.h"
