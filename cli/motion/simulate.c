@@ -6,7 +6,6 @@
 #include <string.h>
 #include "base/number.h"
 #include "base/real.h"
-#include "catalogues/pages/draw.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "mbs/formulations/formulations.h"
@@ -353,30 +352,14 @@ void cli_simulate_head(cli_simulate *s)
     if (!s->f)
         return;
     if (s->json) {
-        s->j = cli_json_begin(s->f, 1);
-        cli_json_head(&s->j, s->call->line);
-        cli_json_array(&s->j, "columns");
-        for (int c = 0; c < s->n_column; c++)
-            cli_json_text(&s->j, NULL, s->column[c].name);
-        cli_json_end(&s->j);
-        cli_json_array(&s->j, "units");
-        for (int c = 0; c < s->n_column; c++)
-            cli_json_text(&s->j, NULL, s->column[c].unit);
-        cli_json_end(&s->j);
-        cli_json_array(&s->j, "rows");
+        s->j = cli_columns_json(s->f, s->call, s->column, s->n_column);
         return;
     }
     char text[1024];
     name_inputs_at_rest(s, text, sizeof text);
     if (text[0])
         fprintf(s->f, "# assumed: inputs without a speed start at rest:%s\n", text);
-    fputs("# units:", s->f);
-    for (int c = 0; c < s->n_column; c++)
-        fprintf(s->f, "%c%s", c ? ',' : ' ', s->column[c].unit);
-    fputc('\n', s->f);
-    for (int c = 0; c < s->n_column; c++)
-        fputs(c ? "," : "", s->f), cli_csv_text(s->f, s->column[c].name);
-    fputc('\n', s->f);
+    cli_columns_print(s->f, s->column, s->n_column);
 }
 
 void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)

@@ -323,24 +323,10 @@ static lw_status put_row(void *context, const lw_moment *moment)
 
 static void head(run *r, const cli_call *call)
 {
-    if (!r->as_json) {
-        for (int i = 0; i < r->n_column; i++)
-            fprintf(r->f, "%s%s%c", i ? "" : "# units: ", r->column[i].unit, i + 1 < r->n_column ? ',' : '\n');
-        for (int i = 0; i < r->n_column; i++)
-            fprintf(r->f, "%s%c", r->column[i].name, i + 1 < r->n_column ? ',' : '\n');
-        return;
-    }
-    r->json = cli_json_begin(r->f, 1);
-    cli_json_head(&r->json, call->line);
-    cli_json_array(&r->json, "columns");
-    for (int i = 0; i < r->n_column; i++)
-        cli_json_text(&r->json, NULL, r->column[i].name);
-    cli_json_end(&r->json);
-    cli_json_array(&r->json, "units");
-    for (int i = 0; i < r->n_column; i++)
-        cli_json_text(&r->json, NULL, r->column[i].unit);
-    cli_json_end(&r->json);
-    cli_json_array(&r->json, "rows");
+    if (r->as_json)
+        r->json = cli_columns_json(r->f, call, r->column, r->n_column);
+    else
+        cli_columns_print(r->f, r->column, r->n_column);
 }
 
 lw_status cli_spatial_speed(lw_spatial *m, const char *speed, lw_error *e)

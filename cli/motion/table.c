@@ -47,3 +47,30 @@ void cli_note_column(const cli_call *call, const cli_column *first)
         cli_note(call, "two columns would have one name, so one of them is called \"%s\": give tracers, links, joints, states and what else has "
                  "columns different names", first->name);
 }
+
+void cli_columns_print(FILE *f, const cli_column *column, int n)
+{
+    fputs("# units:", f);
+    for (int c = 0; c < n; c++)
+        fprintf(f, "%c%s", c ? ',' : ' ', column[c].unit);
+    fputc('\n', f);
+    for (int c = 0; c < n; c++)
+        fputs(c ? "," : "", f), cli_csv_text(f, column[c].name);
+    fputc('\n', f);
+}
+
+cli_json cli_columns_json(FILE *f, const cli_call *call, const cli_column *column, int n)
+{
+    cli_json j = cli_json_begin(f, 1);
+    cli_json_head(&j, call->line);
+    cli_json_array(&j, "columns");
+    for (int c = 0; c < n; c++)
+        cli_json_text(&j, NULL, column[c].name);
+    cli_json_end(&j);
+    cli_json_array(&j, "units");
+    for (int c = 0; c < n; c++)
+        cli_json_text(&j, NULL, column[c].unit);
+    cli_json_end(&j);
+    cli_json_array(&j, "rows");
+    return j;
+}
