@@ -29,7 +29,8 @@ function fault(text) {
 // ---- drawing
 
 const layers = {};
-for (const name of ["grid", "photo", "zones", "below", "path", "curves", "body", "above", "handles", "rubber"]) layers[name] = new Layer(canvas, `layer ${name}-layer`);
+for (const name of ["grid", "photo", "zones", "below", "path", "curves", "body", "above", "handles", "rubber"])
+  layers[name] = new Layer(canvas, `layer ${name}-layer`);
 
 let due = false;
 app.redraw = () => {
@@ -168,7 +169,9 @@ app.fit = () => {
   if (k) {
     for (const p of [...k.joints, ...k.tracers]) if (p.at) points.push(where(p.at, p.links ? p.links[0] : p.link));
     for (const f of [...(k.ropes || []), ...(k.springs || [])]) if (Array.isArray(f.at) && f.links) f.at.forEach((p, i) => points.push(where(p, f.links[i])));
-    for (const l of k.links) for (const s of l.shapes || []) for (const p of s.circle ? [s.circle] : s.polygon || s.segment || []) points.push(where(p, l.name));
+    for (const l of k.links)
+      for (const s of l.shapes || [])
+        for (const p of s.circle ? [s.circle] : s.polygon || s.segment || []) points.push(where(p, l.name));
     if (app.motion) for (const c of app.motion.curves) if (c.shown) for (let i = 0; i < c.x.length; i += 9) points.push([c.x[i], c.y[i]]);
   }
   for (const z of [app.doc.task.pivots, ...app.doc.task.forbidden]) if (z) points.push(...zoneCorners(z));
@@ -494,11 +497,13 @@ document.addEventListener("keydown", (e) => {
 $("keys").onclick = () => {
   const rows = [["Space", "play or pause"], ["Ctrl Z, Ctrl Y", "undo, redo"], ["Ctrl S, Ctrl O", "save, open"],
     ...tools.map((t) => [t.key.toUpperCase(), t.title]), ["arrows", "on a point: move it, with Shift five times as far; on the drawing: move the paper"],
-    ["+ − 0", "zoom in, out, show all"], ["N", "snap to the grid"], ["M", "the other assembly mode"], ["Del", "take away the chosen point or link"], ["Esc", "leave a stroke"]];
+    ["+ − 0", "zoom in, out, show all"], ["N", "snap to the grid"], ["M", "the other assembly mode"], ["Del", "take away the chosen point or link"],
+    ["Esc", "leave a stroke"]];
   const help = $("help");
   help.replaceChildren(Object.assign(document.createElement("h2"), { textContent: "Keys" }));
   const dl = document.createElement("dl");
-  for (const [k, what] of rows) dl.append(Object.assign(document.createElement("dt"), { textContent: k }), Object.assign(document.createElement("dd"), { textContent: what }));
+  for (const [k, what] of rows)
+    dl.append(Object.assign(document.createElement("dt"), { textContent: k }), Object.assign(document.createElement("dd"), { textContent: what }));
   const close = Object.assign(document.createElement("button"), { textContent: "Close", onclick: () => help.close() });
   help.append(dl, close);
   help.showModal();

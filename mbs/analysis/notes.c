@@ -193,8 +193,8 @@ void lw_dynamics_notes(lw_note_sink c, const lw_dynamics *d, const lw_dynamics_r
         note(c, "that is %.2g times the error allowed a step: the motion is less accurate than the tolerance asks; a smaller one or another formulation "
              "shows by how much", r->energy_steps);
     if (r->added > 0)
-        note(c, "the estimated errors of all steps of alpha add up to %.2g (angles in rad, places as parts of the size of the linkage), more than the tolerance "
-             "asks for; the true error can be ten times as great or more, because errors of velocities go on. Formulation radau is of higher order", r->added);
+        note(c, "the estimated errors of all steps of alpha add up to %.2g (angles in rad, places as parts of the size of the linkage), more than the "
+             "tolerance asks for; the true error can be ten times as great or more, because errors of velocities go on. Formulation radau is of higher order", r->added);
     if (r->momentum_scale > 1e-290)          /* something moved                                         */
         note(c, "momentum error %.3g of %.3g kg m^2/s or kg m/s", r->momentum_error, r->momentum_scale);
     if (r->steps > 0)

@@ -2,7 +2,6 @@
 #include "base/real.h"
 #include "mbs/formulations/formulations_internal.h"
 #include "mbs/dynamics/touch_internal.h"
-#include "mbs/dynamics/dynamics_space.h"
 #include "mbs/equilibrium/statics_internal.h"
 #include "mbs/formulations/formulations.h"
 
@@ -39,8 +38,8 @@ static lw_status take(lw_dynamics *d, lw_formulation f, lw_dynamics_report *r, l
     r->formulation = f;
     bool pushed = d->n_friction || d->n_stop || d->touch;
     if (s == LW_OK && d->eq.more_inertia && f != LW_FORMULATION_RADAU && f != LW_FORMULATION_ALPHA && (f != LW_FORMULATION_INDEX1 || pushed))
-        s = lw_formulation_say(r, LW_E_KIND, 0, "the mass of superelements and of consistent bars depends on the posture; radau, alpha and, without friction, stops "
-                               "and contacts, index1 know that");
+        s = lw_formulation_say(r, LW_E_KIND, 0, "the mass of superelements and of consistent bars depends on the posture; radau, alpha and, without friction, "
+                               "stops and contacts, index1 know that");
     return s == LW_OK ? LW_OK
          : s == LW_E_KIND ? lw_error_set(e, s, "the %s formulation cannot do this model: %s", lw_formulation_name(f),
                                          r->why)
