@@ -68,7 +68,7 @@ typedef struct stepper {
     int           n_aimed;                   /* steps that ended at samples, or could have */
     double       *before;                    /* state (n) before the last step of the implicit method */
     int           n_cut;                     /* times in a row that this method began a step again */
-    bool          may_leave, returns;        /* for the implicit method, from which it returns where steps may be longer */
+    bool          may_leave, returns, leaves;        /* for the implicit method; from there it returns where steps may be longer; it leaves now */
     long          look, looked;              /* steps after which to see whether equations became stiff, and at the last time */
     double        looked_t, mean;            /* mean: of the lengths of steps of late */
     double        first;                     /* length of the first step; 0: the solver chooses it */
@@ -525,7 +525,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         }
         if (s == LW_OK && stop != LW_ODE_END && run->clear > 0 && !w->implicit && d->weak > run->clear)
             s = LW_NOTHING;
-        if (s == LW_OK && stop != LW_ODE_END && became_stiff(run, w, state(w)))
+        if (s == LW_OK && stop != LW_ODE_END && (w->leaves = became_stiff(run, w, state(w))))
             s = LW_NOTHING;
     }
     free(f.y);
@@ -563,7 +563,7 @@ static lw_status run_bodies(lw_run *run, bool implicit)
         s = lw_run_begin(run, y);
     if (s == LW_OK)
         s = run_steps(run, &w, d->o.from, y);
-    if (s == LW_NOTHING) {
+    if (w.leaves) {
         memcpy(y, state(&w), (size_t)run->n*sizeof *y);
         end_steps(&w, run->r);
         s = run->leave_stiff(run, y, w.mean);
@@ -601,7 +601,7 @@ static lw_status go_on(lw_run *run, double *out, bool implicit, double *h)
         run->r->t = time_of(&w);
         memcpy(out, state(&w), n*sizeof *y);
         if (h)
-            *h = w.mean;
+            *h = w.leaves ? w.mean : 0;
     }
     end_steps(&w, run->r);
     free(w.each);

@@ -193,7 +193,7 @@ static lw_status leave_stiff(lw_run *run, double *y, double length)
              radau ? ", or index1 where that costs less" : "");
     r->formulation = radau ? LW_FORMULATION_RADAU : LW_FORMULATION_CVODE;
     lw_status s = radau ? lw_run_radau_from(run, y, &length) : lw_run_go_on_implicit(run, y);
-    while (s == LW_NOTHING) {
+    while (s == LW_NOTHING && length > 0) {              /* the caller ends a run by LW_NOTHING, too */
         bool back = r->formulation == LW_FORMULATION_RADAU;
         run->n_back += back;
         r->formulation = back ? LW_FORMULATION_INDEX1 : LW_FORMULATION_RADAU;

@@ -42,7 +42,7 @@ lw_status lw_run_hand_over(lw_run *run, double *y);
 bool lw_run_may_leave(lw_dynamics *d);
 
 /* Go on from (run->r->t, y) by index1 with a first step of length *h.  LW_NOTHING: y is the state where the equations became stiff again, *h the
- * length of steps of late. */
+ * length of steps of late; *h = 0: the caller ended the run. */
 lw_status lw_run_explicit_from(lw_run *run, double *y, double *h);
 
 /* Does regularised friction limit the steps of w, and is enough left for an implicit method? */
@@ -51,7 +51,7 @@ bool lw_run_friction_limits(const lw_run *run, const lw_integrator *w);
 /* ---- radau.c ----------------------------------------------------------------------------------------- */
 
 /* Go on from (run->r->t, y) by radau, where explicit steps have the length *h.  LW_NOTHING: y is a state from which these cost less, *h their
- * length. */
+ * length; *h = 0: the caller ended the run. */
 lw_status lw_run_radau_from(lw_run *run, double *y, double *h);
 
 /* ---- driven_space.c ---------------------------------------------------------------------------------- */

@@ -77,7 +77,7 @@ typedef struct stages {
     double  h_factored;                      /* the step of the factored matrices; 0: none */
     long    since;                           /* steps with the present history; 0: none */
     bool    dense;                           /* samples lie within steps */
-    bool    may_leave, goes_back;            /* for index1, which the run came from */
+    bool    may_leave, goes_back, leaves;    /* for index1; the run came from there; it leaves now */
     int     n_watched, watch;                /* steps since watched_t; steps whose mean length decides */
     double  watched_t, explicit_step;        /* step of an explicit method; 0: not known */
     double  fastest;                         /* the fastest decay or vibration where it had that length */
@@ -854,8 +854,9 @@ static double next_step(const stages *g, double h, double *end)
 /* Vibrations that are not damped can ask for steps as short as those of an explicit method, which cost less.  Then the run goes on
  * by index1.
  * WATCHED, WATCHED_BACK: steps whose mean length decides; in a run that came from index1, then twice as many each time.  explicit_angle: steps of
- * the explicit method times the greatest frequency (measured: 4.4 to 5) or the fastest decay (6).  cost: of a step of radau, of 3 and of 5 stages, over that of an explicit one (1.4 and 2.3 to 3.2 of 51 coordinates).  looser:
- * with this multiple of the tolerance index1 is still more accurate, because its steps are short for stability. */
+ * the explicit method times the greatest frequency (measured: 4.4 to 5) or the fastest decay (6).  cost: of a step of radau, of 3 and of 5 stages,
+ * over that of an explicit one (1.4 and 2.3 to 3.2 of 51 coordinates).  looser: with this multiple of the tolerance index1 is still more accurate,
+ * because its steps are short for stability. */
 enum { WATCHED = 32, WATCHED_BACK = 12 };
 static const double explicit_angle = 4.5, cost[2] = { 1.3, 2.4 }, looser = 10;
 
@@ -1091,8 +1092,10 @@ static lw_status after_step(stages *g)
         s = rechoose(g);
     if (s == LW_OK)
         s = pass_singular(g);
-    if (s == LW_OK && run->next <= run->d->o.intervals && is_slower(g))
-        s = g->goes_back ? LW_NOTHING : leave(g);
+    if (s == LW_OK && run->next <= run->d->o.intervals && is_slower(g)) {
+        g->leaves = g->goes_back;
+        s = g->leaves ? LW_NOTHING : leave(g);
+    }
     return s;
 }
 
@@ -1234,10 +1237,10 @@ static lw_status run_implicit(lw_run *run, bool alpha, double *from, double *h)
         g.explicit_step = *h, g.fastest = fastest(&g);
     if (s == LW_OK)
         s = run_steps(&g);
-    if (s == LW_NOTHING) {
+    if (g.leaves)
         state(&g, from);
-        *h = fmin(g.h_old, g.explicit_step*g.fastest/fastest(&g));
-    }
+    if (from)
+        *h = g.leaves ? fmin(g.h_old, g.explicit_step*g.fastest/fastest(&g)) : 0;
     if (s == LW_E_NUMERIC && (from || d->o.formulation != LW_FORMULATION_AUTO))
         s = lw_run_hand_over(run, state(&g, run->y));
     lw_tangent_free(&g.real);
