@@ -553,7 +553,7 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
 /* What J a = rhs leaves is corrected once.  Where all is driven, a large model's accelerations follow from rows alone, and the condition of J M^-1 J^T is
  * the square of that of the rows and grows with the ratios of inertias.  (A small model has factors of the rows.)  A link of little mass would take the
  * rounding of forces that its neighbours carry, over its own mass, for an acceleration. */
-static lw_status refine(lw_dynamics *d, double *a, double *l)
+lw_status lw_mbs_refine(lw_dynamics *d, double *a, double *l)
 {
     lw_mbs_times(d, a, d->l_each);
     for (int r = 0; r < d->n_c; r++)
@@ -595,7 +595,7 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
     if (s == LW_OK)
         s = lw_mbs_linear(d, d->force, d->rhs, a, l);
     if (s == LW_OK && (d->large ? d->freedom == 0 : d->uneven && !d->by_rank))
-        s = refine(d, a, l);
+        s = lw_mbs_refine(d, a, l);
     bool slips = d->n_friction || (d->touch && d->touch->n_slip);
     return s == LW_OK && slips ? add_friction(d, t, q, v, a, l, power) : s;
 }

@@ -256,6 +256,9 @@ lw_status lw_mbs_linear(lw_dynamics *d, const double *force, const double *rhs, 
 lw_status lw_mbs_arrange_touch(lw_dynamics *d, const int *kept, int n);
 lw_status lw_mbs_factor_touch(lw_dynamics *d);
 
+/* Accelerations a (n_v) and multipliers l (n_c) whose J a is not quite d->rhs, corrected so that they balance the same forces; factored. */
+lw_status lw_mbs_refine(lw_dynamics *d, double *a, double *l);
+
 /* Row r times x (n_v). */
 double lw_mbs_row_rate(const lw_dynamics *d, int r, const double *x);
 

@@ -795,6 +795,9 @@ static lw_status show(stages *g)
     memcpy(d->a, g->a, (size_t)g->n*sizeof *d->a);       /* of the stages: those of the state magnify its error by stiffness */
     lw_tangent_spread(d, g->l);
     double t = lw_run_time(d, g->run->next++);           /* a kink there may be passed already */
+    if (!d->eq.more_inertia && lw_mbs_rows(d, t, g->q) == LW_OK && lw_mbs_factor(d, false) == LW_OK
+        && lw_mbs_acceleration_wanted(d, t, g->v) == LW_OK)
+        lw_mbs_refine(d, d->a, d->l);                    /* places of the stages meet the rows, their accelerations need not */
     return lw_run_show_solved(g->run, t, g->run->y);
 }
 
