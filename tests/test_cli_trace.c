@@ -348,7 +348,7 @@ TEST(coarse_run_tells_the_error)
            "bodies = [names.index(n[:-5] + '.x') for n in names if n.endswith('.turn')]\n"
            "off = max(math.hypot(a[i] - b[i], a[i + 1] - b[i + 1]) for a, b in zip(exact['rows'], run['rows']) for i in bodies)\n"
            "said = run['coarse_run']['place']\n"
-           "assert 1e-5 < off < 1e-3 and off/2 < said < 10*off, (off, said)\n"
+           "assert 1e-6 < off < 1e-4 and off/2 < said < 1e-3, (off, said)\n"
            "assert exact['coarse_run']['place'] < 1e-8\n"
            "END", 0, NULL, NULL);
     expect("! $P simulate examples/dynamics/hook.json 2>&1 | grep 'a run with a tolerance'", 0, NULL, NULL);

@@ -821,6 +821,7 @@ static fallen falling_chain(int n, const char *law, double to, lw_formulation fo
         fprintf(stderr, "chain of %d: %s\n", n, e.text);
     CHECK(r.energy_error < energy*r.energy_scale);
     CHECK(r.overlap <= 0.06*pow(tolerance, 0.2));        /* the way within a step */
+    CHECK(formulation != LW_FORMULATION_CAPTURE || r.steps < 20/pow(tolerance, 0.2));     /* jumps of velocities in captured impacts do not count as forces */
     return f;
 }
 
@@ -1005,7 +1006,7 @@ TEST(falling_chains)
             CHECK_NEAR(f.q[i], exact.q[i], k ? 2e-3 : 0.02, 0);
     }
     /* many links come to rest on the ground, which carries their weight */
-    fallen many = falling_chain(100, rigid, 1, LW_FORMULATION_AUTO, 1e-6, 2e-2);
+    fallen many = falling_chain(100, rigid, 1, LW_FORMULATION_CAPTURE, 1e-6, 2e-2);
     CHECK(many.energy < 1e-6);
     CHECK_NEAR(many.push, 100*0.1*g, 0, 1e-3);
 }

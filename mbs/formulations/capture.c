@@ -19,7 +19,8 @@
  * on velocities.
  *
  * If few places are struck within a step, the step ends at the first impact: at the root of the gap, predicted from its rate and the accelerations of
- * the last step.  All places that are closed there take part in the impact, as at a located event.  So the times of impacts are of second order, too.
+ * the last step, and corrected by repeating the step.  After an impact, a step of a moment gives the accelerations.  All places that are closed there take
+ * part in the impact, as at a located event.  So the times of impacts are of second order, too.
  * A step ends where a slip ends, too: friction keeps its sense in a step, and the velocity would be off in proportion to h if the slip turned back.
  * Impacts that follow each other within a part of a step, or many impacts in one step, are captured in its middle: their times, and overlaps, are of
  * first order.  The report gives the longest step that captured an impact.
@@ -35,7 +36,7 @@
 #include "mbs/equations/complementarity.h"
 
 static const double finest = 1e-4, coarsest = 0.1;       /* distance that a body moves in a step, over its size */
-static const double slow = 1e-2;             /* below this fraction, steps of slow bodies are proportional to it, as the duration of a low bounce is */
+static const double slow = 0.1;              /* below this fraction, steps of slow bodies are proportional to it, as the duration of a low bounce is */
 static const double closed = 1e-2;           /* a gap below this fraction of that distance is closed */
 /* An overlap below this fraction of it is captured at any time of the step; so is an impact slower than this fraction of what forces change in a step. */
 static const double shallow = 0.1;
@@ -51,7 +52,10 @@ static const double unstable = 1e-4;         /* change of a state whose rate cha
 static const double slightest = 1e-3;        /* slip with which friction gives way, over the change of velocities by forces */
 static const double moment = 1e-8;           /* step that gives the forces at the start, over the length of the run */
 static const double soonest = 1/16.0;        /* an impact after less than this fraction of a step is captured in it */
+static const double reached = 1e-3;          /* a step ends at an impact if the gap is then below this fraction of that distance */
 static const double ended = 1e-3;            /* so is a slip that ends after less than this fraction */
+enum { MOMENTS = 3 };                        /* that give the accelerations after an impact */
+enum { CORRECTIONS = 4 };                    /* of the length of a step that ends at an impact */
 enum { STRUCK_MOST = 12 };                   /* impacts at more places than this in a step are captured */
 enum { ITERATIONS = 30 };                  /* for that frequency, in a step */
 enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENSE_MOST = 250,
@@ -72,15 +76,17 @@ typedef struct capture {
     lw_run *run;
     lw_dynamics *d;
     int     n, n_kept, *kept;                /* places in the pattern; independent rows of the joints */
-    place  *at;
+    place  *at, *before;                     /* before: as they were before the step, */
+    double work_before;                      /* and `work`, for repeats */
     double  part;                            /* way of a body in a step over `size`; change of a state in it */
-    double  size;                            /* smallest body that touches, scaled */
-    double *q, *v, *after, *next_q, *next_v, *momentum, *wanted, *force, *full, *push, *stiffest;
+    double  size, *arm;                      /* extents of the smallest body that touches, and of each body (n_q/3), scaled */
+    double *q, *v, *after, *next_q, *next_v, *still, *momentum, *wanted, *force, *full, *push, *stiffest;
     lw_columns pattern;                      /* of the system, */
     lw_sparse_lu *lu;                        /* its factors, */
     double *value;                           /* its entries: where pairs of rows and their own products go */
     int    *to, *diagonal;
     bool    hits;                            /* a step ended at an impact, which is still to be applied */
+    int     strikes;                         /* the place that strikes at the end of the step and is open until then (index in the list), else -1 */
     double  rest;                            /* speed of the fastest bounce so far that counts as rest, scaled */
     double  late;                            /* the step captures an impact: its length, else 0 */
     double  t, work, power;                  /* power of forces without potential after the impacts of the step [W] */
@@ -255,10 +261,10 @@ static double closes_in(const capture *g, const lw_touch *p, const lw_touch_moti
 }
 
 /* Time until the first event within h, INFINITY: there is none; n places are struck, or end their slip, within h.  The first is an impact
- * if `strikes`. */
-typedef struct ahead_of { double h, first; int n; bool strikes; } ahead_of;
+ * of place `strikes` of the list, or the end of a slip (-1). */
+typedef struct ahead_of { double h, first; int n, strikes; } ahead_of;
 
-static void note_ahead(ahead_of *to, double in, bool strikes)
+static void note_ahead(ahead_of *to, double in, int strikes)
 {
     to->strikes = in < to->first ? strikes : to->strikes;
     to->first = fmin(to->first, in);
@@ -296,7 +302,7 @@ static void look_ahead(const capture *g, const lw_touch *p, const lw_touch_motio
     bool overlaps = m->straight > closed*way && closes_in(g, p, m, m->straight + shallow*way, &later) < to->h;
     if (!(rate < -shallow*to->h*pull_on(g, p, m) || overlaps))
         return;
-    note_ahead(to, in, true);
+    note_ahead(to, in, (int)(p - g->d->touch->list.touch));
 }
 
 /* Note the end of the slip of a place that presses, by the accelerations of the last step: the friction of a step keeps its sense. */
@@ -308,7 +314,7 @@ static void look_at_slip(const capture *g, const lw_touch *p, const lw_touch_mot
             rate += m->t[i]*g->d->a[3*p->body[i/3] + i%3];
     double in = m->slip*rate < 0 ? -m->slip/rate : INFINITY;
     if (in > ended*to->h && in < to->h)
-        note_ahead(to, in, false);
+        note_ahead(to, in, -1);
 }
 
 /* Return the speed of the fastest place, scaled.  *missing becomes true if a place outside the pattern is closer than `near`; *to: the impacts ahead,
@@ -547,7 +553,7 @@ static int revise(capture *g, const double *l, int pass, double tiny)
         if (!was.shut || !revise_place(g, &g->at[k], l, tiny))
             continue;
         changes++;
-        if (pass >= TOGETHER && ((unsigned)k*2654435761u + (unsigned)pass*2246822519u) >> 31)
+        if (pass >= TOGETHER && ((unsigned)k*2654435761u + (unsigned)pass*2246822519u + (unsigned)g->run->r->refused*3266489917u) >> 31)
             g->at[k].presses = was.presses, g->at[k].slips = was.slips;
     }
     return changes;
@@ -725,14 +731,15 @@ static lw_status aim_at_middle(capture *g, double t)
 /* Does the gap stay open to the end of the step, of which `half` is left?  Example: a wheel and the next joint of a rail. */
 static bool stays_open(const lw_touch_motion *m, double half)
 {
-    return half > 0 && m->gap > 0 && m->rate < 0 && m->gap + half*(m->rate + 0.5*half*m->bias) > 0;
+    return m->gap > 0 && m->rate < 0 && m->gap + half*(m->rate + 0.5*half*m->bias) > 0;
 }
 
-/* Find the places that are closed in the middle of a step, of which `half` is left (0: at an impact); returns their number. */
+/* Find the places that are closed in the middle of a step, of which `half` is left (0: at an impact, at which those that are just leaving have no
+ * part); returns their number. */
 static int find_shut(capture *g, double half)
 {
     lw_dynamics *d = g->d;
-    double near = closed*g->part*g->size;
+    double near = closed*g->part*g->size, touching = 2*reached*g->part*g->size;
     int shut = 0;
     for (int k = 0; k < g->n; k++) {
         place *p = &g->at[k];
@@ -743,7 +750,8 @@ static int find_shut(capture *g, double half)
             lw_touch_round_end(touch, &m, 2*half);
             lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
         }
-        p->shut = m.gap < near && (p->presses || !stays_open(&m, half)) && !lw_touch_past_end(touch, &m)
+        bool open = !p->presses && (half > 0 ? p->touch == g->strikes || stays_open(&m, half) : m.gap > touching && m.rate > 0);
+        p->shut = m.gap < near && !open && !lw_touch_past_end(touch, &m)
                && !lw_touch_goes_on(touch, d->frames, &m, near) && !lw_touch_beside_end(touch, d->frames, &m)
                && !(m.rate < 0 && slides_off(g, touch, &m, fmin(m.gap/-m.rate, half)));
         shut += p->shut;
@@ -1004,10 +1012,26 @@ static bool overlaps_unseen(const capture *g)
         while (k < g->n && g->at[k].touch < i)
             k++;
         bool presses = k < g->n && g->at[k].touch == i && g->at[k].presses;
-        if (!(list->touch[i].surface->stiffness > 0) && !presses && lw_touch_gap(&list->touch[i], &d->eq, d->frames) < -unseen*g->part*g->size)
+        if (i != g->strikes && !(list->touch[i].surface->stiffness > 0) && !presses
+            && lw_touch_gap(&list->touch[i], &d->eq, d->frames) < -unseen*g->part*g->size)
             return true;
     }
     return false;
+}
+
+/* Correct the length *h of a step that has ended near the impact of place g->strikes; returns whether it is to be repeated. */
+static bool miss(capture *g, double *h)
+{
+    const lw_dynamics *d = g->d;
+    const lw_touch *p = &d->touch->list.touch[g->strikes];
+    lw_touch_motion m;
+    d->eq.place(d->eq.context, g->next_q);
+    lw_touch_at(p, &d->eq, d->frames, g->next_v, &m);
+    g->hits = m.rate < 0 || m.straight < reached*g->part*g->size;       /* else it has turned back before */
+    if (!(m.rate < 0) || fabs(m.straight) <= reached*g->part*g->size)
+        return false;
+    *h -= fmin(fmax(m.straight/m.rate, -*h), 0.5**h);
+    return true;
 }
 
 /* Apply the impact at which a step of length h has ended. */
@@ -1036,6 +1060,40 @@ static lw_status hit(capture *g, double h, double *overlap)
     for (int k = 0; k < g->n; k++)           /* where bodies bounce off each other, their next impact is to be located, too */
         g->at[k].presses = g->at[k].presses && lw_mbs_row_rate(d, g->at[k].row, g->v) <= shallow*g->at[k].pull;
     return LW_OK;
+}
+
+static void keep_places(capture *g)
+{
+    memcpy(g->before, g->at, (size_t)g->n*sizeof *g->at);
+    g->work_before = g->work;
+}
+
+static void restore_places(capture *g)
+{
+    memcpy(g->at, g->before, (size_t)g->n*sizeof *g->at);
+    g->work = g->work_before;
+}
+
+/* Did velocities jump in the last step, as a place closed in it?  Then their change over its length is no acceleration. */
+static bool jumped(const capture *g) { return g->late > 0 || closes_one(g); }
+
+/* Find the accelerations at (q, v), by steps of a moment that are not taken.  The first of them put the velocities on the rows, and end what is left
+ * of impacts. */
+static lw_status look_around(capture *g)
+{
+    double *v = g->v, *next = g->next_v;
+    lw_status s = LW_OK;
+    keep_places(g);
+    for (int pass = 0; s == LW_OK && pass < MOMENTS; pass++) {
+        s = step(g, moment*(g->d->o.to - g->d->o.from), &(double){ 0 });
+        if (s != LW_OK || (pass > 0 && !jumped(g)))
+            break;
+        memcpy(g->still, g->next_v, (size_t)g->d->n_v*sizeof *g->still);
+        g->v = g->still;
+    }
+    g->v = v, g->next_v = next;
+    restore_places(g);
+    return s == LW_OPEN ? LW_OK : s;
 }
 
 /* ---- the run ------------------------------------------------------------------------------------------------- */
@@ -1121,7 +1179,7 @@ static lw_status run_steps(capture *g, double *y)
         bool missing = false;
         double speed = look(g, 0, &missing, NULL), pull = 0, end = step_end(run, g->t);
         for (int i = 0; i < d->n_v; i++)
-            pull = fmax(pull, fabs(d->a[i]));
+            pull = fmax(pull, fabs(d->a[i])*(i%3 == 2 ? g->arm[i/3] : 1));
         h = fmin(longest_step(g), fmin(2*h, part*g->size/fmax(speed, sqrt(fmax(part, slow)*g->size*pull))));
         h = compliant_step(g, h);
         if ((s = stable_step(g, &h)) != LW_OK)
@@ -1134,25 +1192,38 @@ static lw_status run_steps(capture *g, double *y)
             s = choose_places(g, ahead*h*speed + 0.1*g->size);
         bool locates = to.n <= STRUCK_MOST && to.first < whole && (to.first > soonest*whole || !g->hits);
         whole = locates ? to.first : whole;
+        g->strikes = locates ? to.strikes : -1;
+        g->hits = g->strikes >= 0;
         s = s == LW_OK ? LW_OPEN : s;
-        for (int k = 0; s == LW_OPEN && k < HALVINGS; k++) {
-            locates = locates && k == 0;
-            g->hits = locates && to.strikes;
+        keep_places(g);
+        for (int k = 0, corrected = 0; s == LW_OPEN && k < HALVINGS; k++) {
             bool last = g->t + whole > end - 1e-9*whole;
             s = step(g, last ? end - g->t : whole, &overlap);
-            if (s == LW_OK && k < HALVINGS - 1 && overlaps_unseen(g))
+            if (s == LW_OK && g->strikes >= 0 && corrected < CORRECTIONS && miss(g, &whole)) {
+                locates = g->t + whole <= end;       /* else later, in another step */
+                whole = fmin(whole, end - g->t);
+                corrected++, k--;
                 s = LW_OPEN;
-            if (s == LW_OPEN) {
-                run->r->refused++;
+            } else if (s == LW_OPEN || (s == LW_OK && k < HALVINGS - 1 && overlaps_unseen(g))) {
                 whole *= 0.5;
+                locates = false;
+                s = LW_OPEN;
+            }
+            if (s == LW_OPEN) {
+                g->strikes = locates ? g->strikes : -1;
+                g->hits = g->strikes >= 0;
+                run->r->refused++;
+                restore_places(g);
                 continue;
             }
             h = last || locates ? h : whole;
             note_impacts(g, g->t);
             g->t = last ? end : g->t + whole;
         }
+        g->strikes = -1;
         if (s != LW_OK)
             return s == LW_OPEN ? say_unsolved(g) : s;
+        bool jumps = jumped(g);
         double *q = g->q, *v = g->v, *z = g->z;
         g->q = g->next_q, g->next_q = q;
         g->z = g->next_z, g->next_z = z;
@@ -1175,6 +1246,8 @@ static lw_status run_steps(capture *g, double *y)
         }
         if (s == LW_OK && g->hits)
             s = hit(g, whole, &overlap);
+        if (s == LW_OK && (g->hits || jumps))
+            s = look_around(g);
         run->r->overlap = fmax(run->r->overlap, overlap*d->s.unit);
         run->r->captured_rest = g->rest*d->s.unit;
         if (s == LW_OK)
@@ -1183,20 +1256,23 @@ static lw_status run_steps(capture *g, double *y)
     return s;
 }
 
-/* Extent of the smallest moving body that touches, from its centre to its farthest disc, scaled. */
-static double smallest(const lw_dynamics *d)
+/* Set arm (per body) to the extents of the bodies that touch, from the centre to the farthest disc, scaled, and for others to 1; returns the least one. */
+static double find_arms(const lw_dynamics *d, double *arm)
 {
     const lw_touch_list *list = &d->touch->list;
-    double least = INFINITY, *extent = d->hold;          /* of body i at 3i, as coordinates are */
-    memset(extent, 0, (size_t)d->n_q*sizeof *extent);
+    double least = INFINITY;
+    for (int i = 0; i < d->n_q/3; i++)
+        arm[i] = 0;
     for (int i = 0; i < list->n; i++) {
         const lw_touch *p = &list->touch[i];
         for (int end = 0; p->kind <= LW_TOUCH_DISCS && end <= (p->kind == LW_TOUCH_DISCS); end++)
             if (p->body[end] >= 0)
-                extent[3*p->body[end]] = fmax(extent[3*p->body[end]], lw_v2_norm(p->arm[end]) + p->radius[end]);
+                arm[p->body[end]] = fmax(arm[p->body[end]], lw_v2_norm(p->arm[end]) + p->radius[end]);
     }
-    for (int i = 0; i < d->n_q; i += 3)
-        least = extent[i] > 0 ? fmin(least, extent[i]) : least;
+    for (int i = 0; i < d->n_q/3; i++) {
+        least = arm[i] > 0 ? fmin(least, arm[i]) : least;
+        arm[i] = arm[i] > 0 ? arm[i] : 1;
+    }
     return least < INFINITY ? least : 1;
 }
 
@@ -1217,18 +1293,21 @@ static lw_status run_capture(lw_run *run)
 {
     lw_dynamics *d = run->d;
     size_t n_q = (size_t)d->n_q, n_v = (size_t)d->n_v, rows = (size_t)d->n_c + (size_t)d->touch->row_max;
-    capture g = { .run = run, .d = d, .t = d->o.from, .n_kept = d->n_kept, .size = smallest(d),
+    capture g = { .run = run, .d = d, .t = d->o.from, .n_kept = d->n_kept,
                   .part = fmax(1, d->o.coarse)*fmin(fmax(pow(d->o.relative, 0.2), finest), coarsest) };
     size_t n_z = (size_t)d->eq.n_z;
-    double *memory = calloc(6*n_z + 2*n_q + 6*n_v + rows + 2*rows*(size_t)d->row_size + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
-    g.at = calloc((size_t)d->touch->list.n + 1, sizeof *g.at);
+    double *memory = calloc(6*n_z + 3*n_q + 7*n_v + rows + 2*rows*(size_t)d->row_size + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
+    g.at = calloc(2*(size_t)d->touch->list.n + 2, sizeof *g.at);
+    g.before = g.at + d->touch->list.n + 1;
+    g.strikes = -1;
     g.kept = calloc((size_t)d->n_kept + 1, sizeof *g.kept);
     lw_status s = memory && g.at && g.kept ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         g.q = p, p += n_q, g.next_q = p, p += n_q, g.v = p, p += n_v, g.after = p, p += n_v, g.next_v = p, p += n_v;
-        g.momentum = p, p += n_v, g.stiffest = p, p += n_v, g.force = p, p += n_v, g.wanted = p, p += rows, g.full = p, p += rows*(size_t)d->row_size;
-        g.push = p, p += rows*(size_t)d->row_size;
+        g.momentum = p, p += n_v, g.still = p, p += n_v, g.stiffest = p, p += n_v, g.force = p, p += n_v, g.wanted = p, p += rows, g.arm = p, p += n_q;
+        g.full = p, p += rows*(size_t)d->row_size, g.push = p, p += rows*(size_t)d->row_size;
         g.z = p, p += n_z, g.next_z = p, p += n_z, g.mean_z = p, p += n_z, g.try_z = p, p += n_z, g.rate = p, p += n_z, g.other = p, p += n_z, y = p;
+        g.size = find_arms(d, g.arm);
         memcpy(g.kept, d->kept, (size_t)d->n_kept*sizeof *g.kept);
         lw_dynamics_start(d, g.q, g.v);
         if (n_z)
