@@ -74,6 +74,7 @@ typedef struct lw_problem {
     size_t       n;
     double      *x, *y, *theta, *w;      /* theta NULL: no tool angle                              */
     double      *wa, *wb;                /* sqrt(a w), sqrt(b w)                                   */
+    double      *along;                  /* length of the polygon up to each station, and of all of it; 0 without places (n + 1) */
     int          n_also;                 /* further points; outputs 1, 2, ... of the plan          */
     lw_aim       also[LW_ALSO_MAX];
     double      *c, *s;                  /* cos, sin of the prescribed input angles, or NULL       */

@@ -81,16 +81,21 @@ static void make_aim(const lw_target *t, const lw_also *from, const lw_problem *
 static lw_status make_stations(const lw_target *t, lw_problem *p, lw_error *e)
 {
     size_t n = p->n = t->n;
-    double *a = calloc(n*(9 + 5*(size_t)t->n_also) + 1, sizeof *a);
+    double *a = calloc(n*(10 + 5*(size_t)t->n_also) + 1, sizeof *a);
     if (!a)
         return lw_error_set(e, LW_E_MEMORY, "no memory for %zu stations", n);
     p->store = a;
     p->x = a; p->y = a + n; p->w = a + 2*n; p->c = a + 3*n; p->s = a + 4*n; p->angle = a + 5*n;
     p->theta = t->theta ? a + 6*n : NULL;
     p->wa = a + 7*n; p->wb = a + 8*n;
+    p->along = a + n*(9 + 5*(size_t)t->n_also);
     find_scale(t, p);
     if (t->x)
         scale_points(p, t->x, t->y, p->x, p->y);
+    for (size_t i = 0; t->x && i < n; i++) {
+        size_t next = i + 1 < n ? i + 1 : t->closed ? 0 : i;
+        p->along[i + 1] = p->along[i] + hypot(p->x[next] - p->x[i], p->y[next] - p->y[i]);
+    }
     for (size_t i = 0; i < n; i++) {
         /* one half for each direction of the comparison */
         p->w[i] = t->weight[i]*(p->timing == LW_TIMING_NONE ? 0.5 : 1);

@@ -5,6 +5,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "base/vector.h"
 #include "optimise/problem/circuit.h"
 #include "optimise/problem/residuals.h"
 #include "optimise/problem/variable_projection.h"
@@ -163,7 +164,7 @@ static void between_samples(const lw_problem *p, lw_work *w)
         }
         w->try_theta[i] = 1;
         if (t2 > 0)
-            w->phase[i] += width*fmax(-0.49, fmin(0.49, s/t2));
+            w->phase[i] += width*lw_greater(-0.49, lw_lesser(0.49, s/t2));
     }
     if (p->timing == LW_TIMING_FREE)
         lw_timing_order(p, w->phase, w->try_theta, w->pool);
@@ -275,7 +276,7 @@ static double shorten(const lw_problem *p, lw_work *w, double most)
         double move = w->phase[k] - old[k];
         if (!(fabs(move) <= most))
             w->phase[k] = old[k] + copysign(most, move);
-        longest = fmax(longest, fmin(most, fabs(move)));
+        longest = lw_greater(longest, lw_lesser(most, fabs(move)));
     }
     return longest;
 }

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/real_complex.h"
+#include "base/vector.h"
 #include "optimise/problem/family.h"
 #include "optimise/solvers/lm.h"
 #include "optimise/problem/circuit.h"
@@ -192,7 +193,7 @@ static bool frames(const lw_problem *p, const double *shape, lw_work *w)
         const lw_jacobian *j = lw_work_jac(w, i);
         lw_batch_frame(&p->plan, &in, i, w->batch, j->x, j->y, j->u, j->v, j->margin);
         for (size_t k = 0; k < p->n; k++)
-            least = fmin(least, j->margin[k]);
+            least = lw_lesser(least, j->margin[k]);
     }
     return least >= w->least_margin;
 }
@@ -274,18 +275,12 @@ static double start_prescribed(lw_problem *p, const double *u, double *x, lw_wor
  * passed in a part of the turn; the rest of the turn lies between two stations. */
 static void guess_phases(const lw_problem *p, const double *u, lw_work *w)
 {
-    double first = 2*LW_PI*u[0], warp = 0.9*u[1], phase = 2*LW_PI*u[2], along = 0, total = 0;
+    double first = 2*LW_PI*u[0], warp = 0.9*u[1], phase = 2*LW_PI*u[2], total = p->along[p->n];
     bool hurried = p->closed && u[3] < 0.25;
     double span = p->closed ? (hurried ? 0.1 + 3.2*u[3] : 1) : 0.15 + 0.85*u[3];
     size_t gap = hurried ? (size_t)(u[1]*(double)p->n) : p->n;
-    for (size_t k = 1; k < p->n; k++)
-        total += hypot(p->x[k] - p->x[k - 1], p->y[k] - p->y[k - 1]);
-    if (p->closed)
-        total += hypot(p->x[0] - p->x[p->n - 1], p->y[0] - p->y[p->n - 1]);
     for (size_t k = 0; k < p->n; k++) {
-        if (k > 0)
-            along += hypot(p->x[k] - p->x[k - 1], p->y[k] - p->y[k - 1]);
-        double t = total > 0 ? 2*LW_PI*along/total : 0;
+        double t = total > 0 ? 2*LW_PI*p->along[k]/total : 0;
         if (!hurried)
             t += warp*(sin(t + phase) - sin(phase));
         w->phase[k] = first + p->intended.sense*(span*t + (k > gap ? 2*LW_PI*(1 - span) : 0));

@@ -155,24 +155,26 @@ static double solve_step(model *q, double damping)
     return promise;
 }
 
-/* What `step` takes from the input of free station k, added to d. */
-static double slide(const lw_work *w, const model *q, const double *step, size_t k, double d)
+/* Add to d what `step` takes from the input of each of n stations that are free. */
+static void slide(const lw_work *w, const model *q, const double *step, size_t n, double *d)
 {
-    for (int i = 0; i < q->n; i++)
-        d += w->slide[(size_t)q->var[i]*w->ld + k]*step[i];
-    return d;
+    for (int i = 0; i < q->n; i++) {
+        const double *by = w->slide + (size_t)q->var[i]*w->ld;
+        for (size_t k = 0; k < n; k++)
+            d[k] += by[k]*step[i];
+    }
 }
 
 /* Move the inputs of free stations with the step, and by `more` (NULL: nothing). */
 static void move_inputs(const lw_problem *p, lw_work *w, const model *q, const double *more)
 {
-    double *weight = w->try_theta;
+    double *weight = w->try_theta, *d = w->pool;
+    memcpy(d, w->slip, p->n*sizeof *d);
+    slide(w, q, q->step, p->n, d);
     for (size_t k = 0; k < p->n; k++) {
+        double move = lw_greater(-LW_TIMING_MOVE_MAX, lw_lesser(LW_TIMING_MOVE_MAX, d[k] - (more ? more[k] : 0)));
         weight[k] = 1;
-        if (w->tie[k])
-            continue;
-        double d = slide(w, q, q->step, k, w->slip[k]) - (more ? more[k] : 0);
-        w->phase[k] -= fmax(-LW_TIMING_MOVE_MAX, fmin(LW_TIMING_MOVE_MAX, d));
+        w->phase[k] -= w->tie[k] ? 0 : move;
     }
     if (p->timing == LW_TIMING_FREE)
         lw_timing_order(p, w->phase, weight, w->pool);
@@ -265,8 +267,10 @@ static bool second_derivatives(run *r, const double *x, double *along, double *g
     memcpy(trial, x, sizeof trial[0]*(size_t)p->n_var);
     for (int i = 0; i < q->n; i++)
         trial[q->var[i]] += PROBE*q->step[i];
+    memcpy(w->pool, w->slip, p->n*sizeof *w->pool);
+    slide(w, q, q->step, p->n, w->pool);
     for (size_t k = 0; k < p->n; k++)
-        w->phase[k] -= w->tie[k] ? 0 : PROBE*slide(w, q, q->step, k, w->slip[k]);
+        w->phase[k] -= w->tie[k] ? 0 : PROBE*w->pool[k];
     r->evals++;
     if (!isfinite(evaluate(p, trial, w)) || !same_circuit(r))
         return false;
@@ -309,7 +313,11 @@ static double bend_of(run *r, const double *x, double *a)
         a[i] *= 0.5;
     }
     for (size_t k = 0; k < p->n && known; k++)
-        more[k] = w->tie[k] ? 0 : -slide(w, q, a, k, 0.5*more[k]);
+        more[k] *= 0.5;
+    if (known)
+        slide(w, q, a, p->n, more);
+    for (size_t k = 0; k < p->n && known; k++)
+        more[k] = w->tie[k] ? 0 : -more[k];
     for (int j = 0; j < q->m && known; j++)
         known = lw_dot(q->n, q->a + j*q->n, q->step) + lw_dot(q->n, q->a + j*q->n, a) >= q->b[j];
     return known ? 2*sqrt(a2/step2) : 0;
