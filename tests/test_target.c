@@ -2,6 +2,7 @@
 #include "base/file.h"
 #include "base/vec2.h"
 #include "optimise/task/read_file.h"
+#include "optimise/task/target_tour.h"
 #include "tests/check.h"
 
 static lw_status read_with(const char *text, size_t size, const lw_target_options *o, lw_target *t, lw_error *e)
@@ -488,6 +489,63 @@ TEST(stations_of_a_table)
     o.stations = 5;
     CHECK_INT(read_with(motion, sizeof motion - 1, &o, &t, &e), LW_E_ARG);
     CHECK_HAS(e.text, "only a path of x and y");
+}
+
+enum { SHUFFLED = 48 };
+typedef lw_vec2 curve(double u);
+static lw_vec2 egg(double u)   { return lw_v2(40*cos(2*LW_PI*u), (22 + 6*cos(2*LW_PI*u))*sin(2*LW_PI*u)); }
+static lw_vec2 eight(double u) { return lw_v2(40*sin(2*LW_PI*u), 25*sin(4*LW_PI*u)); }
+static lw_vec2 wave(double u)  { return lw_v2(120*u, 25*sin(6*u)); }
+static lw_vec2 line(double u)  { return lw_v2(80*u, 30*u); }
+
+/* CSV text of the points of a curve, drawn by lot if rng is not NULL; their weights are the numbers of the points. */
+static size_t write_points(curve *c, bool closed, lw_rng *rng, char *text, size_t size)
+{
+    size_t used = (size_t)snprintf(text, size, "x [mm],y [mm],weight\n"), order[SHUFFLED];
+    for (size_t i = 0; i < SHUFFLED; i++)
+        order[i] = i;
+    for (size_t i = SHUFFLED - 1; i > 0 && rng; i--) {
+        size_t k = (size_t)(lw_rng_uniform(rng)*(double)(i + 1)), one = order[i];
+        order[i] = order[k];
+        order[k] = one;
+    }
+    for (size_t i = 0; i < SHUFFLED; i++) {
+        lw_vec2 p = c((double)order[i]/(SHUFFLED - !closed));
+        used += (size_t)snprintf(text + used, size - used, "%.9f,%.9f,%zu\n", p.x, p.y, order[i] + 1);
+    }
+    return used;
+}
+
+/* Points in no order are put in that of a tour no longer than their curve, weights and lines with them; where it does not cross itself, it is
+ * their curve.  Points in order are left as they are. */
+TEST(points_in_no_order)
+{
+    static const struct { curve *at; bool closed, crosses; } row[] = { { egg, true, false }, { eight, true, true }, { wave, false, false },
+                                                                      { line, false, false } };
+    lw_rng rng = check_rng(31);
+    char text[4096];
+    for (size_t trial = 0; trial < 5*sizeof row/sizeof *row; trial++) {
+        const size_t kind = trial % (sizeof row/sizeof *row);
+        OWN(lw_target) in_order = { 0 }, t = { 0 }, left = { 0 };
+        lw_error e = { .text = "" };
+        size_t n = write_points(row[kind].at, row[kind].closed, NULL, text, sizeof text);
+        CHECK_INT(read_with(text, n, NULL, &in_order, &e), LW_OK);
+        CHECK_INT(lw_target_put_in_order(&in_order, &e), LW_OK);
+        CHECK_TEXT(in_order.note, "");
+        n = write_points(row[kind].at, row[kind].closed, &rng, text, sizeof text);
+        CHECK_INT(read_with(text, n, NULL, &t, &e), LW_OK);
+        CHECK_HAS(t.note, "the points jump to and fro");
+        CHECK_INT(lw_target_put_in_order(&t, &e), LW_OK);
+        CHECK(t.closed == row[kind].closed && in_order.closed == t.closed);
+        CHECK(t.length <= in_order.length*(1 + 1e-12));
+        CHECK_INT(read_with(text, n, NULL, &left, &e), LW_OK);
+        for (size_t i = 0; i < SHUFFLED && t.n == SHUFFLED && left.n == SHUFFLED; i++) {
+            size_t next = (i + 1) % SHUFFLED, of = (size_t)t.line[i] - 2;
+            CHECK(left.line[i] == (long)i + 2 && left.x[of] == t.x[i] && left.y[of] == t.y[i] && left.weight[of] == t.weight[i]);
+            double step = fabs(t.weight[next] - t.weight[i]);
+            CHECK(row[kind].crosses || step == 1 || (step == SHUFFLED - 1 && (t.closed || next == 0)));
+        }
+    }
 }
 
 /* ---- faults ------------------------------------------------------------------------------------ */

@@ -9,6 +9,7 @@
 #include "cli/program/model.h"
 #include "cli/program/mpi_jobs.h"
 #include "cli/program/progress.h"
+#include "optimise/task/target_tour.h"
 
 static const cli_option options[] = {
     { "type", 0, CLI_TEXT, offsetof(cli_fit_settings, type), "NAME,...", "fourbar",
@@ -53,7 +54,7 @@ static const cli_option options[] = {
       "of a body). auto: function without columns x and y, motion with a column theta, else path", 0, 0, NULL, NULL },
     { "timing", 0, CLI_CHOICE, offsetof(cli_fit_settings, timing), "auto" LW_TIMING_WORDS, "auto",
       "prescribed: each point belongs to the input angle in the target; free: only the order of the points counts; "
-      "none: only the shape of the path counts. auto: prescribed if the target has input angles, else free",
+      "none: only the shape of the path counts, and points that jump to and fro are put in order. auto: prescribed if the target has input angles, else free",
       0, 0, NULL, NULL },
     { "angle-from", 0, CLI_CHOICE, offsetof(cli_fit_settings, datum), "first|frame|plane", "first",
       "zero of the prescribed input angles: at the first point, where the angle itself is found; the line through the "
@@ -349,6 +350,8 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_side_by_sid
         st = read_smooth(s->smooth, &o.smooth, e);
     if (st == LW_OK)
         st = read_input(path, &o, set, e);
+    if (st == LW_OK && cli_fit_timing(call, set) == LW_TIMING_NONE)
+        st = lw_target_put_in_order(&set->target, e);
     if (st == LW_OK && set->target.note[0])
         cli_note(call, "%s: %s", path, set->target.note);
     if (st == LW_OK)

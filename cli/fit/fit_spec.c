@@ -125,6 +125,14 @@ static unsigned limits_given(const cli_call *call, const lw_fit_spec *spec)
     return given;
 }
 
+lw_timing cli_fit_timing(const cli_call *call, const cli_fit_set *set)
+{
+    const cli_fit_settings *s = call->settings;
+    if (!mine(call, set, "timing") && set->task_file.has_timing)
+        return set->task_file.spec.timing;
+    return s->timing != AUTO ? (lw_timing)(s->timing - 1) : set->target.angle ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
+}
+
 lw_status cli_fit_make_spec(const cli_call *call, const cli_fit_set *set, lw_fit_spec *spec, lw_error *e)
 {
     const cli_fit_settings *s = call->settings;
@@ -132,9 +140,7 @@ lw_status cli_fit_make_spec(const cli_call *call, const cli_fit_set *set, lw_fit
     *spec = set->has_task_file ? set->task_file.spec : lw_fit_spec_default();
     if (mine(call, set, "task") || !set->task_file.has_task)
         spec->task = s->task == AUTO ? lw_task_suggested(t) : (lw_task)(s->task - 1);
-    if (mine(call, set, "timing") || !set->task_file.has_timing)
-        spec->timing = s->timing != AUTO ? (lw_timing)(s->timing - 1)
-                     : t->angle ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
+    spec->timing = cli_fit_timing(call, set);
     spec->datum = (lw_datum[]){ LW_DATUM_FREE, LW_DATUM_FRAME, LW_DATUM_PLANE }[s->datum];
     conditions(call, set, spec);
     if (s->datum != 0 && spec->timing != LW_TIMING_PRESCRIBED)

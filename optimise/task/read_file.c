@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "optimise/task/target_internal.h"
 #include "optimise/task/target_outline.h"
+#include "optimise/task/target_tour.h"
 
 /* Name of the first element of an XML text, of *n bytes; NULL: there is none. */
 static const char *first_element(const char *text, size_t size, size_t *n)
@@ -287,6 +288,8 @@ static lw_status read_target(const char *path, const lw_target_options *o, lw_ta
         lw_target_free(&joined);
         if (s == LW_OK && read[0].note[0])
             memcpy(t->note, read[0].note, sizeof t->note);
+        if (s == LW_OK && !task->target[0])
+            s = lw_target_look_at_order(t, mine.closed, e);
         if (s == LW_OK)
             lw_target_drop_repeat(t);
     }

@@ -2,6 +2,7 @@
 #include "base/number.h"
 #include "base/real.h"
 #include "optimise/task/target_outline_internal.h"
+#include "optimise/task/target_tour.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -332,6 +333,8 @@ static lw_status to_target(const lw_outlines *d, const int chosen[POINTS], int n
         t->noise = moved[0];
         write_note(d, first, n, t, (length_of(first) + gap)*metre/units.metre, unit || d->unit_given,
                    smooth > 0 ? moved : NULL, t->note, sizeof t->note);
+        if (d->only_points)
+            s = lw_target_look_at_order(t, o ? o->closed : -1, e);
     }
     free(xy);
     free(line);

@@ -71,7 +71,7 @@ lw_status lw_smooth(double *x, double *y, size_t n, bool closed, double distance
  * Jennen-Steinmetz 1986), of the order 2, 4, 6 or 8 that leaves least of the path itself.  work: (n).  n >= 9. */
 double lw_noise(const double *x, const double *y, size_t n, bool closed, double *work);
 
-/* Smooth and resample a target as the options say; adds to its note. LW_E_ARG: it is no path, or has more columns. */
-lw_status lw_target_treat(lw_target *t, const lw_target_options *o, lw_error *e);
+/* Put in order, smooth and resample a target as the options say (closed: of the file, too); adds to its note. LW_E_ARG: it is no path, or has more columns. */
+lw_status lw_target_treat(lw_target *t, int closed, const lw_target_options *o, lw_error *e);
 
 #endif

@@ -285,7 +285,7 @@ lw_status lw_target_read(const char *text, size_t size, const char *file, const 
         s = read_rows(&h, l, t, e);
     if (s == LW_OK)
         note_assumptions(&h, t);
-    if (s == LW_OK && (s = lw_target_treat(t, o, &why)) != LW_OK)
+    if (s == LW_OK && (s = lw_target_treat(t, h.closed, o, &why)) != LW_OK)
         lw_error_at(e, s, file, 0, 0, "%s", why.text);
     if (s != LW_OK)
         lw_target_free(t);

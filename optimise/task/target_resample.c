@@ -6,6 +6,7 @@
 #include "base/vector.h"
 #include "optimise/task/target_internal.h"
 #include "optimise/task/target_outline_internal.h"
+#include "optimise/task/target_tour.h"
 
 #define CORNER (30*LW_PI/180)         /* least turn of a corner; drawn arcs turn by less at each of their points */
 
@@ -413,17 +414,20 @@ static lw_status spread_target(lw_target *t, size_t m, lw_error *e)
     return s;
 }
 
-lw_status lw_target_treat(lw_target *t, const lw_target_options *o, lw_error *e)
+lw_status lw_target_treat(lw_target *t, int closed, const lw_target_options *o, lw_error *e)
 {
-    lw_status s = LW_OK;
     lw_target_place place;
-    if (!o || (o->smooth == 0 && o->stations <= 0))
+    lw_status s = lw_target_look_at_order(t, closed, e);
+    if (s != LW_OK || !o || (o->smooth == 0 && o->stations <= 0))
         return s;
     if (!t->x)
         return lw_error_set(e, LW_E_ARG, "a function cannot be smoothed or spread to other stations; only a path can");
     if (o->stations > 0 && (t->theta || t->angle || t->n_also > 0))
         return lw_error_set(e, LW_E_ARG, "stations with angles or further points belong to the rows of the file; only "
                             "a path of x and y can be spread to other stations");
+    s = lw_target_put_in_order(t, e);                          /* there is no curve along points that jump to and fro */
+    if (s != LW_OK)
+        return s;
     if (o->smooth != 0)
         s = smooth_target(t, o->smooth*t->units.metre, e);
     if (s == LW_OK && o->smooth != 0)
