@@ -548,7 +548,7 @@ TEST(faults)
            "mkdir $D/problems && cp examples/ellipse.csv $D/problems && "
            "printf 'x,y,angle\\n0,0,0\\n30,11,0.3\\n61,14,0.6\\n90,9,0.9\\n120,-6,1.2\\n' > $D/timed.csv && "
            "$P catalogue curves $D/curves.db --links 4 --samples 200 -q && "
-           "$P fit examples/ellipse.csv --starts 20 --rounds 1 --json -o $D/fit.json -q && "
+           "$P fit examples/ellipse.csv --unlimited --starts 20 --rounds 1 --json -o $D/fit.json -q && "
            "printf 'x,y\\n0,0\\n30,11\\n61,14\\n90,9\\n120,-6\\n' > $D/five.csv", 0, NULL, NULL);
     expect("for f in adams pmks pyslvs; do $P convert examples/chebyshev.json --format $f > $D/$f || exit 1; done; cd $D && mv adams in.adm && "
            "mv pmks in.pmks && mv pyslvs in.pyslvs && printf '40,10,35,30\\n1,2,3,4\\n' > lengths.csv && "

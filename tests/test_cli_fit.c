@@ -136,7 +136,7 @@ TEST(few_points_are_met_by_the_first_row)
 TEST(tolerances_choose_the_smallest)
 {
     json_t *best = walking_foot();
-    json_t *root = json_of("$P fit examples/walking-foot.csv --rounds 1 --tolerance 2mm --json -q"), *r;
+    json_t *root = json_of("$P fit examples/walking-foot.csv --rounds 1 --links 4 --crank-only --tolerance 2mm --json -q"), *r;
     double size = 0, least = member(json_array_get(json_object_get(best, "results"), 0), "size");
     size_t i;
     json_array_foreach(json_object_get(root, "results"), i, r) {
@@ -243,7 +243,7 @@ TEST(a_small_budget_is_kept)
 {
     double evals[2];
     for (int i = 0; i < 2; i++) {
-        json_auto_t *root = i == 0 ? walking_foot() : json_of("$P fit examples/walking-foot.csv --rounds 1 --links 6 --budget 1000 --json -q");
+        json_auto_t *root = json_with("$P fit examples/walking-foot.csv --crank-only --max-size 2 --rounds 1 --links %d --budget 1000 --json -q", 4 + 2*i);
         evals[i] = member(root, "evaluations");
     }
     CHECK(evals[1] > evals[0] && evals[1] < evals[0] + 30000);
@@ -254,7 +254,7 @@ TEST(a_small_budget_is_kept)
 TEST(six_links_are_left_out_where_four_are_near)
 {
     json_t *root = json_of("printf 'x [mm],y [mm],theta [deg]\n300,0,0\n290,80,0\n260,150,0\n210,215,0\n140,265,0\n' | "
-                           "$P fit - --rounds 1 --budget 2e3 --json -q"), *r;
+                           "$P fit - --rounds 1 --max-size 2 --budget 2e3 --json -q"), *r;
     size_t i;
     CHECK(json_array_size(json_object_get(root, "results")) > 0);
     json_array_foreach(json_object_get(root, "results"), i, r)
@@ -522,18 +522,18 @@ TEST(both_simulations_come_to_one_objective)
 /* Killed in the middle, a kept fit goes on and finds the same; the file belongs to this search and this build only. */
 TEST(a_kept_fit_survives_a_kill)
 {
-    expect("$P fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/whole.json", 0, NULL, NULL);
-    expect("$P fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/cut.json --keep $D/kept & "
+    expect("$P fit examples/figure-eight.csv --links 4 --max-size 2 --rounds 1 -q -o $D/whole.json", 0, NULL, NULL);
+    expect("$P fit examples/figure-eight.csv --links 4 --max-size 2 --rounds 1 -q -o $D/cut.json --keep $D/kept & "
            "until test $(grep -ac '^task' $D/kept 2>&1 || echo 0) -ge 1; do sleep 0.01; done 2> /dev/null; kill -9 $!; wait $!; "
            "test ! -e $D/cut.json && grep -ac '^task' $D/kept > $D/before", 0, NULL, NULL);
-    expect("$P fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/cut.json --keep $D/kept --jobs 1 && for f in whole cut; do grep "
+    expect("$P fit examples/figure-eight.csv --links 4 --max-size 2 --rounds 1 -q -o $D/cut.json --keep $D/kept --jobs 1 && for f in whole cut; do grep "
            "-v '\"seconds\"\\|\"command\"' $D/$f.json > $D/$f; done; cmp $D/whole $D/cut && echo same", 0, "same\n", NULL);
     expect("test $(grep -ac '^task' $D/kept) -gt $(cat $D/before)", 0, NULL, NULL);
     expect("$P fit examples/ellipse.csv --rounds 1 -q --keep $D/kept", 3, NULL, "another command");
-    expect("$C fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/other.json --keep $D/kept", 3, "", "build of linkwright");
-    expect("printf x >> $D/kept; truncate -s -9 $D/kept; $P fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/again.json --keep "
+    expect("$C fit examples/figure-eight.csv --links 4 --max-size 2 --rounds 1 -q -o $D/other.json --keep $D/kept", 3, "", "build of linkwright");
+    expect("printf x >> $D/kept; truncate -s -9 $D/kept; $P fit examples/figure-eight.csv --links 4 --max-size 2 --rounds 1 -q -o $D/again.json --keep "
            "$D/kept && grep -v '\"seconds\"\\|\"command\"' $D/again.json | cmp - $D/whole && echo same", 0, "same\n", NULL);
-    expect("sed '0,/^task 1 /s//task 3 /' $D/kept > $D/renumbered; $P fit examples/figure-eight.csv --links 4 --rounds 1 -q --keep "
+    expect("sed '0,/^task 1 /s//task 3 /' $D/kept > $D/renumbered; $P fit examples/figure-eight.csv --links 4 --max-size 2 --rounds 1 -q --keep "
            "$D/renumbered", 3, "", "the answer of task 3 is damaged");
     expect("$P fit examples/ellipse.csv --keep $D/more --time 5", 2, NULL, "--budget");
 }
