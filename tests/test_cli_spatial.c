@@ -43,6 +43,7 @@ TEST(robots)
     /* drives without inputs: nothing holds the arm */
     expect("$P simulate $D/straight.json --to 0.1 -n 1", 0, NULL, "the \"drives\" have no force here");
     expect("! $P simulate examples/space/delta.json --to 0.1 -n 1 2>&1 | grep -q 'no force here'", 0, NULL, NULL);
+    expect("sed 's/\"T\"/\"T,1\"/' $D/straight.json > $D/comma.json; $P simulate $D/comma.json --to 0.1 -n 1", 0, ",\"T,1.x\",", NULL);   /* one column */
     /* at its rim a driven model cannot close; slender bars without inertia about their axis have no part in that */
     expect("sed 's/\"coordinate\": \"z\", \"motion\": [^}]*}/\"coordinate\": \"z\", \"motion\": \"-0.65 - t\"}/' examples/space/delta.json > $D/rim.json; "
            "$P simulate $D/rim.json --to 1 -n 4 2>&1 >/dev/null | grep -c 'cannot be closed beyond.*m open$'", 0, "1", NULL);

@@ -136,14 +136,44 @@ struct lw_variant {
 /* Index of a configuration or a view (`what`) of this name; -1: there is none, e is filled. */
 int lw_setting_find(const char *what, const lw_setting *list, int n, const char *name, lw_error *e);
 
-/* A formula over the names of the root. */
-lw_status lw_master_formula(const lw_master *m, const char *text, lw_formula **f, lw_error *e);
-
 /* Does the view leave out members with this key? */
 bool lw_master_omits(const lw_master *m, int view, const char *key);
 
 /* Work out value[]. */
 lw_status lw_variant_update(lw_variant *v, lw_error *e);
+
+static inline lw_status lw_master_no_memory(lw_error *e) { return lw_error_set(e, LW_E_MEMORY, "out of memory for a master file"); }
+
+static inline lw_status lw_template_expect(const lw_template *t, lw_json_kind kind, lw_error *e)
+{
+    return lw_json_expect(&t->json, kind, e);
+}
+
+/* ---- master_compile.c: names of scopes, formulas and texts ---------------------------------------------------- */
+
+/* Where a formula stands: the scope that its words name, and that of the whole master where this one is of a part. */
+typedef struct lw_master_place { const lw_master *m; lw_scope *scope; bool in_part; } lw_master_place;
+
+/* The number of a symbol; -1: there is none. */
+int lw_scope_find(const lw_scope *s, const char *name);
+
+/* The number of the new symbol; -1: e is filled. */
+int lw_scope_add(lw_scope *s, const char *name, lw_template *node, lw_error *e);
+
+/* The formula in text[at .. at + size], the text of t. */
+lw_status lw_master_parse_formula(const lw_master_place *p, const lw_template *t, const char *text, size_t at, size_t size, lw_formula **out, lw_error *e);
+
+/* A formula over the names of the root. */
+lw_status lw_master_formula(const lw_master *m, const char *text, lw_formula **f, lw_error *e);
+
+/* Compile the formulas and texts of t and below, as the value of a key of `parent`. */
+lw_status lw_master_compile(const lw_master_place *p, lw_template *t, const lw_key *key, const char *parent, lw_error *e);
+
+/* After the element: the indexes of its repeat are unknown outside. */
+void lw_master_leave_repeat(const lw_master_place *p, const lw_template *object);
+
+/* "when" and "repeat" of an object in a list. */
+lw_status lw_master_compile_head(const lw_master_place *p, lw_template *t, lw_error *e);
 
 /* Write a text as a JSON string. */
 void lw_master_quote(lw_bytes *b, const char *text);
