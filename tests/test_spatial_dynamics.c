@@ -1447,6 +1447,107 @@ static void add_entry(void *context, int row, int column, double by_q, double by
     m->by_v[row*m->n + column] += by_v;
 }
 
+/* A state of the model of derivatives_of_forces_and_rows, and the greatest differences of its derivatives from central differences. */
+enum { SLOPES_N = 18, SLOPES_ALL = 19, SLOPES_ROWS = 40 };        /* velocities; these and the states; rows */
+static const double slopes_h = 1e-5;
+
+typedef struct slopes {
+    lw_space s;
+    lw_space_forces f;
+    double by_q[SLOPES_ALL*SLOPES_ALL], by_v[SLOPES_ALL*SLOPES_ALL], q[21], v[SLOPES_N];
+    double force[2][SLOPES_ALL], phi[SLOPES_ROWS], jac[2][SLOPES_ROWS*LW_SPACE_ROW];
+    lw_space_frame frame[4];
+    lw_space_bend bend[4*LW_SPACE_BENDS];
+    double off_q, off_v, off_rows, off_couplings, rest[2];
+} slopes;
+
+/* Place the bodies at q, moved along coordinate i to one side; i < 0: at q. */
+static void place_aside(slopes *g, int i, int side)
+{
+    double at[21], by[SLOPES_N] = { 0 };
+    memcpy(at, g->q, sizeof at);
+    if (i >= 0) {
+        by[i] = side ? slopes_h : -slopes_h;
+        lw_space_move(&g->s, at, by);
+    }
+    lw_space_place(&g->s, at, g->frame);
+}
+
+/* Forces and rates of states where the bodies are placed, at velocities v. */
+static void force_aside(slopes *g, const double *v, int side)
+{
+    lw_space_forces_apply(&g->f, 0.3, g->frame, v, g->force[side], NULL, NULL);
+    lw_space_state_rates(&g->f, 0.3, g->frame, v, g->force[side] + SLOPES_N);
+}
+
+static void compare_slopes(const slopes *g, const double *by, int i, double *off)
+{
+    for (int a = 0; a < SLOPES_ALL; a++)
+        *off = fmax(*off, fabs((g->force[1][a] - g->force[0][a])/(2*slopes_h) - by[a*SLOPES_ALL + i]));
+}
+
+/* Second derivatives of the rows of joints by coordinate i. */
+static void compare_rows(slopes *g, int i)
+{
+    for (int j = 0; j < g->s.n_joint; j++)
+        for (int r = 0; r < lw_spatial_kind_of(g->s.joint[j].kind)->rows; r++) {
+            double change[SLOPES_N] = { 0 };
+            int n = lw_space_row_bends(&g->s, g->frame, j, r, g->bend), row = g->s.joint[j].row + r;
+            for (int b = 0; b < n; b++)
+                if (g->bend[b].b == i)
+                    change[g->bend[b].a] += g->bend[b].h;
+            for (int c = 0; c < LW_SPACE_ROW; c++) {
+                int body = g->s.joint[j].body[c/6];
+                double d = (g->jac[1][row*LW_SPACE_ROW + c] - g->jac[0][row*LW_SPACE_ROW + c])/(2*slopes_h);
+                if (body >= 0)
+                    g->off_rows = fmax(g->off_rows, fabs(d - change[6*body + c%6]));
+            }
+        }
+}
+
+/* First derivatives of couplings by coordinate i, and what their second ones add to the bias. */
+static void compare_couplings(slopes *g, int i)
+{
+    double sum[3], of_sum[24], turns[6] = { 0 };
+    for (int j = 0; j < g->s.n_coupling; j++) {
+        const lw_space_coupling *c = &g->s.coupling[j];
+        double change[SLOPES_N] = { 0 }, first = 0;
+        for (int b = lw_space_coupling_bends(&g->s, g->frame, j, g->bend) - 1; b >= 0; b--)
+            if (g->bend[b].b == i)
+                change[g->bend[b].a] += g->bend[b].h;
+        for (int side = 0; side < 3; side++) {
+            place_aside(g, side < 2 ? i : -1, side);
+            lw_space_coupling_row(&g->s, j, g->frame, turns, &sum[side], of_sum);
+        }
+        for (int a = 0; a < 6*c->n_side; a++)
+            if (c->body[a/6] >= 0) {
+                first += 6*c->body[a/6] + a%6 == i ? of_sum[a] : 0;
+                g->rest[j] += g->v[6*c->body[a/6] + a%6]*change[6*c->body[a/6] + a%6]*g->v[i];
+            }
+        g->off_couplings = fmax(g->off_couplings, fabs((sum[1] - sum[0])/(2*slopes_h) - first));
+    }
+}
+
+static void compare_at(slopes *g, int i)
+{
+    for (int side = 0; side < 2; side++) {
+        place_aside(g, i, side);
+        force_aside(g, g->v, side);
+        lw_space_rows(&g->s, g->frame, g->phi, g->jac[side]);
+    }
+    compare_slopes(g, g->by_q, i, &g->off_q);
+    place_aside(g, -1, 0);
+    compare_rows(g, i);
+    compare_couplings(g, i);
+    for (int side = 0; side < 2; side++) {
+        double w[SLOPES_N];
+        memcpy(w, g->v, sizeof w);
+        w[i] += side ? slopes_h : -slopes_h;
+        force_aside(g, w, side);
+    }
+    compare_slopes(g, g->by_v, i, &g->off_v);
+}
+
 /* Forces of every kind, and rows of every joint, at a random posture: derivatives against central differences along the
  * motions of the bodies. */
 TEST(derivatives_of_forces_and_rows)
@@ -1469,117 +1570,47 @@ TEST(derivatives_of_forces_and_rows)
         "'q(H)'}, {'link': 'b', 'at': [0, 1, 0.5], 'frame': 'link', 'fy': '4 + y(P)', 'tx': 2}], 'gravity': [0.5, -1, -9.81], 'tracers': [{'name': 'P', "
         "'link': 'c', 'at': [2, 0.2, 0.1]}]}";
     OWN(lw_spatial) m = { 0 };
-    OWN(lw_space) s = { 0 };
-    OWN(lw_space_forces) f = { 0 };
-    enum { N = 18, ALL = 19, ROWS = 40 };
-    double by_q[ALL*ALL] = { 0 }, by_v[ALL*ALL] = { 0 }, q[21], v[N], force[2][ALL], phi[ROWS], jac[2][ROWS*LW_SPACE_ROW], h = 1e-5;
-    lw_space_frame frame[4];
-    lw_space_bend bend[4*LW_SPACE_BENDS];
-    double sum[2], of_sum[2][24], turns[6] = { 0 };
-    read_spatial(text, "derivatives", &m);
+    static slopes g;
+    double by[SLOPES_N], most = 0;
     lw_rng rng = check_rng(0);
-    CHECK_OK(lw_space_make(&m, &s, &check_error));
-    CHECK_OK(lw_space_forces_make(&s, &f, &check_error));
-    CHECK(s.n_v == N && s.n_row <= ROWS);
-    double by[N];
+    read_spatial(text, "derivatives", &m);
+    CHECK_OK(lw_space_make(&m, &g.s, &check_error));
+    CHECK_OK(lw_space_forces_make(&g.s, &g.f, &check_error));
+    CHECK(g.s.n_v == SLOPES_N && g.s.n_row <= SLOPES_ROWS);
     lw_vec3 turn = lw_v3_scale(m.joint[0].axis, 0.5);
-    lw_space_place(&s, s.start, frame);
-    for (int i = 0; i < N; i++) {            /* all turn about C: angles have their derivatives where axes are parallel */
-        lw_vec3 own = lw_m3_unapply(&frame[i/6 + 1].turn, turn);
+    lw_space_place(&g.s, g.s.start, g.frame);
+    for (int i = 0; i < SLOPES_N; i++) {     /* all turn about C: angles have their derivatives where axes are parallel */
+        lw_vec3 own = lw_m3_unapply(&g.frame[i/6 + 1].turn, turn);
         by[i] = i%6 < 3 ? 0.2*lw_rng_normal(&rng) : i%3 == 0 ? own.x : i%3 == 1 ? own.y : own.z;
-        v[i] = lw_rng_normal(&rng);
+        g.v[i] = lw_rng_normal(&rng);
     }
-    memcpy(q, s.start, sizeof q);
-    lw_space_move(&s, q, by);
-    lw_space_place(&s, q, frame);
-    lw_space_state_start(&f, 0.3, frame, v, force[0]);
-    CHECK_NEAR(force[0][0], 0.4, 0, 0);
-    lw_space_forces_apply(&f, 0.3, frame, v, force[0], NULL, &(lw_space_sink){ &(matrix){ ALL, by_q, by_v }, add_entry, add_entry });
-    double most = 0, off_q = 0, off_v = 0, off_h = 0, off_c = 0, rest[2] = { 0 };
-    for (int i = 0; i < N; i++) {
-        double at[21], w[N];
-        for (int side = 0; side < 2; side++) {
-            memset(by, 0, sizeof by);
-            by[i] = side ? h : -h;
-            memcpy(at, q, sizeof at);
-            lw_space_move(&s, at, by);
-            lw_space_place(&s, at, frame);
-            lw_space_forces_apply(&f, 0.3, frame, v, force[side], NULL, NULL);
-            lw_space_state_rates(&f, 0.3, frame, v, force[side] + N);
-            lw_space_rows(&s, frame, phi, jac[side]);
-        }
-        for (int a = 0; a < ALL; a++) {
-            most = fmax(most, fabs(by_q[a*ALL + i]));
-            off_q = fmax(off_q, fabs((force[1][a] - force[0][a])/(2*h) - by_q[a*ALL + i]));
-        }
-        lw_space_place(&s, q, frame);
-        for (int j = 0; j < s.n_joint; j++)
-            for (int r = 0; r < lw_spatial_kind_of(s.joint[j].kind)->rows; r++) {
-                double change[N] = { 0 };
-                int n = lw_space_row_bends(&s, frame, j, r, bend), row = s.joint[j].row + r;
-                for (int b = 0; b < n; b++)
-                    if (bend[b].b == i)
-                        change[bend[b].a] += bend[b].h;
-                for (int c = 0; c < LW_SPACE_ROW; c++) {
-                    int body = s.joint[j].body[c/6];
-                    double d = (jac[1][row*LW_SPACE_ROW + c] - jac[0][row*LW_SPACE_ROW + c])/(2*h);
-                    if (body >= 0)
-                        off_h = fmax(off_h, fabs(d - change[6*body + c%6]));
-                }
-            }
-        for (int j = 0; j < s.n_coupling; j++) {
-            const lw_space_coupling *c = &s.coupling[j];
-            double change[N] = { 0 };
-            for (int b = lw_space_coupling_bends(&s, frame, j, bend) - 1; b >= 0; b--)
-                if (bend[b].b == i)
-                    change[bend[b].a] += bend[b].h;
-            for (int side = 0; side < 2; side++) {
-                memset(by, 0, sizeof by);
-                by[i] = side ? h : -h;
-                memcpy(at, q, sizeof at);
-                lw_space_move(&s, at, by);
-                lw_space_place(&s, at, frame);
-                lw_space_coupling_row(&s, j, frame, turns, &sum[side], of_sum[side]);
-            }
-            lw_space_place(&s, q, frame);
-            lw_space_coupling_row(&s, j, frame, turns, phi, of_sum[0]);
-            double first = 0, bias = 0;
-            for (int a = 0; a < 6*c->n_side; a++)
-                if (c->body[a/6] >= 0) {
-                    first += 6*c->body[a/6] + a%6 == i ? of_sum[0][a] : 0;
-                    bias += v[6*c->body[a/6] + a%6]*change[6*c->body[a/6] + a%6]*v[i];
-                }
-            off_c = fmax(off_c, fabs((sum[1] - sum[0])/(2*h) - first));
-            rest[j] += bias;
-        }
-        for (int side = 0; side < 2; side++) {
-            memcpy(w, v, sizeof w);
-            w[i] += side ? h : -h;
-            lw_space_forces_apply(&f, 0.3, frame, w, force[side], NULL, NULL);
-            lw_space_state_rates(&f, 0.3, frame, w, force[side] + N);
-        }
-        for (int a = 0; a < ALL; a++)
-            off_v = fmax(off_v, fabs((force[1][a] - force[0][a])/(2*h) - by_v[a*ALL + i]));
-    }
+    memcpy(g.q, g.s.start, sizeof g.q);
+    lw_space_move(&g.s, g.q, by);
+    place_aside(&g, -1, 0);
+    lw_space_state_start(&g.f, 0.3, g.frame, g.v, g.force[0]);
+    CHECK_NEAR(g.force[0][0], 0.4, 0, 0);
+    lw_space_forces_apply(&g.f, 0.3, g.frame, g.v, g.force[0], NULL, &(lw_space_sink){ &(matrix){ SLOPES_ALL, g.by_q, g.by_v }, add_entry, add_entry });
+    for (int i = 0; i < SLOPES_N; i++)
+        compare_at(&g, i);
     for (int side = 0; side < 2; side++) {           /* by the state */
-        f.z[0] = 0.4 + (side ? h : -h);
-        lw_space_place(&s, q, frame);
-        lw_space_forces_apply(&f, 0.3, frame, v, force[side], NULL, NULL);
-        lw_space_state_rates(&f, 0.3, frame, v, force[side] + N);
+        g.f.z[0] = 0.4 + (side ? slopes_h : -slopes_h);
+        force_aside(&g, g.v, side);
     }
-    for (int a = 0; a < ALL; a++)
-        off_q = fmax(off_q, fabs((force[1][a] - force[0][a])/(2*h) - by_q[a*ALL + N]));
+    compare_slopes(&g, g.by_q, SLOPES_N, &g.off_q);
+    for (int i = 0; i < SLOPES_ALL*SLOPES_ALL; i++)
+        most = i%SLOPES_ALL < SLOPES_N ? fmax(most, fabs(g.by_q[i])) : most;
     CHECK(most > 1);
-    CHECK_NEAR(off_q, 0, 1e-7*most, 0);
-    CHECK_NEAR(off_v, 0, 1e-7*most, 0);
-    CHECK_NEAR(off_h, 0, 1e-7, 0);
-    CHECK_INT(s.n_coupling, 2);
-    CHECK_NEAR(off_c, 0, 1e-8, 0);
-    lw_space_place(&s, q, frame);
+    CHECK_NEAR(g.off_q, 0, 1e-7*most, 0);
+    CHECK_NEAR(g.off_v, 0, 1e-7*most, 0);
+    CHECK_NEAR(g.off_rows, 0, 1e-7, 0);
+    CHECK_INT(g.s.n_coupling, 2);
+    CHECK_NEAR(g.off_couplings, 0, 1e-8, 0);
     for (int j = 0; j < 2; j++) {
-        CHECK_NEAR(lw_space_coupling_bias(&s, j, frame, v), -rest[j], 1e-9, 0);
-        CHECK(fabs(rest[j]) > 1e-2);
+        CHECK_NEAR(lw_space_coupling_bias(&g.s, j, g.frame, g.v), -g.rest[j], 1e-9, 0);
+        CHECK(fabs(g.rest[j]) > 1e-2);
     }
+    lw_space_forces_free(&g.f);
+    lw_space_free(&g.s);
 }
 
 /* A hanging body on a universal joint with a spring: two modes in closed form. */
