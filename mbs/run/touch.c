@@ -1,42 +1,29 @@
-/* mbs/run/touch.c - contact, ropes and rigid stops during a run: impacts, rest, stick, slip, departure.
+/* mbs/run/touch.c - contact, ropes and rigid stops during a run: rest, stick, slip, departure.
  *
  * Between events the states of all places are fixed and the motion is smooth.  At an event a gap closes, a contact force
  * becomes tensile, friction no longer holds a place that sticks, a slip ends, or a disc leaves a face over its end.
- * Each event decides the states of all closed places together:
+ * Each event decides the states of all closed places together, after the impacts (mbs/run/touch_impact.c).
  *
- * Impacts.  Poisson's law with friction: the impulses of the compression end the approach, and those of the expansion
- * are at least `restitution` times as great; both satisfy Coulomb's law (Glocker & Pfeiffer 1995).  Only places that
- * approach take part; then those that approach because of it, and so on: impacts travel through touching bodies as
- * in Newton's cradle.  Without restitution all places take part at once.  Where this would gain energy, the
- * restitution is halved until it does not.
- *
- * Forces.  The accelerations after the event and the forces satisfy the same conditions (mbs/equations/complementarity.h);
+ * The accelerations after the event and the forces satisfy the same conditions (mbs/equations/complementarity.h);
  * they decide which places are held, stick or slip.  If there are several solutions, the method takes the first one that
  * it finds, starting without contact forces.  If there is none (Painleve 1895), friction stops slips at once, by impulses
  * at places that do not approach. */
 #include "base/real.h"
-#include "mbs/run/run_internal.h"
+#include "mbs/run/closed_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include "mbs/dynamics/touch_internal.h"
-#include "mbs/equations/complementarity.h"
 
 static const double missed = 1e-9;           /* a gap below minus this: its closure was missed, scaled          */
-static const double overlap = 1e-6;          /* a gap below minus this: shapes overlap, scaled                 */
-static const double struck = 1e-13;          /* a gap below this takes part in an impact, scaled                */
 static const double late = 1e-14;            /* an event is located where the gap passes minus this, scaled     */
-/* Rates of gaps and slips below this times a speed count as 0.  The speed is the greatest velocity, or the speed that
+/* Rates of gaps below this times a speed count as 0.  The speed is the greatest velocity, or the speed that
  * the free accelerations reach over the size of the linkage. */
-static const double still = 1e-12, no_slip = 1e-10;
+static const double still = 1e-12;
 static const double rounded = 1e-6;          /* slips that may be rounding errors, over the greatest velocity */
-static const double trace = 1e-11;           /* share of the speed that free accelerations may change          */
 static const double least_share = 1e-10;     /* pivot of a row that depends on others, over its diagonal       */
 static const double undetermined = 2e-6;     /* friction equations below this determinant are not solved       */
 static const double resolved_turn = 0.4;     /* angle of a body in a step while one of its discs may touch [rad] */
-enum { PASSES = 400, TOGETHER = 100, STALLED_MOST = 5000 };
-
-static bool is_rigid(const lw_touch *p) { return !(p->surface->stiffness > 0); }
+enum { STALLED_MOST = 5000 };
 
 /* ---- events -------------------------------------------------------------------------------------------- */
 
@@ -120,7 +107,7 @@ lw_status lw_run_touch_accept(lw_run *run, double t, const double *y)
     d->eq.place(d->eq.context, y);
     for (int i = 0; i < d->touch->list.n; i++) {
         lw_touch *p = &d->touch->list.touch[i];
-        bool rigid_apart = p->state == LW_TOUCH_APART && is_rigid(p);
+        bool rigid_apart = p->state == LW_TOUCH_APART && lw_touch_is_rigid(p);
         if (rigid_apart || p->state == LW_TOUCH_PASSIVE) {
             double gap = lw_touch_gap(p, &d->eq, d->frames);
             if (gap + p->passed < -missed)
@@ -133,14 +120,14 @@ lw_status lw_run_touch_accept(lw_run *run, double t, const double *y)
         if (p->state == LW_TOUCH_APART)
             lw_touch_choose_side(p, d->frames, false, LW_TOUCH_END);
     }
-    return lw_run_touch_crossed(run, t, overlap);
+    return lw_run_touch_crossed(run, t, lw_touch_overlap);
 }
 
 lw_status lw_run_touch_crossed(lw_run *run, double t, double by)
 {
     const lw_dynamics *d = run->d;
     for (int i = 0; i < d->touch->list.n; i++)
-        if (is_rigid(&d->touch->list.touch[i]) && lw_touch_crosses(&d->touch->list.touch[i], d->frames, by))
+        if (lw_touch_is_rigid(&d->touch->list.touch[i]) && lw_touch_crosses(&d->touch->list.touch[i], d->frames, by))
             return lw_error_set(run->e, LW_E_NUMERIC, "\"%s\": a corner has passed the other shape unseen before t = %.9g s; "
                                 "sharp corners that meet end on need round ends, as those of a segment with a \"radius\"",
                                 lw_touch_name(d->model, &d->touch->list.touch[i]), t);
@@ -183,394 +170,10 @@ double lw_run_touch_step(lw_run *run, const double *y)
     return longest;
 }
 
-/* ---- the places that are closed ---------------------------------------------------------------------- */
-
-/* m closed places: their numbers, rows (12 m: gap, slip), responses of the velocities to unit impulses (2m x n_q), W, the responses of
- * the rates (2m x 2m), and rates u (2m). */
-typedef struct closed {
-    int     m, *place;
-    double *row, *response, *w, *u, *b, *force, *rate, *gap, *sub;
-    lw_touch_law *law;
-    bool   *in, *noted;                  /* takes part; its impact has been reported                    */
-    double  slow;                        /* slips below this are rounding                               */
-} closed;
-
-static void free_closed(closed *c)
-{
-    free(c->place);
-    free(c->row);
-    free(c->law);
-    free(c->in);
-}
-
-static bool allocate(closed *c, size_t most, size_t n_q)
-{
-    size_t r = 2*most;
-    c->place = calloc(2*most + 1, sizeof *c->place);
-    c->row = calloc(12*most + r*n_q + r*r + 5*r + r*r + 6*r + 1, sizeof *c->row);
-    c->law = calloc(2*most + 1, sizeof *c->law);
-    c->in = calloc(2*most + 1, sizeof *c->in);
-    if (!c->place || !c->row || !c->law || !c->in)
-        return false;
-    c->noted = c->in + most;
-    c->response = c->row + 12*most;
-    c->w = c->response + r*n_q;
-    c->u = c->w + r*r;
-    c->b = c->u + r;
-    c->force = c->b + r;
-    c->rate = c->force + r;
-    c->gap = c->rate + r;
-    c->sub = c->gap + r;
-    return true;
-}
-
-static bool has_set_valued_friction(const lw_touch *p)
-{
-    return p->surface->friction > 0 && !(p->surface->friction_speed > 0) && p->kind <= LW_TOUCH_DISCS;
-}
-
-/* Is the place closed at (t, y)?  Sets the state of a compliant one. */
-static lw_status look_at(lw_run *run, double t, lw_touch *p, const lw_touch_motion *m, bool *is)
-{
-    *is = false;
-    if (!is_rigid(p)) {
-        bool in = m->gap < -LW_TOUCH_CLOSED || (m->gap <= LW_TOUCH_CLOSED && m->rate < 0);
-        p->state = in ? LW_TOUCH_PRESSED : LW_TOUCH_APART;
-        *is = in && has_set_valued_friction(p);
-        return LW_OK;
-    }
-    if (m->gap < -overlap)
-        return lw_error_set(run->e, LW_E_ARG, "\"%s\": %s at t = %.9g s", lw_touch_name(run->d->model, p),
-                            p->kind == LW_TOUCH_STOP ? "the stop of this joint is passed" :
-                            p->kind == LW_TOUCH_ROPE ? "this rope is longer than its length" : "these shapes overlap", t);
-    bool on = m->gap <= LW_TOUCH_CLOSED && !lw_touch_past_end(p, m);
-    *is = on && !lw_touch_beside_end(p, run->d->frames, m);
-    p->state = on ? LW_TOUCH_PASSIVE : LW_TOUCH_APART;
-    return LW_OK;
-}
-
-lw_status lw_run_touch_choose_sides(lw_run *run)
-{
-    lw_dynamics *d = run->d;
-    for (int i = 0; i < d->touch->list.n; i++)
-        if (!lw_touch_choose_side(&d->touch->list.touch[i], d->frames, !d->o.pieces, LW_TOUCH_END))
-            return lw_error_set(run->e, LW_E_ARG, "\"%s\": an end lies on a segment without thickness, and it is not known on which side; give "
-                                "one of them a \"radius\"", lw_touch_name(d->model, &d->touch->list.touch[i]));
-    return LW_OK;
-}
-
-lw_status lw_run_touch_check(lw_run *run, double t)
-{
-    lw_dynamics *d = run->d;
-    lw_status s = LW_OK;
-    for (int i = 0; s == LW_OK && i < d->touch->list.n; i++) {
-        lw_touch_motion m;
-        bool is;
-        lw_touch_at(&d->touch->list.touch[i], &d->eq, d->frames, NULL, &m);
-        s = look_at(run, t, &d->touch->list.touch[i], &m, &is);
-        d->touch->list.touch[i].state = LW_TOUCH_APART;
-    }
-    return s;
-}
-
-static double row_dot(const lw_touch *p, const double *row, const double *x)
-{
-    double sum = 0;
-    for (int i = 0; i < 6; i++)
-        if (p->body[i/3] >= 0)
-            sum += row[i]*x[3*p->body[i/3] + i%3];
-    return sum;
-}
-
-/* Append a place to c, whose memory must hold it. */
-static void add_place(const lw_dynamics *d, int place, const double *v, closed *c)
-{
-    lw_touch_motion m;
-    lw_touch_at(&d->touch->list.touch[place], &d->eq, d->frames, v, &m);
-    c->gap[c->m] = m.gap;
-    memcpy(c->row + 12*c->m, m.n, sizeof m.n);
-    memcpy(c->row + 12*c->m + 6, m.t, sizeof m.t);
-    c->place[c->m++] = place;
-}
-
-/* Fill in responses and W of the places of c.  The factored rows are those of the joints alone, without places. */
-static void find_responses(lw_dynamics *d, closed *c)
-{
-    const lw_touch_list *list = &d->touch->list;
-    size_t r = 2*(size_t)c->m, n_q = (size_t)d->n_q;
-    for (size_t k = 0; k < r; k++) {
-        const lw_touch *p = &list->touch[c->place[k/2]];
-        double *g = d->hold;
-        memset(g, 0, n_q*sizeof *g);
-        if (k%2 && !has_set_valued_friction(p))
-            continue;                        /* no such force: zeros */
-        for (int i = 0; i < 6; i++)
-            if (p->body[i/3] >= 0)
-                g[3*p->body[i/3] + i%3] += c->row[6*k + (size_t)i];
-        lw_mbs_impulse(d, g, c->response + k*n_q);
-        for (size_t j = 0; j < r; j++)
-            c->w[j*r + k] = row_dot(&list->touch[c->place[j/2]], c->row + 6*j, c->response + k*n_q);
-    }
-}
-
-/* Find the closed places, with their rows, responses and W. */
-static lw_status find_closed(lw_run *run, double t, const double *y, closed *c)
-{
-    lw_dynamics *d = run->d;
-    size_t n_q = (size_t)d->n_q, most = 0;
-    lw_touch_list *list = &d->touch->list;
-    lw_status s = LW_OK;
-    for (int pass = 0; s == LW_OK && pass < 2; pass++) {
-        if (pass && !allocate(c, most, n_q))
-            return LW_E_MEMORY;
-        for (int i = 0; s == LW_OK && i < list->n; i++) {
-            lw_touch_motion m;
-            bool is;
-            lw_touch_at(&list->touch[i], &d->eq, d->frames, y + n_q, &m);
-            s = look_at(run, t, &list->touch[i], &m, &is);
-            most += is && !pass;
-            if (is && pass)
-                add_place(d, i, y + n_q, c);
-        }
-    }
-    if (s == LW_OK)
-        find_responses(d, c);
-    return s;
-}
-
-static void find_rates(const lw_dynamics *d, const double *v, closed *c)
-{
-    for (int k = 0; k < 2*c->m; k++)
-        c->u[k] = row_dot(&d->touch->list.touch[c->place[k/2]], c->row + 6*k, v);
-}
-
-static void apply_impulse(const lw_dynamics *d, const closed *c, const double *impulse, double *v)
-{
-    for (int k = 0; k < 2*c->m; k++)
-        for (int i = 0; impulse[k] != 0 && i < d->n_q; i++)
-            v[i] += impulse[k]*c->response[(size_t)k*(size_t)d->n_q + (size_t)i];
-}
-
-/* Solve for the places of c that are `in`, with c->law and the rates `b`; c->force and c->rate (2m) of all places. */
-static lw_status solve(const closed *c, const double *b, double *force, double *rate)
-{
-    int n = 0, *at = c->place + c->m;
-    size_t r = 2*(size_t)c->m;
-    lw_touch_law *law = c->law + c->m;
-    for (int i = 0; i < c->m; i++)
-        if (c->in[i]) {
-            law[n] = c->law[i];
-            at[n++] = i;
-        }
-    size_t q = 2*(size_t)n;
-    double *w = c->sub, *own = w + r*r, *f = own + r, *u = f + r;
-    for (size_t i = 0; i < q; i++) {
-        own[i] = b[2*(size_t)at[i/2] + i%2];
-        for (size_t j = 0; j < q; j++)
-            w[i*q + j] = c->w[(2*(size_t)at[i/2] + i%2)*r + 2*(size_t)at[j/2] + j%2];
-    }
-    lw_status s = lw_complementarity(n, w, own, law, f, u);
-    memset(force, 0, r*sizeof *force);
-    for (size_t i = 0; i < q; i++)
-        force[2*(size_t)at[i/2] + i%2] = f[i];
-    for (size_t i = 0; i < r; i++) {
-        rate[i] = b[i];
-        for (size_t j = 0; j < r; j++) {
-            bool counted = c->law[j/2].fixed && j%2 == 0;
-            rate[i] += counted ? 0 : c->w[i*r + j]*force[j];
-        }
-    }
-    return s;
-}
-
-/* ---- impacts ------------------------------------------------------------------------------------------- */
-
-static void note(lw_run *run, int place, double t, bool impact, double rate)
-{
-    lw_dynamics_report *r = run->r;
-    const lw_touch *p = &run->d->touch->list.touch[place];
-    bool stop = p->kind == LW_TOUCH_STOP;
-    double unit = stop ? lw_system_joint_unit(&run->d->s, p->owner) : run->d->s.unit;
-    if (r->n_event < LW_REPORT_EVENT_MAX)
-        r->event[r->n_event++] = (lw_run_event){ t, stop ? p->owner : -1, p->sign < 0, impact, rate*unit,
-                                                 stop ? run->d->model->linkage.joint[p->owner].name
-                                                      : lw_touch_name(run->d->model, p), !stop };
-    r->n_event_seen++;
-}
-
-/* Find the impulses c->force that end the approach of the places in c->in, and the rates c->rate after them.  If the linkage comes to rest,
- * Coulomb's law alone allows any friction up to the limit; but places that slipped until then had friction at the limit.  So a place that slips is
- * assumed to slip on, unless this contradicts Coulomb's law. */
-static lw_status compress(const lw_dynamics *d, const closed *c)
-{
-    double fastest = 0;
-    for (int k = 0; k < 2*c->m; k++)
-        fastest = fmax(fastest, fabs(c->u[k]));
-    for (int i = 0; i < c->m; i++) {
-        const lw_touch *p = &d->touch->list.touch[c->place[i]];
-        double slip = c->u[2*i + 1], friction = has_set_valued_friction(p) ? p->surface->friction : 0;
-        bool slips = c->in[i] && friction > 0 && fabs(slip) > no_slip*fastest;
-        c->law[i] = (lw_touch_law){ .friction = friction, .slips = !slips ? 0 : slip > 0 ? 1 : -1 };
-    }
-    for (;;) {
-        lw_status s = solve(c, c->u, c->force, c->rate);
-        bool changed = false;
-        for (int i = 0; i < c->m; i++) {
-            int slips = c->law[i].slips;
-            if (slips != 0 && (s == LW_NOTHING || slips*c->rate[2*i + 1] < -no_slip*fastest)) {
-                c->law[i].slips = 0;
-                changed = true;
-            }
-        }
-        if (!changed)
-            return s;
-    }
-}
-
-/* Compression of the places in c->in, then expansion with `part` of the restitution: c->force is the impulse, c->rate the
- * rates after it.  *gains: the energy increases by more than rounding. */
-static lw_status impact_once(const lw_dynamics *d, const closed *c, double part, bool *gains)
-{
-    bool bounces = false;
-    lw_status s = compress(d, c);
-    for (int i = 0; s == LW_OK && i < c->m; i++) {
-        c->law[i].slips = 0;
-        c->law[i].least = part*d->touch->list.touch[c->place[i]].surface->restitution*c->force[2*i];
-        bounces = bounces || c->law[i].least > 0;
-    }
-    if (s == LW_OK && bounces) {
-        size_t r = 2*(size_t)c->m;
-        double *first = c->b, *before = c->sub + r*r + 3*r;  /* free at this point */
-        memcpy(first, c->force, r*sizeof *first);
-        memcpy(before, c->rate, r*sizeof *before);
-        s = solve(c, before, c->force, c->rate);
-        for (size_t k = 0; k < r; k++)
-            c->force[k] += first[k];
-    }
-    double gain = 0, size = 0;
-    for (int k = 0; k < 2*c->m; k++) {
-        gain += 0.5*c->force[k]*(c->u[k] + c->rate[k]);
-        size += 0.5*fabs(c->force[k])*(fabs(c->u[k]) + fabs(c->rate[k]));
-    }
-    *gains = gain > 1e-12*size;
-    return s;
-}
-
-/* The same with at most `part` of the restitution, reduced until the energy does not increase. */
-static lw_status impact(const lw_dynamics *d, const closed *c, double part)
-{
-    bool gains;
-    lw_status s = impact_once(d, c, part, &gains);
-    for (int k = 0; s == LW_OK && gains && part > 0; k++) {
-        part = k < 30 ? 0.5*part : 0;
-        s = impact_once(d, c, part, &gains);
-    }
-    return s;
-}
-
-lw_status lw_run_touch_impact(lw_run *run, double t, int n, const int *place, double *v)
-{
-    lw_dynamics *d = run->d;
-    closed c = { 0 };
-    lw_status s = allocate(&c, (size_t)n, (size_t)d->n_q) ? LW_OK : LW_E_MEMORY;
-    for (int i = 0; s == LW_OK && i < n; i++) {
-        add_place(d, place[i], v, &c);
-        c.in[i] = true;
-    }
-    if (s == LW_OK) {
-        find_responses(d, &c);
-        find_rates(d, v, &c);
-        s = impact(d, &c, 1);
-    }
-    for (int i = 0; s == LW_OK && i < n; i++)
-        note(run, place[i], t, true, c.u[2*i]);
-    if (s == LW_OK)
-        apply_impulse(d, &c, c.force, v);
-    free_closed(&c);
-    return s;
-}
-
-/* Apply the impacts at places that approach faster than *tiny, and those that they cause.  Impulses between wedged bodies
- * may be far greater than the changes of rates that they cause; *tiny then grows to the rounding errors of the solution. */
-static lw_status strike(lw_run *run, double t, closed *c, double *tiny, double *v, bool *any)
-{
-    lw_dynamics *d = run->d;
-    const lw_touch *touch = d->touch->list.touch;
-    bool plastic = true;
-    for (int i = 0; i < c->m; i++)
-        plastic = plastic && !(touch[c->place[i]].surface->restitution > 0);
-    for (int pass = 0; pass < PASSES; pass++) {
-        bool hit = false;
-        for (int i = 0; i < c->m; i++) {
-            c->in[i] = is_rigid(&touch[c->place[i]]) && c->gap[i] < struck && c->u[2*i] < -*tiny;
-            hit = hit || c->in[i];
-            if (c->in[i] && !c->noted[i] && (pass == 0 || !plastic)) {
-                note(run, c->place[i], t, true, c->u[2*i]);
-                c->noted[i] = true;
-            }
-        }
-        if (!hit)
-            return LW_OK;
-        for (int i = 0; (plastic || pass >= TOGETHER) && i < c->m; i++)
-            c->in[i] = is_rigid(&touch[c->place[i]]);
-        lw_status s = impact(d, c, pass < TOGETHER);
-        if (s == LW_E_MEMORY)
-            return s;
-        double blocked = 0;
-        for (int i = 0; i < c->m; i++)
-            blocked = c->in[i] && !(c->w[4*(size_t)c->m*(size_t)i + 2*(size_t)i] > 0) ? 1 : blocked;
-        if (s != LW_OK || blocked > 0)
-            return lw_error_set(run->e, LW_E_NUMERIC, "the impact at t = %.9g s has no solution: what is hit cannot give way", t);
-        apply_impulse(d, c, c->force, v);
-        find_rates(d, v, c);
-        for (int i = 0; i < c->m; i++)
-            *tiny = c->in[i] ? fmax(*tiny, -2*fmin(c->rate[2*i], c->u[2*i])) : *tiny;
-        *any = true;
-    }
-    return lw_error_set(run->e, LW_E_NUMERIC, "impacts follow each other without end at t = %.9g s", t);
-}
-
-/* Used if the complementarity problem of the forces has no solution, or none is found.  Solve for the impulses over a time h in
- * which free accelerations change the rates by a fraction `trace`; this problem always has a solution.  Impulses
- * proportional to h are forces (c->force, c->rate).  Impulses that remain as h goes to 0 end slips at once at places that do not
- * approach (Painleve); they are applied and *any is set.  LW_NOTHING: no solution was found. */
-static lw_status solve_impulses(lw_run *run, double t, closed *c, double speed, double *v, bool *any)
-{
-    size_t r = 2*(size_t)c->m;
-    double *after = c->sub + r*r + 3*r, most = 0, change = 0;
-    for (size_t k = 0; k < r; k++)
-        most = fmax(most, fabs(c->b[k]));
-    double h = trace*speed/fmax(most, 1e-300);
-    for (int i = 0; i < c->m; i++) {
-        after[2*i] = (c->in[i] ? fmin(c->u[2*i], 0) : c->u[2*i]) + h*c->b[2*i];
-        after[2*i + 1] = c->u[2*i + 1] + h*c->b[2*i + 1];
-        c->law[i].slips = 0;
-        c->law[i].least *= h;
-    }
-    lw_status s = solve(c, after, c->force, c->rate);
-    for (size_t k = 0; s == LW_OK && k < r; k++)
-        change = fmax(change, fabs(c->rate[k] - after[k]));
-    *any = change > 30*trace*speed;
-    for (int i = 0; s == LW_OK && i < c->m; i++) {
-        bool strikes = c->in[i] && !c->law[i].fixed && c->force[2*i]*c->w[2*(size_t)i*(r + 1)] > 30*trace*speed;
-        if (*any && strikes)
-            note(run, c->place[i], t, true, 0);
-    }
-    if (s == LW_OK && *any) {
-        apply_impulse(run->d, c, c->force, v);
-        find_rates(run->d, v, c);
-    }
-    for (size_t k = 0; s == LW_OK && !*any && k < r; k++) {
-        c->rate[k] = c->b[k] + (c->rate[k] - after[k])/h;
-        c->force[k] /= h;
-    }
-    return s;
-}
-
 /* ---- forces and states -------------------------------------------------------------------------------- */
 
 /* Find the accelerations of gaps and slips without contact forces, c->b, and the forces at compliant places. */
-static lw_status find_free(lw_run *run, double t, const double *y, closed *c)
+static lw_status find_free(lw_run *run, double t, const double *y, lw_closed *c)
 {
     lw_dynamics *d = run->d;
     const double *v = y + d->n_q;
@@ -579,32 +182,32 @@ static lw_status find_free(lw_run *run, double t, const double *y, closed *c)
         const lw_touch *p = &d->touch->list.touch[c->place[i]];
         lw_touch_motion m;
         lw_touch_at(p, &d->eq, d->frames, v, &m);
-        c->b[2*i] = row_dot(p, c->row + 12*i, d->a) + m.bias;
-        c->b[2*i + 1] = row_dot(p, c->row + 12*i + 6, d->a) + m.slip_bias;
-        c->law[i].least = is_rigid(p) ? 0 : pressed_force(d, p, &m);
+        c->b[2*i] = lw_touch_row_dot(p, c->row + 12*i, d->a) + m.bias;
+        c->b[2*i + 1] = lw_touch_row_dot(p, c->row + 12*i + 6, d->a) + m.slip_bias;
+        c->law[i].least = lw_touch_is_rigid(p) ? 0 : pressed_force(d, p, &m);
     }
     return s;
 }
 
-static void set_laws(const lw_dynamics *d, const closed *c, double speed)
+static void set_laws(const lw_dynamics *d, const lw_closed *c, double speed)
 {
     for (int i = 0; i < c->m; i++) {
         const lw_touch *p = &d->touch->list.touch[c->place[i]];
         double slip = c->u[2*i + 1];
-        bool rubs = has_set_valued_friction(p);
-        c->law[i].fixed = !is_rigid(p);
+        bool rubs = lw_touch_has_set_valued_friction(p);
+        c->law[i].fixed = !lw_touch_is_rigid(p);
         c->law[i].friction = rubs ? p->surface->friction : 0;
-        c->law[i].slips = !rubs || fabs(slip) <= fmax(no_slip*speed, c->slow) ? 0 : slip > 0 ? 1 : -1;
+        c->law[i].slips = !rubs || fabs(slip) <= fmax(lw_touch_no_slip*speed, c->slow) ? 0 : slip > 0 ? 1 : -1;
     }
 }
 
 /* Find the forces at the places at rest, whose gaps have no rate.  A bounce lower than the least height counts as rest. */
-static lw_status find_forces(closed *c, double tiny)
+static lw_status find_forces(lw_closed *c, double tiny)
 {
     for (int i = 0; i < c->m; i++)
         c->in[i] = c->law[i].fixed || fabs(c->u[2*i]) <= tiny;
     for (bool again = true; again;) {
-        lw_status s = solve(c, c->b, c->force, c->rate);
+        lw_status s = lw_closed_solve(c, c->b, c->force, c->rate);
         again = false;
         if (s != LW_OK)
             return s;
@@ -620,7 +223,7 @@ static lw_status find_forces(closed *c, double tiny)
 
 /* Rows of c that are independent of each other, by Cholesky's method on W. */
 typedef struct independent {
-    const closed *c;
+    const lw_closed *c;
     double       *factor;                /* (most + 1, most) the factor of the rows                         */
     int          *taken, n, most;        /* (n) numbers of the rows in c, 2 place for a gap, + 1 for a slip */
     double        top, fastest;          /* the greatest normal force, the greatest rate of a gap or slip   */
@@ -629,7 +232,7 @@ typedef struct independent {
 /* Is row k of c independent of the rows taken?  Then it becomes the next one if h->n is counted up. */
 static bool take_row(independent *h, int k)
 {
-    const closed *c = h->c;
+    const lw_closed *c = h->c;
     double *factor = h->factor;
     int *taken = h->taken, n = h->n, most = h->most;
     size_t r = 2*(size_t)c->m;
@@ -686,7 +289,7 @@ static bool shares_with_slip(const struct lw_touching *w, const independent *h)
 }
 
 /* Friction at place i per unit of its normal force if it is at its limit, else 0.  Without a normal force it counts as at its limit. */
-static double friction_at_limit(const closed *c, int i)
+static double friction_at_limit(const lw_closed *c, int i)
 {
     double mu = c->law[i].friction, across = c->force[2*i + 1], sense = across != 0 ? across : -c->rate[2*i + 1];
     if (c->law[i].slips != 0)
@@ -697,7 +300,7 @@ static double friction_at_limit(const closed *c, int i)
 /* Place `own`, whose row depends on the rows taken, can take over a part of their normal forces.  Does friction then change the motion? */
 static bool moves_otherwise(const independent *h, int own)
 {
-    const closed *c = h->c;
+    const lw_closed *c = h->c;
     const int *taken = h->taken, n = h->n;
     const double *x = find_shares(h);
     double *f = c->sub + n, change = 0, size = 0;
@@ -719,7 +322,7 @@ static bool moves_otherwise(const independent *h, int own)
  * normal forces.  If a place sticks, it may balance the difference, and nothing is reported. */
 static void note_several_motions(lw_run *run, double t, independent *h)
 {
-    const closed *c = h->c;
+    const lw_closed *c = h->c;
     bool slips = false, sticks = false;
     for (int i = 0; i < c->m; i++)
         if (c->in[i] && c->law[i].friction > 0) {
@@ -747,14 +350,14 @@ static void set_redundant(struct lw_touching *w, const independent *h, int i)
  * equal loads.  The other places that were held and do not press are released. */
 static void keep_passive(lw_run *run, double t, independent *h)
 {
-    const closed *c = h->c;
+    const lw_closed *c = h->c;
     struct lw_touching *w = run->d->touch;
     for (int i = 0; i < c->m; i++) {
         lw_touch *p = &w->list.touch[c->place[i]];
-        if (is_rigid(p) && p->state == LW_TOUCH_PASSIVE && !p->redundant && !take_row(h, 2*i))
+        if (lw_touch_is_rigid(p) && p->state == LW_TOUCH_PASSIVE && !p->redundant && !take_row(h, 2*i))
             set_redundant(w, h, i);
-        if (is_rigid(p) && p->held && p->state != LW_TOUCH_HELD && !p->redundant)
-            note(run, c->place[i], t, false, 0);
+        if (lw_touch_is_rigid(p) && p->held && p->state != LW_TOUCH_HELD && !p->redundant)
+            lw_run_touch_note(run, c->place[i], t, false, 0);
     }
 }
 
@@ -764,12 +367,12 @@ static void hold(struct lw_touching *w, independent *h, int i, bool tangent)
     w->row[h->n++] = (lw_touch_row){ h->c->place[i], tangent };
 }
 
-static bool presses(const struct lw_touching *w, const closed *c, int i) { return c->in[i] && c->force[2*i] > w->least_force; }
+static bool presses(const struct lw_touching *w, const lw_closed *c, int i) { return c->in[i] && c->force[2*i] > w->least_force; }
 
 /* Set the state of the gap of a rigid place. */
 static void set_gap(struct lw_touching *w, independent *h, int i)
 {
-    const closed *c = h->c;
+    const lw_closed *c = h->c;
     lw_touch *p = &w->list.touch[c->place[i]];
     bool leaves = !c->in[i] || c->rate[2*i] > 1e-9*h->fastest;
     p->state = leaves ? LW_TOUCH_APART : LW_TOUCH_PASSIVE;
@@ -789,7 +392,7 @@ static void set_gap(struct lw_touching *w, independent *h, int i)
 static void set_slip(const lw_dynamics *d, independent *h, int i, int pass, bool lets_go)
 {
     struct lw_touching *w = d->touch;
-    const closed *c = h->c;
+    const lw_closed *c = h->c;
     lw_touch *p = &w->list.touch[c->place[i]];
     bool bears = p->state == LW_TOUCH_HELD || p->state == LW_TOUCH_PRESSED || p->redundant;
     if (!bears || !(c->law[i].friction > 0))
@@ -839,7 +442,7 @@ static lw_status set_friction(lw_dynamics *d, int n)
 
 /* Set the states of the places from forces and rates, and the rows that are held.  lets_go: friction no longer holds a place that
  * stuck; its slip has no acceleration yet. */
-static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go)
+static lw_status set_states(lw_run *run, double t, const lw_closed *c, bool lets_go)
 {
     struct lw_touching *w = run->d->touch;
     independent h = { .c = c, .most = 2*c->m };
@@ -856,7 +459,7 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
     bool room = h.factor && h.taken;
     for (int frictionless = 0; room && frictionless < 2; frictionless++)
         for (int i = 0; i < c->m; i++)
-            if (frictionless == !(c->law[i].friction > 0) && is_rigid(&w->list.touch[c->place[i]]))
+            if (frictionless == !(c->law[i].friction > 0) && lw_touch_is_rigid(&w->list.touch[c->place[i]]))
                 set_gap(w, &h, i);
     if (room) {
         note_several_motions(run, t, &h);
@@ -871,7 +474,7 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
 }
 
 /* Duration of the shortest bounce that begins now, from the accelerations found; 0: none. */
-static double find_flight(const closed *c)
+static double find_flight(const lw_closed *c)
 {
     double flight = 0;
     for (int i = 0; i < c->m; i++) {
@@ -890,15 +493,15 @@ static double greatest_of(const lw_dynamics *d, const double *v)
     return most;
 }
 
-static lw_status decide(lw_run *run, double t, double *y, closed *c, bool undecided, bool *any)
+static lw_status decide(lw_run *run, double t, double *y, lw_closed *c, bool undecided, bool *any)
 {
     lw_dynamics *d = run->d;
     double *v = y + d->n_q;
     lw_status s = find_free(run, t, y, c);
     double speed = fmax(greatest_of(d, v), sqrt(greatest_of(d, d->a))), tiny = still*speed;
-    find_rates(d, v, c);
+    lw_closed_rates(d, v, c);
     for (int tries = 0; s == LW_OK && tries < 20; tries++) {
-        s = strike(run, t, c, &tiny, v, any);
+        s = lw_run_touch_strike(run, t, c, &tiny, v, any);
         if (s == LW_OK)
             s = find_free(run, t, y, c);
         if (s != LW_OK)
@@ -909,7 +512,7 @@ static lw_status decide(lw_run *run, double t, double *y, closed *c, bool undeci
             return s;
         bool impulsive, known = s == LW_OK;
         undecided = false;
-        s = solve_impulses(run, t, c, speed, v, &impulsive);
+        s = lw_run_touch_impulses(run, t, c, speed, v, &impulsive);
         *any = *any || impulsive;
         if (s == LW_NOTHING)
             break;
@@ -940,7 +543,7 @@ static void note_gaps(lw_dynamics *d, const double *y)
     d->eq.place(d->eq.context, y);
     for (int i = 0; i < d->touch->list.n; i++) {
         lw_touch *p = &d->touch->list.touch[i];
-        if (!is_rigid(p) || (p->state != LW_TOUCH_APART && p->state != LW_TOUCH_PASSIVE))
+        if (!lw_touch_is_rigid(p) || (p->state != LW_TOUCH_APART && p->state != LW_TOUCH_PASSIVE))
             continue;
         p->passed = fmax(p->passed, -lw_touch_gap(p, &d->eq, d->frames));
     }
@@ -964,7 +567,7 @@ static double slip_against(lw_dynamics *d, const double *y)
 
 static const double sudden = 1e-3;           /* such a part of the greatest acceleration by loads alone */
 
-static bool slips_at_once(const lw_dynamics *d, const closed *c, int i)
+static bool slips_at_once(const lw_dynamics *d, const lw_closed *c, int i)
 {
     return c->in[i] && c->law[i].slips == 0 && c->law[i].friction > 0 && !c->law[i].fixed && fabs(c->rate[2*i + 1]) > sudden*greatest_of(d, d->a);
 }
@@ -977,7 +580,7 @@ void lw_run_touch_jammed(lw_run *run, double t, int place)
 
 /* Friction that gives way does so with no acceleration at first, if loads are continuous.  Does a place that `stuck` slip with one by the forces found,
  * though friction could hold all of them by other forces?  Then rigid bodies have both motions.  Changes the forces and rates of c. */
-static void note_jam(lw_run *run, double t, const closed *c)
+static void note_jam(lw_run *run, double t, const lw_closed *c)
 {
     const lw_dynamics *d = run->d;
     int worst = -1;
@@ -989,7 +592,7 @@ static void note_jam(lw_run *run, double t, const closed *c)
     double slip = c->rate[2*worst + 1];
     for (int i = 0; i < c->m; i++)
         c->law[i].holds = true;
-    if (solve(c, c->b, c->force, c->rate) == LW_OK && lw_complementarity_held(c->m, c->law, c->force, c->rate, worst, slip))
+    if (lw_closed_solve(c, c->b, c->force, c->rate) == LW_OK && lw_complementarity_held(c->m, c->law, c->force, c->rate, worst, slip))
         lw_run_touch_jammed(run, t, c->place[worst]);
 }
 
@@ -1012,7 +615,7 @@ static lw_status find_states(lw_run *run, double t, double *y, unsigned long lon
 {
     lw_dynamics *d = run->d;
     struct lw_touching *w = d->touch;
-    closed c = { .slow = slow };
+    lw_closed c = { .slow = slow };
     bool any = false;
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
     double before = d->eq.kinetic(d->eq.context, y + d->n_q);
@@ -1035,7 +638,7 @@ static lw_status find_states(lw_run *run, double t, double *y, unsigned long lon
         if (w->list.touch[i].state == LW_TOUCH_APART)            /* a disc may have passed around an end since the last step */
             lw_touch_choose_side(&w->list.touch[i], d->frames, false, LW_TOUCH_END);
     if (s == LW_OK)
-        s = find_closed(run, t, y, &c);
+        s = lw_closed_find(run, t, y, &c);
     if (s == LW_OK)
         s = decide(run, t, y, &c, events >> DETERMINANT & 1, &any);
     if (s == LW_OK)
@@ -1043,7 +646,7 @@ static lw_status find_states(lw_run *run, double t, double *y, unsigned long lon
     run->flight = s == LW_OK ? find_flight(&c) : 0;
     if (s == LW_OK)
         note_jam(run, t, &c);
-    free_closed(&c);
+    lw_closed_free(&c);
     if (s == LW_OK && w->n_row > 0)
         s = lw_mbs_arrange(d, t, y);
     if (s == LW_OK)
@@ -1055,8 +658,9 @@ static lw_status find_states(lw_run *run, double t, double *y, unsigned long lon
     return s;
 }
 
-/* If impulses of a heavy body move a light one, its rates have rounding errors above no_slip, and the projection onto the constraints can reverse a slip.
- * Its end would be missed then, and friction would accelerate it.  So the states are found again, with slips up to twice the reversed one counted as 0. */
+/* If impulses of a heavy body move a light one, its rates have rounding errors above lw_touch_no_slip, and the projection onto the constraints
+ * can reverse a slip.  Its end would be missed then, and friction would accelerate it.  So the states are found again, with slips up to twice
+ * the reversed one counted as 0. */
 lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long events)
 {
     lw_status s = LW_OK;
@@ -1073,7 +677,7 @@ lw_status lw_run_touch_end(lw_run *run, double t, double *y)
 {
     lw_dynamics *d = run->d;
     struct lw_touching *w = d->touch;
-    closed c = { 0 };
+    lw_closed c = { 0 };
     if (run->r->jammed || w->n_redundant == 0)
         return LW_OK;
     const struct lw_touching old = *w;
@@ -1086,17 +690,17 @@ lw_status lw_run_touch_end(lw_run *run, double t, double *y)
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
     lw_status s = factor_joints(d, t, y);
     if (s == LW_OK)
-        s = find_closed(run, t, y, &c);
+        s = lw_closed_find(run, t, y, &c);
     if (s == LW_OK)
         s = find_free(run, t, y, &c);
     if (s == LW_OK) {
         double speed = fmax(greatest_of(d, y + d->n_q), sqrt(greatest_of(d, d->a)));
-        find_rates(d, y + d->n_q, &c);
+        lw_closed_rates(d, y + d->n_q, &c);
         set_laws(d, &c, speed);
         if ((s = find_forces(&c, still*speed)) == LW_OK)
             note_jam(run, t, &c);
     }
-    free_closed(&c);
+    lw_closed_free(&c);
     memcpy(w->list.touch, touch, (size_t)w->list.n*sizeof *touch);
     free(touch);
     w->n_row = old.n_row, w->n_slip = old.n_slip, w->n_redundant = old.n_redundant, w->determinant = old.determinant, w->sense = old.sense;
