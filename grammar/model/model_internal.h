@@ -2,6 +2,7 @@
 #ifndef LW_GRAMMAR_MODEL_MODEL_INTERNAL_H
 #define LW_GRAMMAR_MODEL_MODEL_INTERNAL_H
 
+#include <stddef.h>
 #include "grammar/linkage/read_internal.h"
 #include "grammar/model/model.h"
 #include "grammar/model/spatial.h"
@@ -104,6 +105,27 @@ lw_status lw_states_read(const lw_json_node *root, const lw_reading *r, lw_error
 /* One of "motors" with a "resistance", or with a "torque"; or false: it has neither. */
 bool lw_is_driven_motor(const lw_json_node *object);
 lw_read_one lw_states_read_motor;
+
+/* ---- spatial_loads.c: loads of models in space, and what they name ------------------------------------------------- */
+
+/* Arguments of lw_read_name_of and lw_read_find for a list of n parts with names. */
+#define LW_NAMES(list, n, type) (const char *)(list) + offsetof(type, name), sizeof(type), n
+
+/* The link that a node names. */
+lw_status lw_spatial_read_link(const lw_json_node *n, const lw_spatial *m, int *out, lw_error *e);
+
+/* The measure that an object names: "joint", "coordinate" turn or slide; or "tracer", "coordinate" x, y, z. */
+lw_status lw_spatial_read_measure(const lw_json_node *object, const lw_spatial *m, bool tracers, const char *what,
+                                  lw_spatial_measure *out, lw_error *e);
+
+/* The unit of a measure in the file. */
+double lw_spatial_measure_unit(const lw_spatial *m, lw_spatial_measure of);
+
+/* What expressions and states ask of the model. */
+lw_reading lw_spatial_reading(lw_spatial *m);
+
+/* One of "forces", of "motors". */
+lw_read_one lw_spatial_read_force, lw_spatial_read_motor;
 
 /* ---- model_rotor.c: rotors that turn between moving links ------------------------------------------------------ */
 
