@@ -397,7 +397,7 @@ static double reaction_size(const lw_dynamics *d, int j, const double *l)
 {
     double f[3];
     reaction_of(d, j, l, f);
-    return d->space ? lw_v3_norm(lw_v3(f[0], f[1], f[2])) : hypot(f[0], f[1]);
+    return sqrt(f[0]*f[0] + f[1]*f[1] + (d->space ? f[2]*f[2] : 0));
 }
 
 double lw_mbs_reaction(const lw_dynamics *d, int j) { return reaction_size(d, j, d->l); }

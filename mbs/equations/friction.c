@@ -51,7 +51,7 @@ lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multip
 /* The size of reaction j of n, of which the last n_signed keep their sign. */
 static double size_of(const double *r, int dim, bool is_signed)
 {
-    return is_signed ? r[0] : dim == 2 ? hypot(r[0], r[1]) : lw_v3_norm(lw_v3(r[0], r[1], r[2]));
+    return is_signed ? r[0] : sqrt(r[0]*r[0] + r[1]*r[1] + (dim == 3 ? r[2]*r[2] : 0));
 }
 
 static void swap(double *a, double *b)
@@ -98,12 +98,12 @@ static double solve_in_turn(long n, double *a, double *taken, double *b)
     return least;
 }
 
-lw_status lw_friction_sizes(int n, int n_signed, int dim, const double *rest, const double *response, double *size,
-                            double *work, double *determinant)
+/* lw_friction_sizes for a literal dim, which unrolls the inner loops. */
+static inline __attribute__((always_inline)) lw_status find_sizes(int n, int n_signed, const int dim, const double *rest, const double *response, double *size,
+                                                                  double *work, double *determinant)
 {
     const long w = n;                         /* products of two numbers of joints may pass an int */
     double *matrix = work, *diag = work + w*w, *left = diag + w, scale = 0;
-    assert(n > 0 && (dim == 2 || dim == 3));
     for (int j = 0; j < n; j++) {
         size[j] = size_of(rest + dim*j, dim, j >= n - n_signed);
         scale = fmax(scale, fabs(size[j]));
@@ -148,6 +148,14 @@ lw_status lw_friction_sizes(int n, int n_signed, int dim, const double *rest, co
         }
     }
     return LW_E_NUMERIC;
+}
+
+lw_status lw_friction_sizes(int n, int n_signed, int dim, const double *rest, const double *response, double *size,
+                            double *work, double *determinant)
+{
+    assert(n > 0 && (dim == 2 || dim == 3));
+    return dim == 2 ? find_sizes(n, n_signed, 2, rest, response, size, work, determinant)
+                    : find_sizes(n, n_signed, 3, rest, response, size, work, determinant);
 }
 
 lw_status lw_friction_add(const lw_friction_scene *scene, int n, const lw_friction_joint *joint, double *response, double t,
