@@ -41,7 +41,8 @@ static const double closed = 1e-2;           /* a gap below this fraction of tha
 /* An overlap below this fraction of it is captured at any time of the step; so is an impact slower than this fraction of what forces change in a step. */
 static const double shallow = 0.1;
 static const double unseen = 0.5;            /* a step with an overlap above this fraction of it is repeated in shorter steps */
-static const double ahead = 20;              /* places that are at most this many steps away are in the pattern */
+static const double ahead = 6;              /* places that are at most this many steps away are in the pattern */
+static const double turns = 0.25;            /* rates of gaps change by this fraction of the greatest speed until then */
 /* Rates below this times the speed count as 0: first, and if the passes do not converge with it. */
 static const double exact = 1e-8, allowed = 1e-5;
 static const double give = 1e-9;             /* compliance of the rows of contacts, over their diagonals */
@@ -317,9 +318,12 @@ static void look_at_slip(const capture *g, const lw_touch *p, const lw_touch_mot
         note_ahead(to, in, -1);
 }
 
-/* Return the speed of the fastest place, scaled.  *missing becomes true if a place outside the pattern is closer than `near`; *to: the impacts ahead,
- * unless NULL. */
-static double look(capture *g, double near, bool *missing, ahead_of *to)
+/* Is the gap smaller than `near`, or may it become so within the time `in`? */
+static bool comes_near(const lw_touch_motion *m, double in, double speed, double near) { return m->gap < near + in*(fmax(0, -m->rate) + turns*speed); }
+
+/* Return the speed of the fastest place, scaled.  *missing becomes true if a place outside the pattern may close within two steps of length h, at this
+ * speed; *to: the impacts ahead, unless NULL. */
+static double look(capture *g, double h, double speed, bool *missing, ahead_of *to)
 {
     lw_touch_list *list = &g->d->touch->list;
     double fastest = 0;
@@ -334,7 +338,7 @@ static double look(capture *g, double near, bool *missing, ahead_of *to)
         while (k < g->n && g->at[k].touch < i)
             k++;
         bool in = k < g->n && g->at[k].touch == i;
-        *missing = *missing || (!in && m.gap < near);
+        *missing = *missing || (!in && comes_near(&m, 2*h, speed, closed*g->part*g->size));
         if (to && !(in && g->at[k].presses))
             look_ahead(g, &list->touch[i], &m, to);
         else if (to && g->at[k].slips != 0)
@@ -384,8 +388,8 @@ static lw_status make_pattern(capture *g)
     return ok ? LW_OK : LW_E_MEMORY;
 }
 
-/* Put the places closer than `reach` into the pattern; the frames are those at q. */
-static lw_status choose_places(capture *g, double reach)
+/* Put the places into the pattern that may close within the time `in`, at a speed; the frames are those at q. */
+static lw_status choose_places(capture *g, double in, double speed)
 {
     lw_dynamics *d = g->d;
     struct lw_touching *w = d->touch;
@@ -398,14 +402,14 @@ static lw_status choose_places(capture *g, double reach)
     for (int i = 0; i < w->list.n; i++) {
         const lw_touch *p = &w->list.touch[i];
         lw_touch_motion m;
-        lw_touch_at(p, &d->eq, d->frames, NULL, &m);
+        lw_touch_at(p, &d->eq, d->frames, g->v, &m);
         while (k < old && was[k].touch < i)
             k++;
-        bool in = k < old && was[k].touch == i;
-        if (p->surface->stiffness > 0 || (!(m.gap < reach) && !(in && was[k].presses)))
+        bool known = k < old && was[k].touch == i;
+        if (p->surface->stiffness > 0 || (!comes_near(&m, in, speed, 0.1*g->size) && !(known && was[k].presses)))
             continue;
         place *to = &g->at[n++];
-        *to = in ? was[k] : (place){ .touch = i, .mu = p->surface->friction };
+        *to = known ? was[k] : (place){ .touch = i, .mu = p->surface->friction };
         to->rubs = p->kind <= LW_TOUCH_DISCS && to->mu > 0;
         to->row = d->n_row + d->n_driven + w->n_row;
         w->row[w->n_row++] = (lw_touch_row){ i, false };
@@ -1177,7 +1181,7 @@ static lw_status run_steps(capture *g, double *y)
     lw_status s = LW_OK;
     while (s == LW_OK && run->next <= d->o.intervals) {
         bool missing = false;
-        double speed = look(g, 0, &missing, NULL), pull = 0, end = step_end(run, g->t);
+        double speed = look(g, 0, 0, &missing, NULL), pull = 0, end = step_end(run, g->t);
         for (int i = 0; i < d->n_v; i++)
             pull = fmax(pull, fabs(d->a[i])*(i%3 == 2 ? g->arm[i/3] : 1));
         h = fmin(longest_step(g), fmin(2*h, part*g->size/fmax(speed, sqrt(fmax(part, slow)*g->size*pull))));
@@ -1187,9 +1191,9 @@ static lw_status run_steps(capture *g, double *y)
         missing = false;
         double overlap = 0, left = end - g->t, whole = left/ceil(left/h - 1e-9);     /* a short last step would have wrong mean forces */
         ahead_of to = { .h = whole, .first = INFINITY };
-        look(g, 2*h*speed + closed*g->part*g->size, &missing, &to);
+        look(g, h, speed, &missing, &to);
         if (missing)
-            s = choose_places(g, ahead*h*speed + 0.1*g->size);
+            s = choose_places(g, ahead*h, speed);
         bool locates = to.n <= STRUCK_MOST && to.first < whole && (to.first > soonest*whole || !g->hits);
         whole = locates ? to.first : whole;
         g->strikes = locates ? to.strikes : -1;
@@ -1322,7 +1326,7 @@ static lw_status run_capture(lw_run *run)
         for (int i = 0; i < d->touch->list.n; i++)
             d->touch->list.touch[i].loose = g.part*g.size;
         if (s == LW_OK)
-            s = choose_places(&g, 0.1*g.size);
+            s = choose_places(&g, 0, 0);
         if (s == LW_OK)                      /* a moment, for accelerations and forces at the start */
             s = step(&g, moment*(d->o.to - d->o.from), &(double){ 0 });
         s = s == LW_OPEN ? say_unsolved(&g) : s;
