@@ -32,18 +32,18 @@ bool lw_qp_cholesky(int n, double *h)
 static void forward(int n, int first, const double *l, double *v)          /* v = L^-1 v; 0 before `first` */
 {
     for (int q = first; q < n; q++) {
-        v[q] /= l[q*n + q];
+        const double now = v[q] /= l[q*n + q];
         for (int i = q + 1; i < n; i++)
-            v[i] -= l[i*n + q]*v[q];
+            v[i] -= l[i*n + q]*now;
     }
 }
 
 static void backward(int n, const double *l, double *v)         /* v = L^-T v */
 {
     for (int q = n - 1; q >= 0; q--) {
-        v[q] /= l[q*n + q];
+        const double now = v[q] /= l[q*n + q];
         for (int i = 0; i < q; i++)
-            v[i] -= l[q*n + i]*v[q];
+            v[i] -= l[q*n + i]*now;
     }
 }
 
@@ -150,16 +150,19 @@ static void drop(active *w, int k)
     remake(w, k);
 }
 
-static double gap_of(const active *w, int j, const double *p)
+static inline double listed_gap(const lw_qp_rows *c, int n, int j, const double *p)
 {
-    const lw_qp_rows *c = w->rows;
-    const double *a = c->a + j*w->n;
-    if (j >= c->n_listed)
-        return lw_dot(w->n, a, p) - c->b[j];
+    const double *a = c->a + j*n;
     double sum = 0;
     for (int i = c->first[j]; i < c->first[j + 1]; i++)
         sum += a[c->column[i]]*p[c->column[i]];
     return sum - c->b[j];
+}
+
+static double gap_of(const active *w, int j, const double *p)
+{
+    const lw_qp_rows *c = w->rows;
+    return j < c->n_listed ? listed_gap(c, w->n, j, p) : lw_dot(w->n, c->a + j*w->n, p) - c->b[j];
 }
 
 /* Rounding error to expect in condition j, of which y is the vector: p is accurate to a few units in the last place only in the
@@ -182,61 +185,67 @@ static bool is_active(const active *w, int j)
     return false;
 }
 
-/* gap_of for conditions j to j + 3, in the same order of operations: four sums do not wait for each other as one does. */
-static void gaps_of_four(int n, int j, const double *a, const double *b, const double *p, double gap[4])
+/* gap_of for conditions j to j + EIGHT - 1, in the same order of operations: eight sums do not wait for each other as one does. */
+enum { EIGHT = 8 };
+
+static void gaps_of_eight(int n, const double *a, const double *b, const double *p, double gap[EIGHT])
 {
-    const double *r = a + j*n, *s = r + n, *t = s + n, *u = t + n;
-    double sum[4] = { 0 };
-    for (int c = 0; c < n; c++) {
-        sum[0] += r[c]*p[c];
-        sum[1] += s[c]*p[c];
-        sum[2] += t[c]*p[c];
-        sum[3] += u[c]*p[c];
+    double sum[EIGHT] = { 0 };
+    for (int c = 0; c < n; c++)
+        for (int k = 0; k < EIGHT; k++)
+            sum[k] += a[k*n + c]*p[c];
+    for (int k = 0; k < EIGHT; k++)
+        gap[k] = sum[k] - b[k];
+}
+
+/* The least gap of those looked at. */
+typedef struct least_gap { double gap, within; int row, last; } least_gap;
+
+static inline void look_at(const active *w, int j, double gap, least_gap *least)
+{
+    if (gap < least->gap && (gap > least->within || (gap == least->within && j > least->last)) && !is_active(w, j)) {
+        least->gap = gap;
+        least->row = j;
     }
-    for (int k = 0; k < 4; k++)
-        gap[k] = sum[k] - b[j + k];
 }
 
 /* The condition that is violated most, by more than rounding, with its gap and its vector y; -1: there is none. */
 static int most_violated(const active *w, const double *p, double *gap, double *y)
 {
-    int n = w->n, m = w->rows->m, listed = w->rows->n_listed, last = -1;
-    double within = -INFINITY;                  /* rows up to here, and up to `last` at it, are violated within rounding */
-    for (int i = 0; i <= m; i++) {
-        int worst = -1;
-        double least = 0, four[4];
-        for (int j = 0; j < m; j++) {
-            bool in_four = j >= listed && (j - listed)/4*4 + 4 <= m - listed;
-            if (in_four && (j - listed) % 4 == 0)
-                gaps_of_four(n, j, w->rows->a, w->rows->b, p, four);
-            double s = in_four ? four[(j - listed) % 4] : gap_of(w, j, p);
-            if (s < least && (s > within || (s == within && j > last)) && !is_active(w, j)) {
-                least = s;
-                worst = j;
-            }
+    const lw_qp_rows *rows = w->rows;
+    const int n = w->n, m = rows->m, listed = rows->n_listed;
+    double within = -INFINITY, eight[EIGHT];    /* rows up to here, and up to `last` at it, are violated within rounding */
+    for (int i = 0, last = -1; i <= m; i++) {
+        least_gap least = { 0, within, -1, last };
+        int j = 0;
+        for (; j < listed; j++)
+            look_at(w, j, listed_gap(rows, n, j, p), &least);
+        for (; j + EIGHT <= m; j += EIGHT) {
+            gaps_of_eight(n, rows->a + j*n, rows->b + j, p, eight);
+            for (int k = 0; k < EIGHT; k++)
+                look_at(w, j + k, eight[k], &least);
         }
-        *gap = least;
-        if (worst < 0)
-            return worst;
-        condition_vector(w, worst, y);
-        if (least < -rounding(w, worst, y, p))
-            return worst;
-        within = least;
-        last = worst;
+        for (; j < m; j++)
+            look_at(w, j, gap_of(w, j, p), &least);
+        *gap = least.gap;
+        if (least.row < 0)
+            return -1;
+        condition_vector(w, least.row, y);
+        if (least.gap < -rounding(w, least.row, y, p))
+            return least.row;
+        within = least.gap;
+        last = least.row;
     }
     return -1;
 }
 
 static void grow(active *w, const double *p)
 {
-    double y2 = 0;
-    for (int i = 0; i < w->n; i++) {
-        double y = 0;
-        for (int q = i; q < w->n; q++)
-            y += w->l[q*w->n + i]*p[q];
-        y2 += y*y;
-    }
-    w->size = fmax(w->size, sqrt(y2));
+    double y[LW_QP_MAX] = { 0 };
+    for (int q = 0; q < w->n; q++)
+        for (int i = 0; i <= q; i++)
+            y[i] += w->l[q*w->n + i]*p[q];
+    w->size = fmax(w->size, lw_norm(w->n, y));
 }
 
 /* Move p back onto the active conditions, which it left by the rounding of its path. */
