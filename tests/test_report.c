@@ -437,6 +437,33 @@ TEST(linkages_larger_than_compact_ones_cost_more)
     }
 }
 
+/* A linkage of six diagonals that meets the target counts as many times one of 1.5 diagonals that misses it by 0.5 %: no row, unless it is
+ * gentler or the first of its number of links.  One of four diagonals is a row. */
+TEST(the_list_ends_where_quality_ends)
+{
+    static const struct { double size, gentle; bool more_links; int rows; } row[] = { { 6, 0.5, false, 1 }, { 6, 0.7, false, 2 }, { 6, 0.5, true, 2 },
+                                                                                     { 4, 0.5, false, 2 } };
+    lw_rng rng = check_rng(24);
+    for (size_t trial = 0; trial < sizeof row/sizeof *row; trial++) {
+        four_and_six p;
+        OWN(lw_fit_results) found = { 0 };
+        make_four_and_six(&rng, 0, 0.005, &p);
+        p.c[0].family = row[trial].more_links ? p.c[0].family : p.c[1].family;
+        p.r[0].size = row[trial].size*p.k.t.extent;
+        p.r[1].size = 1.5*p.k.t.extent;
+        p.r[0].transmission_min = row[trial].gentle;
+        p.r[1].transmission_min = 0.5;
+        p.c[1].dim[0] *= 1.1;                                /* not the same mechanism */
+        lw_fit fit = { .n = 2, .candidate = p.c };
+        CHECK_INT(lw_fit_results_make(&p.k.t, &p.k.spec, &fit, 10, NULL, NULL, &found, NULL), LW_OK);
+        CHECK_INT(found.n, 2);
+        lw_fit_results_end(&p.k.t, &fit, &found);
+        CHECK_INT(found.n, row[trial].rows);
+        CHECK_INT(found.candidate[0], 1);
+        lw_target_free(&p.k.t);
+    }
+}
+
 /* A kite whose pins A and C coincide turns its coupler about them, and its rocker rests: it is no result.  In its other mode it is a linkage. */
 TEST(a_linkage_whose_pin_rests_is_no_result)
 {

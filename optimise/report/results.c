@@ -76,15 +76,21 @@ static double error_of(const lw_target *t, const lw_candidate *c, const lw_fit_r
     return r->error_max > NOISE*t->extent || r->angle_max > NOISE ? c->objective : 0;
 }
 
-/* Is the result with report a at least as good as b as far as it matters: b is neither smaller nor nearer by `factor`? */
+/* Is the result with report a at least as easy to build as b: b is neither simpler, nor smaller by `factor`, nor gentler, and does not turn alone? */
+static bool is_as_easy(const lw_target *t, double factor, const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb,
+                       const lw_fit_report *b)
+{
+    return lw_candidate_links(ca) <= lw_candidate_links(cb) && a->turns >= b->turns && !(bulk_of(t, b) < factor*bulk_of(t, a))
+        && (a->transmission_min >= ENOUGH || !(b->transmission_min > a->transmission_min + GENTLER));
+}
+
+/* Is the result with report a at least as good as b as far as it matters: it is as easy, and b is not nearer by `factor`? */
 static bool covers(const lw_target *t, double factor, const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb,
                    const lw_fit_report *b)
 {
-    return lw_candidate_links(ca) <= lw_candidate_links(cb) && same_type(ca, cb) && a->turns >= b->turns
-        && !(bulk_of(t, b) < factor*bulk_of(t, a))
+    return is_as_easy(t, factor, ca, a, cb, b) && same_type(ca, cb)
         && (is_fine(t, a) || !(lw_fit_report_stray(b) < factor*lw_fit_report_stray(a)
-                               || error_of(t, cb, b) < factor*factor*error_of(t, ca, a)))
-        && (a->transmission_min >= ENOUGH || !(b->transmission_min > a->transmission_min + GENTLER));
+                               || error_of(t, cb, b) < factor*factor*error_of(t, ca, a)));
 }
 
 /* Numbers of a report in which a search over more should not be worse; less is better.  The first matter most. */
@@ -521,6 +527,27 @@ lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw
     if (st != LW_OK)
         lw_fit_results_free(out);
     return st;
+}
+
+void lw_fit_results_end(const lw_target *t, const lw_fit *fit, lw_fit_results *out)
+{
+    const int rows = out->n_within == 0 ? out->n : 0;
+    double best = INFINITY;
+    for (int i = 0; i < rows; i++)
+        best = fmin(best, out->report[i].counts_as);
+    for (int i = 0, n = 0; i < rows; i++) {
+        const int now = out->candidate[i];
+        const lw_fit_report *r = &out->report[i];
+        bool poor = r->counts_as > fmax(WORSE*best, LW_ENOUGH), covered = false;
+        out->n = n;
+        for (int k = 0; k < n && poor && !covered; k++)
+            covered = is_as_easy(t, MUCH_SMALLER, &fit->candidate[out->candidate[k]], &out->report[k], &fit->candidate[now], r);
+        if (!covered || first_with_its_links(out, fit, now)) {
+            out->report[n] = *r;
+            out->candidate[n++] = now;
+        }
+        out->n = n;
+    }
 }
 
 static void keep_report(void *context, size_t i, int thread)

@@ -290,6 +290,8 @@ lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_op
         st = run_stages(t, &o->fit, start, p, &out->found, e);
     if (st == LW_OK || st == LW_STOPPED)
         kept = lw_fit_results_make(t, &o->fit.spec, &out->found.fit, o->fit.n_result, NULL, &effort, &out->results, e);
+    if (kept == LW_OK)
+        lw_fit_results_end(t, &out->found.fit, &out->results);
     out->uncounted_links = p->set.uncounted;
     if (kept == LW_OK && st == LW_OK && (out->results.n_unseen > 0 || out->uncounted_links > 0)) {
         st = LW_STOPPED;
