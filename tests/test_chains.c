@@ -102,6 +102,8 @@ static void all_graphs(pool *p, lw_chain *c, int i, int k, int left, int dof)
     }
     for (; i < c->n_link - 1; i++, k = i + 1) {
         for (; k < c->n_link; k++) {
+            if (c->n_link > 3 && c->one[i] & c->one[k])
+                continue;                                        /* a triangle is rigid */
             (void)lw_chain_join(c, i, k, 1);
             all_graphs(p, c, i, k + 1, left - 1, dof);
             lw_chain_unjoin(c, i, k);

@@ -272,7 +272,6 @@ static lw_status short_search(sum *s, const char *solver, int links)
 
 static lw_status fit_gsl(sum *s)    { return short_search(s, "lm-gsl", 4); }
 static lw_status fit_slsqp(sum *s)  { return short_search(s, "slsqp", 4); }
-static lw_status fit_lbfgs(sum *s)  { return short_search(s, "lbfgs", 4); }
 static lw_status fit_six(sum *s)    { return short_search(s, NULL, 6); }
 
 /* The postures of an eight-bar whose coupler links are a group of order three. */
@@ -516,7 +515,7 @@ static const struct { const char *name; int first, density; lw_status (*run)(sum
     { "elastic", 12, 1, elastic }, { "states", 12, 1, states },
     { "lists", 12, 2, lists }, { "catalogue", 12, 1, catalogue }, { "motion curves", 12, 2, curves }, { "pictures", 12, 2, pictures },
     { "run in pieces", 12, 2, pieces }, { "clearance", 12, 2, clearance }, { "work cycle", 12, 2, cycle },
-    { "fit by slsqp", 3, 1, fit_slsqp }, { "fit by lbfgs", 3, 1, fit_lbfgs }, { "fit with six links", 3, 1, fit_six },
+    { "fit by slsqp", 3, 1, fit_slsqp }, { "fit with six links", 3, 1, fit_six },
 };
 
 /* ---- each allocation fails once -------------------------------------------------------------------- */

@@ -41,6 +41,13 @@ static bool drives(const lw_linkage *k)
     return moves;
 }
 
+/* The default limits, but sizes up to two diagonals: the front of larger linkages takes most of the time. */
+static void set_limits(lw_topology_search_options *o, const lw_target *t)
+{
+    o->fit.spec.max_size = 2;
+    lw_fit_spec_set_limits(&o->fit.spec, t, LW_LIMIT_SIZE);
+}
+
 static double best_of(const lw_topology_search *s) { return s->found.fit.candidate[0].objective; }
 
 TEST(six_links_are_never_worse_than_four)
@@ -79,7 +86,7 @@ TEST(default_limits_give_one_answer)
     for (int i = 0; i < 3; i++) {
         lw_topology_search_options o = options(4, i == 1 ? 3 : 1);
         o.fit.max_rounds = i == 2 ? 2 : 1;
-        lw_fit_spec_set_limits(&o.fit.spec, &t, 0);
+        set_limits(&o, &t);
         CHECK_INT(lw_topology_search_run(&t, &o, &found[i], NULL), LW_OK);
         const lw_fit_results *r = &found[i].results;
         for (int k = 0; k < r->n; k++)
@@ -144,7 +151,7 @@ TEST(rows_are_never_worse_than_those_of_cranks)
             lw_topology_search_options o = options(4, 1);
             OWN(lw_topology_search) found = { 0 };
             o.fit.n_result = 10;
-            lw_fit_spec_set_limits(&o.fit.spec, &t, 0);
+            set_limits(&o, &t);
             if (cranks)
                 o.fit.spec.crank_only = o.fit.spec.exclude_drag_link = true;
             lw_status st = lw_topology_search_run(&t, &o, &found, NULL);
