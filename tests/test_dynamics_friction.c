@@ -328,6 +328,7 @@ TEST(friction_in_all_pins_of_nine_dyads)
 TEST(reactions_that_fall_to_nearly_0)
 {
     static const int dyads[] = { 1, 2, 3, 9 };
+    long rates = 0;
     for (int k = 0; k < 4; k++) {
         const int n = dyads[k];
         double exact[LW_SYSTEM_Q_MAX];
@@ -342,11 +343,13 @@ TEST(reactions_that_fall_to_nearly_0)
             CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, pow(10, -p), 5, 1), LW_OK);
             for (int i = 0; p < 11 && i < d.system.n_q; i++)
                 CHECK_NEAR(d.q[i], exact[i], 100*pow(10, -p), 0);
-            CHECK(p > 8 || d.report.rates < 6000);
             if (p == 11)
                 memcpy(exact, d.q, sizeof exact);
+            else
+                rates += d.report.rates;
         }
     }
+    CHECK(rates < 40000);                                /* of six seeds: without panels 46000 to 56000, with them 25000 to 34000 */
 }
 
 /* Three links of Jansen's leg meet at a pin, in two places and on the ground: each pin there rubs by the load of its own links. */
