@@ -2,27 +2,6 @@
 #include "base/real.h"
 #include "grammar/model/model_internal.h"
 
-#define COUNT(a) ((int)(sizeof (a)/sizeof *(a)))
-
-size_t lw_read_count(const lw_json_node *root, const char *key)
-{
-    lw_json_node all;
-    return lw_json_member(root, key, &all) && lw_json_kind_of(&all) == LW_JSON_ARRAY ? lw_json_count(&all) : 0;
-}
-
-lw_status lw_read_each(const lw_json_node *root, const char *key, lw_read_one *read, const lw_reading *r, lw_error *e)
-{
-    lw_json_node all;
-    if (!lw_json_member(root, key, &all))
-        return LW_OK;
-    lw_status s = lw_read_list(&all, 0, SIZE_MAX, e);
-    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
-        lw_json_node one = lw_json_element(&all, i);
-        s = read(&one, i, r, e);
-    }
-    return s;
-}
-
 lw_status lw_read_spring_numbers(const lw_json_node *object, const lw_reading *r, lw_expression_scope scope, double unit, double *stiffness,
                                  double *damping, double *free, lw_expression **law, lw_error *e)
 {

@@ -782,6 +782,27 @@ static lw_status read_cylinder(const lw_json_node *object, size_t index, const l
     return s;
 }
 
+/* ---- lists --------------------------------------------------------------------------------------------------- */
+
+size_t lw_read_count(const lw_json_node *root, const char *key)
+{
+    lw_json_node all;
+    return lw_json_member(root, key, &all) && lw_json_kind_of(&all) == LW_JSON_ARRAY ? lw_json_count(&all) : 0;
+}
+
+lw_status lw_read_each(const lw_json_node *root, const char *key, lw_read_one *read, const lw_reading *r, lw_error *e)
+{
+    lw_json_node all;
+    if (!lw_json_member(root, key, &all))
+        return LW_OK;
+    lw_status s = lw_read_list(&all, 0, SIZE_MAX, e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
+        lw_json_node one = lw_json_element(&all, i);
+        s = read(&one, i, r, e);
+    }
+    return s;
+}
+
 lw_status lw_states_read(const lw_json_node *root, const lw_reading *r, lw_error *e)
 {
     lw_status s = lw_read_each(root, "states", read_state, r, e);
