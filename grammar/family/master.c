@@ -8,8 +8,6 @@
 #include "base/suggest.h"
 #include "base/units.h"
 
-#define COUNT(a) ((int)(sizeof (a)/sizeof *(a)))
-
 /* ---- the tree ------------------------------------------------------------------------------------ */
 
 static size_t count_nodes(const lw_json_node *n)

@@ -10,8 +10,6 @@
 #include "base/suggest.h"
 #include "base/units.h"
 
-#define COUNT(a) ((int)(sizeof (a)/sizeof *(a)))
-
 lw_template *lw_template_member(const lw_template *object, const char *key)
 {
     for (int i = 0; object && object->type == LW_JSON_OBJECT && i < object->n; i++)

@@ -6,6 +6,7 @@
 #include "grammar/family/master.h"
 #include "grammar/text/json_internal.h"
 
+#define COUNT(a) ((int)(sizeof (a)/sizeof *(a)))
 #define LW_MASTER_NAME 64              /* bytes of a name of a parameter with its terminator */
 #define LW_KEY_UNITS    3
 
