@@ -2,7 +2,7 @@
  * folder with the examples.
  *
  * A command is an indented line that begins with `linkwright` or `$ linkwright`; a comment after " # " belongs to the page.
- * Long searches of README.md are ended by --time, and may then say so (exit code 5); everything else must end with 0, a
+ * Long searches that save nothing are ended by --time, and may then say so (exit code 5); everything else must end with 0, a
  * question to a catalogue also with 1 (nothing found). */
 #include "tests/cli_run.h"
 
@@ -45,9 +45,10 @@ static size_t command_length(const char *line)
     return n;
 }
 
-static void run_one(const char *page, int number, const char *command, bool whole)
+/* Later commands need the files of a search, which takes one round without a limit of time. */
+static void run_one(const char *page, int number, const char *command)
 {
-    bool shortened = is_long(command) && (whole || (strncmp(command, "linkwright fit ", 15) == 0 && strstr(command, " -o ")));
+    bool shortened = is_long(command) && strncmp(command, "linkwright fit ", 15) == 0 && (strstr(command, " -o ") || strstr(command, " --save "));
     bool limited = is_long(command) && !shortened;
     const char *pipe = strpbrk(command, "|>"), *add = limited ? LIMIT : shortened ? SHORT : "";
     for (size_t i = 0; i < sizeof coarse/sizeof *coarse; i++)
@@ -63,9 +64,8 @@ static void run_one(const char *page, int number, const char *command, bool whol
     ran_free(&r);
 }
 
-/* whole: searches of one round without a limit of time, since later commands need the results of earlier ones.  Commands that stand on
- * the page `elsewhere`, too, run there. */
-static int run_page(const char *page, bool whole, const char *elsewhere)
+/* Commands that stand on the page `elsewhere`, too, run there. */
+static int run_page(const char *page, const char *elsewhere)
 {
     char *text = slurp(page), *rest = text, *other = elsewhere ? slurp(elsewhere) : NULL;
     int number = 0, n = 0;
@@ -80,7 +80,7 @@ static int run_page(const char *page, bool whole, const char *elsewhere)
         line[command_length(line)] = 0;
         if (other && strstr(other, line))
             continue;
-        run_one(page, number, line, whole);
+        run_one(page, number, line);
         n++;
     }
     free(text);
@@ -96,10 +96,10 @@ TEST(prepare)
 
 TEST(commands_of_readme)
 {
-    CHECK(run_page("README.md", false, "docs/tutorial.md") > 25);
+    CHECK(run_page("README.md", "docs/tutorial.md") > 25);
 }
 
 TEST(commands_of_tutorial)
 {
-    CHECK(run_page("docs/tutorial.md", true, NULL) > 10);
+    CHECK(run_page("docs/tutorial.md", NULL) > 10);
 }
