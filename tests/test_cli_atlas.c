@@ -38,7 +38,7 @@ TEST(six_links)
     expect("$P catalogue nearest $D/s.db examples/letter-s.csv --json --results 3 > $D/six.json && "
            "$P draw $D/six.json --result 3 -o $D/six.svg && $P catalogue add $D/s.db $D/six.json && "
            "$P catalogue query $D/s.db links=6 --list linkages -f csv | wc -l", 0, "4\n", "3 added");
-    expect("$P fit examples/letter-s.csv --start-from $D/six.json --links 6 --budget 2000 --rounds 1 --timing none", 0, NULL, NULL);
+    expect("$P fit examples/letter-s.csv --unlimited --start-from $D/six.json --links 6 --budget 2000 --rounds 1 --timing none", 0, NULL, NULL);
     expect("$P catalogue curves $D/s.db --links 7 --samples 10", 2, NULL, "four, six or eight links");
     expect("$P catalogue curves $D/s.db --links 6 --type all --samples 10", 2, NULL, "--type is for four links");
 }
@@ -47,7 +47,7 @@ TEST(add)
 {
     expect("$P catalogue add $D/l.db examples/jansen.json && $P catalogue add $D/l.db examples/slider-crank.json", 0, "", "1 added");
     expect("$P catalogue add $D/l.db examples/jansen.json", 0, "", "1 linkages read, 0 added");
-    expect("$P fit examples/ellipse.csv --rounds 1 --starts 32 --budget 1000 --quiet --results 2 --json > $D/fit.json; "
+    expect("$P fit examples/ellipse.csv --unlimited --rounds 1 --starts 32 --quiet --results 2 --json > $D/fit.json; "
            "cat $D/fit.json $D/near.json | $P catalogue add $D/l.db -", 0, "", " 7 added");
     expect("$P catalogue add $D/l.db $D/fit.json", 0, "", "2 linkages read, 0 added");
     expect("echo '{\"a\": 1}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL,
