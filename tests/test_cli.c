@@ -45,7 +45,7 @@ TEST(plots_stand_alone)
         "simulate examples/space/top.json --to 0.1 -n 4 --plot $D/p.svg",
         "clearance examples/clearance-four-bar.json --speeds 80 --to 0.02 --settle 0.01 --plot $D/p.svg",
         "clearance examples/clearance-four-bar.json --speeds 80 --to 0.02 --settle 0.01 --path $D/p.pdf --force-plot $D/p.svg",
-        "profile 1 --acceleration-limit 20 --plot $D/p.svg", "fit examples/ellipse.csv --starts 20 --rounds 1 --plot $D/p.svg",
+        "profile 1 --acceleration-limit 20 --plot $D/p.svg", "fit examples/ellipse.csv --unlimited --starts 20 --rounds 1 --plot $D/p.svg",
         "profile examples/cycles/gantry.json -n 9 --plot $D/p.svg",
         "robot workspace examples/space/delta.json --rays 4 --plot $D/p.svg",
         "robot map examples/space/delta.json --places 3 --plot $D/p.png",

@@ -280,7 +280,7 @@ TEST(given_in_a_task_file)
     expect("printf '{\"linkwright-task\":1,\"target\":\"m1.csv\",\"dof\":2,\"links\":5}' > $D/task.json; "
            "$P fit $D/task.json --input-ratios -1,2 --budget 1e4 -q", 0, "; 3 searched", NULL);
     expect("$P fit $D/task.json --dof 3 --budget 1000", 3, "", "--dof 3 --links 5: with 3 inputs");
-    expect("$P fit $D/task.json --dof 1 --links 4 --starts 32 --rounds 1 -q", 0, "four-bar", NULL);
+    expect("$P fit $D/task.json --dof 1 --links 4 --unlimited --starts 32 --rounds 1 -q", 0, "four-bar", NULL);
     expect("printf '{\"linkwright-task\":1,\"target\":\"m1.csv\",\"dof\":2,\"links\":6}' > $D/task.json; "
            "$P fit $D/task.json", 3, "", "two freedoms and pins have 5, 7 or 9 links");
 }
