@@ -1011,6 +1011,28 @@ TEST(falling_chains)
     CHECK_NEAR(many.push, 100*0.1*g, 0, 1e-3);
 }
 
+/* Twenty boxes rest on each other: 160 closed places, too many for Lemke's method in the first passes of a captured step. */
+TEST(tall_stack_captured)
+{
+    char text[12000];
+    size_t used = (size_t)snprintf(text, sizeof text, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': "
+                                   "[{'line': [[0, 0], [1, 0]]}]}");
+    for (int i = 0; i < 20; i++)
+        used += (size_t)snprintf(text + used, sizeof text - used, ", {'name': 'b%d', 'mass': 1, 'centre': [0, %.3g], 'inertia': 0.0017, 'shapes': [{'polygon': "
+                                 "[[-0.05, %.3g], [0.05, %.3g], [0.05, %.3g], [-0.05, %.3g]]}]}", i, 0.1*i + 0.05, 0.1*i, 0.1*i, 0.1*i + 0.1, 0.1*i + 0.1);
+    for (int i = 0; i < 20; i++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s{'name': 'F%d', 'kind': 'n', 'links': ['ground', 'b%d']}",
+                                 i ? ", " : "], 'joints': [", i, i);
+    for (int i = 0; i < 20; i++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s{'name': 'c%d', 'links': ['%s%.0d', 'b%d'], 'friction': 0.5}",
+                                 i ? ", " : "], 'contacts': [", i, i == 0 ? "ground" : i == 1 ? "b0" : "b", i > 1 ? i - 1 : 0, i);
+    snprintf(text + used, sizeof text - used, "]}");
+    drun_read_text(&d, text);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_CAPTURE, 1e-6, 0.1, 1), LW_OK);
+    CHECK_NEAR(state(d.q, 1), 0.05, 0.01, 0);
+    CHECK_NEAR(state(d.q, 3*19 + 1), 1.95, 0.01, 0);
+}
+
 /* A ball that flies free, with nothing near it, falls as Galileo says; captured, it has no rows to solve for. */
 TEST(captured_far_from_contact)
 {

@@ -903,8 +903,10 @@ static lw_status solve_step(capture *g, double t, double h)
     bool middle = false;
     for (int pass = 0; pass < PASSES; pass++) {
         bool densely = shut <= DENSE_SOON ? pass == TOGETHER : pass == LATE && shut <= DENSE_MOST;
-        if (densely && (s = solve_densely(g, h, shut)) != LW_NOTHING)
+        s = densely ? solve_densely(g, h, shut) : LW_NOTHING;
+        if (s != LW_NOTHING)
             return s == LW_OK ? note_jam(g, h, shut, pull) : s;
+        s = LW_OK;
         if (!middle && closes_one(g))
             middle = true, s = aim_at_middle(g, t);
         if (s == LW_OK)
