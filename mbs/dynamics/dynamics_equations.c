@@ -600,6 +600,19 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
     return s == LW_OK && slips ? add_friction(d, t, q, v, a, l, power) : s;
 }
 
+double lw_mbs_drive_by_power(lw_dynamics *d, double t, const double *q, const double *v)
+{
+    bool still = d->o.analysis == LW_ANALYSIS_QUASISTATIC;
+    double rate = d->n_driven == 1 && !d->n_friction ? lw_mbs_row_rate(d, d->n_row, v) : 0, power = 0;
+    memset(d->v_try, 0, (size_t)d->n_v*sizeof *d->v_try);
+    d->eq.forces(d->eq.context, t, q, still ? d->v_try : v, d->force, NULL);
+    for (int i = 0; i < d->n_v; i++) {
+        d->force[i] -= still ? 0 : d->eq.mass[i]*d->a[i];
+        power += d->force[i]*v[i];
+    }
+    return rate != 0 ? power/rate : NAN;
+}
+
 lw_status lw_mbs_state_rates(lw_dynamics *d, double t, const double *q, const double *v, double *rate)
 {
     d->eq.state_rates(d->eq.context, t, q, v, rate);

@@ -190,6 +190,10 @@ lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const dou
 lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                        double *power);
 
+/* All is driven, with d->a and the rows at (t, q): the force of a single moving input from its power, in a singular posture too; NAN where it rests, has
+ * others beside it, or joints have friction.  d->force: forces less those of inertia, which a quasi-static analysis does not count. */
+double lw_mbs_drive_by_power(lw_dynamics *d, double t, const double *q, const double *v);
+
 /* Size of the reaction of friction joint j [N] in d->l; rows are those solved. */
 double lw_mbs_reaction(const lw_dynamics *d, int j);
 

@@ -683,7 +683,7 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
         m = d->model;
     }
     const lw_linkage *small;
-    d->large = d->rows_only || d->elastic || lw_model_small(m, &small, NULL) != LW_OK;
+    d->large = d->rows_only || d->elastic || lw_model_small(m, &small, NULL) != LW_OK || !small;   /* without that copy as a large one */
     s = lw_forces_system(m, true, &d->s, e);
     if (s == LW_OK)
         s = lw_forces_make(m, &d->s, &d->o.force, &d->f, e);

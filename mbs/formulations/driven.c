@@ -593,11 +593,13 @@ static lw_status run_large(lw_run *run)
         for (size_t i = 0; i < n; i++)
             d->hold[i] = 2*lw_follow_series(f)[2*n + i];
         s = forces_of_large(d, t, y, y + n);
-        if (s == LW_OPEN)                                    /* a singular posture has accelerations, and perhaps no forces */
+        if (s == LW_OPEN) {                                  /* a singular posture has accelerations, and perhaps no reactions */
             for (int i = 0; i < d->n_c; i++)
                 d->l[i] = NAN;
-        if (s == LW_OPEN)
             memcpy(d->a, d->hold, n*sizeof *d->a);
+            if (d->n_driven == 1)
+                d->l[d->n_row] = lw_mbs_drive_by_power(d, t, y, y + n);
+        }
         s = s == LW_OK || s == LW_OPEN ? lw_run_show_solved(run, t, y) : s;
         run->r->steps++;
         if (s == LW_OK)

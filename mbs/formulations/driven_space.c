@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "base/vector.h"
 #include "mbs/equations/limits_internal.h"
 #include "mbs/space/space_hold.h"
 
@@ -32,20 +33,13 @@ static lw_status forces_at(lw_dynamics *d, double t, const double *q, double *v)
 static lw_status forces_beside(lw_dynamics *d, const lw_space_follow *f, double t, const double *q, double *v)
 {
     bool still = d->o.analysis == LW_ANALYSIS_QUASISTATIC;
-    double most = 0, top = 0, power = 0;
+    double top = 0;
     memcpy(d->a, f->a, (size_t)d->n_v*sizeof *d->a);
     memcpy(v, f->v, (size_t)d->n_v*sizeof *v);
-    memset(d->v_try, 0, (size_t)d->n_v*sizeof *d->v_try);
     lw_status st = lw_mbs_rows(d, t, q);
     if (st != LW_OK)
         return st;
-    double rate = d->n_driven == 1 ? lw_mbs_row_rate(d, d->n_row, v) : 0;
-    d->eq.forces(d->eq.context, t, q, still ? d->v_try : v, d->force, NULL);
-    for (int i = 0; i < d->n_v; i++) {
-        d->force[i] -= still ? 0 : d->eq.mass[i]*d->a[i];
-        power -= d->force[i]*v[i];
-        most = fmax(most, fabs(d->force[i]));
-    }
+    double drive = lw_mbs_drive_by_power(d, t, q, v), most = lw_greatest(d->n_v, d->force);
     st = lw_mbs_factor(d, d->rank < d->n_c || d->has_zero_mass || still);
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
     if (st == LW_OK)
@@ -56,8 +50,8 @@ static lw_status forces_beside(lw_dynamics *d, const lw_space_follow *f, double 
     bool known = st == LW_OK && !d->n_friction && LW_SPACE_BETWEEN*most < 1e-6*top*apart;
     for (int r = 0; r < d->n_c && !known; r++)
         d->l[r] = NAN;
-    if (rate != 0 && !d->n_friction)
-        d->l[d->n_row] = -power/rate;
+    if (!isnan(drive))
+        d->l[d->n_row] = drive;
     if (still) {
         memset(v, 0, (size_t)d->n_v*sizeof *v);
         memset(d->a, 0, (size_t)d->n_v*sizeof *d->a);
