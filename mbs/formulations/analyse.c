@@ -65,7 +65,7 @@ void lw_coarse_compare(const lw_dynamics *d, double t, const double *q, const do
 bool lw_coarse_suits(const lw_dynamics *d)
 {
     lw_formulation f = d->choice.formulation;
-    return d->o.compare && d->o.until == 0 && d->given && (d->given->n_contact || d->given->n_rope)
+    return d->o.compare && d->given && (d->given->n_contact || d->given->n_rope)
         && (f == LW_FORMULATION_CAPTURE || f == LW_FORMULATION_INDEX1);
 }
 

@@ -33,8 +33,8 @@ lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment
                             lw_error *e);
 
 /* The analysis of d, whichever it is: a run, or for a static one the moment of rest at its beginning, with *rest.  With options.compare a run of a
- * planar model with contacts is repeated with less accuracy, and r->coarse tells how far they differ, if there is no limit of time and the
- * postures of its samples fit in 160 MB. */
+ * planar model with contacts is repeated with less accuracy, and r->coarse tells how far they differ, if the postures of its samples fit in
+ * 160 MB; options.until ends both. */
 lw_status lw_dynamics_analyse(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_rest *rest,
                               lw_error *e);
 
