@@ -249,7 +249,7 @@ TEST(a_small_budget_is_kept)
     CHECK(evals[1] > evals[0] && evals[1] < evals[0] + 30000);
 }
 
-/* Five poses of a lamp that four-bars meet within a few tenths of a percent: four-bars near a change point, which have less error
+/* Poses of a lamp that four-bars meet within a few tenths of a percent: four-bars near a change point, which have less error
  * but are left out, do not lead to six links. */
 TEST(six_links_are_left_out_where_four_are_near)
 {

@@ -18,9 +18,9 @@ static const cli_option options[] = {
     { "links", 'l', CLI_INT, offsetof(cli_fit_settings, links), "P", NULL,
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
       "with --dof 2, numbers from 5. Without it 4; and 6 "
-      "if the first row of the four-bars whose crank turns fully counts as missing the target by more than 2.5 % (above), or "
-      "leaves it by more than --tolerance: with a third of the budget, and with the rest "
-      "if that finds none that is enough. If a rocking four-bar is enough, only "
+      "if the first row of the four-bars whose crank turns fully counts as missing the target by more than 2.5 % (above; 1 % of up to 15 points), or "
+      "leaves it by more than --tolerance: with 3e4 evaluations, and as long as that improves the first row, or it counts as "
+      "more than 5 %, with up to the whole budget. If a rocking four-bar counts as 2.5 % or less, only "
       "cranks are searched, and if a body on one pin does the task, no six links", 4, 10,
       NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(cli_fit_settings, dof), "F", "1",
@@ -184,7 +184,7 @@ static void begun(void *context, int links)
     if (s->goes_on && links > 4 && s->links == 4) {
         cli_progress_end(&s->line);
         cli_note(s->call, "%s: no four-bar found%s is near enough and small enough, "
-                 "so six links are searched, too, which takes several times as long; "
+                 "so six links are searched, too, which takes longer; "
                  "'--links 4' leaves them out", s->path, s->turns ? " whose crank turns" : "");
         s->goes_on = false;
     }

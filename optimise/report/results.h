@@ -6,8 +6,11 @@
 
 /* A linkage that leaves the target by no more than this part of its diagonal follows it well. */
 #define LW_NEAR 0.02
-/* More links are searched where the first row counts as missing the target by more than this (lw_fit_report.counts_as). */
+/* More links are searched where the first row counts as missing the target by more than this (lw_fit_report.counts_as); ... */
 #define LW_ENOUGH 0.025
+/* ... of so few stations by more than this, since they leave dimensions free, of which more links have more: they meet such targets nearly exactly. */
+#define LW_FEW_STATIONS 15
+#define LW_GOOD   0.01
 
 /* A candidate that is no result. */
 typedef struct lw_left_out {
@@ -45,7 +48,7 @@ typedef struct lw_results_effort {
 lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw_fit *fit, int most,
                               const unsigned *may_fail, const lw_results_effort *effort, lw_fit_results *out,
                               lw_error *e);
-/* End a list where quality ends: leave out the rows that count as more than five times the best and as more than LW_ENOUGH, and beside one
+/* End a list where quality ends: leave out the rows that count as more than five times the best and as more than 2.5 %, and beside one
  * before them are neither much smaller nor simpler, gentler or alone in turning.  The first of each number of links stays. */
 void      lw_fit_results_end(const lw_target *t, const lw_fit *fit, lw_fit_results *r);
 /* Make the report of each candidate that has none, and keep it with the candidate for lw_fit_results_make.  A report that cannot be

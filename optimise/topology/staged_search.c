@@ -18,7 +18,7 @@ enum {
     FIRST_TIMED = 4,        /* under a time limit, the first part of a stage's budget: one in so many, ... */
     FIRST_TYPES = 32,       /* ... and of the rounds of four-link types: one so long that time cuts it finds no small linkages */
     UNLESS = 3,             /* ... of a stage with `unless`: so many times less                      */
-    ENOUGH = 300000,        /* evaluations of a stage in such parts after which it may end because of `unless`, ... */
+    ENOUGH = 30000,         /* evaluations of a stage in such parts after which it may end because of `unless`, ... */
     EXACT = 100000,         /* ... or because the target is met exactly: there may be smaller linkages */
     SMALL = 100000,         /* evaluations of such a part below which only its last search makes a front */
     OF_EACH = 4,            /* candidates of every number of links that are kept, in case the best has a defect */
@@ -30,6 +30,8 @@ enum {
 #define ROUNDING 1e-20      /* objectives below this are not compared                                */
 #define NO_SMALLER 1.02      /* sizes that differ less are alike                                      */
 #define LEAST_PART 0.02      /* of a time limit, that is worth another part of the search            */
+#define POOR     0.05       /* a stage in parts of fixed ends goes on while the first row counts as more than this, ... */
+#define GAIN     0.95       /* ... or as so many times what it did before the last part, or less     */
 #define STRAY    0.02       /* sizes of the target that a curve may leave it beside 1.5 times its greatest error */
 
 /* Linkages that a stage starts from. */
@@ -497,16 +499,16 @@ static lw_status run_searches(const stage_part *p, lw_fit_part kind, long budget
     return stopped ? LW_STOPPED : LW_OK;
 }
 
-/* Is the row that a person would see first of the linkages found (of the cranks, or of all) good enough to leave a stage with `unless` out?
- * begun: the stage was searched before.  All linkages have reports after this.  LW_E_MEMORY. */
-static lw_status is_enough(const lw_target *t, const lw_fit_options *o, double end, double unless, bool begun, bool cranks, lw_staged_search *out,
-                           bool *enough)
+/* What does the row count as that a person would see first of the linkages found (of the cranks, or of all)?  INFINITY: there is none, or it is not
+ * within the tolerance while there may be more links (begun: these were searched before).  All linkages have reports after this.  LW_E_MEMORY. */
+static lw_status first_counts_as(const lw_target *t, const lw_fit_options *o, double end, bool begun, bool cranks, lw_staged_search *out,
+                                 double *counts_as)
 {
     const lw_results_effort effort = { .jobs = o->jobs, .until = end, .interrupt = o->interrupt };
     const lw_fit *all = &out->fit;
     const double tolerance = o->spec.tolerance;
     lw_fit_results rows;
-    *enough = false;
+    *counts_as = INFINITY;
     shorten(out, o);
     lw_fit_results_keep(t, &o->spec, &out->fit, &effort);
     lw_fit seen = { .candidate = malloc(sizeof *seen.candidate*((size_t)all->n + 1)) };
@@ -516,8 +518,8 @@ static lw_status is_enough(const lw_target *t, const lw_fit_options *o, double e
     lw_status st = seen.candidate ? lw_fit_results_make(t, &o->spec, &seen, ROWS, NULL, &effort, &rows, NULL) : LW_E_MEMORY;
     free(seen.candidate);
     if (st == LW_OK) {
-        bool good = rows.n > 0 && rows.broken == 0 && rows.report[0].counts_as <= unless;
-        *enough = tolerance > 0 ? rows.n_within > 0 && (good || !begun) : good;
+        if (rows.n > 0 && rows.broken == 0 && (tolerance == 0 || rows.n_within > 0))
+            *counts_as = tolerance > 0 && !begun ? 0 : rows.report[0].counts_as;
         lw_fit_results_free(&rows);
     }
     return st == LW_E_MEMORY ? st : LW_OK;
@@ -528,16 +530,17 @@ static lw_status is_enough(const lw_target *t, const lw_fit_options *o, double e
 static lw_status run_all_families(const stage_part *p)
 {
     const lw_fit_options *o = p->o;
-    bool enough = false, must_turn = o->spec.crank_only || (p->t->closed && !lw_task_has_place(o->spec.task));
+    double counts_as = INFINITY;
+    const bool must_turn = o->spec.crank_only || (p->t->closed && !lw_task_has_place(o->spec.task));
     lw_fit_part kind = o->spec.by_default ? LW_FIT_CRANKS : LW_FIT_WHOLE;
     bool whole = true;
     lw_status st = run_searches(p, kind, o->budget, &p->r->n_of[0], &whole);
     lw_stop stop = p->r->stop;
     if ((st != LW_OK && st != LW_E_KIND) || !whole || kind != LW_FIT_CRANKS || must_turn || stop == LW_STOP_F_TARGET)
         return st;
-    if (p->stage->unless > 0 && (st = is_enough(p->t, o, p->end, p->stage->unless, true, false, p->out, &enough)) != LW_OK)
+    if (p->stage->unless > 0 && (st = first_counts_as(p->t, o, p->end, true, false, p->out, &counts_as)) != LW_OK)
         return lw_error_set(p->e, st, "no memory for a report");
-    st = enough ? LW_OK : run_searches(p, LW_FIT_OTHERS, (o->budget + 1)/2, &p->r->n_of[1], &whole);
+    st = counts_as <= fmax(p->stage->unless, LW_ENOUGH) ? LW_OK : run_searches(p, LW_FIT_OTHERS, (o->budget + 1)/2, &p->r->n_of[1], &whole);
     p->r->stop = st == LW_STOPPED ? p->r->stop : stop;    /* an exact find of the others does not end the search for cranks */
     return st;
 }
@@ -559,6 +562,7 @@ typedef struct contest {
     long   spent[LW_STAGE_MAX];      /* of all its parts                                            */
     long   left[LW_STAGE_MAX];       /* of its budget; 0: it takes no part any more                 */
     double rate[LW_STAGE_MAX];       /* what the last part gained per evaluation                    */
+    double counts_as[LW_STAGE_MAX];  /* with `unless`: the first row when that was looked at last   */
     bool   beyond;                   /* all had their budgets: time alone ends the search           */
 } contest;
 
@@ -655,6 +659,23 @@ static lw_status run_part(const lw_target *t, const lw_fit_options *o, const lw_
     return st;
 }
 
+/* Is stage i, with `unless`, left out or ended, and all after it?  It is not begun if the first row is good.  In parts of fixed ends it ends when that is not
+ * poor and the last part gained little: where six links do better than four, they mostly do so in their first parts. */
+static lw_status is_over(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, bool begun, double end, lw_staged_search *out,
+                         contest *c, int i, bool *over)
+{
+    const bool ends = in_ends(o, stage);
+    double now, *before = &c->counts_as[i];
+    *over = false;
+    if (!(stage->unless > 0) || (begun && ends && c->spent[i] < ENOUGH))
+        return LW_OK;
+    lw_status st = first_counts_as(t, o, end, begun, o->spec.by_default && lw_target_prefers_turns(t), out, &now);
+    const bool gained = begun && ends && now <= GAIN**before;
+    *over = now <= stage->unless || (begun && now <= (ends ? POOR : LW_ENOUGH) && !gained);
+    *before = now;
+    return st;
+}
+
 lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int n_stage,
                                lw_staged_search *out, lw_error *e)
 {
@@ -665,7 +686,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
     memset(out, 0, sizeof *out);
     n_stage = n_stage < LW_STAGE_MAX ? n_stage : LW_STAGE_MAX;
     for (;;) {
-        bool first = out->n_stage < n_stage, enough = false;
+        bool first = out->n_stage < n_stage, enough;
         int i = first ? out->n_stage : winner(&c, o, stage, n_stage);
         bool over = end > 0 && end - lw_clock_wall() <= LEAST_PART*o->max_seconds;
         if (i < 0 && end > 0 && o->budget <= 0 && !c.beyond && go_beyond(&c, stage, out))
@@ -674,8 +695,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
             st = i < 0 || c.beyond ? st : LW_STOPPED;
             break;
         }
-        if (stage[i].unless > 0 && (first || !in_ends(o, &stage[i]) || c.spent[i] >= ENOUGH)
-            && is_enough(t, o, end, stage[i].unless, !first, o->spec.by_default && lw_target_prefers_turns(t), out, &enough) != LW_OK) {
+        if (is_over(t, o, &stage[i], !first, end, out, &c, i, &enough) != LW_OK) {
             lw_staged_search_free(out);
             return lw_error_set(e, LW_E_MEMORY, "no memory for a report");
         }

@@ -23,9 +23,10 @@ typedef struct lw_search_stage {
     int              links;
     lw_families      families;       /* make NULL: the four-link types of lw_fit_options.types      */
     double           unless;         /* > 0, with default limits: this stage and all after it are left out if of the cranks found the first row
-                                      * counts as no more than this (lw_fit_report.counts_as), or is within spec.tolerance.  Once begun,
-                                      * they end after the first part (without a time limit: from 3e5 evaluations on) after which both are so; if
-                                      * they are so with others than cranks, only cranks are searched */
+                                      * counts as no more than this (lw_fit_report.counts_as), or is within spec.tolerance.  Once begun, they
+                                      * end after a part (without a time limit: from 3e4 evaluations on) after which both are so; or the row counts as no
+                                      * more than 0.05, and the part lowered that by less than a twentieth (under a time limit: as no more than
+                                      * LW_ENOUGH).  If it counts as no more than LW_ENOUGH with others than cranks, only cranks are searched */
     long             budget;         /* of the stage; 0: that of lw_fit_options                      */
     /* Write the name of a linkage with an added dyad.  LW_NOTHING: the linkage is not wanted; a failure ends the search.
      * NULL: names come from the parent. */

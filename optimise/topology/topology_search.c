@@ -194,7 +194,7 @@ static lw_status make_plan(const lw_target *t, const lw_topology_search_options 
     if (p->n_stage == 0 && p->set.uncounted > 0)
         return lw_error_set(e, LW_NOTHING, "the time ended while mechanisms were still counted: none was searched; give it longer, or fewer links");
     for (int i = 1; i < p->n_stage && may_go_on(t, o); i++)
-        p->stage[i].unless = LW_ENOUGH;
+        p->stage[i].unless = t->n > LW_FEW_STATIONS ? LW_ENOUGH : LW_GOOD;
     return choose_point_links(t, &o->fit.spec, p, e);
 }
 
