@@ -1225,10 +1225,10 @@ typedef void lw_fit_found(void *context, const lw_linkage *linkage, double objec
 typedef struct lw_fit_request {
     /* where to look */
     const char *types;                 /* four links: "fourbar,slidercrank", "all"       ("fourbar") */
-    int         links;                 /* all mechanisms with up to so many links; 0: the fewest, and six with a third of
-                                        * the budget if the first row of the four-bars with a crank that turns counts as
-                                        * missing the target by more than 2.5 % of its diagonal, or a function of its
-                                        * range (docs/theory.md), or by more than the tolerance         (0)     */
+    int         links;                 /* all mechanisms with up to so many links; 0: the fewest, and six if the first row of
+                                        * the four-bars with a crank that turns counts as missing the target by more than
+                                        * 2.5 % (of up to 15 stations 1 %) of its diagonal, or a function of its range
+                                        * (docs/theory.md), or by more than the tolerance               (0)     */
     int         dof;                   /* 1 to 3; inputs but the first go with it in ratios               (1)     */
     const char *joints;                /* kinds of joints with more than four links, of "rtpg"            ("r")   */
     const char *topology;              /* of these only "watt1,stephenson3,8.5"                           ("all") */
