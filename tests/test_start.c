@@ -1,5 +1,6 @@
 /* Starts: with the right shape and inputs the linear fit finds place, size and tracer; what comes out is
  * a start in the sense of the header. */
+#include "base/real_complex.h"
 #include "optimise/solvers/lowdiscrepancy.h"
 #include "optimise/search/start.h"
 #include "tests/fit_problem.h"
@@ -147,4 +148,75 @@ TEST(full_starts_mostly_improve_on_the_glance)
         better += isfinite(f) && f <= rest;
     }
     CHECK(all > 200 && better > 0.8*all);
+}
+
+/* The two numbers of a start that stand for this point of the body, from the tracer in the first pose (start.h: 0.03 to 3 sizes). */
+static void draw_pin(double complex pin, double *u)
+{
+    u[0] = log(cabs(pin)/0.03)/log(100);
+    u[1] = carg(pin)/(2*LW_PI);
+}
+
+/* Poses that a four-bar made: drawn at its pins, the circles are exact, and the start is that four-bar, whichever of both is the crank. */
+TEST(pins_on_circles_are_those_of_the_linkage)
+{
+    lw_rng rng = check_rng(5);
+    for (int trial = 0; trial < 20; trial++) {
+        OWN(lw_problem) p = { 0 };
+        OWN(lw_target) t = { 0 };
+        member m;
+        stations st;
+        double u[4], x[LW_VAR_MAX];
+        lw_fit_spec spec = lw_fit_spec_default();
+        spec.task = LW_TASK_MOTION;
+        spec.timing = LW_TIMING_FREE;
+        draw_member("crank-rocker", 1, false, &rng, &m);
+        trace_member(&m, 12, &st);
+        target_of(&st, &spec, &t);
+        CHECK_INT(lw_problem_make(&t, &spec, m.family, 1, 1, &p, NULL), LW_OK);
+        CHECK(lw_start_has_guides(&p));
+        double complex along = cexp(I*st.theta[0])/p.unit;
+        double complex crank = -(*dim_named(&m, "cx") + I**dim_named(&m, "cy"))*along;
+        draw_pin(crank, u + 2*(trial % 2));
+        draw_pin(crank + *dim_named(&m, "r3")*along, u + 2 - 2*(trial % 2));
+        CHECK_NEAR(lw_start_guided_estimate(&p, u), 0, 1e-20, 0);
+        FREED void *work = new_work(&p);
+        CHECK(lw_start_guided(&p, u, x, work) < 1e-4);
+        for (int i = 0; i < 4; i++)
+            CHECK_NEAR(x[lw_plan_dim(&p.plan, m.family->shape[i])]*p.unit, *dim_named(&m, m.family->shape[i]), 0, 1e-8);
+    }
+}
+
+/* A body that keeps its angle on an arc is carried by parallel cranks, wherever the pins are. */
+TEST(pins_of_a_translation_are_a_parallelogram)
+{
+    enum { N = 6 };
+    lw_rng rng = check_rng(6);
+    OWN(lw_problem) p = { 0 };
+    OWN(lw_target) t = { 0 };
+    double px[N], py[N], theta[N] = { 0 }, x[LW_VAR_MAX];
+    int found = 0;
+    lw_fit_spec spec = lw_fit_spec_default();
+    spec.task = LW_TASK_MOTION;
+    spec.timing = LW_TIMING_FREE;
+    for (int k = 0; k < N; k++) {
+        px[k] = 1.4*cos(0.15*k - 0.4);
+        py[k] = 1.4*sin(0.15*k - 0.4);
+    }
+    CHECK_INT(lw_target_make(N, px, py, theta, NULL, NULL, 0, &t, NULL), LW_OK);
+    CHECK_INT(lw_problem_make(&t, &spec, family_named("any four-bar"), 1, 1, &p, NULL), LW_OK);
+    FREED void *work = new_work(&p);
+    for (int trial = 0; trial < 40; trial++) {
+        double u[4];
+        for (int i = 0; i < 4; i++)
+            u[i] = lw_rng_uniform(&rng);
+        CHECK_NEAR(lw_start_guided_estimate(&p, u), 0, 1e-18, 0);
+        if (!(lw_start_guided(&p, u, x, work) < 1e-6))
+            continue;
+        found++;
+        CHECK_NEAR(x[lw_plan_dim(&p.plan, "r2")]*p.unit, 1.4, 0, 1e-6);
+        CHECK_NEAR(x[lw_plan_dim(&p.plan, "r4")]*p.unit, 1.4, 0, 1e-6);
+        CHECK_NEAR(x[lw_plan_dim(&p.plan, "r1")], x[lw_plan_dim(&p.plan, "r3")], 0, 1e-6);
+    }
+    CHECK(found >= 10);
 }

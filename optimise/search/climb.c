@@ -40,7 +40,7 @@ typedef struct climb_list {
     long       allowance;                    /* evaluations of a climb, counted by their cost         */
     double     until;
     int        n;
-    climb      item[LW_POOL_MAX];
+    climb      item[2*LW_POOL_MAX];       /* of the pool and of the guided starts */
 } climb_list;
 
 static bool is_over(const climb_list *list)
@@ -145,9 +145,10 @@ lw_status lw_search_climb(lw_search *s, double until)
     list->s = s;
     list->until = until;
     list->allowance = s->o->families ? lw_search_budget(s)/(8*CLIMBS) : LONG_MAX;
-    list->n = s->pool.n;
-    for (int i = 0; i < list->n; i++)
-        list->item[i].find = s->pool.item[i];
+    for (int i = 0; i < s->pool.n; i++)
+        list->item[list->n++].find = s->pool.item[i];
+    for (int i = 0; i < s->guided.n; i++)
+        list->item[list->n++].find = s->guided.item[i];
     lw_status st = run(list, list->n, find_cost);
     qsort(list->item, (size_t)list->n, sizeof *list->item, by_cost);
     while (n < list->n && n < CLIMBS && isfinite(list->item[n].cost) && list->item[n].cost <= list->item[0].cost + WORSE)
@@ -157,7 +158,7 @@ lw_status lw_search_climb(lw_search *s, double until)
         const climb *l = &list->item[i];
         st = l->status;
         s->evals += l->spent;
-        if (l->find.moved)
+        if (l->find.moved || l->find.guided)
             lw_pool_put(&s->pool, &l->find, &l->of);
     }
     free(list);

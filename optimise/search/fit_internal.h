@@ -90,6 +90,7 @@ typedef struct lw_search {
     lw_workbench        *bench;        /* of each thread                                (n_thread)  */
     lw_pool              pool, raw;    /* polished finds; finds of this round before that           */
     lw_pool              shrunk;       /* finds made smaller within spec.tolerance                  */
+    lw_pool              guided;       /* starts of poses (lw_start_guided) as they were drawn      */
     lw_found            *found;        /* LW_KEEP of each job                                       */
     int                  n_found;      /* jobs that `found` has memory for                          */
     double               started;      /* wall clock                                                */

@@ -94,6 +94,29 @@ static int draw_starts(lw_search *s, const lw_effort *a, lw_problem *p, lw_rng *
     return n;
 }
 
+/* The best of some starts with pins on circles, of the same draws.  Least squares would leave a gentle linkage for a little less error, so
+ * it is not improved, but moved to where it counts as least (lw_search_climb). */
+static void draw_guided(lw_search *s, const lw_effort *a, lw_problem *p, int candidate, lw_workbench *bench, lw_found *c)
+{
+    enum { SETTLED = 8 };
+    int d = lw_start_draws(p);
+    estimate g[LW_SEARCH_BLOCK];
+    lw_found best = { .f = INFINITY };
+    for (int i = 0; i < a->block; i++)
+        g[i] = (estimate){ lw_start_guided_estimate(p, bench->draws + i*d), i };
+    qsort(g, (size_t)a->block, sizeof *g, by_residual);
+    for (int i = 0; i < a->block && i < SETTLED && isfinite(g[i].residual); i++) {
+        lw_found now = { .candidate = candidate, .hits = 1, .guided = true, .intended = p->intended };
+        now.f = lw_start_guided(p, bench->draws + g[i].which*d, now.x, bench->work);
+        if (now.f < best.f)
+            best = now;
+    }
+    if (!isfinite(best.f))
+        return;
+    lw_search_judge(s, p, bench->work, &best);
+    *c = best;
+}
+
 /* Draw starts along the valley of a find that is nearly exact: linkages that draw nearly the same curve lie close together in a few
  * directions and far apart in others.  All are kept: those that move least have the least f, and lead back. */
 static int search_along(const lw_best_starts *finds, const lw_effort *a, lw_problem *p, lw_rng *rng, void *work,
@@ -263,6 +286,8 @@ static void search_in(lw_search *s, size_t at, lw_problem *p, lw_workbench *benc
         if (i < LW_KEEP)
             keep[i] = best[i];
     }
+    if (s->o->cost && lw_start_has_guides(p))
+        draw_guided(s, &effort, p, job->candidate, bench, &keep[LW_KEEP - 1]);
 }
 
 static void search_job(void *context, size_t at, int thread)
@@ -562,6 +587,11 @@ static lw_status update_candidates(lw_search *s, lw_error *e)
             return lw_search_fault(s, job->candidate, e);
         if (job->block == 0)
             continue;
+        lw_found *last = &s->found[j*LW_KEEP + LW_KEEP - 1];
+        if (last->guided) {
+            lw_pool_put(&s->guided, last, &job->of);
+            last->f = INFINITY;
+        }
         if (s->o->families)
             remember(s, job, s->found + j*LW_KEEP, a);
         a->state = a->best ? LW_FIT_CLOSED : LW_FIT_LOOKED;

@@ -19,6 +19,7 @@ typedef struct lw_found {
     long    evals;
     double  seconds;
     lw_stop stop;
+    bool    guided;              /* a start of lw_start_guided that was not improved                 */
     bool    moved;               /* to where the linkage counts as less (lw_search_climb)            */
     int     hits;                /* how often it was found                                          */
 } lw_found;

@@ -324,3 +324,91 @@ double lw_start(lw_problem *p, const double *u, double *x, void *work)
     return p->timing == LW_TIMING_PRESCRIBED ? start_prescribed(p, u, x, work)
                                              : start_free(p, u, x, work);
 }
+
+/* ---- pins on circles ---------------------------------------------------------------------------------------------- */
+
+#define NEAREST 0.03        /* sizes of the target: a pin from the point ...                          */
+#define FARTHEST 3.0        /* ... at most                                                            */
+#define STRAIGHT 1e-9       /* a path whose width is so small a part of its length is no circle        */
+
+bool lw_start_has_guides(const lw_problem *p)
+{
+    return p->task == LW_TASK_MOTION && p->timing == LW_TIMING_FREE && p->n_also == 0 && p->n >= 3 && !p->family->linkage
+        && strcmp(p->family->type, "RRRR") == 0;
+}
+
+/* A point of the body, from the tracer in the first pose, and the circle that its places are nearest to: least squares of
+ * |place - centre|^2 - radius^2.  off: what they miss it by, squared and weighted; INFINITY: they lie on a line. */
+typedef struct guide { double complex pin, centre; double radius, off; } guide;
+
+static double complex place_of(const lw_problem *p, double complex pin, size_t k)
+{
+    return p->x[k] + I*p->y[k] + pin*cexp(I*(p->theta[k] - p->theta[0]));
+}
+
+static guide draw_guide(const lw_problem *p, const double *u)
+{
+    guide g = { .pin = NEAREST*pow(FARTHEST/NEAREST, u[0])*cexp(2*LW_PI*I*u[1]) };
+    double complex mean = 0;
+    double mass = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+    for (size_t k = 0; k < p->n; k++) {
+        mass += p->w[k];
+        mean += p->w[k]*place_of(p, g.pin, k);
+    }
+    mean /= mass;
+    for (size_t k = 0; k < p->n; k++) {
+        double complex q = place_of(p, g.pin, k) - mean;
+        double x = creal(q), y = cimag(q), z = x*x + y*y;
+        xx += p->w[k]*x*x;
+        xy += p->w[k]*x*y;
+        yy += p->w[k]*y*y;
+        xz += p->w[k]*x*z/2;
+        yz += p->w[k]*y*z/2;
+    }
+    double det = xx*yy - xy*xy;
+    if (!(det > STRAIGHT*(xx + yy)*(xx + yy))) {
+        g.off = INFINITY;
+        return g;
+    }
+    double complex c = (yy*xz - xy*yz)/det + I*((xx*yz - xy*xz)/det);
+    g.centre = mean + c;
+    g.radius = sqrt(creal(c)*creal(c) + cimag(c)*cimag(c) + (xx + yy)/mass);
+    for (size_t k = 0; k < p->n; k++) {
+        double d = cabs(place_of(p, g.pin, k) - g.centre) - g.radius;
+        g.off += p->w[k]*d*d;
+    }
+    return g;
+}
+
+/* The four-bar with these two points as pins; in one of both orders it has the intended mode. */
+double lw_start_guided(lw_problem *p, const double *u, double *x, void *work)
+{
+    const guide g[2] = { draw_guide(p, u), draw_guide(p, u + 2) };
+    double best = INFINITY, now[LW_VAR_MAX];
+    for (int i = 0; i < 2 && isfinite(g[0].off + g[1].off); i++) {
+        const guide *crank = &g[i], *rocker = &g[1-i];
+        double complex base = rocker->centre - crank->centre, coupler = rocker->pin - crank->pin;
+        const double length[] = { cabs(base), crank->radius, cabs(coupler), rocker->radius };
+        double complex tracer = -crank->pin*length[2]/coupler;
+        memset(now, 0, sizeof *now*(size_t)p->n_var);
+        for (int k = 0; k < 4; k++)
+            now[lw_plan_dim(&p->plan, p->family->shape[k])] = length[k];
+        now[p->plan.i_cx[0]] = creal(tracer);
+        now[p->plan.i_cy[0]] = cimag(tracer);
+        now[p->plan.i_x0] = creal(crank->centre);
+        now[p->plan.i_y0] = cimag(crank->centre);
+        now[p->plan.i_theta0] = carg(base);
+        now[p->i_tool0] = remainder(p->theta[0] - carg(coupler), 2*LW_PI);
+        double f = length[0] > 0 && length[2] > 0 ? settle_and_score(p, now, work) : INFINITY;
+        if (f < best) {
+            best = f;
+            memcpy(x, now, sizeof *x*(size_t)p->n_var);
+        }
+    }
+    return best;
+}
+
+double lw_start_guided_estimate(const lw_problem *p, const double *u)
+{
+    return draw_guide(p, u).off + draw_guide(p, u + 2).off;
+}

@@ -24,4 +24,12 @@ double lw_start_estimate(lw_problem *p, const double *u, void *work);
  * stations are left in work.  Returns f there; INFINITY when u stands for no start. */
 double lw_start(lw_problem *p, const double *u, double *x, void *work);
 
+/* Poses tell more: of three or more, the pins of a four-bar can be points of the body whose paths are nearly circles (Burmester's
+ * circle points), and the middles of these.  A parallelogram for a body that keeps its angle, for example, is hardly ever drawn
+ * otherwise.  lw_start_has_guides: is this a problem for such starts?  The others are as above, of four numbers u; the estimate is what
+ * the two circles are missed by. */
+bool   lw_start_has_guides(const lw_problem *p);
+double lw_start_guided_estimate(const lw_problem *p, const double *u);
+double lw_start_guided(lw_problem *p, const double *u, double *x, void *work);
+
 #endif
