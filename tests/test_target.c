@@ -145,7 +145,7 @@ TEST(length_and_size)
 {
     OWN(lw_target) t = { 0 };
     CHECK_OK(read("x,y\n0,0\n3,0\n3,2\n3,4\n", &t, &check_error));
-    CHECK(!t.closed);                                         /* gap 5 > 1.25 * 3 */
+    CHECK(!t.closed);                                         /* gap 5 > 1.35 * 3 */
     lw_target_free(&t);
     CHECK_OK(read("# closed: yes\nx,y\n0,0\n3,0\n3,4\n", &t, &check_error));
     CHECK_NEAR(t.length, 12, 0, 0);

@@ -542,7 +542,7 @@ void lw_fit_results_end(const lw_target *t, const lw_fit *fit, lw_fit_results *o
         out->n = n;
         for (int k = 0; k < n && poor && !covered; k++)
             covered = is_as_easy(t, MUCH_SMALLER, &fit->candidate[out->candidate[k]], &out->report[k], &fit->candidate[now], r);
-        if (!covered || first_with_its_links(out, fit, now)) {
+        if (!covered) {
             out->report[n] = *r;
             out->candidate[n++] = now;
         }

@@ -49,7 +49,7 @@ lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw
                               const unsigned *may_fail, const lw_results_effort *effort, lw_fit_results *out,
                               lw_error *e);
 /* End a list where quality ends: leave out the rows that count as more than five times the best and as more than 2.5 %, and beside one
- * before them are neither much smaller nor simpler, gentler or alone in turning.  The first of each number of links stays. */
+ * before them are neither much smaller nor simpler, gentler or alone in turning. */
 void      lw_fit_results_end(const lw_target *t, const lw_fit *fit, lw_fit_results *r);
 /* Make the report of each candidate that has none, and keep it with the candidate for lw_fit_results_make.  A report that cannot be
  * made, or not in time, is left to that. */

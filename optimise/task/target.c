@@ -153,9 +153,9 @@ static double diagonal(const lw_target *t, int n_also)
     return least;
 }
 
-/* The gap of a closed target from its last station to the first, in longest steps: 1.1 at most of those that people handed in as
+/* The gap of a closed target from its last station to the first, in longest steps: 1.28 at most of those that people handed in as
  * closed, 1.46 at least of strokes that bend, such as the poses of a folding table. */
-#define CLOSING_STEP 1.25
+#define CLOSING_STEP 1.35
 
 /* Do angles at the stations come back to the first one, as far as their steps tell?  Input angles have to go on to whole turns, body
  * angles may also turn back. */

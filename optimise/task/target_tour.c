@@ -182,8 +182,10 @@ static double find(const lw_target *t, bool closed, const desk *d)
     tour o = { .t = t, .n = t->n + !closed, .node = d->node, .place = d->place, .near = d->near };
     find_near(&o);
     begin(&o);
-    while (uncross(&o) | move_runs(&o))
-        ;
+    for (bool better = true; better; ) {
+        better = uncross(&o);
+        better |= move_runs(&o);
+    }
     size_t first = o.place[closed ? 0 : t->n];
     bool back = at(&o, first + 1) > at(&o, first + o.n - 1);
     for (size_t i = 0; i < t->n; i++)
