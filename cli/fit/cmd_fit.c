@@ -19,9 +19,9 @@ static const cli_option options[] = {
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
       "with --dof 2, numbers from 5. Without it 4; and 6 "
       "if the first row of the four-bars whose crank turns fully counts as missing the target by more than 2.5 % (above; 1 % of up to 15 points), or "
-      "leaves it by more than --tolerance: with 3e4 evaluations, and as long as that improves the first row, or it counts as "
-      "more than 5 %, with up to the whole budget. If a rocking four-bar counts as 2.5 % or less, only "
-      "cranks are searched, and if a body on one pin does the task, no six links", 4, 10,
+      "leaves it by more than --tolerance: with 3e4 evaluations (3e5 of more than 15 points that four-bars and these miss by more than 1 %), "
+      "and as long as that improves the first row, or it counts as more than 5 %, with up to the whole budget. If a rocking "
+      "four-bar counts as 2.5 % or less, only cranks are searched, and if a body on one pin does the task, no six links", 4, 10,
       NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(cli_fit_settings, dof), "F", "1",
       "degree of freedom, 1 to 3: the number of driven joints at the ground. 2 gives mechanisms of 5, 7 and 9 links, 3 "

@@ -18,7 +18,8 @@ typedef struct cli_fit_settings {
     const char *keep;
 } cli_fit_settings;
 
-/* fit_spec.c: check what needs no look at the target, LW_E_ARG; the timing of the fit of a target; make the conditions for the target of `set`, in SI units; read the lengths
+/* fit_spec.c: check what needs no look at the target, LW_E_ARG; the timing of the fit of a target; make the conditions
+ * for the target of `set`, in SI units; read the lengths
  * "0.1mm,0.05mm" of --tolerances, in the unit u where they have none. */
 lw_status cli_fit_check_conditions(const cli_call *call, lw_error *e);
 lw_timing cli_fit_timing(const cli_call *call, const cli_fit_set *set);

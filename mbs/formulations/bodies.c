@@ -544,9 +544,8 @@ static lw_status run_bodies(lw_run *run, bool implicit)
     lw_dynamics *d = run->d;
     stepper w = { .run = run, .implicit = implicit, .look = LOOK, .looked_t = d->o.from };
     bool changed = false;
-    lw_dynamics_report asked = { 0 };
     w.may_leave = !implicit && lw_run_may_leave(d);
-    w.returns = w.may_leave && lw_formulation_radau.able(d, true, &asked) == LW_OK;
+    w.returns = w.may_leave && run->returns;
     w.open = !implicit && !d->space && !d->touch && d->s.n_joint <= d->s.n_body && d->n_driven == 0;
     double *y = calloc(2*(size_t)run->n, sizeof *y);
     if (!y)

@@ -187,8 +187,8 @@ static bool starts_singular(const lw_dynamics *d)
 /* lw_run.leave_stiff: cvode where there is a rigid stop, else radau and index1 in turn. */
 static lw_status leave_stiff(lw_run *run, double *y, double length)
 {
-    lw_dynamics_report *r = run->r, asked = { 0 };
-    bool radau = lw_formulation_radau.able(run->d, true, &asked) == LW_OK;
+    lw_dynamics_report *r = run->r;
+    const bool radau = run->returns;
     snprintf(r->why, sizeof r->why, "%s to t = %.3g s, where the equations became stiff, then an implicit method%s", lw_formulation_name(r->formulation), r->t,
              radau ? ", or index1 where that costs less" : "");
     r->formulation = radau ? LW_FORMULATION_RADAU : LW_FORMULATION_CVODE;
@@ -210,6 +210,7 @@ static lw_status run_one(lw_run *run)
     run->has_work = !d->eq.conservative || d->n_driven || d->n_friction || d->n_stop || d->touch;
     run->n = d->n_q + d->n_v + run->has_work + d->eq.n_z;
     run->pivot_tried = 1;
+    run->returns = lw_formulation_radau.able(d, true, &(lw_dynamics_report){ 0 }) == LW_OK;
     run->n_jumped = run->n_near = 0;
     run->jumps_t = -INFINITY;
     d->least_determinant = 1;

@@ -19,7 +19,8 @@ typedef struct lw_run {
     lw_error       *e;
     /* Goes on from (r->t, y), where the equations became stiff, by an implicit method, and reports it; length: of explicit steps of late. */
     lw_status     (*leave_stiff)(struct lw_run *run, double *y, double length);
-    int     n_back;                  /* number of times that the run went back to the explicit method */
+    bool    returns;                 /* after that the run may go back to the explicit method, */
+    int     n_back;                  /* and did so many times */
     int     n;                       /* numbers in y */
     bool    has_work;
     long    n_busy;                  /* evaluations */

@@ -18,7 +18,8 @@ enum {
     FIRST_TIMED = 4,        /* under a time limit, the first part of a stage's budget: one in so many, ... */
     FIRST_TYPES = 32,       /* ... and of the rounds of four-link types: one so long that time cuts it finds no small linkages */
     UNLESS = 3,             /* ... of a stage with `unless`: so many times less                      */
-    ENOUGH = 30000,         /* evaluations of a stage in such parts after which it may end because of `unless`, ... */
+    ENOUGH = 30000,         /* evaluations of a stage in such parts after which it may end because the first row is good, ... */
+    WELL = 300000,          /* ... or, unless stations are few, because of `unless`, or because it gains no more, ... */
     EXACT = 100000,         /* ... or because the target is met exactly: there may be smaller linkages */
     SMALL = 100000,         /* evaluations of such a part below which only its last search makes a front */
     OF_EACH = 4,            /* candidates of every number of links that are kept, in case the best has a defect */
@@ -671,7 +672,8 @@ static lw_status is_over(const lw_target *t, const lw_fit_options *o, const lw_s
         return LW_OK;
     lw_status st = first_counts_as(t, o, end, begun, o->spec.by_default && lw_target_prefers_turns(t), out, &now);
     const bool gained = begun && ends && now <= GAIN**before;
-    *over = now <= stage->unless || (begun && now <= (ends ? POOR : LW_ENOUGH) && !gained);
+    const bool early = begun && ends && t->n > LW_FEW_STATIONS && c->spent[i] < WELL;
+    *over = now <= (early ? fmin(stage->unless, LW_GOOD) : stage->unless) || (begun && !early && now <= (ends ? POOR : LW_ENOUGH) && !gained);
     *before = now;
     return st;
 }

@@ -24,9 +24,10 @@ typedef struct lw_search_stage {
     lw_families      families;       /* make NULL: the four-link types of lw_fit_options.types      */
     double           unless;         /* > 0, with default limits: this stage and all after it are left out if of the cranks found the first row
                                       * counts as no more than this (lw_fit_report.counts_as), or is within spec.tolerance.  Once begun, they
-                                      * end after a part (without a time limit: from 3e4 evaluations on) after which both are so; or the row counts as no
-                                      * more than 0.05, and the part lowered that by less than a twentieth (under a time limit: as no more than
-                                      * LW_ENOUGH).  If it counts as no more than LW_ENOUGH with others than cranks, only cranks are searched */
+                                      * end after a part after which both are so, or which lowered what the row counts as by less than a twentieth,
+                                      * to no more than 0.05: without a time limit from 3e4 evaluations on, of more than LW_FEW_STATIONS from 3e5 on,
+                                      * unless the row counts as no more than LW_GOOD; under a time limit to no more than LW_ENOUGH after any part.
+                                      * If it counts as no more than LW_ENOUGH with others than cranks, only cranks are searched */
     long             budget;         /* of the stage; 0: that of lw_fit_options                      */
     /* Write the name of a linkage with an added dyad.  LW_NOTHING: the linkage is not wanted; a failure ends the search.
      * NULL: names come from the parent. */
