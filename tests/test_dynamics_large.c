@@ -200,8 +200,7 @@ TEST(mixed_agree)
         "'mass': 2, 'centre': [1.5, 0.2], 'inertia': 0.3}, {'name': 'c', 'mass': 1.5, 'centre': [2.5, 0], 'inertia': 0.1}, {'name': 'w', 'mass': 1, "
         "'centre': [0, 1], 'inertia': 0.4}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': "
         "[1, 0]},{'name': 'S', 'kind': 't', 'links': ['b', 'c'], 'at': [2, 0], 'along': [1, 0.3]},{'name': 'W', 'links': ['ground', 'w'], 'at': [0, 1]}, "
-        "{'name': 'G', 'kind': 'g', 'links': ['w', 'a'], 'at': [0, 0.5], 'ratio': -0.7}], "
-        "'inputs': [{'joint': 'B', 'motion': '0.29145679447786709 - pi + 0.2*sin(3*t)'}, {'joint': "
+        "{'name': 'G', 'kind': 'g', 'links': ['w', 'a'], 'at': [0, 0.5], 'ratio': -0.7}], 'inputs': [{'joint': 'B', 'motion': '0.2*sin(3*t)'}, {'joint': "
         "'A', 'speed': 2}],'springs': [{'joint': 'S', 'stiffness': 300, 'damping': 2}]}",
         "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5], 'inertia': 0.1}, {'name': 'b', 'mass': "
         "1, 'centre': [1, 0.5], 'inertia': 0.1}, {'name': 'c', 'mass': 1, 'centre': [2, 0.5], 'inertia': 0.1}, {'name': 'bar', 'mass': 2, 'centre': [1, "

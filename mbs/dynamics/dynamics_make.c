@@ -259,6 +259,19 @@ static lw_status rank_nearby_large(lw_dynamics *d, double t, const double *q, co
     return LW_OK;
 }
 
+/* Hold input i, which has no motion, as if it had one, unless its row depends on the others in the posture. */
+static lw_status hold_input(lw_dynamics *d, int i, const double *q)
+{
+    int n = d->n_driven, rank = d->rank;
+    d->driven_measure[d->n_driven] = d->s.input_joint[i];
+    d->driven[d->n_driven++] = i;
+    lw_status s = lw_mbs_arrange(d, d->o.from, q);
+    if (s != LW_OK || d->rank > rank)
+        return s;
+    d->n_driven = n;
+    return lw_mbs_arrange(d, d->o.from, q);
+}
+
 /* Move the driven inputs from the posture to where their motions begin, in steps short enough to keep the assembly
  * mode. */
 static lw_status move_inputs_to_start(lw_dynamics *d, double *q)
@@ -293,6 +306,26 @@ static lw_status move_inputs_to_start(lw_dynamics *d, double *q)
         }
     }
     return s;
+}
+
+/* The same; the inputs without a motion keep their values where they can. */
+static lw_status move_to_start(lw_dynamics *d, double *q)
+{
+    const int driven = d->n_driven;
+    lw_status s = LW_OK;
+    for (int i = 0; s == LW_OK && i < d->s.n_input; i++)
+        if (!d->model->motion[i] && !d->o.hold_inputs)
+            s = hold_input(d, i, q);
+    bool held = d->n_driven > driven;
+    memcpy(d->a, q, (size_t)d->n_q*sizeof *q);
+    if (s == LW_OK)
+        s = move_inputs_to_start(d, q);
+    d->n_driven = driven;
+    if (s != LW_OPEN || !held)
+        return s;
+    memcpy(q, d->a, (size_t)d->n_q*sizeof *q);
+    s = lw_mbs_arrange(d, d->o.from, q);
+    return s == LW_OK ? move_inputs_to_start(d, q) : s;
 }
 
 lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion **out, lw_error *e)
@@ -372,7 +405,7 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
     if (s == LW_OK && driven && d->freedom == 0)
         return start_on_motion(d, q, e);
     if (s == LW_OK && driven)
-        s = move_inputs_to_start(d, q);
+        s = move_to_start(d, q);
     if (s == LW_OPEN)
         return lw_error_set(e, LW_OPEN, "the linkage cannot get from the posture of the file to where its motions "
                             "begin");
@@ -428,19 +461,6 @@ static void add_velocities(lw_dynamics *d, int *n)
             d->rhs[*n] = rate[i];
         }
     }
-}
-
-/* Hold input i of a large model as if it had a motion, unless its row depends on the others. */
-static lw_status hold_speed(lw_dynamics *d, int i)
-{
-    int n = d->n_driven, rank = d->rank;
-    d->driven_measure[d->n_driven] = d->s.input_joint[i];
-    d->driven[d->n_driven++] = i;
-    lw_status s = lw_mbs_arrange(d, d->o.from, d->start_q);
-    if (s != LW_OK || d->rank > rank)
-        return s;
-    d->n_driven = n;
-    return lw_mbs_arrange(d, d->o.from, d->start_q);
 }
 
 lw_status lw_mbs_check_speeds(lw_error *e, const char *place, double off, double top, const char *note)
@@ -506,7 +526,7 @@ static lw_status find_velocities_large(lw_dynamics *d, lw_error *e)
         for (int i = 0; s == LW_OK && i < d->s.n_input; i++)
             if (d->model->has_speed[i] == (bool)given && !d->model->motion[i] && !d->o.hold_inputs) {
                 int n = d->n_driven;
-                s = hold_speed(d, i);
+                s = hold_input(d, i, d->start_q);
                 d->at_rest[i] = !given && d->n_driven > n;
             }
     if (s == LW_OK)
