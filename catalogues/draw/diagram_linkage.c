@@ -374,12 +374,8 @@ static void draw_pins(lw_sketch *k)
 /* Direction from the input pin to the centre of the driven link's other nodes [rad, page with y up]. */
 static double driven_direction(const lw_sketch *k, int link, lw_vec2 pin)
 {
-    const lw_vec2 *node = k->node;
-    lw_vec2 sum = { 0, 0 };
-    int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
-    for (int i = 0; i < n; i++)
-        sum = lw_v2_add(sum, lw_v2_sub(node[i], pin));
-    return atan2(sum.y, sum.x);
+    lw_vec2 on_page = inwards(k, link, pin);
+    return atan2(-on_page.y, on_page.x);
 }
 
 static void draw_input(lw_sketch *k, int input)

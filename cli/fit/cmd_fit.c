@@ -19,8 +19,8 @@ static const cli_option options[] = {
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
       "with --dof 2, numbers from 5. Without it 4; and 6 "
       "if the first row of the four-bars whose crank turns fully counts as missing the target by more than 2.5 % (above; 1 % of up to 15 points), or "
-      "leaves it by more than --tolerance: with 3e4 evaluations (3e5 of more than 15 points that four-bars and these miss by more than 1 %), "
-      "and as long as that improves the first row, or it counts as more than 5 %, with up to the whole budget. If a rocking "
+      "leaves it by more than --tolerance. These have at least 3e4 evaluations (3e5 with more than 15 points, unless the first row then counts as 1 % or "
+      "less), and more as long as the first row gets better or counts as more than 5 %, at most --budget. If a rocking "
       "four-bar counts as 2.5 % or less, only cranks are searched, and if a body on one pin does the task, no six links", 4, 10,
       NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(cli_fit_settings, dof), "F", "1",

@@ -174,7 +174,7 @@ void lw_dynamics_notes(lw_note_sink c, const lw_dynamics *d, const lw_dynamics_r
              r->coarse.tolerance, r->coarse.place, lw_dynamics_model(d)->linkage.link_name[r->coarse.placed], r->coarse.place_t, r->coarse.turn,
              lw_dynamics_model(d)->linkage.link_name[r->coarse.turned], r->coarse.turn_t);
     if (r->coarse.ended)
-        note(c, "that run ended at t = %.6g s, so the errors behind this time are not known; a smaller tolerance, or more time if it was limited, shows them",
+        note(c, "that run ended at t = %.6g s, so later errors are not known; a smaller tolerance may show them, or more time if that was limited",
              r->coarse.ended_t);
     if (r->captured_step > 0 && r->coarse.tolerance == 0)
         note(c, "the error of captured contacts is not known: so many rows are not kept for a comparison with a second run");

@@ -63,7 +63,8 @@ const double *lw_prescribed_motion_regular(const lw_prescribed_motion *d);
 bool          lw_prescribed_motion_near(lw_prescribed_motion *d, const double *u, double *q);
 
 /* At most LW_LINK_MAX links: does the motion pass a parallel singularity, where links can move while the inputs stand still?
- * between: the times before and after the first one, with one input both its own.  how, with several inputs: what moves there, the link of the first tracer unless another one moves ten times as much,
+ * between: the times before and after the first one; with one input its time is known, and both are that.  how (empty with one input): what moves
+ * there, the link of the first tracer unless another one moves ten times as much,
  * `link "b" turns about (0.3, -0.1) m`, rounded to hundredths of the size of the linkage; names: the linkage.  false: it does not, or it is not known. */
 #define LW_PRESCRIBED_MOTION_TEXT 240
 bool          lw_prescribed_motion_lost(lw_prescribed_motion *d, const lw_assembly *names, double between[2], char how[LW_PRESCRIBED_MOTION_TEXT]);

@@ -703,7 +703,7 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
         m = d->model;
     }
     const lw_linkage *small;
-    d->large = d->rows_only || d->elastic || lw_model_small(m, &small, NULL) != LW_OK || !small;   /* without that copy as a large one */
+    d->large = d->rows_only || d->elastic || lw_model_small(m, &small, NULL) != LW_OK || !small;   /* no copy of it in fixed arrays: as a large model */
     s = lw_forces_system(m, true, &d->s, e);
     if (s == LW_OK)
         s = lw_forces_make(m, &d->s, &d->o.force, &d->f, e);

@@ -70,7 +70,7 @@ typedef struct stepper {
     int           n_cut;                     /* times in a row that this method began a step again */
     bool          may_leave, returns, leaves;        /* for the implicit method; from there it returns where steps may be longer; it leaves now */
     long          look, looked;              /* steps after which to see whether equations became stiff, and at the last time */
-    double        looked_t, mean;            /* mean: of the lengths of steps of late */
+    double        looked_t, mean;            /* mean: of the lengths of the latest steps */
     double        first;                     /* length of the first step; 0: the solver chooses it */
 } stepper;
 

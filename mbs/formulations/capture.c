@@ -19,7 +19,7 @@
  * on velocities.
  *
  * If few places are struck within a step, the step ends at the first impact: at the root of the gap, predicted from its rate and the accelerations of
- * the last step, and corrected by repeating the step.  After an impact, a step of a moment gives the accelerations.  All places that are closed there take
+ * the last step, and corrected by repeating the step.  After an impact, a very short step that is not taken gives the accelerations.  All places that are closed there take
  * part in the impact, as at a located event.  So the times of impacts are of second order, too.
  * A step ends where a slip ends, too: friction keeps its sense in a step, and the velocity would be off in proportion to h if the slip turned back.
  * Impacts that follow each other within a part of a step, or many impacts in one step, are captured in its middle: their times, and overlaps, are of
@@ -304,7 +304,7 @@ static void restore_places(lw_capture *g)
 /* Did velocities jump in the last step, as a place closed in it?  Then their change over its length is no acceleration. */
 static bool jumped(const lw_capture *g) { return g->late > 0 || lw_capture_closes_one(g); }
 
-/* Find the accelerations at (q, v), by steps of a moment that are not taken.  The first of them put the velocities on the rows, and end what is left
+/* Find the accelerations at (q, v), by very short steps that are not taken.  The first of them put the velocities on the rows, and end what is left
  * of impacts. */
 static lw_status look_around(lw_capture *g)
 {

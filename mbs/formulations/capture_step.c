@@ -354,7 +354,7 @@ static lw_status solve_densely(lw_capture *g, double h, int m)
     return s;
 }
 
-/* Of the m closed places, a place that stuck before the step slips behind it, by forces that change velocities by `pull`.  Could friction have held it by other
+/* Of the m closed places, a place that stuck before the step slips after it, by forces that change velocities by `pull`.  Could friction have held it by other
  * impulses?  Then rigid bodies have both motions.  The solution of the step remains. */
 static lw_status note_jam(lw_capture *g, double h, int m, double pull)
 {
@@ -643,7 +643,7 @@ static lw_status put_back(lw_capture *g, double t, double *q, double *overlap)
     return LW_OK;
 }
 
-/* What the impulses of a step do at the places: mean of the rates before and behind it.  Where a place held before, and sticks on, its rates are
+/* What the impulses of a step do at the places: mean of the rates before and after it.  Where a place held before, and sticks on, its rates are
  * errors of the step, and no work. */
 static double work_of_places(const lw_capture *g)
 {

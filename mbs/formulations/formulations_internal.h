@@ -42,7 +42,7 @@ lw_status lw_run_hand_over(lw_run *run, double *y);
 bool lw_run_may_leave(lw_dynamics *d);
 
 /* Go on from (run->r->t, y) by index1 with a first step of length *h.  LW_NOTHING: y is the state where the equations became stiff again, *h the
- * length of steps of late; *h = 0: the caller ended the run. */
+ * mean length of the latest steps; *h = 0: the caller ended the run. */
 lw_status lw_run_explicit_from(lw_run *run, double *y, double *h);
 
 /* Does regularised friction limit the steps of w, and is enough left for an implicit method? */

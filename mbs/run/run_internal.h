@@ -17,7 +17,7 @@ typedef struct lw_run {
     void           *context;
     lw_dynamics_report *r;
     lw_error       *e;
-    /* Goes on from (r->t, y), where the equations became stiff, by an implicit method, and reports it; length: of explicit steps of late. */
+    /* Goes on from (r->t, y), where the equations became stiff, by an implicit method, and reports it; length: mean of the latest explicit steps. */
     lw_status     (*leave_stiff)(struct lw_run *run, double *y, double length);
     bool    returns;                 /* after that the run may go back to the explicit method, */
     int     n_back;                  /* and did so many times */
