@@ -257,6 +257,8 @@ static void note_assumptions(const lw_header *h, lw_target *t)
         lw_target_add_note(t, "lengths have no unit: results are in that of the file, exports take metres; add \"# units: mm\"");
     if ((turned || driven) && !*h->angle_by)
         lw_target_add_note(t, "angles have no unit and count as rad; add \"# units: deg\" if they are degrees");
+    if (t->x && !turned && strncasecmp(h->name[LW_TARGET_FIELD_ANGLE], "angle", 5) == 0)
+        lw_target_add_note(t, "the column angle is that of the input at each point; the direction of the body is called theta");
 }
 
 lw_status lw_target_read(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t, lw_error *e)
