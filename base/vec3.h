@@ -9,6 +9,7 @@
 typedef struct lw_mat3 { lw_vec3 row[3]; } lw_mat3;
 
 static inline lw_vec3 lw_v3(double x, double y, double z) { return (lw_vec3){ x, y, z }; }
+static inline lw_vec2 lw_v3_xy(lw_vec3 a) { return (lw_vec2){ a.x, a.y }; }
 static inline lw_vec3 lw_v3_add(lw_vec3 a, lw_vec3 b) { return lw_v3(a.x + b.x, a.y + b.y, a.z + b.z); }
 static inline lw_vec3 lw_v3_sub(lw_vec3 a, lw_vec3 b) { return lw_v3(a.x - b.x, a.y - b.y, a.z - b.z); }
 static inline lw_vec3 lw_v3_scale(lw_vec3 a, double s) { return lw_v3(s*a.x, s*a.y, s*a.z); }

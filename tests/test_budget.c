@@ -164,13 +164,13 @@ TEST(links_that_bend)
     CHECK_OK(lw_budget_make(&r, &s, &o, &b, &check_error));
     CHECK_INT(b.n, 9);
     lw_vec3 home = tool_of(&r, r.follow.q);
-    lw_spatial_force force = { .link = m.tracer[0].link, .at = m.tracer[0].at };
+    lw_force force = { .link = m.tracer[0].link, .at = m.tracer[0].at };
     for (int i = 0; i < 3; i++) {
         lw_expression_words words = { .context = NULL };
         const char *const text[] = { "3", "-2", "-5" };
         CHECK_OK(lw_expression_parse_words(text[i], strlen(text[i]), &words, &force.force[i], &check_error));
     }
-    lw_spatial_force *own = m.force;
+    lw_force *own = m.force;
     m.force = &force, m.n_force = 1;
     lw_vec3 bent = lw_v3_sub(tool_at_rest(&m, false), home);
     m.force = own, m.n_force = 0;

@@ -1292,8 +1292,8 @@ TEST(library)
     CHECK_NEAR(seen.potential, 0.5*700*700*8/(3*ei), 0, 3e-3);
     lw_simulation_destroy(run);
     CHECK_INT(lw_model_set_mass(&s.m, 1, 1, lw_v2(0, 0), 1), LW_E_ARG);
-    lw_expression_free(s.m.force[0].fy);
-    s.m.force[0].fy = NULL;
+    lw_expression_free(s.m.force[0].force[1]);
+    s.m.force[0].force[1] = NULL;
     o = lw_simulation_options_default();
     o.tolerance = 1e-6;
     CHECK_INT(lw_stepper_create(&s.m, &o, &steps, &s.e), LW_OK);

@@ -72,10 +72,10 @@ TEST(joints_and_loads)
     CHECK_TEXT(m.spring[0].name, "spring 2");
     CHECK_TEXT(m.spring[1].name, "dash");
     CHECK_NEAR(value(m.joint_spring[1].law, 2, 3), -803, 0, 0);
-    CHECK_NEAR(value(m.force[0].fx, 0, 0), -5, 0, 0);
-    CHECK(m.force[0].follows && !m.force[0].torque);
+    CHECK_NEAR(value(m.force[0].force[0], 0, 0), -5, 0, 0);
+    CHECK(m.force[0].follows && !m.force[0].torque[2]);
     const int *which;
-    CHECK_INT(lw_expression_variables(m.force[0].fy, &which), 2);
+    CHECK_INT(lw_expression_variables(m.force[0].force[1], &which), 2);
     CHECK_INT(which[0], lw_variable(LW_QUANTITY_V, 1));
     CHECK_INT(which[1], lw_variable(LW_QUANTITY_X, 0));
     CHECK_NEAR(m.motor[0].stall, 2, 0, 0);

@@ -111,7 +111,7 @@ TEST(ties)
             corners = t->n;
         if (t->kind != LW_SPACE_TIE)
             continue;
-        const lw_spatial_spring *of = &m.spring[t->item];
+        const lw_spring *of = &m.spring[t->item];
         for (size_t f = 0; f < s.n_frame; f++) {
             lw_vec3 end[2];
             for (int k = 0; k < 2; k++) {

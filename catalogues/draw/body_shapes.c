@@ -260,9 +260,9 @@ int lw_body_shapes_nodes(const lw_scene *s, int link, lw_vec2 *node, int room)
     for (int i = 0; link != k->ground && s->model && i < s->model->n_spring + s->model->n_rope; i++) {
         int rope = i - s->model->n_spring;
         const int *of = rope < 0 ? s->model->spring[i].link : s->model->rope[rope].link;
-        const lw_vec2 *at = rope < 0 ? s->model->spring[i].at : s->model->rope[rope].at;
-        if (of[0] == link || of[1] == link)
-            n = add_node(node, room, n, at[of[1] == link]);
+        int end = of[1] == link;
+        if (of[end] == link)
+            n = add_node(node, room, n, rope < 0 ? lw_v3_xy(s->model->spring[i].at[end]) : s->model->rope[rope].at[end]);
     }
     if (n == 1 && link != k->ground && s->model && s->model->body[link].mass > 0)     /* a pendulum reaches to its mass */
         n = add_node(node, room, n, s->model->body[link].centre);

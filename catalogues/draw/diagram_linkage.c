@@ -482,7 +482,7 @@ static void draw_jack(lw_sketch *k, const lw_spring *c)
 {
     const lw_assembly *l = lw_sketch_linkage_of(k);
     double scale = k->d->view[0].scale, tube = 0.95*scale*c->extent[0];
-    lw_vec2 end[2] = { lw_sketch_pixel(k, 0, c->at[0]), lw_sketch_pixel(k, 0, c->at[1]) }, line = lw_v2_sub(end[1], end[0]);
+    lw_vec2 end[2] = { lw_sketch_pixel(k, 0, lw_v3_xy(c->at[0])), lw_sketch_pixel(k, 0, lw_v3_xy(c->at[1])) }, line = lw_v2_sub(end[1], end[0]);
     lw_vec2 along = lw_v2_scale(line, 1/fmax(lw_v2_norm(line), 1e-9));
     const int back[2] = { c->link[1], c->link[0] };
     size_t first = k->d->n_shape;
@@ -529,6 +529,6 @@ void lw_sketch_linkage(lw_sketch *k)
         if (m->spring[i].extent[1] > 0)
             draw_jack(k, &m->spring[i]);
         else
-            draw_tie(k, m->spring[i].link, m->spring[i].at, true);
+            draw_tie(k, m->spring[i].link, (lw_vec2[]){ lw_v3_xy(m->spring[i].at[0]), lw_v3_xy(m->spring[i].at[1]) }, true);
     draw_pins(k);
 }

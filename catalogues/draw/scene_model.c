@@ -14,7 +14,7 @@
 static double distance_of_ends(const lw_scene *s, size_t frame, const void *spring)
 {
     const lw_spring *p = spring;
-    return lw_v2_norm(lw_v2_sub(lw_scene_at(s, frame, p->link[1], p->at[1]), lw_scene_at(s, frame, p->link[0], p->at[0])));
+    return lw_v2_norm(lw_v2_sub(lw_scene_at(s, frame, p->link[1], lw_v3_xy(p->at[1])), lw_scene_at(s, frame, p->link[0], lw_v3_xy(p->at[0]))));
 }
 
 /* Turn, within half a turn either way, or slide from the posture. */

@@ -503,7 +503,7 @@ static lw_status make_shapes(const lw_spatial *m, lw_space_scene *s)
     for (int i = 0; i < m->n_joint; i++)
         add_joint(m, i, s);
     for (int i = 0; i < m->n_spring; i++) {
-        const lw_spatial_spring *t = &m->spring[i];
+        const lw_spring *t = &m->spring[i];
         add(s, (lw_space_shape){ .kind = LW_SPACE_TIE, .link = t->link[0], .item = i, .n = 2, .p = { t->at[0], t->at[1] }, .tube = 0.95*t->extent[0] });
         s->shape[s->n_shape - 1].to = t->link[1];
     }
@@ -542,7 +542,7 @@ static void measure(lw_space_scene *s)
 
 static double distance_of_ends(const lw_space_scene *s, size_t frame, const void *spring)
 {
-    const lw_spatial_spring *p = spring;
+    const lw_spring *p = spring;
     return lw_v3_norm(lw_v3_sub(lw_space_scene_at(s, frame, p->link[1], p->at[1]), lw_space_scene_at(s, frame, p->link[0], p->at[0])));
 }
 

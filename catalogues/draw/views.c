@@ -107,7 +107,7 @@ static void add_parts(lw_box *b, const lw_scene *s, size_t frame)
         for (int i = 0; i < s->model->n_rope; i++)
             box_add(b, lw_scene_at(s, frame, s->model->rope[i].link[end], s->model->rope[i].at[end]));
         for (int i = 0; i < s->model->n_spring; i++)
-            box_add(b, lw_scene_at(s, frame, s->model->spring[i].link[end], s->model->spring[i].at[end]));
+            box_add(b, lw_scene_at(s, frame, s->model->spring[i].link[end], lw_v3_xy(s->model->spring[i].at[end])));
     }
 }
 

@@ -256,7 +256,7 @@ static void put_action(writer *w, int link, lw_vec3 point, lw_vec3 v, int on, co
     put(w, "\n");
 }
 
-static void put_spring(writer *w, const lw_spatial_spring *p)
+static void put_spring(writer *w, const lw_spring *p)
 {
     int at[2];
     for (int end = 0; end < 2; end++)
@@ -305,7 +305,7 @@ static void put_loads(writer *w)
         put(w, "))\n");
     }
     for (int i = 0; i < m->n_force; i++) {
-        const lw_spatial_force *p = &m->force[i];
+        const lw_force *p = &m->force[i];
         double v[6];
         for (int c = 0; c < 6; c++)
             v[c] = lw_export_constant(c < 3 ? p->force[c] : p->torque[c - 3]);

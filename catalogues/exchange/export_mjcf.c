@@ -382,7 +382,7 @@ static void put_sites(writer *w, int depth, int link)
         put_site(w, depth, p->name, "", link, p->at, &p->frame);
     }
     for (int at = w->springs.start[link]; at < w->springs.start[link + 1]; at++) {
-        const lw_spatial_spring *p = &m->spring[w->springs.entry[at]/2];
+        const lw_spring *p = &m->spring[w->springs.entry[at]/2];
         int end = w->springs.entry[at]%2;
         put_site(w, depth, p->name, end ? " end" : " start", link, p->at[end], NULL);
     }
@@ -392,7 +392,7 @@ static void put_sites(writer *w, int depth, int link)
         put_site(w, depth, p->name, end ? " rope end" : " rope start", link, lw_v3(p->at[end].x, p->at[end].y, 0), NULL);
     }
     for (int at = w->forces.start[link]; at < w->forces.start[link + 1]; at++) {
-        const lw_spatial_force *p = &m->force[w->forces.entry[at]];
+        const lw_force *p = &m->force[w->forces.entry[at]];
         put_site(w, depth, p->name, " force", link, p->at, NULL);
     }
 }
@@ -609,7 +609,7 @@ static void end_tendon(writer *w, const char *name, const char *const more[2])
     put_tag(w, 2, "</spatial>");
 }
 
-static void put_spring(writer *w, const lw_spatial_spring *p)
+static void put_spring(writer *w, const lw_spring *p)
 {
     put_tag(w, 2, "<spatial");
     put_name(w, "name", p->name, "");
@@ -681,7 +681,7 @@ static double step_for(double inertia, double stiffness, double damping)
 }
 
 /* The lesser mass at the ends of a spring; an end without mass moves with other links, the lightest of all at the least. */
-static double lighter_end(const writer *w, const lw_spatial_spring *p, double lightest)
+static double lighter_end(const writer *w, const lw_spring *p, double lightest)
 {
     double least = INFINITY;
     for (int end = 0; end < 2; end++)
@@ -781,7 +781,7 @@ static void put_motor(writer *w, const lw_motor *p)
 }
 
 /* Three components and three moments at a site, along its axes if the force follows the link, else along those of the world. */
-static void put_force(writer *w, const lw_spatial_force *p)
+static void put_force(writer *w, const lw_force *p)
 {
     double value[6];
     for (int c = 0; c < 6; c++)

@@ -57,13 +57,9 @@ static lw_status lend(lw_export_plane *p)
     space->force = calloc((size_t)m->n_force + 1, sizeof *space->force);
     if (!space->force)
         return LW_E_MEMORY;
-    for (int i = 0; i < m->n_force; i++) {
-        const lw_force *f = &m->force[i];
-        lw_spatial_force *to = &space->force[space->n_force++];
-        *to = (lw_spatial_force){ .link = f->link, .at = lw_v3(f->at.x, f->at.y, 0), .follows = f->follows, .force = { f->fx, f->fy },
-                                  .torque = { NULL, NULL, f->torque } };
-        memcpy(to->name, f->name, sizeof to->name);
-    }
+    if (m->n_force)
+        memcpy(space->force, m->force, (size_t)m->n_force*sizeof *m->force);
+    space->n_force = m->n_force;
     return LW_OK;
 }
 

@@ -83,8 +83,8 @@ static const char *beyond(const lw_model *m)
             return "springs that are not linear";
     for (int k = 0, n; k < m->n_force; k++) {
         const int *which;
-        n = m->force[k].torque ? lw_expression_variables(m->force[k].torque, &which) : 1;
-        if (n > 0 || m->force[k].fx || m->force[k].fy)
+        n = m->force[k].torque[2] ? lw_expression_variables(m->force[k].torque[2], &which) : 1;
+        if (n > 0 || m->force[k].force[0] || m->force[k].force[1])
             return "forces other than constant torques";
     }
     return m->n_joint_spring || m->n_motor ? "springs or motors at joints" : NULL;
@@ -113,7 +113,7 @@ static void write_loads(const lw_system *s, const lw_model *m, FILE *f)
                 s->body[c->link[1]] + 1, c->at[0].x, c->at[0].y, c->at[1].x, c->at[1].y, c->stiffness, c->free);
     }
     for (int k = 0; k < m->n_force; k++)
-        fprintf(f, "torque %d %.17g\n", s->body[m->force[k].link] + 1, lw_expression_value(m->force[k].torque, NULL));
+        fprintf(f, "torque %d %.17g\n", s->body[m->force[k].link] + 1, lw_expression_value(m->force[k].torque[2], NULL));
 }
 
 static lw_status write_scene(const cli_mbs *b, const cli_mbs_problem *p, const lw_model *m, int n_moment, FILE *f,
@@ -361,7 +361,7 @@ static lw_status write_space(const cli_mbs *b, const cli_mbs_problem *p, const l
             write_vec(t->second, f);
         }
         for (int k = 0; k < m->n_spring; k++) {
-            const lw_spatial_spring *t = &m->spring[k];
+            const lw_spring *t = &m->spring[k];
             fprintf(f, "\nspring3 %d %d", s->body_of[t->link[0]] + 1, s->body_of[t->link[1]] + 1);
             write_vec(t->at[0], f);
             write_vec(t->at[1], f);

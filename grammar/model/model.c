@@ -63,9 +63,9 @@ void lw_model_expressions(const lw_model *m, lw_expression_sink *see, void *cont
     for (int i = 0; i < m->n_joint_spring; i++)
         see(context, m->joint_spring[i].law);
     for (int i = 0; i < m->n_force; i++) {
-        see(context, m->force[i].fx);
-        see(context, m->force[i].fy);
-        see(context, m->force[i].torque);
+        see(context, m->force[i].force[0]);
+        see(context, m->force[i].force[1]);
+        see(context, m->force[i].torque[2]);
     }
     lw_states_expressions(&m->states, see, context);
 }
@@ -88,19 +88,22 @@ void lw_states_free(lw_states *s)
     free(s->state), free(s->signal), free(s->rotor);
 }
 
+void lw_springs_and_forces_free(int n_spring, lw_spring *spring, int n_force, lw_force *force)
+{
+    for (int i = 0; i < n_spring; i++)
+        lw_expression_free(spring[i].law);
+    for (int i = 0; i < 6*n_force; i++)
+        lw_expression_free(i%6 < 3 ? force[i/6].force[i%3] : force[i/6].torque[i%3]);
+    free(spring), free(force);
+}
+
 void lw_model_free(lw_model *m)
 {
     for (int i = 0; m->motion && i < m->linkage.n_input; i++)
         lw_expression_free(m->motion[i]);
-    for (int i = 0; i < m->n_spring; i++)
-        lw_expression_free(m->spring[i].law);
+    lw_springs_and_forces_free(m->n_spring, m->spring, m->n_force, m->force);
     for (int i = 0; i < m->n_joint_spring; i++)
         lw_expression_free(m->joint_spring[i].law);
-    for (int i = 0; i < m->n_force; i++) {
-        lw_expression_free(m->force[i].fx);
-        lw_expression_free(m->force[i].fy);
-        lw_expression_free(m->force[i].torque);
-    }
     lw_states_free(&m->states);
     for (int i = 0; m->elastic && i < m->linkage.n_link; i++)
         lw_elastic_free(&m->elastic[i]);
@@ -109,7 +112,7 @@ void lw_model_free(lw_model *m)
     for (int i = 0; i < m->n_profile; i++)
         lw_moves_free(&m->profile[i]);
     void *const array[] = { m->profile, m->shape, m->contact, m->rope, m->motion,
-                            m->has_speed, m->speed, m->body, m->spring, m->joint_spring, m->force, m->motor, m->friction, m->stop,
+                            m->has_speed, m->speed, m->body, m->joint_spring, m->motor, m->friction, m->stop,
                             m->clearance, m->small, m->elastic, m->beam };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);

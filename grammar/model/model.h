@@ -23,13 +23,13 @@ typedef struct lw_body {
     double  omega;                   /* [rad/s]                                                     */
 } lw_body;
 
-/* Between a point of one link and a point of another.  The force f along the line of the points is positive when
+/* Between a point of one link and a point of another; in a planar model, z is 0.  The force f along the line of the points is positive when
  * it pulls them together:  f = stiffness (l - free) + damping dl/dt,  or `law`, a function of the variables
  * length and rate (and t). */
 typedef struct lw_spring {
     char    name[LW_NAME_SIZE];
     int     link[2];
-    lw_vec2 at[2];
+    lw_vec3 at[2];
     double  stiffness, damping, free;    /* [N/m] [N s/m] [m]                                      */
     double  extent[2];                   /* of a hydraulic cylinder: its length when it is pushed in and out [m]; else 0 */
     lw_expression *law;                  /* NULL: linear                                           */
@@ -51,9 +51,9 @@ typedef enum lw_line_load { LW_LINE_NONE, LW_LINE_EVEN, LW_LINE_VARYING, LW_LINE
 typedef struct lw_force {                /* on one link; the reaction goes to ground               */
     char    name[LW_NAME_SIZE];
     int     link;
-    lw_vec2 at;
+    lw_vec3 at;                          /* z is 0 in a planar model                               */
     bool    follows;                     /* directions turn with the link                          */
-    lw_expression *fx, *fy, *torque;     /* [N] [N m], each may be NULL                            */
+    lw_expression *force[3], *torque[3]; /* [N] [N m], each may be NULL; a planar model has force[0], force[1], torque[2] */
     lw_line_load line;
     int     part;                        /* of an expanded model: 1 + the element whose load this is; 0: none */
 } lw_force;
@@ -238,6 +238,7 @@ lw_status lw_model_read(const char *text, size_t size, const char *file, lw_mode
 lw_status lw_model_read_result(const char *text, size_t size, const char *file, int which, lw_model *m, lw_error *e);
 void      lw_model_free(lw_model *m);
 void      lw_states_free(lw_states *s);
+void      lw_springs_and_forces_free(int n_spring, lw_spring *spring, int n_force, lw_force *force);
 
 /* m->small.  LW_E_KIND when it is NULL; the text says how large the model is. */
 lw_status lw_model_small(const lw_model *m, const lw_linkage **linkage, lw_error *e);

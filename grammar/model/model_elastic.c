@@ -28,17 +28,6 @@ static lw_status read_elastic_damping(const lw_json_node *n, lw_elastic *p, lw_e
     return s;
 }
 
-/* Three numbers, in the plane two. */
-static lw_status read_place(const lw_json_node *n, double metre, bool space, lw_vec3 *out, lw_error *e)
-{
-    lw_vec2 flat = { 0, 0 };
-    if (space)
-        return lw_read_triple(n, metre, out, e);
-    lw_status s = lw_read_pair(n, metre, &flat, e);
-    *out = lw_v3(flat.x, flat.y, 0);
-    return s;
-}
-
 static lw_status read_axis(const lw_json_node *n, double metre, bool space, lw_elastic *p, lw_error *e)
 {
     lw_status s = lw_read_list(n, 2, 1000, e);
@@ -48,7 +37,7 @@ static lw_status read_axis(const lw_json_node *n, double metre, bool space, lw_e
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (size_t i = 0; s == LW_OK && i < lw_json_count(n); i++) {
         lw_json_node point = lw_json_element(n, i);
-        s = read_place(&point, metre, space, &p->axis[i], e);
+        s = lw_read_place(&point, metre, space, &p->axis[i], e);
         p->n_axis++;
         double length = i > 0 ? lw_v3_norm(lw_v3_sub(p->axis[i], p->axis[i - 1])) : 1;
         if (s == LW_OK && !(length > LW_ELASTIC_SHORTEST))
@@ -215,7 +204,7 @@ static lw_status read_superelement(const lw_json_node *n, double metre, bool spa
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&nodes); i++) {
         lw_json_node one = lw_json_element(&nodes, i);
-        s = read_place(&one, metre, space, &p->node[i], e);
+        s = lw_read_place(&one, metre, space, &p->node[i], e);
         for (size_t k = 0; s == LW_OK && k < i; k++)
             if (lw_v3_norm(lw_v3_sub(p->node[i], p->node[k])) == 0)
                 s = lw_json_fault(&one, e, "two nodes are at one place");

@@ -15,7 +15,7 @@ lw_status lw_model_reserve(lw_model *m);
 /* The variables that an expression may use: t; those of the whole model; of a spring's or a joint's law. */
 typedef enum { LW_OF_TIME, LW_OF_STATE, LW_OF_LENGTH, LW_OF_DISPLACEMENT } lw_expression_scope;
 
-/* The joint of a motor, and the spring there whose law is the motor's push. */
+/* The joint of a motor, and what its push needs to know of it; law: of a spring there. */
 typedef struct lw_motor_joint {
     int joint, link[2], ground, rate;    /* rate: the variable of its speed */
     bool turns;
@@ -30,16 +30,20 @@ typedef struct lw_reading {
     const lw_units *units;
     const int *n_profile;
     lw_moves *const *profile;
-    /* The variable word(name) of a joint, tracer or link; the spring or cylinder of a name.  -1: there is none, with why. */
+    /* Lists with room for all that the file has, and how many have been read. */
+    lw_spring *const *spring;
+    lw_force  *const *force;
+    lw_motor  *const *motor;
+    int       *n_spring, *n_force, *n_motor;
+    /* The variable word(name) of a joint, tracer or link.  -1: there is none, with why. */
     int       (*variable)(const void *model, lw_json *json, const char *word, const char *name, char *why);
-    int       (*find_spring)(const void *model, lw_json *json, const char *name, char *why);
-    /* A cylinder's spring from "links" and "at"; later its law, number, and length in the posture [m]. */
-    lw_status (*ends)(const lw_json_node *object, const char *name, void *model, lw_error *e);
-    lw_expression **(*cylinder)(void *model, lw_json *json, const char *name, const double extent[2], int *spring, double *length);
-    lw_status (*motor)(const lw_json_node *object, const char *name, void *model, lw_motor_joint *out, lw_error *e);
-    /* A spring or damper between two points [0], at a joint [1], whose keys are checked.  spatial: the joint may have several coordinates. */
-    lw_status (*spring[2])(const lw_json_node *object, const char *what, size_t index, const struct lw_reading *r, lw_error *e);
-    bool       spatial;
+    /* The link that a node names; the joint of a motor, and the spring there for its push. */
+    lw_status (*link)(const lw_json_node *n, const void *model, int *out, lw_error *e);
+    lw_status (*motor_place)(const lw_json_node *object, const void *model, int *joint, lw_error *e);
+    void      (*motor_spring)(int joint, const char *name, void *model, lw_motor_joint *out);
+    /* A spring or damper at a joint, whose keys are checked. */
+    lw_status (*joint_spring)(const lw_json_node *object, const char *what, size_t index, const struct lw_reading *r, lw_error *e);
+    bool       spatial;                  /* places have three numbers; a joint may have several coordinates */
 } lw_reading;
 
 /* Reads one element of a list of loads. */
@@ -62,6 +66,20 @@ lw_status lw_read_line_load(const lw_json_node *object, const char *key, const l
 lw_status lw_motion_replace(const char *text, const int *n_profile, lw_moves *const *profile, lw_expression **motion, bool *has_speed,
                             lw_error *e);
 
+/* ---- model_ends.c ------------------------------------------------------------------------------------------ */
+
+/* A place: three numbers, in the plane two, in units of `metre`. */
+lw_status lw_read_place(const lw_json_node *n, double metre, bool spatial, lw_vec3 *out, lw_error *e);
+
+/* "links" and "at" of the next spring, whose free length becomes the distance of its ends. */
+lw_status lw_read_ends(const lw_json_node *object, const lw_reading *r, lw_error *e);
+
+/* Distance of the ends of a spring in the posture [m]. */
+double lw_read_drawn_length(const lw_reading *r, const lw_spring *p);
+
+/* The spring or cylinder of a name, or -1 and why. */
+int lw_read_find_spring(const lw_reading *r, lw_json *json, const char *name, char *why);
+
 /* ---- model_loads.c ----------------------------------------------------------------------------------------- */
 
 /* Numbers of a spring or damper, or the "law" that stands in their place, of a length or of a joint's displacement in this unit.  *free: that of the
@@ -69,12 +87,8 @@ lw_status lw_motion_replace(const char *text, const int *n_profile, lw_moves *co
 lw_status lw_read_spring_numbers(const lw_json_node *object, const lw_reading *r, lw_expression_scope scope, double unit, double *stiffness,
                                  double *damping, double *free, lw_expression **law, lw_error *e);
 
-/* One of "springs", of "dampers". */
-lw_read_one lw_read_spring, lw_read_damper;
-
-/* A motor of "stall" and "free_speed": its keys and name; then, once its joint is known, its numbers. */
-lw_status lw_read_motor_name(const lw_json_node *object, size_t index, lw_motor *p, lw_error *e);
-lw_status lw_read_motor_line(const lw_json_node *object, lw_motor *p, lw_error *e);
+/* One of "springs", of "dampers", of "forces", of "motors". */
+lw_read_one lw_read_spring, lw_read_damper, lw_read_force, lw_read_motor;
 
 /* ---- model_joint.c: what a joint has besides its freedoms ------------------------------------------------ */
 
@@ -111,8 +125,8 @@ lw_read_one lw_states_read_motor;
 /* Arguments of lw_read_name_of and lw_read_find for a list of n parts with names. */
 #define LW_NAMES(list, n, type) (const char *)(list) + offsetof(type, name), sizeof(type), n
 
-/* The link that a node names. */
-lw_status lw_spatial_read_link(const lw_json_node *n, const lw_spatial *m, int *out, lw_error *e);
+/* The link of a spatial model that a node names. */
+lw_status lw_spatial_read_link(const lw_json_node *n, const void *model, int *out, lw_error *e);
 
 /* The measure that an object names: "joint", "coordinate" turn or slide; or "tracer", "coordinate" x, y, z. */
 lw_status lw_spatial_read_measure(const lw_json_node *object, const lw_spatial *m, bool tracers, const char *what,
@@ -123,9 +137,6 @@ double lw_spatial_measure_unit(const lw_spatial *m, lw_spatial_measure of);
 
 /* What expressions and states ask of the model. */
 lw_reading lw_spatial_reading(lw_spatial *m);
-
-/* One of "forces", of "motors". */
-lw_read_one lw_spatial_read_force, lw_spatial_read_motor;
 
 /* ---- model_rotor.c: rotors that turn between moving links ------------------------------------------------------ */
 

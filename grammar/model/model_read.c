@@ -203,7 +203,7 @@ static lw_status read_joint_extras(const lw_json_node *root, lw_model *m, lw_err
 
 /* ---- loads ------------------------------------------------------------------------------------- */
 
-static lw_status read_load_joint(const lw_json_node *object, const char *what, lw_model *m, int *joint, lw_error *e)
+static lw_status read_load_joint(const lw_json_node *object, const char *what, const lw_model *m, int *joint, lw_error *e)
 {
     lw_json_node n;
     lw_status s = lw_read_need(object, "joint", &n, e);
@@ -212,79 +212,25 @@ static lw_status read_load_joint(const lw_json_node *object, const char *what, l
     return s == LW_OK ? need_kind(&n, m, *joint, lw_joint_can_drive, drives, what, e) : s;
 }
 
-static lw_status read_ends(const lw_json_node *object, lw_model *m, lw_spring *p, lw_error *e)
+static lw_status read_link(const lw_json_node *n, const void *model, int *out, lw_error *e)
 {
-    lw_json_node links, at;
-    lw_status s = lw_read_need(object, "links", &links, e);
-    if (s == LW_OK && (s = lw_read_list(&links, 2, 2, e)) == LW_OK && (s = lw_read_need(object, "at", &at, e)) == LW_OK)
-        s = lw_read_list(&at, 2, 2, e);
-    for (size_t end = 0; s == LW_OK && end < 2; end++) {
-        lw_json_node link = lw_json_element(&links, end), point = lw_json_element(&at, end);
-        s = lw_read_link(&link, &m->linkage, &p->link[end], e);
-        if (s == LW_OK)
-            s = lw_read_pair(&point, m->linkage.units.metre, &p->at[end], e);
-    }
-    if (s == LW_OK && p->link[0] == p->link[1])
-        s = lw_json_fault(&links, e, "both ends are on link \"%s\": nothing between them can move", m->linkage.link_name[p->link[0]]);
-    return s;
+    return lw_read_link(n, &((const lw_model *)model)->linkage, out, e);
 }
 
-/* ---- for expressions and states ------------------------------------------------------------------ */
-
-static int find_spring(const void *model, lw_json *json, const char *name, char *why)
+static lw_status read_motor_place(const lw_json_node *object, const void *model, int *joint, lw_error *e)
 {
-    const lw_model *m = model;
-    return lw_read_find_or_say(json, "spring or cylinder between two points", name, m->spring->name, sizeof *m->spring, m->n_spring, why);
+    return read_load_joint(object, "motors", model, joint, e);
 }
 
-static lw_status read_cylinder_ends(const lw_json_node *object, const char *name, void *model, lw_error *e)
+static void add_motor_spring(int joint, const char *name, void *model, lw_motor_joint *out)
 {
     lw_model *m = model;
-    lw_spring *p = &m->spring[m->n_spring];
-    snprintf(p->name, sizeof p->name, "%s", name);
-    lw_status s = read_ends(object, m, p, e);
-    m->n_spring += s == LW_OK;
-    return s;
-}
-
-static lw_expression **find_cylinder(void *model, lw_json *json, const char *name, const double extent[2], int *spring, double *length)
-{
-    lw_model *m = model;
-    int i = lw_read_find(json, name, m->spring->name, sizeof *m->spring, m->n_spring);
-    *spring = i;
-    *length = lw_v2_norm(lw_v2_sub(m->spring[i].at[1], m->spring[i].at[0]));
-    memcpy(m->spring[i].extent, extent, sizeof m->spring[i].extent);
-    return &m->spring[i].law;
-}
-
-static lw_status read_motor_joint(const lw_json_node *object, const char *name, void *model, lw_motor_joint *out, lw_error *e)
-{
-    lw_model *m = model;
-    lw_joint_spring *push = &m->joint_spring[m->n_joint_spring];
-    lw_status s = read_load_joint(object, "motors", m, &push->joint, e);
-    if (s != LW_OK)
-        return s;
-    const lw_joint *j = &m->linkage.joint[push->joint];
-    m->n_joint_spring++;
+    lw_joint_spring *push = &m->joint_spring[m->n_joint_spring++];
+    const lw_joint *j = &m->linkage.joint[joint];
+    push->joint = joint;
     snprintf(push->name, sizeof push->name, "%s", name);
-    *out = (lw_motor_joint){ push->joint, { j->link[0], j->link[1] }, m->linkage.ground, lw_variable(LW_QUANTITY_V, push->joint),
+    *out = (lw_motor_joint){ joint, { j->link[0], j->link[1] }, m->linkage.ground, lw_variable(LW_QUANTITY_V, joint),
                              lw_joint_turns(j->kind), j->name, &push->law };
-    return LW_OK;
-}
-
-/* A spring between two points.  Without "free" its free length is that in the posture. */
-static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, const lw_reading *r, lw_error *e)
-{
-    lw_model *m = r->model;
-    lw_spring *p = &m->spring[m->n_spring];
-    lw_status s = lw_read_own_name(object, what, index, p->name, e);
-    if (s == LW_OK)
-        s = read_ends(object, m, p, e);
-    if (s != LW_OK)
-        return s;
-    m->n_spring++;
-    p->free = hypot(p->at[1].x - p->at[0].x, p->at[1].y - p->at[0].y);
-    return lw_read_spring_numbers(object, r, LW_OF_LENGTH, m->linkage.units.metre, &p->stiffness, &p->damping, &p->free, &p->law, e);
 }
 
 static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, const lw_reading *r, lw_error *e)
@@ -302,77 +248,8 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
 
 static lw_reading reading_of(lw_model *m)
 {
-    return (lw_reading){ m, &m->states, &m->linkage.units, &m->n_profile, &m->profile, look_up_state, find_spring,
-                         read_cylinder_ends, find_cylinder, read_motor_joint, { read_line_spring, read_joint_spring }, false };
-}
-
-/* A load on the line between two places, in the last force of the model, as forces at its ends. */
-static lw_status read_line(const lw_json_node *object, const lw_json_node *along, const lw_reading *r, lw_model *m, lw_error *e)
-{
-    static const char *const other[] = { "at", "torque" };
-    lw_force *f = &m->force[m->n_force - 1], *end = f + 1;
-    lw_json_node n;
-    bool varies = false;
-    *end = *f;
-    snprintf(end->name, sizeof end->name, "%.*s end", (int)sizeof end->name - 5, f->name);
-    m->n_force++;
-    lw_status s = lw_read_list(along, 2, 2, e);
-    for (int i = 0; s == LW_OK && i < 2; i++) {
-        n = lw_json_element(along, (size_t)i);
-        s = lw_read_pair(&n, m->linkage.units.metre, &f[i].at, e);
-    }
-    for (int i = 0; s == LW_OK && i < COUNT(other); i++)
-        if (lw_json_member(object, other[i], &n))
-            return lw_json_fault(&n, e, "a force \"along\" a line is spread over it and has \"fx\" and \"fy\" [N/m] only");
-    double length = lw_v2_norm(lw_v2_sub(end->at, f->at));
-    if (s == LW_OK && !(length > 0))
-        s = lw_json_fault(along, e, "this line has no length");
-    if (s == LW_OK && (s = lw_read_line_load(object, "fx", r, length, &f->fx, &end->fx, &varies, e)) == LW_OK)
-        s = lw_read_line_load(object, "fy", r, length, &f->fy, &end->fy, &varies, e);
-    f->line = varies ? LW_LINE_VARYING : LW_LINE_EVEN, end->line = LW_LINE_SECOND;
-    return s != LW_OK || f->fx || f->fy ? s : lw_json_fault(object, e, "a force along a line needs \"fx\" or \"fy\" [N/m]");
-}
-
-static lw_status read_force(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
-{
-    lw_model *m = r->model;
-    static const char *const known[] = { "name", "link", "at", "frame", "fx", "fy", "torque", "along" };
-    static const char *const frames[] = { "plane", "link" };
-    lw_force *f = &m->force[m->n_force++];
-    lw_json_node n, along;
-    int frame = 0;
-    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
-    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_read_own_name(object, "force", index, f->name, e)) == LW_OK &&
-        (s = lw_read_need(object, "link", &n, e)) == LW_OK)
-        s = lw_read_link(&n, &m->linkage, &f->link, e);
-    if (s == LW_OK && lw_json_member(object, "frame", &n))
-        s = lw_read_look_up(&n, "frame", frames, COUNT(frames), &frame, e);
-    f->follows = frame == 1;
-    if (s == LW_OK && lw_json_member(object, "along", &along))
-        return read_line(object, &along, r, m, e);
-    if (s == LW_OK && (s = lw_read_expression(object, "fx", r, LW_OF_STATE, &f->fx, e)) == LW_OK &&
-        (s = lw_read_expression(object, "fy", r, LW_OF_STATE, &f->fy, e)) == LW_OK)
-        s = lw_read_expression(object, "torque", r, LW_OF_STATE, &f->torque, e);
-    if (s != LW_OK)
-        return s;
-    if (!f->fx && !f->fy && !f->torque)
-        return lw_json_fault(object, e, "a force needs \"fx\", \"fy\" or \"torque\"");
-    if (lw_json_member(object, "at", &n))
-        return lw_read_pair(&n, m->linkage.units.metre, &f->at, e);
-    return f->fx || f->fy ? lw_read_need(object, "at", &n, e) : LW_OK;
-}
-
-static lw_status read_motor(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
-{
-    lw_model *m = r->model;
-    if (lw_is_driven_motor(object))
-        return lw_states_read_motor(object, index, r, e);
-    lw_motor *p = &m->motor[m->n_motor++];
-    lw_status s = lw_read_motor_name(object, index, p, e);
-    if (s == LW_OK)
-        s = read_load_joint(object, "motors", m, &p->joint, e);
-    return s == LW_OK ? lw_read_motor_line(object, p, e) : s;
+    return (lw_reading){ m, &m->states, &m->linkage.units, &m->n_profile, &m->profile, &m->spring, &m->force, &m->motor, &m->n_spring,
+                         &m->n_force, &m->n_motor, look_up_state, read_link, read_motor_place, add_motor_spring, read_joint_spring, false };
 }
 
 /* ---- all loads ------------------------------------------------------------------------------------ */
@@ -401,7 +278,7 @@ lw_status lw_model_read_result(const char *text, size_t size, const char *file, 
 {
     static const struct { const char *key; lw_read_one *read; } load[] = {
         { "springs", lw_read_spring }, { "dampers", lw_read_damper }, { "cylinders", lw_states_read_cylinder_ends },
-        { "controllers", lw_states_read_controller }, { "forces", read_force }, { "motors", read_motor },
+        { "controllers", lw_states_read_controller }, { "forces", lw_read_force }, { "motors", lw_read_motor },
         { "contacts", lw_model_read_contact }, { "ropes", lw_model_read_rope }
     };
     lw_json json;

@@ -122,7 +122,7 @@ static int look_up_named(const look *l, const char *word, const char *name, char
         snprintf(why, LW_WHY_SIZE, "%s needs the name of a %s: %s(...)", word, state ? "state" : "spring or cylinder", word);
         return -1;
     }
-    int at = state ? find_state(r->states, name, NULL) : r->find_spring(r->model, l->json, name, why);
+    int at = state ? find_state(r->states, name, NULL) : lw_read_find_spring(r, l->json, name, why);
     if (at < 0 && state)
         snprintf(why, LW_WHY_SIZE, "there is no state \"%.40s\" (those of motors: NAME.current; of cylinders: NAME.p1)", name);
     return at < 0 ? -1 : lw_variable(state ? LW_QUANTITY_STATE : word[0] == 'l' ? LW_QUANTITY_SPRING_LENGTH : LW_QUANTITY_SPRING_RATE, at);
@@ -607,9 +607,10 @@ lw_status lw_states_read_motor(const lw_json_node *object, size_t index, const l
     bool electrical = is_electrical(object);
     lw_status s = lw_json_known_keys(object, electrical ? circuit : curve, electrical ? COUNT(circuit) : COUNT(curve), e);
     if (s == LW_OK && (s = lw_read_own_name(object, "motor", index, name, e)) == LW_OK)
-        s = r->motor(object, name, r->model, &joint, e);
+        s = r->motor_place(object, r->model, &joint.joint, e);
     if (s != LW_OK)
         return s;
+    r->motor_spring(joint.joint, name, r->model, &joint);
     return electrical ? read_circuit(object, name, &joint, r, e) : read_curve(object, &joint, r, e);
 }
 
@@ -617,9 +618,8 @@ lw_status lw_states_read_motor(const lw_json_node *object, size_t index, const l
 
 lw_status lw_states_read_cylinder_ends(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
 {
-    char name[LW_NAME_SIZE];
-    lw_status s = lw_read_own_name(object, "cylinder", index, name, e);
-    return s == LW_OK ? r->ends(object, name, r->model, e) : s;
+    lw_status s = lw_read_own_name(object, "cylinder", index, (*r->spring)[*r->n_spring].name, e);
+    return s == LW_OK ? lw_read_ends(object, r, e) : s;
 }
 
 /* Lengths [m], pressures [Pa], flows [m^3/s]; [0]: the chamber at the blank end of the bore, [1]: that around the rod. */
@@ -760,9 +760,10 @@ static lw_status read_cylinder(const lw_json_node *object, size_t index, const l
         s = read_valve(object, r, &valve, e);
     if (s != LW_OK)
         return s;
-    int spring, p = find_state(r->states, name, "p1");
-    double length, extent[2] = { c.retracted, c.retracted + c.stroke };
-    lw_expression **law = r->cylinder(r->model, object->json, name, extent, &spring, &length);
+    int spring = lw_read_find_spring(r, object->json, name, NULL), p = find_state(r->states, name, "p1");
+    lw_spring *jack = &(*r->spring)[spring];
+    double length = lw_read_drawn_length(r, jack), *extent = jack->extent;
+    extent[0] = c.retracted, extent[1] = c.retracted + c.stroke;
     if (length < extent[0] || length > extent[1])
         s = lw_json_fault(object, e, "the cylinder is %.6g m long in the posture, which is not within %.6g .. %.6g m", length,
                           extent[0], extent[1]);
@@ -773,7 +774,7 @@ static lw_status read_cylinder(const lw_json_node *object, size_t index, const l
             s = cylinder_pressure(object, &c, end, flow[end], spring, &r->states->state[p + end].rate, e);
     }
     if (s == LW_OK)
-        s = cylinder_law(object, &c, p, law, e);
+        s = cylinder_law(object, &c, p, &jack->law, e);
     lw_expression_free(flow[0]);
     lw_expression_free(flow[1]);
     if (valve && s == LW_OK)

@@ -20,15 +20,9 @@ void lw_spatial_free(lw_spatial *m)
 {
     for (int i = 0; i < m->n_input; i++)
         lw_expression_free(m->input[i].motion);
-    for (int i = 0; i < m->n_spring; i++)
-        lw_expression_free(m->spring[i].law);
+    lw_springs_and_forces_free(m->n_spring, m->spring, m->n_force, m->force);
     for (int i = 0; i < m->n_joint_spring; i++)
         lw_expression_free(m->joint_spring[i].law);
-    for (int i = 0; i < m->n_force; i++)
-        for (int k = 0; k < 3; k++) {
-            lw_expression_free(m->force[i].force[k]);
-            lw_expression_free(m->force[i].torque[k]);
-        }
     lw_states_free(&m->states);
     for (int i = 0; m->profile && i < m->n_profile; i++)
         lw_moves_free(&m->profile[i]);
@@ -38,8 +32,8 @@ void lw_spatial_free(lw_spatial *m)
         free(m->coupling[i].of);
         free(m->coupling[i].factor);
     }
-    void *const array[] = { m->profile, m->body, m->joint, m->coupling, m->input, m->drive, m->tracer, m->spring, m->joint_spring,
-                            m->force, m->motor, m->elastic, m->beam, m->files };
+    void *const array[] = { m->profile, m->body, m->joint, m->coupling, m->input, m->drive, m->tracer, m->joint_spring,
+                            m->motor, m->elastic, m->beam, m->files };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
     memset(m, 0, sizeof *m);
@@ -207,11 +201,8 @@ lw_status lw_spatial_joint_by_joint(const lw_model *p, lw_spatial *m, lw_error *
         memcpy(to->name, k->tracer[i].name, sizeof to->name);
     }
     for (int i = 0; s == LW_OK && i < p->n_spring; i++) {
-        const lw_spring *c = &p->spring[i];
-        lw_spatial_spring *to = &m->spring[m->n_spring++];
-        *to = (lw_spatial_spring){ .link = { c->link[0], c->link[1] }, .at = { in_plane(c->at[0]), in_plane(c->at[1]) },
-                                   .stiffness = c->stiffness, .damping = c->damping, .free = c->free };
-        memcpy(to->name, c->name, sizeof c->name);
+        m->spring[m->n_spring] = p->spring[i];
+        m->spring[m->n_spring++].law = NULL;
     }
     for (int i = 0; s == LW_OK && i < p->n_joint_spring; i++) {
         const lw_joint_spring *c = &p->joint_spring[i];

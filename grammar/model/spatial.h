@@ -93,31 +93,12 @@ typedef struct lw_spatial_coupling {
 /* The value of an input less its measure: joints measure 0 in the posture of the file, whatever value that has. */
 static inline double lw_spatial_offset(const lw_spatial_input *in) { return in->measure.of >= LW_OF_X ? 0 : in->value; }
 
-typedef struct lw_spatial_spring {       /* between two points, as lw_spring                           */
-    char    name[LW_NAME_SIZE];
-    int     link[2];
-    lw_vec3 at[2];
-    double  stiffness, damping, free;
-    double  extent[2];                   /* of a hydraulic cylinder: its length when it is pushed in and out [m]; else 0 */
-    lw_expression *law;
-} lw_spatial_spring;
-
 typedef struct lw_spatial_joint_spring { /* against a measure, as lw_joint_spring                      */
     char    name[LW_NAME_SIZE];
     lw_spatial_measure measure;
     double  stiffness, damping, free;
     lw_expression *law;
 } lw_spatial_joint_spring;
-
-typedef struct lw_spatial_force {        /* on one link; the reaction goes to ground                   */
-    char    name[LW_NAME_SIZE];
-    int     link;
-    lw_vec3 at;
-    bool    follows;                     /* directions turn with the link                              */
-    lw_expression *force[3], *torque[3]; /* [N] [N m], each may be NULL                                */
-    lw_line_load line;
-    int     part;                        /* of an expanded model: 1 + the element whose load this is; 0: none */
-} lw_spatial_force;
 
 /* An element between two nodes, which are links; elastic links become these (mbs/elastic/expand_space.h). */
 typedef struct lw_spatial_beam {
@@ -140,9 +121,9 @@ typedef struct lw_spatial {
     lw_spatial_input        *input;
     lw_spatial_measure      *drive;      /* what motors move when the inputs are elsewhere (a tool); else none */
     lw_spatial_tracer       *tracer;
-    lw_spatial_spring       *spring;
+    lw_spring               *spring;
     lw_spatial_joint_spring *joint_spring;
-    lw_spatial_force        *force;
+    lw_force                *force;
     lw_motor                *motor;
     int                      n_profile;
     lw_moves                *profile;    /* of profile(name) in expressions                            */

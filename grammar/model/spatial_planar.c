@@ -141,7 +141,7 @@ static void put_rest(const plane *w)
     }
     fputs(m->n_input ? "], \"springs\": [" : ", \"springs\": [", w->f);
     for (int i = 0; i < m->n_spring; i++) {
-        const lw_spatial_spring *c = &m->spring[i];
+        const lw_spring *c = &m->spring[i];
         fprintf(w->f, "%s{\"stiffness\": %.17g, \"damping\": %.17g, \"free\": %.17g", i ? ", " : "", c->stiffness, c->damping, c->free);
         put_links(w, c->link[0], c->link[1]);
         fprintf(w->f, ", \"at\": [[%.17g, %.17g], [%.17g, %.17g]]", lw_v3_dot(w->x, c->at[0]), lw_v3_dot(w->y, c->at[0]),

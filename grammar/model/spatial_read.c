@@ -634,7 +634,7 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
                                          "motors", "profiles", "states", "controllers", "cylinders", "couplings" };
     static const struct { const char *key; lw_read_one *read; } load[] = {
         { "springs", lw_read_spring }, { "dampers", lw_read_damper }, { "cylinders", lw_states_read_cylinder_ends },
-        { "controllers", lw_states_read_controller }, { "forces", lw_spatial_read_force }, { "motors", lw_spatial_read_motor }
+        { "controllers", lw_states_read_controller }, { "forces", lw_read_force }, { "motors", lw_read_motor }
     };
     const lw_reading r = lw_spatial_reading(m);
     lw_json_node n;

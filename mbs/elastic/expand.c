@@ -13,7 +13,6 @@
 typedef struct work {
     const lw_model *m;
     lw_elastic_expansion *x;
-    lw_elastic_axis *axis;           /* per chain; none of a link with its own matrices */
     lw_spatial_expansion *condensed; /* per chain: the link alone, as a model in space */
     bool in_time;
 } work;
@@ -33,13 +32,7 @@ static lw_status find_places(const lw_model *m, int link, lw_elastic_places *p, 
     for (int i = 0; i < k->n_tracer; i++)
         if (k->tracer[i].link == link)
             take(p, k->tracer[i].at);
-    for (int i = 0; i < m->n_force; i++)
-        if (m->force[i].link == link && (m->force[i].fx || m->force[i].fy))
-            take(p, m->force[i].at);
-    for (int i = 0; i < m->n_spring; i++)
-        for (int end = 0; end < 2; end++)
-            if (m->spring[i].link[end] == link)
-                take(p, m->spring[i].at[end]);
+    lw_elastic_take_loads(link, m->n_force, m->force, m->n_spring, m->spring, p);
     return LW_OK;
 }
 
@@ -56,17 +49,16 @@ static lw_status condense(work *w, int chain, const lw_elastic_places *at, lw_er
     lw_spatial_body body[2] = { { .given = false } };
     lw_spatial_joint *joint = calloc((size_t)at->n + 1, sizeof *joint);
     lw_spatial_tracer *tracer = calloc((size_t)at->n + 1, sizeof *tracer);
-    lw_spatial_force *force = calloc((size_t)m->n_force + 1, sizeof *force);
+    lw_force *force = calloc((size_t)m->n_force + 1, sizeof *force);
     lw_spatial alone = { .n_link = 2, .body = body, .elastic = elastic, .n_elastic = 2, .n_joint = at->n_joint, .joint = joint, .n_tracer = at->n - at->n_joint,
                          .tracer = tracer, .n_force = m->n_force, .force = force };
-    memcpy(body[1].name, m->linkage.link_name[c->link], sizeof body[1].name);
+    memcpy(body[1].name, c->name, sizeof body[1].name);
     for (int i = 0; joint && i < at->n_joint; i++)
         joint[i] = (lw_spatial_joint){ .kind = LW_SPATIAL_FIXED, .link = { 0, 1 }, .at = at->at[i] };
     for (int i = at->n_joint; tracer && i < at->n; i++)
         tracer[i - at->n_joint] = (lw_spatial_tracer){ .link = 1, .at = at->at[i] };
     for (int i = 0; force && i < m->n_force; i++)                            /* nodes under line loads stay */
-        force[i] = (lw_spatial_force){ .link = m->force[i].link == c->link, .at = lw_v3(m->force[i].at.x, m->force[i].at.y, 0),
-                                       .line = m->force[i].line };
+        force[i] = (lw_force){ .link = m->force[i].link == c->link, .at = m->force[i].at, .line = m->force[i].line };
     lw_status s = joint && tracer && force ? lw_spatial_expand(&alone, w->in_time, &w->condensed[chain], e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     free(joint), free(tracer), free(force);
     return s;
@@ -76,12 +68,13 @@ static lw_status condense(work *w, int chain, const lw_elastic_places *at, lw_er
 static lw_status take_nodes(work *w, int chain, lw_error *e)
 {
     lw_elastic_chain *c = &w->x->chain[chain];
-    const lw_elastic_chain *from = w->condensed[chain].chain;
-    lw_elastic_axis *a = &w->axis[chain];
+    lw_elastic_chain *from = w->condensed[chain].chain;
+    lw_elastic_axis *a = &c->axis;
     int n = 0;
     c->condensed = true;
     c->length = from->length, c->mass = from->mass, c->first = from->first, c->frequency = from->frequency;
     c->n_node = from->n_node, c->n_bound = from->n_bound;
+    c->keep = from->keep, from->keep = NULL;
     c->node = calloc((size_t)c->n_node, sizeof *c->node);
     for (int i = 0; i < a->n_node; i++)
         for (int k = 0; k < from->n_node; k++)
@@ -96,16 +89,16 @@ static lw_status take_nodes(work *w, int chain, lw_error *e)
 static lw_status plan_chain(work *w, int chain, lw_error *e)
 {
     lw_elastic_chain *c = &w->x->chain[chain];
-    lw_elastic_axis *a = &w->axis[chain];
+    lw_elastic_axis *a = &c->axis;
     lw_elastic_places at;
     bool condensed = c->elastic->pieces > 0 || c->elastic->n_node > 0 || (w->in_time && c->elastic->consistent);
     lw_status s = find_places(w->m, c->link, &at, e);
     if (s == LW_OK && c->elastic->n_node == 0)
-        s = lw_elastic_axis_make(c->elastic, w->m->linkage.link_name[c->link], &at, a, e);
+        s = lw_elastic_axis_make(c->elastic, c->name, &at, a, e);
     if (s == LW_OK && condensed)
         s = condense(w, chain, &at, e);
     free(at.at);
-    return s != LW_OK ? s : condensed ? take_nodes(w, chain, e) : lw_elastic_chain_take(c, a, e);
+    return s != LW_OK ? s : condensed ? take_nodes(w, chain, e) : lw_elastic_chain_take(c, e);
 }
 
 /* Arrays of the expanded model: links grow, joints, tracers and loads are copied. */
@@ -114,9 +107,7 @@ static lw_status reserve(work *w, int links, int beams, int supers, lw_error *e)
     const lw_model *m = w->m;
     lw_model *to = &w->x->model;
     lw_status s = lw_assembly_copy(&m->linkage, &to->linkage);
-    size_t n = (size_t)links + 1, springs = (size_t)m->n_spring + 1, forces = (size_t)m->n_force + 1;
-    for (int i = 0; i < m->n_force; i++)
-        forces += m->force[i].line == LW_LINE_EVEN || m->force[i].line == LW_LINE_VARYING ? 4*(size_t)beams : 0;
+    size_t n = (size_t)links + 1, springs = (size_t)m->n_spring + 1, forces = (size_t)lw_elastic_spread_room(m->n_force, m->force, beams) + 1;
     char (*names)[LW_NAME_SIZE] = s == LW_OK ? calloc(n, sizeof *names) : NULL;
     to->body = calloc(n, sizeof *to->body);
     to->elastic = calloc(n, sizeof *to->elastic);
@@ -191,17 +182,16 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
     lw_elastic_chain *c = &w->x->chain[chain];
     const lw_elastic *p = &w->m->elastic[c->link];
     lw_model *to = &w->x->model;
-    const char *name = w->m->linkage.link_name[c->link];
     const lw_spatial_expansion *alone = &w->condensed[chain];
     c->first_beam = to->n_beam;
     for (int i = 0; i < c->n_node; i++) {
         int link = i ? to->linkage.n_link++ : c->link;
         c->node[i] = link;
-        lw_vec3 at = c->condensed ? alone->model.body[alone->chain->node[i]].centre : lw_elastic_axis_point(&w->axis[chain], w->axis[chain].node[i]);
+        lw_vec3 at = c->condensed ? alone->model.body[alone->chain->node[i]].centre : lw_elastic_axis_point(&c->axis, c->axis.node[i]);
         to->body[link] = (lw_body){ .given = true, .centre = { at.x, at.y } };
-        if (snprintf(to->linkage.link_name[link], LW_NAME_SIZE, "%s.%d", name, i) >= LW_NAME_SIZE)
+        if (snprintf(to->linkage.link_name[link], LW_NAME_SIZE, "%s.%d", c->name, i) >= LW_NAME_SIZE)
             return lw_error_set(e, LW_E_ARG, "the name of the elastic link \"%s\" is too long: its nodes are called \"NAME.0\", "
-                                "\"NAME.1\", ...; at most %d bytes", name, LW_NAME_SIZE - 7);
+                                "\"NAME.1\", ...; at most %d bytes", c->name, LW_NAME_SIZE - 7);
     }
     if (c->condensed)
         return fill_condensed(w, chain), LW_OK;
@@ -228,86 +218,36 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
     return LW_OK;
 }
 
-/* The node of an elastic link nearest along the axis to `at`; other links stay. */
-static int node_for(const work *w, int link, lw_vec2 at)
+static int node_for(const lw_elastic_expansion *x, int link, lw_vec2 at)
 {
-    int k = lw_elastic_chain_of(w->x->chain, w->x->n_chain, link), best = 0;
-    if (k == w->x->n_chain)
-        return link;
-    const lw_elastic_chain *c = &w->x->chain[k];
-    const lw_body *body = w->x->model.body;
-    if (c->elastic->n_node == 0)
-        return c->node[lw_elastic_axis_node(&w->axis[k], lw_v3(at.x, at.y, 0))];
-    for (int i = 1; i < c->n_bound; i++)
-        if (lw_v2_norm(lw_v2_sub(body[c->node[i]].centre, at)) < lw_v2_norm(lw_v2_sub(body[c->node[best]].centre, at)))
-            best = i;
-    return c->node[best];
+    return lw_elastic_chain_node(x->chain, x->n_chain, link, lw_v3(at.x, at.y, 0));
 }
 
-static void attach(work *w)
+static void attach(lw_elastic_expansion *x)
 {
-    lw_model *to = &w->x->model;
+    lw_model *to = &x->model;
     lw_assembly *k = &to->linkage;
     for (int j = 0; j < k->n_joint; j++)
         for (int end = 0; end < 2; end++)
-            k->joint[j].link[end] = node_for(w, k->joint[j].link[end], k->joint[j].at);
+            k->joint[j].link[end] = node_for(x, k->joint[j].link[end], k->joint[j].at);
     for (int i = 0; i < k->n_tracer; i++)
-        k->tracer[i].link = node_for(w, k->tracer[i].link, k->tracer[i].at);
+        k->tracer[i].link = node_for(x, k->tracer[i].link, k->tracer[i].at);
     for (int i = 0; i < to->states.n_rotor; i++)
-        to->states.rotor[i].link = node_for(w, to->states.rotor[i].link, k->joint[to->states.rotor[i].joint].at);
-    for (int i = 0; i < to->n_force; i++)
-        if (!to->force[i].part)
-            to->force[i].link = node_for(w, to->force[i].link, to->force[i].at);
-    for (int i = 0; i < to->n_spring; i++)
-        for (int end = 0; end < 2; end++)
-            to->spring[i].link[end] = node_for(w, to->spring[i].link[end], to->spring[i].at[end]);
-}
-
-/* Forces of a line load on the nodes of its link; other forces are copied. */
-static lw_status spread_force(work *w, int *i, lw_error *e)
-{
-    const lw_force *p = &w->m->force[*i];
-    lw_model *to = &w->x->model;
-    int chain = lw_elastic_chain_of(w->x->chain, w->x->n_chain, p->link);
-    if (p->line == LW_LINE_NONE || chain == w->x->n_chain) {
-        to->force[to->n_force++] = *p;
-        return LW_OK;
-    }
-    const lw_elastic_chain *c = &w->x->chain[chain];
-    lw_vec3 end[2] = { lw_v3(p->at.x, p->at.y, 0), lw_v3(p[1].at.x, p[1].at.y, 0) };
-    lw_elastic_push push[4];
-    lw_status s = LW_OK;
-    if (c->elastic->n_node > 0)
-        return lw_elastic_line_on_nodes(p->name, w->m->linkage.link_name[c->link], e);
-    for (int k = 0; s == LW_OK && k + 1 < c->n_bound; k++) {
-        int n = lw_elastic_line_pushes(&w->axis[chain], k, end[0], end[1], p->line == LW_LINE_VARYING, push);
-        if (n < 0)
-            return lw_elastic_line_off_axis(p->name, w->m->linkage.link_name[c->link], e);
-        for (int j = 0; s == LW_OK && j < n; j++) {
-            lw_force *f = &to->force[to->n_force++];
-            *f = *p;
-            f->link = c->node[k + 2*j/n], f->at = lw_v2(push[j].place.x, push[j].place.y), f->part = 1 + c->first_beam + k;
-            f->fx = f->fy = NULL;
-            if ((s = lw_expression_list_mix(&w->x->own, push[j].weight, (lw_expression *[]){ p->fx, p[1].fx }, &f->fx, e)) == LW_OK)
-                s = lw_expression_list_mix(&w->x->own, push[j].weight, (lw_expression *[]){ p->fy, p[1].fy }, &f->fy, e);
-        }
-    }
-    ++*i;
-    return s;
+        to->states.rotor[i].link = node_for(x, to->states.rotor[i].link, k->joint[to->states.rotor[i].joint].at);
+    lw_elastic_attach(x->chain, x->n_chain, to->n_force, to->force, to->n_spring, to->spring);
 }
 
 lw_status lw_elastic_expand(const lw_model *m, bool in_time, lw_elastic_expansion *x, lw_error *e)
 {
     size_t n = (size_t)m->n_elastic + 1;
     *x = (lw_elastic_expansion){ .chain = calloc(n, sizeof *x->chain) };
-    work w = { m, x, calloc(n, sizeof *w.axis), calloc(n, sizeof *w.condensed), in_time };
+    work w = { m, x, calloc(n, sizeof *w.condensed), in_time };
     int links = m->linkage.n_link, beams = 0, supers = 0;
-    lw_status s = x->chain && w.axis && w.condensed ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = x->chain && w.condensed ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int l = 0; s == LW_OK && l < m->linkage.n_link; l++) {
         if (!m->elastic[l].given)
             continue;
-        x->chain[x->n_chain].link = l;
-        x->chain[x->n_chain].elastic = &m->elastic[l];
+        x->chain[x->n_chain] = (lw_elastic_chain){ .link = l, .name = m->linkage.link_name[l], .elastic = &m->elastic[l] };
         s = plan_chain(&w, x->n_chain++, e);
         links += x->chain[x->n_chain - 1].n_node - 1;
         beams += x->chain[x->n_chain - 1].n_node - 1;
@@ -319,25 +259,22 @@ lw_status lw_elastic_expand(const lw_model *m, bool in_time, lw_elastic_expansio
         share(m, &x->model);
     for (int k = 0; s == LW_OK && k < x->n_chain; k++)
         s = fill_chain(&w, k, e);
-    for (int i = 0; s == LW_OK && i < m->n_force; i++)
-        s = spread_force(&w, &i, e);
     if (s == LW_OK)
-        attach(&w);
-    for (int k = 0; w.axis && w.condensed && k < m->n_elastic; k++) {
-        free(w.axis[k].node);
+        s = lw_elastic_spread(x->chain, x->n_chain, m->n_force, m->force, &x->own, x->model.force, &x->model.n_force, e);
+    if (s == LW_OK)
+        attach(x);
+    for (int k = 0; w.condensed && k < m->n_elastic; k++)
         lw_spatial_expansion_free(&w.condensed[k]);
-    }
-    free(w.axis), free(w.condensed);
+    free(w.condensed);
     return s;
 }
 
 void lw_elastic_expansion_free(lw_elastic_expansion *x)
 {
-    for (int k = 0; x->chain && k < x->n_chain; k++)
-        free(x->chain[k].node);
+    lw_elastic_chains_free(x->chain, x->n_chain);
     for (int k = 0; k < x->model.n_super; k++)
         lw_superelement_free(&x->model.super[k]);
-    void *const own[] = { x->chain, x->model.body, x->model.elastic, x->model.beam, x->model.super, x->model.spring, x->model.force,
+    void *const own[] = { x->model.body, x->model.elastic, x->model.beam, x->model.super, x->model.spring, x->model.force,
                           x->model.states.rotor };
     for (size_t i = 0; i < sizeof own/sizeof *own; i++)
         free(own[i]);

@@ -1,7 +1,6 @@
 /* mbs/elastic/expand_space.c - elastic links of a spatial model as chains of nodes. */
 #include "mbs/elastic/expand_space.h"
 
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,9 +9,7 @@
 typedef struct work {
     const lw_spatial     *m;
     lw_spatial_expansion *x;
-    lw_elastic_axis      *axis;      /* per chain */
-    lw_elastic_axis      *full;      /* per chain that is condensed: all nodes; axis has those that are kept */
-    int                 **keep;      /* per chain with its own matrices: their nodes that are kept, ascending */
+    lw_elastic_axis      *full;      /* per chain that is condensed: all nodes; the chain's axis has those that are kept */
     bool                  in_time;
     lw_vec3               from;      /* a place of the chain being filled */
     lw_spatial_body       whole;     /* of its parts: mass, first moment and inertia about that place */
@@ -31,20 +28,14 @@ static lw_status find_places(const lw_spatial *m, int link, lw_elastic_places *p
     for (int i = 0; i < m->n_tracer; i++)
         if (m->tracer[i].link == link)
             p->at[p->n++] = m->tracer[i].at;
-    for (int i = 0; i < m->n_force; i++)
-        if (m->force[i].link == link && (m->force[i].force[0] || m->force[i].force[1] || m->force[i].force[2]))
-            p->at[p->n++] = m->force[i].at;
-    for (int i = 0; i < m->n_spring; i++)
-        for (int end = 0; end < 2; end++)
-            if (m->spring[i].link[end] == link)
-                p->at[p->n++] = m->spring[i].at[end];
+    lw_elastic_take_loads(link, m->n_force, m->force, m->n_spring, m->spring, p);
     return LW_OK;
 }
 
 /* Keep the ends, the nodes where something acts, and those that cut the bar into pieces. */
 static lw_status keep_nodes(work *w, int chain, const lw_elastic_places *at, lw_error *e)
 {
-    lw_elastic_axis *a = &w->axis[chain], *full = &w->full[chain];
+    lw_elastic_axis *a = &w->x->chain[chain].axis, *full = &w->full[chain];
     const lw_elastic *p = w->x->chain[chain].elastic;
     int n = a->n_node, pieces = p->pieces > 0 ? p->pieces : n - 1;
     *full = *a;
@@ -59,7 +50,7 @@ static lw_status keep_nodes(work *w, int chain, const lw_elastic_places *at, lw_
         for (int k = 0; k < at->n; k++)
             kept = kept || i == lw_elastic_axis_node(full, at->at[k]);
         for (int k = 0; k < w->m->n_force; k++) {        /* those that a line load covers */
-            const lw_spatial_force *f = &w->m->force[k];
+            const lw_force *f = &w->m->force[k];
             if (f->link == w->x->chain[chain].link && (f->line == LW_LINE_EVEN || f->line == LW_LINE_VARYING)) {
                 int one = lw_elastic_axis_node(full, f->at), other = lw_elastic_axis_node(full, f[1].at);
                 kept = kept || (i >= one && i <= other) || (i >= other && i <= one);
@@ -74,7 +65,7 @@ static lw_status keep_nodes(work *w, int chain, const lw_elastic_places *at, lw_
 /* Number of nodes that carry the modes of piece i of a condensed bar: as many as are wanted, or as its inner nodes make. */
 static int modal_nodes_of_piece(const work *w, int chain, int i)
 {
-    const lw_elastic_axis *full = &w->full[chain], *kept = &w->axis[chain];
+    const lw_elastic_axis *full = &w->full[chain], *kept = &w->x->chain[chain].axis;
     int wanted = lw_elastic_modal_nodes(w->x->chain[chain].elastic), inner = 0;
     for (int k = 0; k < full->n_node; k++)
         inner += full->node[k] > kept->node[i] && full->node[k] < kept->node[i + 1];
@@ -86,7 +77,7 @@ static lw_status plan_matrices(work *w, int chain, lw_error *e)
 {
     lw_elastic_chain *c = &w->x->chain[chain];
     const lw_elastic *p = c->elastic;
-    int more = lw_elastic_modal_nodes(p), n = 0, *keep = w->keep[chain] = calloc((size_t)p->n_node + 1, sizeof *keep);
+    int more = lw_elastic_modal_nodes(p), n = 0, *keep = c->keep = calloc((size_t)p->n_node + 1, sizeof *keep);
     bool *kept = calloc((size_t)p->n_node, sizeof *kept);
     lw_elastic_places at = { 0 };
     lw_status s = keep && kept ? find_places(w->m, c->link, &at, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -100,7 +91,7 @@ static lw_status plan_matrices(work *w, int chain, lw_error *e)
     int bound = n > 2 ? n : 2, wanted = more ? bound : p->n_node;
     if (s == LW_OK && more && bound + more > p->n_node)
         s = lw_error_set(e, LW_E_ARG, "the elastic link \"%s\" has %d \"modes\" in a superelement of %d inner nodes, which has %d; take fewer, or "
-                         "a finer mesh", w->m->body[c->link].name, p->modes, p->n_node - bound, (p->plane ? 3 : 6)*(p->n_node - bound));
+                         "a finer mesh", c->name, p->modes, p->n_node - bound, (p->plane ? 3 : 6)*(p->n_node - bound));
     for (; s == LW_OK && n < wanted; n++) {      /* the one farthest from those that are kept */
         double most = -1;
         int best = 0;
@@ -126,18 +117,17 @@ static lw_status plan_matrices(work *w, int chain, lw_error *e)
 static lw_status plan_chain(work *w, int chain, lw_error *e)
 {
     lw_elastic_chain *c = &w->x->chain[chain];
-    lw_elastic_axis *a = &w->axis[chain];
     lw_elastic_places at;
     c->condensed = c->elastic->pieces > 0 || c->elastic->n_node > 0 || (w->in_time && c->elastic->consistent);
     if (c->elastic->n_node > 0)
         return plan_matrices(w, chain, e);
     lw_status s = find_places(w->m, c->link, &at, e);
     if (s == LW_OK)
-        s = lw_elastic_axis_make(c->elastic, w->m->body[c->link].name, &at, a, e);
+        s = lw_elastic_axis_make(c->elastic, c->name, &at, &c->axis, e);
     if (s == LW_OK && c->condensed)
         s = keep_nodes(w, chain, &at, e);
     free(at.at);
-    if (s != LW_OK || (s = lw_elastic_chain_take(c, a, e)) != LW_OK)
+    if (s != LW_OK || (s = lw_elastic_chain_take(c, e)) != LW_OK)
         return s;
     if (c->elastic->modes) {
         for (int i = 0; i + 1 < c->n_bound; i++)
@@ -164,16 +154,13 @@ static lw_status reserve(work *w, int nodes, int beams, lw_error *e)
 {
     const lw_spatial *m = w->m;
     lw_spatial *to = &w->x->model;
-    int pushes = 0;
     *to = *m;
     to->n_elastic = 0, to->elastic = NULL;
     to->body = copy(m->body, m->n_link, nodes, sizeof *m->body);
     to->joint = copy(m->joint, m->n_joint, 0, sizeof *m->joint);
     to->tracer = copy(m->tracer, m->n_tracer, 0, sizeof *m->tracer);
     to->spring = copy(m->spring, m->n_spring, 0, sizeof *m->spring);
-    for (int i = 0; i < m->n_force; i++)
-        pushes += m->force[i].line == LW_LINE_EVEN || m->force[i].line == LW_LINE_VARYING ? 4*beams : 0;
-    to->force = copy(NULL, m->n_force, pushes, sizeof *m->force);
+    to->force = copy(NULL, 0, lw_elastic_spread_room(m->n_force, m->force, beams), sizeof *m->force);
     to->n_force = 0;
     to->beam = copy(NULL, 0, beams, sizeof *to->beam);
     to->super = copy(NULL, 0, beams + m->n_elastic, sizeof *to->super);
@@ -183,7 +170,7 @@ static lw_status reserve(work *w, int nodes, int beams, lw_error *e)
 }
 
 /* Axes of an element from `a` to `b`: x along it, y in the plane of the height. */
-static lw_status element_axes(const work *w, const lw_elastic_chain *c, lw_vec3 along, lw_mat3 *out, lw_error *e)
+static lw_status element_axes(const lw_elastic_chain *c, lw_vec3 along, lw_mat3 *out, lw_error *e)
 {
     static const double least = 1e-6;            /* sine of the angle between height and axis */
     lw_vec3 height = c->elastic->height;
@@ -192,7 +179,7 @@ static lw_status element_axes(const work *w, const lw_elastic_chain *c, lw_vec3 
     lw_vec3 z = lw_v3_cross(along, height);
     if (!(lw_v3_norm(z) > least))
         return lw_error_set(e, LW_E_ARG, "the \"height\" of the elastic link \"%s\" lies along its axis; give a direction across it",
-                            w->m->body[c->link].name);
+                            c->name);
     z = lw_v3_scale(z, 1/lw_v3_norm(z));
     *out = lw_m3_columns(along, lw_v3_cross(z, along), z);
     return LW_OK;
@@ -262,7 +249,7 @@ static double too_much_inertia(const work *w, const lw_elastic_chain *c)
 }
 
 /* Nodes of a chain as links without mass, at the given places. */
-static lw_status fill_nodes(work *w, lw_elastic_chain *c, const lw_elastic_axis *axis, const int *keep, lw_error *e)
+static lw_status fill_nodes(work *w, lw_elastic_chain *c, lw_error *e)
 {
     lw_spatial *to = &w->x->model;
     int piece = -1, left = 0;                /* of its modal nodes */
@@ -274,11 +261,11 @@ static lw_status fill_nodes(work *w, lw_elastic_chain *c, const lw_elastic_axis 
             left = modal_nodes_of_piece(w, (int)(c - w->x->chain), ++piece);
         left -= modal;
         int at = !modal ? i : c->elastic->n_node ? 0 : piece;
-        to->body[link] = (lw_spatial_body){ .given = true, .centre = axis ? lw_elastic_axis_point(axis, axis->node[at])
-                                                                           : c->elastic->node[keep[at]] };
-        if (snprintf(to->body[link].name, LW_NAME_SIZE, "%s.%d", w->m->body[c->link].name, i) >= LW_NAME_SIZE)
+        to->body[link] = (lw_spatial_body){ .given = true, .centre = c->keep ? c->elastic->node[c->keep[at]]
+                                                                            : lw_elastic_axis_point(&c->axis, c->axis.node[at]) };
+        if (snprintf(to->body[link].name, LW_NAME_SIZE, "%s.%d", c->name, i) >= LW_NAME_SIZE)
             return lw_error_set(e, LW_E_ARG, "the name of the elastic link \"%s\" is too long: its nodes are called \"NAME.0\", "
-                                "\"NAME.1\", ...; at most %d bytes", w->m->body[c->link].name, LW_NAME_SIZE - 7);
+                                "\"NAME.1\", ...; at most %d bytes", c->name, LW_NAME_SIZE - 7);
     }
     return LW_OK;
 }
@@ -290,7 +277,7 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
     const lw_section *q = &p->section;
     lw_spatial *to = &w->x->model;
     c->first_beam = to->n_beam;
-    lw_status s = fill_nodes(w, c, &w->axis[chain], NULL, e);
+    lw_status s = fill_nodes(w, c, e);
     if (s != LW_OK)
         return s;
     for (int i = 0; i + 1 < c->n_node; i++) {
@@ -299,7 +286,7 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
         double h = lw_v3_norm(d);
         *b = (lw_spatial_beam){ .link = { c->node[i], c->node[i + 1] }, .length = h, .damping = p->damping, .mass = p->material.density*q->area*h,
                                 .gyration = { lw_section_mass_y(q), lw_section_mass_z(q) }, .consistent = p->consistent };
-        if ((s = element_axes(w, c, lw_v3_scale(d, 1/h), &b->axes, e)) != LW_OK)
+        if ((s = element_axes(c, lw_v3_scale(d, 1/h), &b->axes, e)) != LW_OK)
             return s;
         lw_beam_space_stiffness(q, &p->material, h, b->stiffness);
         const double half = 0.5*b->mass, inertia[3] = { half*(b->gyration[0] + b->gyration[1]), half*b->gyration[0], half*b->gyration[1] };
@@ -400,15 +387,14 @@ static lw_status condense(const lw_spatial *m, int first, int last, const lw_ela
 static lw_status fill_pieces(work *w, int chain, lw_error *e)
 {
     lw_elastic_chain *c = &w->x->chain[chain], all = *c;
-    const lw_elastic_axis *full = &w->full[chain], *kept = &w->axis[chain];
+    const lw_elastic_axis *full = &w->full[chain], *kept = &c->axis;
     size_t n = (size_t)full->n_node + 1;
     int modal = c->n_bound, link[LW_SUPER_NODES];
-    lw_spatial named = { .body = &((lw_spatial *)(uintptr_t)w->m)->body[c->link] };
     lw_spatial_expansion mesh = { .model = { .n_link = 1, .body = calloc(n, sizeof *mesh.model.body), .beam = calloc(n, sizeof *mesh.model.beam) },
                                   .chain = &all };
-    work part = { .m = &named, .x = &mesh, .axis = (lw_elastic_axis *)(uintptr_t)full };
-    all.link = 0, all.n_node = all.n_bound = full->n_node, all.node = calloc(n, sizeof *all.node);
-    lw_status s = all.node && mesh.model.body && mesh.model.beam ? fill_nodes(w, c, kept, NULL, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    work part = { .x = &mesh };
+    all.link = 0, all.axis = *full, all.n_node = all.n_bound = full->n_node, all.node = calloc(n, sizeof *all.node);
+    lw_status s = all.node && mesh.model.body && mesh.model.beam ? fill_nodes(w, c, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK)
         s = fill_chain(&part, 0, e);
     c->first_beam = w->x->model.n_super;
@@ -426,7 +412,7 @@ static lw_status fill_pieces(work *w, int chain, lw_error *e)
             s = add_superelement(w, 2 + more, 2, link, c->elastic->damping, &of, e);
         else {
             free_matrices(&of);
-            lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed", named.body->name);
+            lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed", c->name);
         }
         if (s == LW_OK)
             for (int end = 0; end < 2; end++)
@@ -446,18 +432,18 @@ static lw_status fill_matrices(work *w, int chain, lw_error *e)
     lw_vec3 centre, *at = calloc((size_t)c->n_bound, sizeof *at);
     matrices m = { .stiffness = malloc(size), .mass = malloc(size) };
     double rigid[6];
-    lw_status s = m.stiffness && m.mass && at ? fill_nodes(w, c, NULL, w->keep[chain], e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = m.stiffness && m.mass && at ? fill_nodes(w, c, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         memcpy(m.stiffness, p->stiffness, size);
         memcpy(m.mass, p->mass, size);
         lw_super_rigid_mass(p->n_node, p->node, m.mass, &c->mass, &centre, rigid);
     }
     for (int i = 0; s == LW_OK && i < c->n_bound; i++)
-        at[i] = p->node[w->keep[chain][i]];
-    if (s == LW_OK && (s = lw_super_reduce(6*p->n_node, m.stiffness, m.mass, c->n_bound, w->keep[chain], at,
+        at[i] = p->node[c->keep[i]];
+    if (s == LW_OK && (s = lw_super_reduce(6*p->n_node, m.stiffness, m.mass, c->n_bound, c->keep, at,
                                            lw_elastic_modal_nodes(p), p->plane, &m.rate, &m.turn)) != LW_OK)
         lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed: its stiffness does not hold the inner nodes, or their mass is not "
-                     "positive definite", w->m->body[c->link].name);
+                     "positive definite", c->name);
     free(at);
     if (s == LW_OK)
         return add_superelement(w, c->n_node, c->n_bound, c->node, p->damping, &m, e);
@@ -465,81 +451,32 @@ static lw_status fill_matrices(work *w, int chain, lw_error *e)
     return s;
 }
 
-/* The node of an elastic link nearest along the axis to `at`; other links stay. */
-static int node_for(const work *w, int link, lw_vec3 at)
-{
-    int k = lw_elastic_chain_of(w->x->chain, w->x->n_chain, link), best = 0;
-    if (k == w->x->n_chain)
-        return link;
-    const lw_elastic_chain *c = &w->x->chain[k];
-    const lw_vec3 *node = c->elastic->node;
-    for (int i = 1; c->elastic->n_node > 0 && i < c->n_bound; i++)
-        if (lw_v3_norm(lw_v3_sub(node[w->keep[k][i]], at)) < lw_v3_norm(lw_v3_sub(node[w->keep[k][best]], at)))
-            best = i;
-    return c->node[c->elastic->n_node > 0 ? best : lw_elastic_axis_node(&w->axis[k], at)];
-}
+static int node_for(const lw_spatial_expansion *x, int link, lw_vec3 at) { return lw_elastic_chain_node(x->chain, x->n_chain, link, at); }
 
-static void attach(work *w)
+static void attach(lw_spatial_expansion *x)
 {
-    lw_spatial *to = &w->x->model;
+    lw_spatial *to = &x->model;
     for (int i = 0; i < to->states.n_rotor; i++)
-        to->states.rotor[i].link = node_for(w, to->states.rotor[i].link, to->joint[to->states.rotor[i].joint].at);
+        to->states.rotor[i].link = node_for(x, to->states.rotor[i].link, to->joint[to->states.rotor[i].joint].at);
     for (int j = 0; j < to->n_joint; j++)
         for (int end = 0; end < 2; end++)
-            to->joint[j].link[end] = node_for(w, to->joint[j].link[end], to->joint[j].at);
+            to->joint[j].link[end] = node_for(x, to->joint[j].link[end], to->joint[j].at);
     for (int i = 0; i < to->n_tracer; i++)
-        to->tracer[i].link = node_for(w, to->tracer[i].link, to->tracer[i].at);
-    for (int i = 0; i < to->n_force; i++)
-        if (!to->force[i].part)
-            to->force[i].link = node_for(w, to->force[i].link, to->force[i].at);
-    for (int i = 0; i < to->n_spring; i++)
-        for (int end = 0; end < 2; end++)
-            to->spring[i].link[end] = node_for(w, to->spring[i].link[end], to->spring[i].at[end]);
-}
-
-/* Forces of a line load on the nodes of its link; other forces are copied. */
-static lw_status spread_force(work *w, int *i, lw_error *e)
-{
-    const lw_spatial_force *p = &w->m->force[*i];
-    lw_spatial *to = &w->x->model;
-    int chain = lw_elastic_chain_of(w->x->chain, w->x->n_chain, p->link);
-    if (p->line == LW_LINE_NONE || chain == w->x->n_chain) {
-        to->force[to->n_force++] = *p;
-        return LW_OK;
-    }
-    const lw_elastic_chain *c = &w->x->chain[chain];
-    lw_elastic_push push[4];
-    lw_status s = LW_OK;
-    if (c->elastic->n_node > 0)
-        return lw_elastic_line_on_nodes(p->name, w->m->body[c->link].name, e);
-    for (int k = 0; s == LW_OK && k + 1 < c->n_bound; k++) {
-        int n = lw_elastic_line_pushes(&w->axis[chain], k, p->at, p[1].at, p->line == LW_LINE_VARYING, push);
-        if (n < 0)
-            return lw_elastic_line_off_axis(p->name, w->m->body[c->link].name, e);
-        for (int j = 0; s == LW_OK && j < n; j++) {
-            lw_spatial_force *f = &to->force[to->n_force++];
-            *f = *p;
-            f->link = c->node[k + 2*j/n], f->at = push[j].place, f->part = 1 + c->first_beam + k;
-            for (int x = 0; s == LW_OK && x < 3; x++)
-                s = lw_expression_list_mix(&w->x->own, push[j].weight, (lw_expression *[]){ p->force[x], p[1].force[x] }, &f->force[x], e);
-        }
-    }
-    ++*i;
-    return s;
+        to->tracer[i].link = node_for(x, to->tracer[i].link, to->tracer[i].at);
+    lw_elastic_attach(x->chain, x->n_chain, to->n_force, to->force, to->n_spring, to->spring);
 }
 
 lw_status lw_spatial_expand(const lw_spatial *m, bool in_time, lw_spatial_expansion *x, lw_error *e)
 {
     size_t n = (size_t)m->n_elastic + 1;
     *x = (lw_spatial_expansion){ .chain = calloc(n, sizeof *x->chain) };
-    work w = { m, x, calloc(n, sizeof *w.axis), calloc(n, sizeof *w.full), calloc(n, sizeof *w.keep), in_time, { 0, 0, 0 }, { .mass = 0 } };
+    work w = { .m = m, .x = x, .full = calloc(n, sizeof *w.full), .in_time = in_time };
     int more = 0;
-    lw_status s = x->chain && w.axis && w.full && w.keep ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = x->chain && w.full ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int l = 0; s == LW_OK && l < m->n_link; l++) {
         if (!m->elastic[l].given)
             continue;
-        x->chain[x->n_chain].link = l;
-        x->chain[x->n_chain].elastic = &m->elastic[l];
+        x->chain[x->n_chain] = (lw_elastic_chain){ .link = l, .name = m->body[l].name, .elastic = &m->elastic[l] };
         s = plan_chain(&w, x->n_chain++, e);
         more += x->chain[x->n_chain - 1].n_node - 1;
     }
@@ -547,29 +484,28 @@ lw_status lw_spatial_expand(const lw_spatial *m, bool in_time, lw_spatial_expans
         s = reserve(&w, more, more, e);
     for (int k = 0; s == LW_OK && k < x->n_chain; k++) {
         w.whole = (lw_spatial_body){ .mass = 0 };
-        w.from = x->chain[k].elastic->n_node > 0 ? x->chain[k].elastic->node[0] : lw_elastic_axis_point(&w.axis[k], 0);
+        w.from = x->chain[k].elastic->n_node > 0 ? x->chain[k].elastic->node[0] : lw_elastic_axis_point(&x->chain[k].axis, 0);
         s = x->chain[k].elastic->n_node > 0 ? fill_matrices(&w, k, e) : x->chain[k].condensed ? fill_pieces(&w, k, e)
           : fill_chain(&w, k, e);
         if (s == LW_OK && !x->chain[k].condensed)
             x->chain[k].too_much = too_much_inertia(&w, &x->chain[k]);
     }
-    for (int i = 0; s == LW_OK && i < m->n_force; i++)
-        s = spread_force(&w, &i, e);
     if (s == LW_OK)
-        attach(&w);
-    for (int k = 0; w.axis && w.full && w.keep && k < m->n_elastic; k++)
-        free(w.axis[k].node), free(w.full[k].node), free(w.keep[k]);
-    free(w.axis), free(w.full), free(w.keep);
+        s = lw_elastic_spread(x->chain, x->n_chain, m->n_force, m->force, &x->own, x->model.force, &x->model.n_force, e);
+    if (s == LW_OK)
+        attach(x);
+    for (int k = 0; w.full && k < m->n_elastic; k++)
+        free(w.full[k].node);
+    free(w.full);
     return s;
 }
 
 void lw_spatial_expansion_free(lw_spatial_expansion *x)
 {
-    for (int k = 0; x->chain && k < x->n_chain; k++)
-        free(x->chain[k].node);
+    lw_elastic_chains_free(x->chain, x->n_chain);
     for (int k = 0; k < x->model.n_super; k++)
         lw_superelement_free(&x->model.super[k]);
-    void *const own[] = { x->chain, x->model.super, x->model.body, x->model.joint, x->model.tracer, x->model.spring, x->model.force,
+    void *const own[] = { x->model.super, x->model.body, x->model.joint, x->model.tracer, x->model.spring, x->model.force,
                           x->model.beam, x->model.states.rotor };
     for (size_t i = 0; i < sizeof own/sizeof *own; i++)
         free(own[i]);

@@ -149,7 +149,7 @@ lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_
     for (int i = 0; i < m->n_spring; i++) {
         f->coupled = f->coupled || (m->spring[i].law && !is_own_law(m->spring[i].law));
         for (int end = 0; end < 2; end++)
-            f->spring_arm[i][end] = lw_system_arm(s, s->body[m->spring[i].link[end]], m->spring[i].at[end]);
+            f->spring_arm[i][end] = lw_system_arm(s, s->body[m->spring[i].link[end]], lw_v3_xy(m->spring[i].at[end]));
         f->conservative = f->conservative && !m->spring[i].law && m->spring[i].damping == 0;
     }
     for (int i = 0; i < m->n_joint_spring; i++) {
@@ -157,7 +157,7 @@ lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_
         f->conservative = f->conservative && !m->joint_spring[i].law && m->joint_spring[i].damping == 0;
     }
     for (int i = 0; i < m->n_force; i++)
-        f->force_arm[i] = lw_system_arm(s, s->body[m->force[i].link], m->force[i].at);
+        f->force_arm[i] = lw_system_arm(s, s->body[m->force[i].link], lw_v3_xy(m->force[i].at));
     for (int i = 0; i < m->n_beam; i++)
         f->conservative = f->conservative && m->beam[i].damping == 0;
     for (int i = 0; i < m->n_super; i++)
@@ -479,7 +479,7 @@ static void apply_component(const lw_forces *f, int i, int c, const lw_expressio
 lw_vec2 lw_forces_applied(const lw_forces *f, int i, double t, const double *q, const double *v, double *moment)
 {
     const lw_force *p = &f->model->force[i];
-    const lw_expression *x[3] = { p->fx, p->fy, p->torque };
+    const lw_expression *x[3] = { p->force[0], p->force[1], p->torque[2] };
     int body = f->system->body[p->link];
     double value[3];
     for (int k = 0; k < 3; k++)
@@ -599,9 +599,9 @@ static void apply_all(const lw_forces *f, double t, const double *q, const doubl
     apply_beams(f, q, v, to);
     lw_superelements_forces(&f->superelements, q, v, to->force, &to->power, to->second ? &(lw_force_sink){ .context = to, .add = add_entry } : NULL);
     for (int i = 0; i < f->model->n_force; i++) {
-        apply_component(f, i, 0, f->model->force[i].fx, t, q, v, to);
-        apply_component(f, i, 1, f->model->force[i].fy, t, q, v, to);
-        apply_component(f, i, 2, f->model->force[i].torque, t, q, v, to);
+        apply_component(f, i, 0, f->model->force[i].force[0], t, q, v, to);
+        apply_component(f, i, 1, f->model->force[i].force[1], t, q, v, to);
+        apply_component(f, i, 2, f->model->force[i].torque[2], t, q, v, to);
     }
 }
 
@@ -763,9 +763,9 @@ void lw_forces_pattern(const lw_forces *f, const lw_force_sink *sink)
     for (int i = 0; i < m->n_force; i++) {
         int body[2] = { s->body[m->force[i].link], -1 };
         add_block(sink, body[0], body[0]);
-        add_expression(f, body, -1, m->force[i].fx, sink);
-        add_expression(f, body, -1, m->force[i].fy, sink);
-        add_expression(f, body, -1, m->force[i].torque, sink);
+        add_expression(f, body, -1, m->force[i].force[0], sink);
+        add_expression(f, body, -1, m->force[i].force[1], sink);
+        add_expression(f, body, -1, m->force[i].torque[2], sink);
     }
 }
 

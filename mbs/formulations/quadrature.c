@@ -500,7 +500,7 @@ static bool by_posture(const lw_dynamics *d)
     for (int i = 0; i < m->n_joint_spring; i++)
         yes = yes && m->joint_spring[i].damping == 0 && of_length_alone(m->joint_spring[i].law);
     for (int i = 0; i < m->n_force; i++)
-        yes = yes && constant(m->force[i].fx) && constant(m->force[i].fy) && constant(m->force[i].torque);
+        yes = yes && constant(m->force[i].force[0]) && constant(m->force[i].force[1]) && constant(m->force[i].torque[2]);
     return yes;
 }
 

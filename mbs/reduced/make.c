@@ -47,13 +47,13 @@ static lw_status look_at_loads(const lw_dynamics *d, lw_reduced *r, char *why)
         return no(why, "contacts or ropes");
     r->general = d->f.caller.apply != NULL;
     for (int i = 0; i < m->n_force; i++)
-        r->general = r->general || !of_time_alone(m->force[i].fx) || !of_time_alone(m->force[i].fy) ||
-                     !of_time_alone(m->force[i].torque);
+        r->general = r->general || !of_time_alone(m->force[i].force[0]) || !of_time_alone(m->force[i].force[1]) ||
+                     !of_time_alone(m->force[i].torque[2]);
     r->counts_turns = r->general;
     r->constant_loads = !d->f.caller.apply;
     for (int i = 0; i < m->n_force; i++)
-        r->constant_loads = r->constant_loads && !has_time(m->force[i].fx) && !has_time(m->force[i].fy) &&
-                            !has_time(m->force[i].torque);
+        r->constant_loads = r->constant_loads && !has_time(m->force[i].force[0]) && !has_time(m->force[i].force[1]) &&
+                            !has_time(m->force[i].torque[2]);
     for (int i = 0; i < m->n_spring; i++)
         r->constant_loads = r->constant_loads && !has_time(m->spring[i].law);
     for (int i = 0; i < m->n_joint_spring; i++)
@@ -155,9 +155,9 @@ static lw_status place_parts(const lw_dynamics *d, lw_reduced *r, char *why)
     }
     for (int i = 0; i < m->n_spring; i++)
         for (int end = 0; end < 2; end++)
-            r->end[i][end] = end_on(d, r, m->spring[i].link[end], at_start(d, m->spring[i].link[end], m->spring[i].at[end]));
+            r->end[i][end] = end_on(d, r, m->spring[i].link[end], at_start(d, m->spring[i].link[end], lw_v3_xy(m->spring[i].at[end])));
     for (int i = 0; i < m->n_force; i++)
-        r->point[i] = end_on(d, r, m->force[i].link, at_start(d, m->force[i].link, m->force[i].at));
+        r->point[i] = end_on(d, r, m->force[i].link, at_start(d, m->force[i].link, lw_v3_xy(m->force[i].at)));
     place_joints(d, r);
     return LW_OK;
 }

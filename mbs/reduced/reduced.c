@@ -197,8 +197,8 @@ static double forces(lw_reduced *r, double t, double ds, double *power)
         const lw_end_point *at = &r->point[i];
         if (at->origin < 0)
             continue;
-        lw_vec2 f = lw_v2_unturn(lw_v2(at_time(p->fx, t), at_time(p->fy, t)), r->turn);
-        double torque = at_time(p->torque, t);
+        lw_vec2 f = lw_v2_unturn(lw_v2(at_time(p->force[0], t), at_time(p->force[1], t)), r->turn);
+        double torque = at_time(p->torque[2], t);
         lw_reg1 c = lw_rate_point(r->reg, at->origin, at->dir, at->arm);
         if (p->follows)
             f = lw_v2_turn(f, lw_v2_unturn(r->reg[at->dir].p, lw_v2_polar(1, r->dir0[p->link])));

@@ -360,7 +360,7 @@ lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, l
     find_legs(s);
     arrange(s, s->sorted);
     for (int i = 0; i < s->n_spring; i++) {
-        const lw_spatial_spring *p = &m->spring[i];
+        const lw_spring *p = &m->spring[i];
         s->spring[i] = (lw_stage_spring){ .stiffness = p->stiffness, .damping = p->damping, .free = p->free };
         for (int k = 0; k < 2; k++) {
             lw_space_point end = f->spring_end[i][k];

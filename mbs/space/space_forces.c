@@ -506,7 +506,7 @@ void lw_space_watch_contacts(lw_space_forces *f, const lw_space_frame *frame, co
 /* One component of an applied force or torque, along a unit vector `e`. */
 static void push_component(sum *s, int i, int k, bool torque, lw_vec3 e)
 {
-    const lw_spatial_force *p = &s->f->s->model->force[i];
+    const lw_force *p = &s->f->s->model->force[i];
     const lw_expression *x = torque ? p->torque[k] : p->force[k];
     const lw_space *space = s->f->s;
     lw_space_point at = s->f->force_at[i];
@@ -550,7 +550,7 @@ static void push_component(sum *s, int i, int k, bool torque, lw_vec3 e)
 
 lw_vec3 lw_space_applied(const lw_space_forces *f, int i, double t, const lw_space_frame *frame, const double *v, lw_vec3 *moment)
 {
-    const lw_spatial_force *p = &f->s->model->force[i];
+    const lw_force *p = &f->s->model->force[i];
     lw_space_point at = f->force_at[i];
     double value[6] = { 0 };
     *moment = lw_v3(0, 0, 0);
@@ -613,7 +613,7 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
     s.f = f, s.frame = frame, s.v = v, s.t = t, s.power = 0, s.force = force, s.sink = sink;
     push_bodies(&s);
     for (int i = 0; i < m->n_spring; i++) {
-        const lw_spatial_spring *p = &m->spring[i];
+        const lw_spring *p = &m->spring[i];
         length_of(f, frame, f->spring_end[i], v, sink, &at);
         push_spring(&s, &at, p->stiffness, p->damping, p->free, -1, p->law);
     }

@@ -17,7 +17,7 @@ static int one_input(const uint8_t *data, size_t size)
     for (int i = 0; i < m.n_spring; i++)
         demand(m.spring[i].link[0] != m.spring[i].link[1] && m.spring[i].stiffness >= 0);
     for (int i = 0; i < m.n_force; i++)
-        demand(m.force[i].fx || m.force[i].fy || m.force[i].torque);
+        demand(m.force[i].force[0] || m.force[i].force[1] || m.force[i].torque[2]);
     lw_model_free(&m);
     return 0;
 }
