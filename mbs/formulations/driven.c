@@ -22,6 +22,7 @@
 #include <string.h>
 #include "base/vector.h"
 #include "mbs/equations/limits_internal.h"
+#include "mbs/space/space_hold.h"
 
 enum { N_SIDE = 6, N_NODE = 2*N_SIDE };
 
@@ -66,41 +67,33 @@ typedef struct driven {
 
 /* ---- one moment ---------------------------------------------------------------------------------------- */
 
-/* Accelerations d->a and multipliers d->l at (t, q, v); without inertia those of a linkage at rest. */
-static lw_status forces_at(lw_dynamics *d, double t, const double *q, const double *v)
+/* Accelerations d->a and multipliers d->l at (t, q, v), of a quasistatic analysis the multipliers of a model at rest.  by_rank: with factors for
+ * rows that depend on each other; project: v becomes the velocities at (t, q) first.  LW_OPEN: the posture is singular. */
+static lw_status forces_by(lw_dynamics *d, bool by_rank, bool project, double t, const double *q, double *v)
 {
-    static const double still[LW_SYSTEM_Q_MAX];
     lw_status s = lw_mbs_rows(d, t, q);
     if (s == LW_OK)
-        s = lw_mbs_factor(d, d->rank < d->n_c || d->o.analysis == LW_ANALYSIS_QUASISTATIC);
+        s = lw_mbs_factor(d, by_rank);
+    if (s == LW_OK && project)
+        s = lw_mbs_project_v(d, t, v);
     if (s == LW_OK)
         s = lw_mbs_solve(d, t, q, v, d->a, d->l, NULL);
     if (s != LW_OK || d->o.analysis != LW_ANALYSIS_QUASISTATIC)
-        return s;
-    lw_forces_apply(&d->f, t, q, still, d->force, NULL, NULL, NULL);
-    if (d->touch)
-        lw_mbs_touch_forces(d, still, d->force, NULL);
-    lw_rank_solve(&d->rank_of, d->force, d->l);
-    return LW_OK;
-}
-
-/* The same of a large model. */
-static lw_status forces_of_large(lw_dynamics *d, double t, const double *q, double *v)
-{
-    bool still = d->o.analysis == LW_ANALYSIS_QUASISTATIC;
-    lw_status s = lw_mbs_rows(d, t, q);
-    if (s == LW_OK)
-        s = lw_mbs_factor(d, false);
-    if (s == LW_OK)
-        s = lw_mbs_solve(d, t, q, v, d->a, d->l, NULL);
-    if (s != LW_OK || !still)
         return s;
     memset(d->v_try, 0, (size_t)d->n_v*sizeof *d->v_try);
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
     d->eq.forces(d->eq.context, t, q, d->v_try, d->force, NULL);
     if (d->touch)
         lw_mbs_touch_forces(d, d->v_try, d->force, NULL);
-    return lw_mbs_linear(d, d->force, d->rhs, d->v_try, d->l);
+    if (!by_rank)
+        return lw_mbs_linear(d, d->force, d->rhs, d->v_try, d->l);
+    lw_rank_solve(&d->rank_of, d->force, d->l);
+    return LW_OK;
+}
+
+static lw_status forces_at(lw_dynamics *d, double t, const double *q, double *v)
+{
+    return forces_by(d, d->rank < d->n_c || d->o.analysis == LW_ANALYSIS_QUASISTATIC, false, t, q, v);
 }
 
 /* Velocities v at (t, q). */
@@ -592,7 +585,7 @@ static lw_status run_large(lw_run *run)
         memcpy(y, lw_follow_series(f), 2*n*sizeof *y);
         for (size_t i = 0; i < n; i++)
             d->hold[i] = 2*lw_follow_series(f)[2*n + i];
-        s = forces_of_large(d, t, y, y + n);
+        s = forces_by(d, false, false, t, y, y + n);
         if (s == LW_OPEN) {                                  /* a singular posture has accelerations, and perhaps no reactions */
             for (int i = 0; i < d->n_c; i++)
                 d->l[i] = NAN;
@@ -610,10 +603,102 @@ static lw_status run_large(lw_run *run)
     return s;
 }
 
+/* ---- models in space -------------------------------------------------------------------------------------- */
+
+/* Accelerations d->a and multipliers d->l at (t, q); v becomes the velocities there. */
+static lw_status forces_in_space(lw_dynamics *d, double t, const double *q, double *v)
+{
+    bool still = d->o.analysis == LW_ANALYSIS_QUASISTATIC;
+    memset(v, 0, (size_t)d->n_v*sizeof *v);
+    lw_status s = forces_by(d, d->rank < d->n_c || d->has_zero_mass || still, true, t, q, v);
+    if (s == LW_OK && still)
+        memset(d->a, 0, (size_t)d->n_v*sizeof *d->a);
+    return s;
+}
+
+/* Near a singular posture: multipliers d->l for the velocities and accelerations of f, where they are known to 1e-6 of the greatest, otherwise
+ * NAN; that of a single drive follows from its power. */
+static lw_status forces_beside(lw_dynamics *d, const lw_space_follow *f, double t, const double *q, double *v)
+{
+    bool still = d->o.analysis == LW_ANALYSIS_QUASISTATIC;
+    double top = 0;
+    memcpy(d->a, f->a, (size_t)d->n_v*sizeof *d->a);
+    memcpy(v, f->v, (size_t)d->n_v*sizeof *v);
+    lw_status st = lw_mbs_rows(d, t, q);
+    if (st != LW_OK)
+        return st;
+    double drive = lw_mbs_drive_by_power(d, t, q, v), most = lw_greatest(d->n_v, d->force);
+    st = lw_mbs_factor(d, d->rank < d->n_c || d->has_zero_mass || still);
+    memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
+    if (st == LW_OK)
+        st = lw_mbs_linear(d, d->force, d->rhs, d->hold, d->l);
+    for (int r = 0; st == LW_OK && r < d->n_c; r++)
+        top = fmax(top, fabs(d->l[r]));
+    double apart = d->by_rank ? d->rank_of.weakest : sqrt(d->weak);
+    bool known = st == LW_OK && !d->n_friction && LW_SPACE_BETWEEN*most < 1e-6*top*apart;
+    for (int r = 0; r < d->n_c && !known; r++)
+        d->l[r] = NAN;
+    if (!isnan(drive))
+        d->l[d->n_row] = drive;
+    if (still) {
+        memset(v, 0, (size_t)d->n_v*sizeof *v);
+        memset(d->a, 0, (size_t)d->n_v*sizeof *d->a);
+    }
+    return st == LW_OPEN ? LW_OK : st;
+}
+
+static lw_status run_spatial(lw_run *run)
+{
+    lw_dynamics *d = run->d;
+    lw_space_follow *f = &d->space->follow;
+    lw_space_watch w = { 0 };
+    double *y = calloc((size_t)run->n, sizeof *y);
+    lw_status st = y ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    for (int k = 0; st == LW_OK && k <= d->o.intervals; k++) {
+        double t = lw_run_time(d, k);
+        double before = f->u;
+        if (k == 1)
+            st = lw_space_watch_begin(&w, f, run->e);
+        for (int i = 1, looks = lw_run_looks(d); st == LW_OK && i <= looks; i++) {
+            double at = i == looks ? t : before + (t - before)*i/looks;
+            if ((st = lw_limits_check(d->o.stop, d->o.until, true, at, run->e)) == LW_OK)
+                st = lw_space_follow_to(f, lw_mbs_driven_path, d, at, run->e);
+            st = st == LW_OPEN ? LW_E_NUMERIC : st;      /* its text says where and why */
+            st = st == LW_OK ? lw_run_look_at_stops(run, at, f->q) : st;
+        }
+        if (st != LW_OK)
+            break;
+        run->r->t = t;
+        lw_space_follow_rates(f, lw_mbs_driven_path, d);
+        memcpy(y, f->q, (size_t)d->n_q*sizeof *y);
+        d->eq.accept(d->eq.context, y);
+        if (d->space->has_drives && d->o.analysis != LW_ANALYSIS_QUASISTATIC) {      /* which find all forces from the motion */
+            memcpy(y + d->n_q, f->v, (size_t)d->n_v*sizeof *y);
+            memcpy(d->a, f->a, (size_t)d->n_v*sizeof *d->a);
+            memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
+        } else
+            st = f->between ? forces_beside(d, f, t, y, y + d->n_q) : forces_in_space(d, t, y, y + d->n_q);
+        if (st == LW_OPEN)
+            st = lw_error_set(run->e, LW_OPEN, "at t = %.9g s the model stands in a singular posture", t);
+        if (st == LW_OK)
+            st = lw_run_show_solved(run, t, y);
+        run->next++;
+        run->r->steps++;
+    }
+    run->r->lost = w.lost;
+    memcpy(run->r->lost_t, w.between, sizeof w.between);
+    memcpy(run->r->lost_how, w.how, sizeof w.how);
+    lw_space_watch_end(&w);
+    free(y);
+    return st;
+}
+
+/* ---- all models -------------------------------------------------------------------------------------------- */
+
 static lw_status run_driven(lw_run *run)
 {
     if (run->d->space)
-        return lw_run_driven_spatial(run);
+        return run_spatial(run);
     if (run->d->large)
         return run_large(run);
     lw_dynamics *d = run->d;

@@ -54,9 +54,4 @@ bool lw_run_friction_limits(const lw_run *run, const lw_integrator *w);
  * length; *h = 0: the caller ended the run. */
 lw_status lw_run_radau_from(lw_run *run, double *y, double *h);
 
-/* ---- driven_space.c ---------------------------------------------------------------------------------- */
-
-/* A run of a spatial model whose inputs leave no freedom. */
-lw_status lw_run_driven_spatial(lw_run *run);
-
 #endif
