@@ -7,7 +7,7 @@ unit=$(mktemp -d) || exit 1
 trap 'rm -rf "$unit"' EXIT
 bad=0
 rooms='base grammar enumerate mbs optimise catalogues surface'
-headers="linkwright.h $(find $rooms -name '*.h' | grep -v mbs/batch/kernel_)"
+headers="linkwright.h $(find $rooms -name '*.h' | grep -vE 'mbs/batch/kernel_|mbs/space/kernel_vec')"
 
 for h in $headers; do echo "#include \"$h\""; done > "$unit/all.c"
 for h in $headers; do echo "#include \"$h\"" > "$unit/$(tr / + <<< "$h").c"; done

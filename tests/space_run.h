@@ -84,6 +84,15 @@ static inline void srun_go(const lw_spatial *m, const lw_dynamics_options *o, sr
     lw_dynamics_free(k->d);
 }
 
+/* Run m by this formulation.  Returns the report. */
+static inline lw_dynamics_report srun_by(const lw_spatial *m, lw_formulation f, lw_analysis a, double to, int intervals, double tolerance, srun *k)
+{
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.analysis = a, o.formulation = f, o.to = to, o.intervals = intervals, o.relative = o.absolute = tolerance;
+    srun_go(m, &o, k);
+    return k->r;
+}
+
 /* The same in the plane: the turn of the first moving link and the first tracer of each row. */
 typedef struct flat_run { lw_dynamics *d; int n; double turn[1002]; lw_vec2 tracer[1002]; lw_dynamics_report r; } flat_run;
 

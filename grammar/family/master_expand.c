@@ -3,7 +3,7 @@
  * First all parts are placed: each use becomes an instance with its own values and its frame in the model.  Then the
  * keys of the model are written; lists continue with the elements of the instances.  Each value written is noted with
  * the template that it came from, for errors of the reader of the model. */
-#include "grammar/family/master_internal.h"
+#include "grammar/family/master_expansion_internal.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -15,37 +15,11 @@
 #include "base/real.h"
 #include "base/suggest.h"
 #include "base/vec2.h"
-#include "grammar/text/json_locate_internal.h"
 
 #define INSTANCE_MAX  10000
 #define REPEAT_MAX    100000
 #define ELEMENT_MAX   1000000
 #define TEXT_MAX      (64u << 20)
-
-/* angle [rad] about z */
-typedef struct frame { double r[3][3], t[3]; bool turned, moved, out_of_plane; double angle; } frame;
-
-typedef struct instance {
-    const lw_part *part;
-    const char    *name;
-    int            parent;               /* -1: the model */
-    lw_amount     *value;                /* of its scope */
-    frame          at;
-} instance;
-
-/* A place of the output and the template it was written from. */
-typedef struct mark { uint32_t out, node; int32_t instance; bool key; } mark;
-
-/* memory of an expansion; the data follow */
-typedef struct block { struct block *next; size_t used, room; } block;
-
-typedef struct map {
-    const lw_master *m;
-    int       n_instance, instance_room, n_mark, mark_room;
-    instance *instance;
-    mark     *mark;
-    block    *memory;
-} map;
 
 typedef struct writer {
     const lw_master *m;
@@ -77,14 +51,6 @@ static void *take(map *p, size_t size)
 
 static lw_status no_memory(const writer *w) { return lw_error_set(w->e, LW_E_MEMORY, "out of memory for a model"); }
 
-static void add_instance_text(const map *p, int at, lw_error *e)
-{
-    if (at < 0 || !e)
-        return;
-    size_t used = strlen(e->text);
-    snprintf(e->text + used, sizeof e->text - used, " (in \"%.60s\", part \"%.60s\")", p->instance[at].name, p->instance[at].part->name);
-}
-
 static lw_status fault(const writer *w, const lw_template *t, const char *format, ...) __attribute__((format(printf, 3, 4)));
 static lw_status fault(const writer *w, const lw_template *t, const char *format, ...)
 {
@@ -94,7 +60,7 @@ static lw_status fault(const writer *w, const lw_template *t, const char *format
     vsnprintf(text, sizeof text, format, list);
     va_end(list);
     lw_status s = lw_json_fault(&t->json, w->e, "%s", text);
-    add_instance_text(w->map, w->now, w->e);
+    lw_master_name_instances(w->map, w->now, w->e);
     return s;
 }
 
@@ -123,7 +89,7 @@ static lw_status formula_value(const writer *w, const lw_template *t, const lw_f
     if (s == LW_OK)
         return s;
     s = lw_template_fault(t, at, &inner, w->e);
-    add_instance_text(w->map, w->now, w->e);
+    lw_master_name_instances(w->map, w->now, w->e);
     return s;
 }
 
@@ -969,72 +935,4 @@ void lw_expansion_free(lw_expansion *x)
     free(p);
     free(x->text);
     *x = (lw_expansion){ 0 };
-}
-
-/* ---- the way back --------------------------------------------------------------------------------------------- */
-
-static size_t offset_of(const lw_expansion *x, long line, long column)
-{
-    size_t at = 0;
-    for (long k = 1; k < line && at < x->size; at++)
-        k += x->text[at] == '\n';
-    return at + (size_t)(column > 0 ? column - 1 : 0);
-}
-
-static const mark *find_mark(const lw_expansion *x, long line, long column, size_t *delta)
-{
-    const map *p = x->map;
-    size_t at = offset_of(x, line, column);
-    int low = 0, high = p->n_mark;
-    while (low < high) {                                /* the first mark behind the place */
-        int mid = (low + high)/2;
-        if (p->mark[mid].out <= at)
-            low = mid + 1;
-        else
-            high = mid;
-    }
-    *delta = low > 0 ? at - p->mark[low - 1].out : 0;
-    return low > 0 ? &p->mark[low - 1] : NULL;
-}
-
-static bool place_of(const map *p, const mark *k, size_t delta, long *line, long *column)
-{
-    const lw_template *t = &p->m->block[k->node];
-    lw_json_path path = { .n = 0 };
-    size_t index[16];
-    int depth = 0;
-    for (const lw_json_node *n = &t->json; n->parent; n = n->parent) {
-        if (depth == 16)
-            return false;
-        index[depth++] = n->index;
-    }
-    while (depth > 0)
-        path.index[path.n++] = index[--depth];
-    size_t at = lw_json_locate(p->m->text, p->m->json.size, &path, k->key);
-    if (!k->key && t->kind == LW_TEMPLATE_VERBATIM && delta <= strlen(t->verbatim))
-        at += delta;
-    lw_text_place(p->m->text, p->m->json.size, at, line, column);
-    return true;
-}
-
-bool lw_expansion_place(const lw_expansion *x, long line, long column, long *master_line, long *master_column)
-{
-    size_t delta;
-    const mark *k = x->map ? find_mark(x, line, column, &delta) : NULL;
-    return k && place_of(x->map, k, delta, master_line, master_column);
-}
-
-void lw_expansion_fault(const lw_expansion *x, lw_error *e)
-{
-    const map *p = x->map;
-    size_t delta;
-    if (!p || !e)
-        return;
-    const mark *k = e->line > 0 ? find_mark(x, e->line, e->column, &delta) : NULL;
-    snprintf(e->file, sizeof e->file, "%s", p->m->file);
-    if (k && place_of(p, k, delta, &e->line, &e->column))
-        add_instance_text(p, k->instance, e);
-    else if (e->line > 0) {                             /* before the first key of the model */
-        lw_text_place(p->m->text, p->m->json.size, 0, &e->line, &e->column);
-    }
 }

@@ -11,7 +11,6 @@
 #include "base/number.h"
 #include "base/rng.h"
 #include "base/vector.h"
-#include "grammar/model/model.h"
 #include "mbs/constraints/continuation_internal.h"
 
 #define TRACK 64                            /* stored postures, from which branch points are crossed   */
@@ -885,23 +884,6 @@ lw_status lw_prescribed_motion_create(const lw_system *s, const double *q, lw_in
 
 lw_prescribed_motion *lw_prescribed_motion_by_value(lw_prescribed_motion *d) { return d->place; }
 
-void lw_prescribed_motion_of_model(void *context, double t, int order, double *u)
-{
-    const lw_model *m = context;
-    double at[LW_SERIES_ORDER_MAX + 1] = { t, 1 };
-    for (int i = 0; i < m->linkage.n_input; i++) {
-        double *out = u + i*(order + 1);
-        if (m->motion[i]) {
-            lw_expression_series(m->motion[i], order, at, out);
-            continue;
-        }
-        double ratio = m->linkage.input[i].ratio;
-        for (int k = 0; k <= order; k++)
-            out[k] = ratio != 0 ? ratio*u[k] : 0;
-        out[0] = ratio != 0 ? lw_assembly_tied_input(&m->linkage, i, u[0]) : m->linkage.input[i].value;
-    }
-}
-
 void lw_prescribed_motion_free(lw_prescribed_motion *d)
 {
     if (!d)
@@ -1017,12 +999,4 @@ int lw_prescribed_motion_crossings(const lw_prescribed_motion *d, double *last)
     if (last)
         *last = d->crossing;
     return d->crossings;
-}
-
-void lw_prescribed_motion_first_alone(void *context, double t, int order, double *u)
-{
-    const lw_assembly *a = &((const lw_model *)context)->linkage;
-    for (int i = 0; i < lw_assembly_free_inputs(a); i++)
-        for (int k = 0; k <= order; k++)
-            u[i*(order + 1) + k] = k == 0 ? (i == 0 ? t : a->input[i].value) : i == 0 && k == 1;
 }

@@ -3,56 +3,15 @@
  * with to the body that they carry.  The formulas are those of mbs/space/recursive.c, one value for all lanes in each register.  Called again
  * for states nearby, it keeps the factors and changes the accelerations and multipliers of the last call by what these lack.  Compiled
  * once per instruction set. */
-#include "mbs/batch/kernel_run_internal.h"
 #include "mbs/space/kernel_tree_internal.h"
+#include "mbs/space/kernel_vec_internal.h"
 
 #define lw_tree_kernel_here LW_OF_ISA(lw_tree_kernel, LW_ISA)
-
-/* As many lanes at a time as a register holds: more would go through memory. */
-#if defined(__AVX512F__)
-enum { WIDTH = 8 };
-#elif defined(__AVX__)
-enum { WIDTH = 4 };
-#else
-enum { WIDTH = 2 };
-#endif
-typedef double pack __attribute__((vector_size(8*WIDTH)));
-typedef double pack_anywhere __attribute__((vector_size(8*WIDTH), aligned(8), may_alias));
-typedef long long mask __attribute__((vector_size(8*WIDTH)));
-
-LW_INLINE pack pick(const double *from) { return *(const pack_anywhere *)from; }
-LW_INLINE void keep(double *to, pack v) { *(pack_anywhere *)to = v; }
-LW_INLINE pack all_lanes(double v) { return v - (pack){ 0 }; }
-LW_INLINE pack choose(mask m, pack yes, pack no) { return (pack)((m & (mask)yes) | (~m & (mask)no)); }
-LW_INLINE pack root(pack a)
-{
-    for (int k = 0; k < WIDTH; k++)
-        a[k] = sqrt(a[k]);
-    return a;
-}
-LW_INLINE double least_lane(pack a)
-{
-    double least = a[0];
-    for (int k = 1; k < WIDTH; k++)
-        least = a[k] < least ? a[k] : least;
-    return least;
-}
-LW_INLINE bool any_lane(mask m)
-{
-    long long some = 0;
-    for (int k = 0; k < WIDTH; k++)
-        some |= m[k];
-    return some != 0;
-}
 
 static const double no_mass = 1e-13;         /* inertia along a rate, over the greatest: none */
 static const double no_pivot = 1e-13;        /* of loops, over the first: singular */
 static const double weak_leg = 1e-3;         /* least pivot of a leg over its first, below which legs are solved with all loops */
 
-typedef struct vec { pack x, y, z; } vec;
-static const vec none;
-typedef struct screw { vec turn, move; } screw;
-typedef struct quat { pack w, x, y, z; } quat;
 typedef struct articulated { pack j[6], m[6]; vec b[3]; } articulated;       /* moment = J alpha + B a, force = B^T alpha + M a */
 typedef struct body {
     quat  turn;
@@ -66,14 +25,6 @@ typedef struct rate { screw axis, push; pack by_inertia, free; } rate;
 _Static_assert(sizeof(body) == LW_TREE_BODY_PACKS*sizeof(pack), "size of a body's state");
 _Static_assert(sizeof(rate) == LW_TREE_RATE_PACKS*sizeof(pack), "size of a rate's state");
 
-LW_INLINE vec add(vec a, vec b) { return (vec){ a.x + b.x, a.y + b.y, a.z + b.z }; }
-LW_INLINE vec sub(vec a, vec b) { return (vec){ a.x - b.x, a.y - b.y, a.z - b.z }; }
-LW_INLINE vec minus(vec a) { return (vec){ -a.x, -a.y, -a.z }; }
-LW_INLINE vec times(vec a, pack s) { return (vec){ s*a.x, s*a.y, s*a.z }; }
-LW_INLINE pack dot(vec a, vec b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
-LW_INLINE vec cross(vec a, vec b) { return (vec){ a.y*b.z - a.z*b.y, a.z*b.x - a.x*b.z, a.x*b.y - a.y*b.x }; }
-LW_INLINE pack by(vec a, lw_vec3 b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
-LW_INLINE vec fixed(lw_vec3 a) { return (vec){ all_lanes(a.x), all_lanes(a.y), all_lanes(a.z) }; }
 LW_INLINE vec turned(const body *b, lw_vec3 a) { return (vec){ by(b->row[0], a), by(b->row[1], a), by(b->row[2], a) }; }
 LW_INLINE vec turned_by(const body *b, vec a) { return (vec){ dot(b->row[0], a), dot(b->row[1], a), dot(b->row[2], a) }; }
 LW_INLINE vec to_own(const body *b, vec a)
@@ -81,17 +32,6 @@ LW_INLINE vec to_own(const body *b, vec a)
     const vec *r = b->row;
     return (vec){ r[0].x*a.x + r[1].x*a.y + r[2].x*a.z, r[0].y*a.x + r[1].y*a.y + r[2].y*a.z, r[0].z*a.x + r[1].z*a.y + r[2].z*a.z };
 }
-LW_INLINE screw add_screw(screw a, screw b) { return (screw){ add(a.turn, b.turn), add(a.move, b.move) }; }
-LW_INLINE screw times_screw(screw a, pack s) { return (screw){ times(a.turn, s), times(a.move, s) }; }
-LW_INLINE pack dot_screw(screw a, screw b) { return dot(a.turn, b.turn) + dot(a.move, b.move); }
-
-LW_INLINE quat quat_times(quat a, quat b)
-{
-    return (quat){ a.w*b.w - a.x*b.x - a.y*b.y - a.z*b.z, a.w*b.x + a.x*b.w + a.y*b.z - a.z*b.y,
-                   a.w*b.y - a.x*b.z + a.y*b.w + a.z*b.x, a.w*b.z + a.x*b.y - a.y*b.x + a.z*b.w };
-}
-LW_INLINE quat fixed_quat(lw_quaternion a) { return (quat){ all_lanes(a.w), all_lanes(a.x), all_lanes(a.y), all_lanes(a.z) }; }
-
 /* The matrix of a quaternion whose length is 1 but for rounding. */
 LW_INLINE void set_rows(body *b)
 {
@@ -102,13 +42,6 @@ LW_INLINE void set_rows(body *b)
     b->row[0] = (vec){ 1 - yy - zz, xy - wz, xz + wy };
     b->row[1] = (vec){ xy + wz, 1 - xx - zz, yz - wx };
     b->row[2] = (vec){ xz - wy, yz + wx, 1 - xx - yy };
-}
-
-LW_INLINE quat unit_quat(const double *from)
-{
-    quat a = { pick(from), pick(from + 8), pick(from + 16), pick(from + 24) };
-    pack s = 1/root(a.w*a.w + a.x*a.x + a.y*a.y + a.z*a.z);
-    return (quat){ s*a.w, s*a.x, s*a.y, s*a.z };
 }
 
 LW_INLINE quat angle_part(const lw_stage_body *p, pack c, pack s)
