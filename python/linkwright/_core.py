@@ -61,6 +61,18 @@ def text_of(pointer):
     return None if pointer == ffi.NULL else ffi.string(pointer).decode(errors="replace")
 
 
+def run_text(run):
+    """A simulation in one line."""
+    return (f"<linkwright.{type(run).__name__}: {len(run.t)} samples to {run.t[-1]:g} s, "
+            f"{run.report['formulation']}, energy error {run.report['energy_error']:.2g} J>")
+
+
+def run_table(run):
+    """The report of a simulation for notebooks."""
+    rows = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in run.report.items())
+    return f"<table>{rows}</table>"
+
+
 def take_text(pointer):
     """A text that is the caller's, as str; it is freed."""
     try:

@@ -7,8 +7,8 @@ from typing import Callable, Optional, Union
 import numpy as np
 
 from ._c import ffi, lib
-from ._core import (Calls, Error, chars, check, interruptible, load, make, new_error, parse, plain, simulation_options, take_bytes,
-                    text_of, write)
+from ._core import (Calls, Error, chars, check, interruptible, load, make, new_error, parse, plain, run_table, run_text, simulation_options,
+                    take_bytes, text_of, write)
 from .linkage import Linkage, inputs_of, joints_of, picture, tracers_of
 
 
@@ -44,13 +44,7 @@ class Simulation:
             setattr(self, name, np.array(column))
         self.report, self.notes = report, notes
 
-    def __repr__(self):
-        return (f"<linkwright.Simulation: {len(self.t)} samples to {self.t[-1]:g} s, "
-                f"{self.report['formulation']}, energy error {self.report['energy_error']:.2g} J>")
-
-    def _repr_html_(self):
-        rows = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in self.report.items())
-        return f"<table>{rows}</table>"
+    __repr__, _repr_html_ = run_text, run_table
 
 
 def _copy(cdata, shape):

@@ -7,7 +7,7 @@ from typing import NamedTuple, Optional, Union
 import numpy as np
 
 from ._c import ffi, lib
-from ._core import Calls, check, interruptible, load, new_error, parse, plain, simulation_options, text_of, write
+from ._core import Calls, check, interruptible, load, new_error, parse, plain, run_table, run_text, simulation_options, text_of, write
 
 
 class Frames(NamedTuple):
@@ -48,13 +48,7 @@ class SpatialSimulation(NamedTuple):
     coupling: np.ndarray                 #: (n, couplings) times a factor: torque [N m] or force [N] on the second link
     notes: list                          #: what was assumed, how accurate it is, its events
 
-    def __repr__(self):
-        return (f"<linkwright.SpatialSimulation: {len(self.t)} samples to {self.t[-1]:g} s, "
-                f"{self.report['formulation']}, energy error {self.report['energy_error']:.2g} J>")
-
-    def _repr_html_(self):
-        rows = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in self.report.items())
-        return f"<table>{rows}</table>"
+    __repr__, _repr_html_ = run_text, run_table
 
 
 def _frames(rows, k):
