@@ -55,7 +55,7 @@ struct lw_prescribed_motion {
     unsigned         at_odds;               /* inputs whose motions contradict each other here: bit i for input i */
     int              crossings;
     double           crossing;
-    bool             leapt;                 /* the last singular step: its series about `from` holds up to `to` */
+    bool             crossed;               /* the last singular step: its series about `from` holds up to `to` */
     double           from, to;
     double          *over;                  /* (ORDER + 1) x n                                         */
     double           asked;                 /* reported time and posture; inside a singular step they  */
@@ -210,7 +210,7 @@ static bool leads_to(lw_prescribed_motion *d, double from, double t)
 /* The equations lose rank at about time `ahead`.  At a crossing of branches the motion is smooth, and its series from
  * an earlier posture agrees with a posture beyond the crossing.  At a limit of the inputs there is no posture beyond.
  * */
-static bool leap(lw_prescribed_motion *d, double ahead, double last)
+static bool cross_singular(lw_prescribed_motion *d, double ahead, double last)
 {
     const double *from = look_back(d, LW_CONTINUATION_BACK);
     if (!from || !make_series(d, from[0], from + 1, ORDER))
@@ -230,7 +230,7 @@ static bool leap(lw_prescribed_motion *d, double ahead, double last)
     from_here place = { d, from[0] };
     d->from = from[0];
     d->to = t;
-    d->leapt = true;
+    d->crossed = true;
     memcpy(d->over, d->series, (size_t)((ORDER + 1)*d->n)*sizeof *d->over);
     d->crossing = d->from + lw_continuation_locate(&d->f, ORDER, d->over, distance, hold_at, &place);
     d->crossings++;
@@ -243,9 +243,9 @@ static bool leap(lw_prescribed_motion *d, double ahead, double last)
 
 /* ---- reported postures ------------------------------------------------------------------------- */
 
-static bool leapt_over(const lw_prescribed_motion *d, double t)
+static bool in_singular_step(const lw_prescribed_motion *d, double t)
 {
-    return d->leapt && (t - d->from)*(d->to - t) >= 0.0;
+    return d->crossed && (t - d->from)*(d->to - t) >= 0.0;
 }
 
 /* Distance from the crossing as a fraction of the singular step. */
@@ -254,20 +254,20 @@ static double from_crossing(const lw_prescribed_motion *d, double t)
     return fabs((t - d->crossing)/(d->crossing - d->from));
 }
 
-static void tell(lw_prescribed_motion *d, double t, const double *q)
+static void report(lw_prescribed_motion *d, double t, const double *q)
 {
     memcpy(d->posture, q, (size_t)d->n*sizeof *q);
     d->asked = t;
 }
 
 /* The posture at time t inside the singular step: by Newton's method, and near the branch point by the series alone. */
-static void tell_leapt(lw_prescribed_motion *d, double t)
+static void report_inside(lw_prescribed_motion *d, double t)
 {
     lw_continuation_sum(&d->f, ORDER, d->over, t - d->from, d->next);
-    tell(d, t, d->next);
+    report(d, t, d->next);
     if (from_crossing(d, t) > 0.1 && hold(d, t) && lw_continuation_correct(&d->f, d->next)
         && lw_continuation_distance(&d->f, d->next, d->posture) < 1e-6)
-        tell(d, t, d->next);
+        report(d, t, d->next);
 }
 
 /* ---- one input, by its value --------------------------------------------------------------------- */
@@ -490,7 +490,7 @@ static bool go_from_regular(lw_prescribed_motion *d, double last)
         return false;
     memcpy(d->q, d->next, (size_t)d->n*sizeof *d->q);
     d->t = t;
-    d->leapt = false;
+    d->crossed = false;
     d->step = d->weight[1][1] = 0;
     d->creeping = is_singular(d, d->q);
     return true;
@@ -515,7 +515,7 @@ static lw_status to_by_value(lw_prescribed_motion *d, double t)
     d->stuck = false;
     while (s == LW_OK && d->t != t)
         s = advance_by_value(d, t);
-    tell(d, d->t, d->place->posture);
+    report(d, d->t, d->place->posture);
     return s;
 }
 
@@ -637,7 +637,7 @@ static outcome advance(lw_prescribed_motion *d, double last)
     if (!hold(d, d->t))
         return LOST;
     if (!(lw_continuation_factor(&d->f, d->q) > 1e-15))
-        return leap(d, d->t, last) ? MOVED : LIMIT;
+        return cross_singular(d, d->t, last) ? MOVED : LIMIT;
     watch(d);
     lw_continuation_bound(&d->f, d->q);
     d->weight[0][0] = d->weight[1][0];
@@ -648,7 +648,7 @@ static outcome advance(lw_prescribed_motion *d, double last)
         h *= 0.5;
         double speed = change(d, d->t + h);
         if (speed < LW_CONTINUATION_LEAST && 1.0 < d->f.kappa*2.0*LW_CONTINUATION_LEAST)
-            return leap(d, d->t + h, last) ? MOVED : LIMIT;
+            return cross_singular(d, d->t + h, last) ? MOVED : LIMIT;
         if (too_short(d, h, last))
             return LOST;                                  /* an input jumps here, or is not a number     */
     }
@@ -713,22 +713,22 @@ lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t)
     if (d->stuck && d->t != t)
         come_free(d);
     bool several = d->s->n_input > 1 && d->motion != straight && d->motion != on_line;
-    while (d->t != t && !leapt_over(d, t)) {
+    while (d->t != t && !in_singular_step(d, t)) {
         if (several && creeps(d) && go_from_regular(d, t))
             continue;
         outcome o = advance(d, t);
         if (o != MOVED && (d->at_odds || !several || !go_from_regular(d, t))) {
             hold(d, d->t);
-            tell(d, d->t, d->q);
+            report(d, d->t, d->q);
             d->limit = o == LIMIT ? limit_towards(d, t) : d->t;
             d->stuck = true;
             return o == LIMIT ? LW_OPEN : LW_E_NUMERIC;
         }
     }
     if (d->t == t)
-        tell(d, t, d->q);
+        report(d, t, d->q);
     else
-        tell_leapt(d, t);
+        report_inside(d, t);
     hold(d, d->t);
     return LW_OK;
 }
@@ -791,7 +791,7 @@ static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error
     hold(d, first);
     if (!(lw_continuation_factor(&d->f, d->q) > 1e-12))
         return lw_error_set(e, LW_E_NUMERIC, "the posture is a dead point of the inputs; draw the linkage in another posture");
-    tell(d, first, d->q);
+    report(d, first, d->q);
     lw_status s = lw_prescribed_motion_to(d, last);
     if (s != LW_OK)
         return lw_error_set(e, s, "from its posture the linkage cannot get to where the motions begin at t = %g: it "
@@ -807,13 +807,13 @@ static lw_status begin(lw_prescribed_motion *d, double t, double start, lw_error
     d->t = t;
     d->step = 0.0;
     d->n_track = d->crossings = 0;
-    d->leapt = d->has_regular = d->creeping = d->lost = false;
+    d->crossed = d->has_regular = d->creeping = d->lost = false;
     d->det[1] = 0;
     hold(d, t);
     if (lw_continuation_factor(&d->f, d->q) > 1e-12 && lw_continuation_bound(&d->f, d->q) > 0)
         find_contradiction(d);
     hold(d, t);
-    tell(d, t, d->q);
+    report(d, t, d->q);
     return LW_OK;
 }
 
@@ -851,7 +851,7 @@ static lw_status make(const lw_system *s, const double *q, lw_input_function *mo
         d->away = value_at(d, t);
         status = make(s, q, itself_alone, NULL, d->away, t, NULL, &d->place, e);
         if (status == LW_OK)
-            tell(d, t, d->place->posture);
+            report(d, t, d->place->posture);
     } else {
         d->q = d->posture + d->n;
         d->next = d->q + d->n;
@@ -958,7 +958,7 @@ bool lw_prescribed_motion_rates(lw_prescribed_motion *d, int order, double *q)
     memcpy(q, d->posture, (size_t)d->n*sizeof *q);
     if (d->place)
         return series_by_value(d, order, q);
-    if (leapt_over(d, d->asked) && from_crossing(d, d->asked) < 0.25) {
+    if (in_singular_step(d, d->asked) && from_crossing(d, d->asked) < 0.25) {
         for (int k = 1; k <= order; k++) {                /* the series of the singular step, about this time */
             double choose = 1.0;
             memset(q + k*d->n, 0, (size_t)d->n*sizeof *q);

@@ -240,13 +240,13 @@ static void block_points(const lw_problem *p, const lw_work *w, size_t n, const 
         angle[i] = phase[i];
         if (s->turning)
             continue;
-        double laps = floor(phase[i]/(2*LW_PI));
-        at[i].around = phase[i] - 2*LW_PI*laps;
+        double turns = floor(phase[i]/(2*LW_PI));
+        at[i].around = phase[i] - 2*LW_PI*turns;
         while (at[i].leg + 1 < s->n && at[i].around >= s->stroke[at[i].leg + 1].from)
             at[i].leg++;
         const lw_stroke *k = &s->stroke[at[i].leg];
         angle[i] = k->rate*at[i].around + k->shift;
-        gained[i] = laps*s->gain;
+        gained[i] = turns*s->gain;
     }
     lw_batch_turns(&p->plan, n, angle, turn_c, turn_s);
     for (size_t i = 0; i < n; i++) {

@@ -266,7 +266,7 @@ static lw_status draw_vertices(reader *r, const entity *n, const place *in, bool
     bool light = is(head(r, n), "LWPOLYLINE");
     vertex first = { .line = 0 }, before = first, v = first;
     lw_affine m = in->m;
-    size_t count = 0, at = n->first + 1, seat = *last;
+    size_t count = 0, at = n->first + 1, now = *last;
     lw_status s = own_system(r, n, &m);
     begin(r, n, in);
     while (s == LW_OK) {
@@ -283,8 +283,8 @@ static lw_status draw_vertices(reader *r, const entity *n, const place *in, bool
         } else {                                   /* entities that follow, up to SEQEND */
             static const int code[] = { 10, 20, 42, 70 };
             double number[4] = { 0 };
-            const entity *each = &r->entity[++seat];
-            if (seat >= r->n_entity || !is(head(r, each), "VERTEX"))
+            const entity *each = &r->entity[++now];
+            if (now >= r->n_entity || !is(head(r, each), "VERTEX"))
                 break;
             s = take(r, each, code, number, 4);
             v = (vertex){ { number[0], number[1] }, number[2], head(r, each)->line };
@@ -304,7 +304,7 @@ static lw_status draw_vertices(reader *r, const entity *n, const place *in, bool
         lw_outlines_close(&r->out);
     }
     if (!light)
-        *last = seat < r->n_entity && is(head(r, &r->entity[seat]), "SEQEND") ? seat : seat - 1;
+        *last = now < r->n_entity && is(head(r, &r->entity[now]), "SEQEND") ? now : now - 1;
     return s;
 }
 

@@ -13,19 +13,19 @@
 /* ---- stations ------------------------------------------------------------------------------------------------ */
 
 /* The segments of a polygon, and its corners. */
-typedef struct course {
+typedef struct polyline {
     const lw_vec2 *p;
     size_t         n, n_segment;
     double        *measure;           /* of each segment, in stations: length and turn               (n_segment)  */
     size_t        *corner;            /* stations are spread between these points; ends of an open curve (n_corner) */
     size_t         n_corner;
     bool           closed;
-} course;
+} polyline;
 
-static lw_vec2 segment(const course *c, size_t i) { return lw_v2_sub(c->p[(i + 1) % c->n], c->p[i % c->n]); }
+static lw_vec2 segment(const polyline *c, size_t i) { return lw_v2_sub(c->p[(i + 1) % c->n], c->p[i % c->n]); }
 
 /* Turn of the direction at a point; 0 at the ends of an open curve [rad, > 0]. */
-static double turn_at(const course *c, size_t i)
+static double turn_at(const polyline *c, size_t i)
 {
     if (!c->closed && (i == 0 || i + 1 == c->n))
         return 0;
@@ -33,7 +33,7 @@ static double turn_at(const course *c, size_t i)
     return fabs(atan2(lw_v2_cross(a, b), lw_v2_dot(a, b)));
 }
 
-static void find_corners(course *c, size_t most)
+static void find_corners(polyline *c, size_t most)
 {
     size_t n = 0;
     for (size_t i = 0; i < c->n; i++)
@@ -49,7 +49,7 @@ static void find_corners(course *c, size_t most)
 }
 
 /* Measure the segments. Turns at corners do not count, since corners are stations anyway. */
-static void measure(course *c, bool by_curvature)
+static void measure(polyline *c, bool by_curvature)
 {
     double length = 0, turn = 0;
     for (size_t i = 0, k = 0; i < c->n; i++) {
@@ -69,7 +69,7 @@ static void measure(course *c, bool by_curvature)
         c->measure[i] = c->measure[i]/turn + 2*lw_v2_norm(segment(c, i))/length;
 }
 
-static double span_measure(const course *c, size_t first, size_t last)
+static double span_measure(const polyline *c, size_t first, size_t last)
 {
     double sum = 0;
     for (size_t i = first; i < last; i++)
@@ -78,7 +78,7 @@ static double span_measure(const course *c, size_t first, size_t last)
 }
 
 /* Put `parts` stations at equal steps of the measure from point `first` on; the point `last` is not one of them. */
-static void put_span(const course *c, size_t first, size_t last, size_t parts, lw_vec2 *out, size_t *from)
+static void put_span(const polyline *c, size_t first, size_t last, size_t parts, lw_vec2 *out, size_t *from)
 {
     double all = span_measure(c, first, last), before = 0;
     size_t at = first;
@@ -94,7 +94,7 @@ static void put_span(const course *c, size_t first, size_t last, size_t parts, l
 
 lw_status lw_resample(const lw_vec2 *p, size_t n, bool closed, bool by_curvature, size_t m, lw_vec2 *out, size_t *from, lw_error *e)
 {
-    course c = { .p = p, .n = n, .n_segment = closed ? n : n - 1, .closed = closed };
+    polyline c = { .p = p, .n = n, .n_segment = closed ? n : n - 1, .closed = closed };
     size_t at = 0, parts = closed ? m : m - 1;
     c.measure = calloc(n, sizeof *c.measure);
     c.corner = malloc((n + 1)*sizeof *c.corner);
