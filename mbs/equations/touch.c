@@ -666,10 +666,11 @@ void lw_touch_round_end(lw_touch *p, const lw_touch_motion *m, double since)
         p->side = -p->side;
 }
 
-/* Near a corner the way through the body from one face to the next is short, and round the end of a segment there is none. */
+/* Near a corner the way through the body from one face to the next is short, and round the end of a segment there is none.  A disc that has jumped through a
+ * rigid bar beside its ends is still seen, since the bar keeps the side from which it is touched. */
 double lw_touch_size(const lw_touch *p, const lw_touch_motion *m)
 {
-    double size = p->size, place = m->place + (m->rate < 0 && m->gap > 0 ? -m->place_rate*m->gap/m->rate : 0);
+    double size = p->side != 0 && !(p->surface->stiffness > 0) ? INFINITY : p->size, place = m->place + (m->rate < 0 && m->gap > 0 ? -m->place_rate*m->gap/m->rate : 0);
     for (int end = 0; p->kind == LW_TOUCH_FACE && p->length < INFINITY && end < 2; end++) {
         double slope = p->slope[end], along = end ? p->length - place : place;
         bool notch = p->side == 0 && !(slope < INFINITY);
