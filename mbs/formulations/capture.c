@@ -186,6 +186,23 @@ static void look_at_slip(const lw_capture *g, const lw_touch *p, const lw_touch_
 /* Is the gap smaller than `near`, or may it become so within the time `in`? */
 static bool comes_near(const lw_touch_motion *m, double in, double speed, double near) { return m->gap < near + in*(fmax(0, -m->rate) + turns*speed); }
 
+/* Greatest speed of two bodies at points of both, or as far outside as they are large, scaled.  A disc that is far away has a slip as if the other body
+ * reached to it. */
+static double fastest_at(const lw_capture *g, const lw_touch *p)
+{
+    lw_vec2 apart = lw_v2(0, 0);
+    double turns_with = 0;
+    if (p->kind > LW_TOUCH_DISCS)
+        return INFINITY;
+    for (int k = 0; k < 2; k++)
+        if (p->body[k] >= 0) {
+            const double *v = g->v + 3*p->body[k];
+            apart = lw_v2_add(apart, lw_v2_scale(lw_v2(v[0], v[1]), k ? -1 : 1));
+            turns_with += 2*fabs(v[2])*g->arm[p->body[k]];
+        }
+    return lw_v2_norm(apart) + turns_with;
+}
+
 /* Return the speed of the fastest place, scaled.  *missing becomes true if a place outside the pattern may close within two steps of length h, at this
  * speed; *to: the impacts ahead, unless NULL. */
 static double look(lw_capture *g, double h, double speed, bool *missing, ahead_of *to)
@@ -197,7 +214,7 @@ static double look(lw_capture *g, double h, double speed, bool *missing, ahead_o
     for (int i = 0; i < list->n; i++) {
         lw_touch_motion m;
         lw_touch_at(&list->touch[i], &g->d->eq, g->d->frames, g->v, &m);
-        fastest = fmax(fastest, hypot(m.rate, m.slip));
+        fastest = fmax(fastest, fmin(hypot(m.rate, m.slip), fastest_at(g, &list->touch[i])));
         if (list->touch[i].surface->stiffness > 0)
             continue;
         while (k < g->n && g->at[k].touch < i)
