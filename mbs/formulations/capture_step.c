@@ -13,7 +13,7 @@ static const double give = 1e-9;             /* compliance of the rows of contac
 static const double unstable = 1e-4;         /* change of a state whose rate changes its sign, over the change allowed for other states */
 static const double slightest = 1e-3;        /* slip with which friction gives way, over the change of velocities by forces */
 static const double reached = 1e-3;          /* a step ends at an impact if the gap is then below this fraction of the distance moved in a step */
-enum { PASSES = 120, HARD = 40, LATE = 100, TOGETHER = 12, DENSE_SOON = 60, DENSE_MOST = 250, BOUNCES = 200, TOGETHER_MOST = 60 };
+enum { PASSES = 120, HARD = 40, LATE = 100, DENSE_SOON = 60, DENSE_MOST = 250, BOUNCES = 200, TOGETHER_MOST = 60 };
 
 /* ---- states ------------------------------------------------------------------------------------------------- */
 
@@ -236,9 +236,8 @@ static bool revise_place(lw_capture *g, lw_capture_place *p, const double *l, do
     return true;
 }
 
-/* Change all places that contradict the solution; in later passes, which may cycle, a random half of them.
- * Returns the number of contradictions. */
-static int revise(lw_capture *g, const double *l, int pass, double tiny)
+/* Change all places that contradict the solution, or if passes go round in circles, a random half of them.  Returns the number of contradictions. */
+static int revise(lw_capture *g, const double *l, int pass, bool circles, double tiny)
 {
     int changes = 0;
     for (int k = 0; k < g->n; k++) {
@@ -246,7 +245,7 @@ static int revise(lw_capture *g, const double *l, int pass, double tiny)
         if (!was.shut || !revise_place(g, &g->at[k], l, tiny))
             continue;
         changes++;
-        if (pass >= TOGETHER && ((unsigned)k*2654435761u + (unsigned)pass*2246822519u + (unsigned)g->run->r->refused*3266489917u) >> 31)
+        if (circles && ((unsigned)k*2654435761u + (unsigned)pass*2246822519u + (unsigned)g->run->r->refused*3266489917u) >> 31)
             g->at[k].presses = was.presses, g->at[k].slips = was.slips;
     }
     return changes;
@@ -544,6 +543,42 @@ static void keep_rows(lw_capture *g)
     memcpy(g->full, lw_mbs_jac(d, first_row(d)), (size_t)((d->n_c - first_row(d))*d->row_size)*sizeof *d->jac);
 }
 
+/* A number for the guess: equal guesses have equal ones. */
+static unsigned long long guess_number(const lw_capture *g)
+{
+    unsigned long long x = 14695981039346656037u;
+    for (int k = 0; k < g->n; k++)
+        x = (x ^ (unsigned)(4*g->at[k].presses + g->at[k].slips + 1))*1099511628211u;
+    return x;
+}
+
+/* Find the velocities after a step with `shut` closed places: guess which of them press and stick, and change the guess until nothing contradicts it.  `fastest`: the
+ * greatest velocity; forces change velocities by up to `pull`.  LW_OPEN: the passes do not converge. */
+static lw_status guess_places(lw_capture *g, double t, double h, int shut, double fastest, double pull)
+{
+    bool middle = false, circles = false, tried = false;
+    unsigned long long seen[PASSES];
+    for (int pass = 0; pass < PASSES; pass++) {
+        seen[pass] = guess_number(g);
+        for (int k = 0; k < pass && !circles; k++)
+            circles = seen[k] == seen[pass];
+        bool densely = !tried && (shut <= DENSE_SOON ? circles : pass == LATE && shut <= DENSE_MOST);
+        lw_status s = densely ? solve_densely(g, h, shut) : LW_NOTHING;
+        tried = tried || densely;
+        if (s != LW_NOTHING)
+            return s == LW_OK ? note_jam(g, h, shut, pull) : s;
+        s = LW_OK;
+        if (!middle && lw_capture_closes_one(g))
+            middle = true, s = aim_at_middle(g, t);
+        if (s == LW_OK)
+            s = solve_guess(g, h);
+        restore_rows(g);
+        if (s != LW_OK || revise(g, g->d->l, pass, circles, (pass < HARD ? lw_capture_exact : allowed)*(fastest + pull)) == 0)
+            return s == LW_OK ? note_jam(g, h, shut, pull) : s;
+    }
+    return LW_OPEN;
+}
+
 /* Find the new velocities for a step of length h with its middle at next_q.  LW_OPEN: the passes do not converge. */
 static lw_status solve_step(lw_capture *g, double t, double h)
 {
@@ -589,22 +624,7 @@ static lw_status solve_step(lw_capture *g, double t, double h)
             g->rest = fmax(g->rest, -m.rate*d->touch->list.touch[p->touch].surface->restitution);
         p->glide = p->presses && p->slips == 0 ? -0.5*h*m.slip_bias : 0;
     }
-    bool middle = false;
-    for (int pass = 0; pass < PASSES; pass++) {
-        bool densely = shut <= DENSE_SOON ? pass == TOGETHER : pass == LATE && shut <= DENSE_MOST;
-        s = densely ? solve_densely(g, h, shut) : LW_NOTHING;
-        if (s != LW_NOTHING)
-            return s == LW_OK ? note_jam(g, h, shut, pull) : s;
-        s = LW_OK;
-        if (!middle && lw_capture_closes_one(g))
-            middle = true, s = aim_at_middle(g, t);
-        if (s == LW_OK)
-            s = solve_guess(g, h);
-        restore_rows(g);
-        if (s != LW_OK || revise(g, d->l, pass, (pass < HARD ? lw_capture_exact : allowed)*(fastest + pull)) == 0)
-            return s == LW_OK ? note_jam(g, h, shut, pull) : s;
-    }
-    return LW_OPEN;
+    return guess_places(g, t, h, shut, fastest, pull);
 }
 
 /* Project q onto the rows of the joints and out of overlaps; returns the greatest overlap before, scaled. */
