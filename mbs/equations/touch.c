@@ -8,6 +8,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "base/key_table.h"
 #include "base/real.h"
 
 /* Corners that overlap by `depth` and are nearer to each other than `end_on` times that meet end on, where depth is below this part of the thickness. */
@@ -290,8 +291,8 @@ static void add_contacts(maker *w)
         int first = w->list->n;
         const lw_contact *q = &m->contact[c];
         for (int i = 0; i < m->n_shape; i++)
-            for (int j = 0; j < m->n_shape; j++) {
-                if (m->shape[i].link != q->link[0] || m->shape[j].link != q->link[1])
+            for (int j = 0; m->shape[i].link == q->link[0] && j < m->n_shape; j++) {
+                if (m->shape[j].link != q->link[1])
                     continue;
                 add_discs(w, &m->shape[i], &m->shape[j], true);
                 add_discs(w, &m->shape[j], &m->shape[i], false);
@@ -371,23 +372,38 @@ static bool is_twin(const lw_model *m, const lw_touch *p, const lw_touch *q)
         && (p->link == q->link || is_pinned(&m->linkage, p->link, q->link, p->drawn));
 }
 
-static void drop_twins(const lw_model *m, lw_touch_list *list)
+/* One of n bins; twins are in one. */
+static int bin_of(const lw_touch *p, int n)
 {
-    int n = 0;
+    double x[] = { p->drawn.x + 0.0, p->drawn.y + 0.0, p->arm[1].x + 0.0, p->arm[1].y + 0.0 };     /* -0 is 0 */
+    return (int)(lw_key_table_hash(x, sizeof x) % (unsigned)n);
+}
+
+static lw_status drop_twins(const lw_model *m, lw_touch_list *list, lw_error *e)
+{
+    int n = 0, *first = malloc((2*(size_t)list->n + 1)*sizeof *first), *next = first + list->n;
+    if (!first)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; i < list->n; i++)
+        first[i] = -1;
     for (int i = 0; i < list->n; i++) {
-        bool twin = false;
-        for (int j = 0; j < n && !twin; j++) {
-            twin = is_twin(m, &list->touch[i], &list->touch[j]);
-            if (twin && list->touch[i].link != list->touch[j].link) {        /* it stands for the corners of two links */
-                memset(list->touch[j].edge, 0, sizeof list->touch[j].edge);
-                memset(list->touch[j].onward, 0, sizeof list->touch[j].onward);
-                list->touch[j].into = lw_v2(0, 0);
-            }
+        const lw_touch *p = &list->touch[i];
+        int bin = bin_of(p, list->n), j = -1;
+        for (int k = first[bin]; k >= 0; k = next[k])
+            j = is_twin(m, p, &list->touch[k]) ? k : j;                      /* the first one of the list, since bins begin with the last */
+        if (j < 0) {
+            next[n] = first[bin];
+            first[bin] = n;
+            list->touch[n++] = *p;
+        } else if (p->link != list->touch[j].link) {                         /* it stands for the corners of two links */
+            memset(list->touch[j].edge, 0, sizeof list->touch[j].edge);
+            memset(list->touch[j].onward, 0, sizeof list->touch[j].onward);
+            list->touch[j].into = lw_v2(0, 0);
         }
-        if (!twin)
-            list->touch[n++] = list->touch[i];
     }
+    free(first);
     list->n = n;
+    return LW_OK;
 }
 
 lw_status lw_touch_make(const lw_model *m, const lw_system *s, lw_touch_list *list, lw_error *e)
@@ -401,8 +417,7 @@ lw_status lw_touch_make(const lw_model *m, const lw_system *s, lw_touch_list *li
     if (!list->touch || !list->stop_surface)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     add_all(&w);
-    drop_twins(m, list);
-    return LW_OK;
+    return drop_twins(m, list, e);
 }
 
 void lw_touch_free(lw_touch_list *list)
