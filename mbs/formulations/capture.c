@@ -47,6 +47,7 @@ static const double soonest = 1/16.0;        /* an impact after less than this f
 static const double ended = 1e-3;            /* so is a slip that ends after less than this fraction */
 enum { MOMENTS = 3 };                        /* that give the accelerations after an impact */
 enum { CORRECTIONS = 4 };                    /* of the length of a step that ends at an impact */
+enum { SOON_MOST = 2 };                     /* such impacts are located, if no more than this follow each other */
 enum { STRUCK_MOST = 12 };                   /* impacts at more places than this in a step are captured */
 enum { ITERATIONS = 30 };                    /* for the greatest frequency, in a step */
 enum { LEAST_CONTACTS = 24, HALVINGS = 8 };
@@ -432,7 +433,8 @@ static lw_status run_steps(lw_capture *g, double *y)
         look(g, h, speed, &missing, &to);
         if (missing)
             s = choose_places(g, ahead*h, speed);
-        bool locates = to.n <= STRUCK_MOST && to.first < whole && (to.first > soonest*whole || !g->hits);
+        bool soon = g->hits && to.first <= soonest*whole, locates = to.n <= STRUCK_MOST && to.first < whole && !(soon && g->soon >= SOON_MOST);
+        g->soon = soon && locates ? g->soon + 1 : 0;
         whole = locates ? to.first : whole;
         g->strikes = locates ? to.strikes : -1;
         g->hits = g->strikes >= 0;

@@ -38,6 +38,7 @@ typedef struct lw_capture {
     double *value;                           /* its entries: where pairs of rows and their own products go */
     int    *to, *diagonal;
     bool    hits;                            /* a step ended at an impact, which is still to be applied */
+    int     soon;                            /* impacts so far that followed the one before them within a small part of a step */
     int     strikes;                         /* the place that strikes at the end of the step and is open until then (index in the list), else -1 */
     double  rest;                            /* speed of the fastest bounce so far that counts as rest, scaled */
     double  late;                            /* the step captures an impact: its length, else 0 */

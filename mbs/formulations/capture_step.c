@@ -7,6 +7,7 @@
 #include <string.h>
 #include "mbs/equations/complementarity.h"
 
+static const double aside = 0.02;            /* such a part of the forces on two bodies may turn towards their gap in a step */
 static const double unseen = 0.5;            /* a step with an overlap above this fraction of the distance moved in it is repeated in shorter steps */
 static const double allowed = 1e-5;          /* as `lw_capture_exact`, if the passes do not converge with it */
 static const double give = 1e-9;             /* compliance of the rows of contacts, over their diagonals */
@@ -79,16 +80,18 @@ static lw_status mean_states(lw_capture *g, double h)
 
 /* ---- places ------------------------------------------------------------------------------------------------- */
 
-/* The acceleration of a gap that the forces on its two bodies, without those of joints and rigid places, cause if joints turn them into its direction. */
+/* The acceleration of a gap that the forces on its two bodies, without those of joints and rigid places, cause if joints turn them into its direction; where
+ * nothing presses, the accelerations of the last step tell it, and little of this. */
 double lw_capture_pull_on(const lw_capture *g, const lw_touch *p, const lw_touch_motion *m)
 {
-    double sum = 0;
+    double turned = 0, sum = 0;
     for (int k = 0; k < 2; k++)
         if (p->body[k] >= 0) {
-            const double *n = m->n + 3*k, *f = g->force + 3*p->body[k], *by = g->d->by_mass + 3*p->body[k];
-            sum += hypot(n[0], n[1])*hypot(f[0]*by[0], f[1]*by[1]) + fabs(n[2]*f[2]*by[2]);
+            const double *n = m->n + 3*k, *f = g->force + 3*p->body[k], *by = g->d->by_mass + 3*p->body[k], *a = g->d->a + 3*p->body[k];
+            turned += hypot(n[0], n[1])*hypot(f[0]*by[0], f[1]*by[1]) + fabs(n[2]*f[2]*by[2]);
+            sum += fabs(n[0]*a[0] + n[1]*a[1] + n[2]*a[2]);
         }
-    return sum;
+    return p->state == LW_TOUCH_HELD ? turned : fmin(turned, sum + aside*turned);
 }
 
 /* Does a corner come to an end of a face just where that end slides off a side of the corner's own body, on which it has pressed so far?  Tips pass each other
@@ -431,7 +434,7 @@ static bool stays_open(const lw_touch_motion *m, double half)
 static int find_shut(lw_capture *g, double half)
 {
     lw_dynamics *d = g->d;
-    double near = lw_capture_closed*g->part*g->size, touching = 2*reached*g->part*g->size;
+    double near = lw_capture_closed*g->part*g->size, leaving = lw_capture_exact*lw_greatest(d->n_v, g->v);
     int shut = 0;
     for (int k = 0; k < g->n; k++) {
         lw_capture_place *p = &g->at[k];
@@ -442,7 +445,7 @@ static int find_shut(lw_capture *g, double half)
             lw_touch_round_end(touch, &m, 2*half);
             lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
         }
-        bool open = !p->presses && (half > 0 ? p->touch == g->strikes || stays_open(&m, half) : m.gap > touching && m.rate > 0);
+        bool open = !p->presses && (half > 0 ? p->touch == g->strikes || stays_open(&m, half) : m.gap > 0 && m.rate > leaving);
         p->shut = m.gap < near && !open && !lw_touch_past_end(touch, &m)
                && !lw_touch_goes_on(touch, d->frames, &m, near) && !lw_touch_beside_end(touch, d->frames, &m)
                && !(m.rate < 0 && lw_capture_slides_off(g, touch, &m, fmin(m.gap/-m.rate, half)));
