@@ -12,7 +12,7 @@ TEST(fixed_points)
         enum { MOST = 6 };
         int n = 1 + trial%MOST;
         lw_vec2 rest[MOST], response[MOST*MOST];
-        double press[MOST], work[MOST*(MOST + 2)];
+        double press[MOST], work[MOST*(MOST + 4)];
         for (int j = 0; j < n; j++)
             rest[j] = lw_v2(lw_rng_range(&rng, -100, 100), trial%3 ? lw_rng_range(&rng, -100, 100) : 0);
         for (int j = 0; j < n*n; j++)
@@ -31,7 +31,7 @@ TEST(fixed_points)
 TEST(painleve)
 {
     lw_vec2 rest = { 1, 0 }, response = { 2, 0 };
-    double press, work[3];
+    double press, work[5];
     CHECK_INT(lw_friction_sizes(1, 0, 2, &rest.x, &response.x, &press, work, NULL), LW_E_NUMERIC);
     response.x = 0.5;
     CHECK_INT(lw_friction_sizes(1, 0, 2, &rest.x, &response.x, &press, work, NULL), LW_OK);
@@ -45,7 +45,7 @@ TEST(many_harmless_joints)
     static const int number[] = { 1, 2, 33, 100, 1000 };
     for (size_t i = 0; i < sizeof number/sizeof *number; i++) {
         size_t n = (size_t)number[i];
-        double *rest = calloc(2*n + 2*n*n + n*(n + 2) + n, sizeof *rest), *response = rest + 2*n, *size = response + 2*n*n, least;
+        double *rest = calloc(2*n + 2*n*n + n*(n + 4) + n, sizeof *rest), *response = rest + 2*n, *size = response + 2*n*n, least;
         for (size_t j = 0; j < n; j++)
             rest[2*j] = 1, response[2*(j + n*j)] = 0.5;
         CHECK_INT(lw_friction_sizes((int)n, 0, 2, rest, response, size, size + n, &least), LW_OK);
@@ -62,7 +62,7 @@ TEST(two_lost_joints)
 {
     for (int n = 1; n <= 4; n++)
         for (int coupled = 0; coupled < 2; coupled++) {
-            double rest[8] = { 0 }, response[32] = { 0 }, size[4], work[24], least;
+            double rest[8] = { 0 }, response[32] = { 0 }, size[4], work[32], least;
             for (int j = 0; j < n; j++) {
                 rest[2*j] = -1;
                 for (int k = 0; k < n; k++)
@@ -77,7 +77,7 @@ TEST(two_lost_joints)
 TEST(joints_that_help_each_other)
 {
     for (int a = 0; a < 2; a++) {
-        double rest[4] = { 0 }, response[8] = { 0 }, size[2], work[8], least;
+        double rest[4] = { 0 }, response[8] = { 0 }, size[2], work[12], least;
         int b = 1 - a;
         rest[2*a] = 1.8, rest[2*b] = 1;
         response[2*(a + 2*a)] = 1.2, response[2*(a + 2*b)] = -1, response[2*(b + 2*a)] = 1;

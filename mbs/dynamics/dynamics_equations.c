@@ -504,11 +504,49 @@ void lw_mbs_full_friction(lw_dynamics *d, int n, const double *v)
         d->friction[j].speed = d->friction[j].ideal ? least : d->friction[j].speed;
 }
 
+/* Is one solution by the factored rows accurate without corrections? */
+static bool solves_at_once(const lw_dynamics *d) { return !d->by_rank && !d->n_weld && !is_beside_by_fronts(d); }
+
+/* What the friction of each joint causes for a reaction of 1 N, four joints at a time: in response (n_friction x (n_v + n_c)) the accelerations of
+ * free bodies, then the multipliers; in power (n_friction) its power. */
+static void respond_by_four(lw_dynamics *d, const double *q, const double *v, double *response, double *power)
+{
+    const int n = d->n_friction, stride = d->n_v + d->n_c, slots = d->eq.n_slot;
+    double (*b)[4] = (double (*)[4])(void *)d->small, (*x)[4] = b + d->n_c;
+    for (int first = 0; first < n; first += 4, response += 4*stride) {
+        const int lanes = n - first < 4 ? n - first : 4;
+        memset(response, 0, (size_t)(lanes*stride)*sizeof *response);
+        memset(b, 0, (size_t)(d->n_c + d->n_v)*sizeof *b);
+        for (int k = 0; k < lanes; k++) {
+            double *a = response + k*stride;
+            power[first + k] = lw_mbs_rub_one(d, &d->friction[first + k], q, v, 1, a);
+            for (int i = 0; i < d->n_v; i++)
+                x[i][k] = a[i] *= d->by_mass[i];
+        }
+        for (int i = 0; i < d->n_kept; i++) {
+            const double *jac = lw_mbs_jac(d, d->kept[i]);
+            const int *block = lw_mbs_blocks(d, d->kept[i]);
+            lw_pair *to = (lw_pair *)b[d->unknown[i]], left = { 0 }, right = { 0 };
+            for (int k = 0; k < slots && block[k] >= 0; k++)
+                for (int j = 0; j < LW_BLOCK; j++) {
+                    const lw_pair *by = (const lw_pair *)x[LW_BLOCK*block[k] + j];
+                    left += jac[LW_BLOCK*k + j]*by[0], right += jac[LW_BLOCK*k + j]*by[1];
+                }
+            to[0] = left, to[1] = right;
+        }
+        lw_cholesky_solve_four(&d->schur, b);
+        for (int k = 0; k < lanes; k++)
+            for (int i = 0; i < d->n_kept; i++)
+                response[k*stride + d->n_v + d->kept[i]] = b[d->unknown[i]][k];
+    }
+}
+
 /* a and l, found without friction, become those with it. */
 static lw_status add_friction(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                               double *power)
 {
     int joints = d->n_friction, n = joints + (d->touch ? d->touch->n_slip : 0), stride = d->n_v + d->n_c;
+    bool by_four = n == joints && solves_at_once(d);
     bool driven = d->choice.formulation == LW_FORMULATION_DRIVEN;
     if (driven)
         lw_mbs_full_friction(d, d->n_friction, v);
@@ -525,7 +563,11 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
     double *size = response + (size_t)n*(size_t)stride + lw_friction_doubles(n, dim), *unit_power = size + n;
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
     lw_status s = LW_OK;
-    for (int j = 0; s == LW_OK && j < n; j++) {
+    if (by_four) {
+        respond_by_four(d, q, v, response, unit_power);
+        memcpy(d->l_each, l, (size_t)d->n_c*sizeof *l);
+    }
+    for (int j = 0; s == LW_OK && !by_four && j < n; j++) {
         double *to = response + (size_t)j*(size_t)stride;
         if (j < joints)
             memset(d->hold, 0, (size_t)d->n_v*sizeof *d->hold);
@@ -540,6 +582,14 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
             l[r] = NAN;
         d->jams = true;
         return LW_OK;
+    }
+    if (s == LW_OK && by_four) {             /* what the change of the multipliers does */
+        for (int r = 0; r < d->n_c; r++)
+            d->l_each[r] -= l[r];
+        memset(d->hold, 0, (size_t)d->n_v*sizeof *d->hold);
+        add_rows(d, 1, d->l_each, d->hold);
+        for (int i = 0; i < d->n_v; i++)
+            a[i] += d->hold[i]*d->by_mass[i];
     }
     if (!d->touch && !(d->friction_determinant > d->least_determinant))
         d->least_determinant = d->friction_determinant;

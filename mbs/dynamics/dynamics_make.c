@@ -109,7 +109,7 @@ lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
     const piece pieces[] = {
         { &d->phi, c }, { &d->jac, c*row }, { &d->jac_by_mass, c*row }, { &d->rhs, speeds }, { &d->by_mass, v },
         { &d->rank_work, dense*lw_rank_doubles((int)v, (int)speeds) }, { &d->null, dense*v*v }, { &d->mass_null, dense*v*v },
-        { &d->small, 3*c + v }, { &d->force, v }, { &d->bias, v }, { &d->q_try, q }, { &d->v_try, v }, { &d->small_v, v },
+        { &d->small, 4*(c + v) }, { &d->force, v }, { &d->bias, v }, { &d->q_try, q }, { &d->v_try, v }, { &d->small_v, v },
         { &d->stop_v, v }, { &d->a, v }, { &d->l, c }, { &d->l_each, 3*c }, { &d->hold, v }, { &d->start_q, q }, { &d->drawn_q, q },
         { &d->start_v, v }, { &d->start_z, (size_t)d->eq.n_z }, { &d->along_null, v },
         { &d->speed_rows, dense*speeds*v }, { &d->rub, (size_t)d->n_friction + 2*(v + c) },

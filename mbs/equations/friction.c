@@ -5,6 +5,7 @@
 #include "base/linalg.h"
 #include "base/real.h"
 #include "base/vec3.h"
+#include "base/vector.h"
 
 static const double singular = 1e-3;         /* a pivot below this: the reactions are not determined */
 static const double singular_signed = 1e-6;  /* the same of a determinant with contacts, where a slip may end before it is 0 */
@@ -64,13 +65,13 @@ static void swap(double *a, double *b)
  * greatest pivot.  A pivot is the factor by which that changes the determinant, which is linear in the friction of a joint, so
  * the reactions stay determined along the way if no pivot reaches 0.  Returns the least pivot, or the first that is too small;
  * then b is of no use.  The sign of the determinant alone would not tell: that of two lost joints is positive, and that of
- * many harmless ones is small.  taken: n doubles. */
-static double solve_in_turn(long n, double *a, double *taken, double *b)
+ * many harmless ones is small.  harmless: all pivots are at least 1/2 in any order, so none is looked for.  taken: n doubles. */
+static double solve_in_turn(long n, bool harmless, double *a, double *taken, double *b)
 {
     double least = INFINITY;
     for (long k = 0; k < n; k++) {
         long p = k;
-        for (long i = k + 1; i < n; i++)
+        for (long i = harmless ? n : k + 1; i < n; i++)
             p = a[i + n*i] > a[p + n*p] ? i : p;
         for (long i = 0; p != k && i < n; i++)
             swap(a + k + n*i, a + p + n*i);
@@ -81,9 +82,10 @@ static double solve_in_turn(long n, double *a, double *taken, double *b)
         const double *pivot = a + n*k;
         if (!(pivot[k] > singular))
             return pivot[k];
-        least = fmin(least, pivot[k]);
+        least = lw_lesser(least, pivot[k]);
+        const double part = 1/pivot[k];
         for (long j = k + 1; j <= n; j++) {
-            double *to = j < n ? a + n*j : b, by = to[k]/pivot[k];
+            double *to = j < n ? a + n*j : b, by = to[k]*part;
             for (long i = k + 1; by != 0 && i < n; i++)   /* joints of links that do not touch: 0 */
                 to[i] -= by*pivot[i];
         }
@@ -103,39 +105,49 @@ static inline __attribute__((always_inline)) lw_status find_sizes(int n, int n_s
                                                                   double *work, double *determinant)
 {
     const long w = n;                         /* products of two numbers of joints may pass an int */
-    double *matrix = work, *diag = work + w*w, *left = diag + w, scale = 0;
+    double *matrix = work, *diag = work + w*w, *left = diag + w, *along = left + w, scale = 0;
     for (int j = 0; j < n; j++) {
         size[j] = size_of(rest + dim*j, dim, j >= n - n_signed);
         scale = fmax(scale, fabs(size[j]));
     }
     for (int pass = 0; pass < 60; pass++) {
         double off = 0;
-        for (int j = 0; j < n; j++) {
-            double r[3] = { rest[dim*j], rest[dim*j + 1], dim == 3 ? rest[dim*j + 2] : 0 };
-            for (int k = 0; k < n; k++)
-                for (int x = 0; x < dim; x++)
-                    r[x] += size[k]*response[dim*(j + w*k) + x];
+        memcpy(along, rest, (size_t)(dim*w)*sizeof *rest);
+        for (int k = 0; k < n; k++)
+            for (long i = 0; i < dim*w; i++)
+                along[i] += size[k]*response[dim*w*k + i];
+        for (int j = 0; j < n; j++) {        /* the directions in which sizes are reactions */
+            double *r = along + dim*j;
             bool is_signed = j >= n - n_signed;
-            double norm = size_of(r, dim, is_signed);
+            double norm = size_of(r, dim, is_signed), by = norm > 0 ? 1/norm : 0;
             left[j] = norm - size[j];
-            off = fmax(off, fabs(left[j]));
-            for (int k = 0; k < n; k++) {
-                const double *by = response + dim*(j + w*k);
-                double dot = r[0]*by[0] + r[1]*by[1];
-                for (int x = 2; x < dim; x++)
-                    dot += r[x]*by[x];
-                matrix[j + w*k] = (j == k) - (is_signed ? by[0] : norm > 0 ? dot/norm : 0);
-            }
+            off = lw_greater(off, fabs(left[j]));
+            for (int x = 0; x < dim; x++)
+                r[x] = is_signed ? x == 0 : r[x]*by;
         }
         if (off <= 1e-13*scale && !(determinant && pass == 0))
             return LW_OK;
+        double most = 0;                     /* sum of a column of the matrix less I */
+        for (int k = 0; k < n; k++) {
+            double sum = 0;
+            for (int j = 0; j < n; j++) {
+                const double *by = response + dim*(j + w*k), *r = along + dim*j;
+                double dot = r[0]*by[0] + r[1]*by[1];
+                for (int x = 2; x < dim; x++)
+                    dot += r[x]*by[x];
+                matrix[j + w*k] = -dot;
+                sum += fabs(dot);
+            }
+            matrix[k + w*k] += 1;
+            most = !(sum <= most) ? sum : most;
+        }
         double value;
         if (n_signed) {
             lw_qr_factor(n, n, matrix, diag);
             value = lw_qr_determinant(n, diag);
             lw_qr_solve(n, n, matrix, diag, left);
         } else
-            value = solve_in_turn(w, matrix, diag, left);
+            value = solve_in_turn(w, most <= 0.5, matrix, diag, left);
         if (determinant)
             *determinant = value;
         if (!(n_signed ? fabs(value) > singular_signed : value > singular))

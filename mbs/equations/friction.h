@@ -38,7 +38,7 @@ double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const d
 lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multiplier);
 
 /* Sizes N of n reactions of `dim` numbers, 2 in the plane, 3 in space.  The last n_signed are forces along one direction, the
- * first number, which keep their sign.  rest (n x dim): R0; response[dim*(j + n*k)]: R_jk; size (n): N; work: n*(n + 2).
+ * first number, which keep their sign.  rest (n x dim): R0; response[dim*(j + n*k)]: R_jk; size (n): N; work: n*(n + dim + 2).
  * *determinant, unless NULL, is 1 without friction: the least pivot, or with n_signed > 0 the determinant.  LW_E_NUMERIC: they
  * are not determined. */
 lw_status lw_friction_sizes(int n, int n_signed, int dim, const double *rest, const double *response, double *size,
@@ -54,7 +54,7 @@ typedef struct lw_friction_scene {
 
 static inline size_t lw_friction_doubles(int n, int dim)
 {
-    return (size_t)n*((size_t)(dim + 1)*(size_t)n + (size_t)dim + 2);
+    return (size_t)n*((size_t)(dim + 1)*(size_t)n + 2*(size_t)dim + 2);
 }
 
 /* Changes accelerations a (n_a) and multipliers l (n_l), found without friction, to those with it.  response: n times

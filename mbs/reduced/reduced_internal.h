@@ -151,7 +151,7 @@ typedef struct lw_reduced_friction {
     lw_reduced_group group[LW_DYAD_MAX];
     lw_reversal_cell cell[LW_REVERSAL_CELLS];
     lw_vec2 response[LW_JOINT_MAX*LW_JOINT_MAX];     /* scratch */
-    double work[LW_JOINT_MAX*(LW_JOINT_MAX + 2)];
+    double work[LW_JOINT_MAX*(LW_JOINT_MAX + 4)];
 } lw_reduced_friction;
 
 /* Friction at the registers and t: adds its force to *q and gives its power.  mass: M.  LW_OPEN: the reactions are not
