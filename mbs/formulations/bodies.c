@@ -172,21 +172,23 @@ static lw_status restart(stepper *w, const double *y, double flight, lw_error *e
                        : lw_integrate_restart(&w->explicit_one, y, e);
 }
 
-/* Regularised friction of a joint whose slip falls to 0 and rises again, or changes its sign, within a step is missed by its stages where that
- * takes little time.  So a step ends no later than the slip would be 0 at its present rate of change, unless the joint rests already, up to an error
- * allowed.  0: no limit. */
+/* Regularised friction changes while the slip of its joint is less than about its speed, so for a short time where the slip falls to 0 and rises
+ * again, or changes its sign.  If only the last stages of a step are within that time, its error is a thousand times the estimate.  So a step ends
+ * where the slip, at its present rate of change, falls to `zone` times the speed, and one that begins near there ends no later than at the same slip
+ * to the other side, unless the joint rests already, up to an error allowed.  0: no limit. */
+static const double zone = 1.5, near_zone = 1.8;
+
 static double step_to_rest(const lw_dynamics *d, const lw_integrator *w)
 {
     const double *q = w->y, *v = w->y + d->n_q, *a = w->dy + d->n_q;
-    static const double rests = 3;           /* slip over the speed of the friction, below which stages see that it changes */
     double most = INFINITY;
     for (int j = 0; j < d->n_friction; j++) {
         lw_friction_joint whole = d->friction[j];
         whole.held = true, whole.part = -1;
         double push = whole.coefficient*whole.lever_arm, slip = lw_mbs_rub_one(d, &whole, q, v, 1, d->hold)/push;
-        double rate = lw_mbs_rub_one(d, &whole, q, a, 1, d->hold)/push;
-        if (slip*rate < 0 && fabs(slip) > fmax(rests*whole.speed/whole.lever_arm, w->o.absolute))
-            most = fmin(most, -slip/rate);
+        double rate = lw_mbs_rub_one(d, &whole, q, a, 1, d->hold)/push, speed = whole.speed/whole.lever_arm;
+        if (slip*rate < 0 && fabs(slip) > w->o.absolute)
+            most = fmin(most, (fabs(slip) + (fabs(slip) > near_zone*speed ? -zone : zone)*speed)/fabs(rate));
     }
     return most < INFINITY ? most : 0;
 }
