@@ -41,17 +41,37 @@ void lw_timing_sample(const lw_problem *p, const double *x, lw_work *w)
     }
 }
 
-/* Add the cost of a further point at station i for each sample. */
-static void add_costs(const double *x, const lw_also_work *a, const lw_aim *aim, size_t i, double *c)
+/* The angle of the body at each sample. */
+static void sample_angles(const double *u, const double *v, double tool, double *angle)
 {
-    double wa = aim->wa[i]*aim->wa[i], wb = aim->wb[i]*aim->wb[i];
-    for (int j = 0; aim->x && j < M; j++) {
-        double dx = a->curve_x[j] - aim->x[i], dy = a->curve_y[j] - aim->y[i];
-        c[j] += wa*(dx*dx + dy*dy);
+    for (int j = 0; j < M; j++)
+        angle[j] = atan2(v[j], u[j]) + tool;
+}
+
+/* Add the cost of the angle at one station for each sample. */
+static void add_angle_costs(const double *angle, double theta, double weight, double *c)
+{
+    for (int j = 0; j < M; j++) {
+        double turn = angle[j] - theta;
+        turn = fabs(turn) < LW_PI ? turn : remainder(turn, 2*LW_PI);
+        c[j] += weight*turn*turn;
     }
-    for (int j = 0; aim->theta && j < M; j++) {
-        double turn = remainder(atan2(a->curve_v[j], a->curve_u[j]) + x[aim->i_tool] - aim->theta[i], 2*LW_PI);
-        c[j] += wb*turn*turn;
+}
+
+/* Add the costs of a further point for each station and sample. */
+static void add_costs(const lw_problem *p, const double *x, const lw_also_work *a, const lw_aim *aim, double *cost)
+{
+    double angle[M];
+    if (aim->theta)
+        sample_angles(a->curve_u, a->curve_v, x[aim->i_tool], angle);
+    for (size_t i = 0; i < p->n; i++) {
+        double wa = aim->wa[i]*aim->wa[i], wb = aim->wb[i]*aim->wb[i], *c = cost + i*LW_COST_ROW;
+        for (int j = 0; aim->x && j < M; j++) {
+            double dx = a->curve_x[j] - aim->x[i], dy = a->curve_y[j] - aim->y[i];
+            c[j] += wa*(dx*dx + dy*dy);
+        }
+        if (aim->theta)
+            add_angle_costs(angle, aim->theta[i], wb, c);
     }
 }
 
@@ -72,19 +92,18 @@ static void tangents(const lw_work *w, double *tx, double *ty, double *per)
  * beside a cusp, samples of one branch may be nearer to a station of the other one than those of its own. */
 static void fill_costs(const lw_problem *p, const double *x, lw_work *w)
 {
-    double tx[M], ty[M], per[M];
+    double tx[M], ty[M], per[M], angle[M];
     const lw_samples of = { M, w->curve_x, w->curve_y, tx, ty, per, p->theta || p->n_also > 0 ? 0 : 0.5 };
     tangents(w, tx, ty, per);
     lw_batch_costs(&p->plan, &of, p->n, p->x, p->y, p->w, p->a, w->cost);
+    if (p->theta)
+        sample_angles(w->curve_u, w->curve_v, x[p->i_tool0], angle);
+    for (size_t i = 0; p->theta && i < p->n; i++)
+        add_angle_costs(angle, p->theta[i], p->w[i]*p->b, w->cost + i*LW_COST_ROW);
+    for (int k = 0; k < p->n_also; k++)
+        add_costs(p, x, &w->also[k], &p->also[k], w->cost);
     for (size_t i = 0; i < p->n; i++) {
         double *c = w->cost + i*LW_COST_ROW;
-        for (int j = 0; p->theta && j < M; j++) {
-            double turn = atan2(w->curve_v[j], w->curve_u[j]) + x[p->i_tool0] - p->theta[i];
-            turn = remainder(turn, 2*LW_PI);
-            c[j] += p->w[i]*p->b*turn*turn;
-        }
-        for (int k = 0; k < p->n_also; k++)
-            add_costs(x, &w->also[k], &p->also[k], i, c);
         for (int j = 0; j < M; j++)
             c[j] = w->curve_m[j] >= 0 ? c[j] : 1e30;
         memcpy(c + M, c, sizeof *c*(LW_COST_ROW - M));
