@@ -224,24 +224,57 @@ static lw_status find_free(lanczos *z, const double *l, double *still, int *slow
     return s == LW_E_NUMERIC ? LW_OK : s;
 }
 
-/* The slowest modes, with a shift that the squares of most rates exceed; again with a smaller one if some are far below it. */
+/* Modes with the shift `part`, and which of them are free: *slow of those that are doubtful are not, of *doubted. */
+static lw_status find_with_shift(lanczos *z, double part, int wanted, int room, const double *l, double *still, int *slow, int *doubted)
+{
+    *slow = *doubted = z->n_found = 0;
+    lw_status s = factor(z, z->q, part, l, still);
+    s = s == LW_OK ? find_modes(z, wanted, room) : s;
+    for (int i = 0; i < z->n_found; i++)
+        *doubted += is_doubtful(z, i);
+    if (s == LW_OK && *doubted > 0 && (s = find_free(z, l, still, slow)) == LW_OK)
+        s = factor(z, z->q, part, l, still);
+    return s;
+}
+
+/* Exchange the doubtful modes, so many, for those of a smaller shift.  It loses the digits of faster modes, which stay. */
+static lw_status find_slower(lanczos *z, int doubted, int room, const double *l, double *still)
+{
+    size_t n = (size_t)z->n;
+    int fast = 0, slow, again, left = 0;
+    double *keep = malloc((2*n + 1)*((size_t)z->n_found + 1)*sizeof *keep);
+    if (!keep)
+        return LW_E_MEMORY;
+    for (int i = 0; i < z->n_found; i++) {
+        double *to = keep + (2*n + 1)*(size_t)fast;
+        memcpy(to, z->found + (size_t)i*n, n*sizeof *to);
+        memcpy(to + n, z->found_heavy + (size_t)i*n, n*sizeof *to);
+        to[2*n] = z->value[i];
+        fast += !is_doubtful(z, i);
+    }
+    lw_status s = find_with_shift(z, least_part, doubted, room, l, still, &slow, &again);
+    for (int i = 0; s == LW_OK && i < z->n_found + fast && left < room; i++) {
+        const double *from = keep + (2*n + 1)*(size_t)(i - z->n_found);
+        bool new_one = i < z->n_found;
+        if (new_one && !is_doubtful(z, i))
+            continue;
+        memmove(z->found + (size_t)left*n, new_one ? z->found + (size_t)i*n : from, n*sizeof *from);
+        memmove(z->found_heavy + (size_t)left*n, new_one ? z->found_heavy + (size_t)i*n : from + n, n*sizeof *from);
+        z->value[left++] = new_one ? z->value[i] : from[2*n];
+    }
+    free(keep);
+    z->n_found = s == LW_OK ? left : 0;
+    return s == LW_OK ? factor(z, z->q, shift_part, l, still) : s;
+}
+
+/* The slowest modes, with a shift that the squares of most rates exceed; those far below it again with a smaller one. */
 static lw_status find_slow(lanczos *z, int wanted, int room, const double *l, double *still)
 {
-    const double part[2] = { shift_part, least_part };
-    lw_status s = LW_NOTHING;
-    for (int pass = 0, slow = 1; pass < 2 && slow > 0 && (s == LW_OK || s == LW_NOTHING); pass++) {
-        int n_doubtful = 0;
-        if ((s = factor(z, z->q, part[pass], l, still)) != LW_OK)
-            break;
-        z->n_found = 0;
-        s = find_modes(z, wanted, room);
-        for (int i = 0; i < z->n_found; i++)
-            n_doubtful += is_doubtful(z, i);
-        slow = s == LW_NOTHING;
-        if (s == LW_OK && n_doubtful > 0 && (s = find_free(z, l, still, &slow)) == LW_OK)
-            s = factor(z, z->q, part[pass], l, still);
-    }
-    return s;
+    int slow, doubted;
+    lw_status s = find_with_shift(z, shift_part, wanted, room, l, still, &slow, &doubted);
+    if (s == LW_NOTHING)
+        return find_with_shift(z, least_part, wanted, room, l, still, &slow, &doubted);
+    return s == LW_OK && slow > 0 ? find_slower(z, doubted, room, l, still) : s;
 }
 
 static void see_damping(void *context, int row, int column, double by_q, double by_v)
