@@ -4,6 +4,9 @@
 #include <string.h>
 #include "base/real.h"
 
+/* l times the entry of a row; 0 where the row has none, though its l has no limit in a singular posture. */
+static double share_of(double l, double entry) { return entry != 0 ? l*entry : 0; }
+
 /* -J^T l of n rows on one body: force, and moment about its reference point. */
 static lw_reaction on_body(const lw_dynamics *d, const double *l, int first, int n, int body)
 {
@@ -14,9 +17,9 @@ static lw_reaction on_body(const lw_dynamics *d, const double *l, int first, int
         while (lw_mbs_blocks(d, k)[slot] != body)
             slot++;
         const double *row = lw_mbs_jac(d, k) + 3*slot;
-        r.force.x -= l[k]*row[0]/s->unit;
-        r.force.y -= l[k]*row[1]/s->unit;
-        r.moment -= l[k]*row[2];
+        r.force.x -= share_of(l[k], row[0])/s->unit;
+        r.force.y -= share_of(l[k], row[1])/s->unit;
+        r.moment -= share_of(l[k], row[2]);
     }
     return r;
 }
@@ -34,7 +37,8 @@ void lw_reactions_joints(const lw_dynamics *d, const lw_moment *m, lw_reaction *
         lw_vec2 at = lw_system_point(s, lw_joint_has_ratio(p->kind) ? p->carrier : p->body[1], p->arm[1], m->q);
         lw_vec2 centre = lw_system_point(s, body, lw_v2(0, 0), m->q);
         out[j].force = lw_v2_scale(r.force, sign);
-        out[j].moment = sign*(r.moment - lw_v2_cross(lw_v2_sub(at, centre), r.force));
+        bool turns = !lw_joint_holds_rotation(p->kind) && !lw_joint_has_ratio(p->kind);
+        out[j].moment = turns ? 0 : sign*(r.moment - lw_v2_cross(lw_v2_sub(at, centre), r.force));
     }
 }
 
