@@ -19,10 +19,12 @@ static const double weakens = 0.15;          /* least pivot of a knot over that 
 static const double across = 1e-3;           /* or where the step crosses a singular posture */
 static const double farther = 1.3;           /* a step may be so much longer if that crosses one */
 static const double singular = 0.02;         /* pivots below this share of those of the knots: a posture is interpolated */
+static const double grows = 1e3;             /* how much `gives` grows towards a singular posture, at least */
 static const double beyond = 16;             /* a step may lead so many times as far as the posture asked for */
 
-/* A posture with its series in time. */
-typedef struct knot { double t, weak, *c; } knot;
+/* A posture with its series in time.  `push` is the unit vector of rows whose solution `gives` is about the greatest: next to a singular posture the motion
+ * that the inputs leave free, which changes its sign across it. */
+typedef struct knot { double t, weak, *c, *push, *gives; } knot;
 
 struct lw_follow {
     lw_dynamics       *d;
@@ -33,6 +35,8 @@ struct lw_follow {
     double             t, smallest;          /* shortest step */
     knot               near, far;            /* the step: from near to far */
     bool               has_far;
+    bool               lost;                 /* a singular posture was crossed, first at lost_t */
+    double             begun, lost_t;
     double            *q, *dq, *u, *phi, *sum;
     double            *memory;
     const volatile sig_atomic_t *stop;
@@ -177,6 +181,28 @@ static void choose_rows(lw_follow *f, const double *q)
     lw_mbs_arrange(d, d->o.from, f->near.c);             /* a singular posture has fewer: keep those of the knot before */
 }
 
+/* Push the rows so, with the factors at hand: coordinates into f->dq. */
+static void push_rows(lw_follow *f, const double *push)
+{
+    memcpy(f->d->rhs, push, (size_t)f->d->n_c*sizeof *push);
+    lw_mbs_linear(f->d, NULL, f->d->rhs, f->dq, f->d->l_each);
+}
+
+/* push and gives of a knot, with the factors there: multipliers of least-norm solutions are inverse iteration. */
+static void find_weakest(lw_follow *f, knot *k)
+{
+    lw_dynamics *d = f->d;
+    for (int r = 0; r < d->n_c; r++)
+        k->push[r] = cos(r);
+    for (int round = 0; round < 4; round++) {
+        push_rows(f, k->push);
+        double size = lw_norm(d->n_c, d->l_each);
+        for (int r = 0; round < 3 && r < d->n_c; r++)
+            k->push[r] = d->l_each[r]/size;
+    }
+    memcpy(k->gives, f->dq, (size_t)d->n_q*sizeof *f->dq);
+}
+
 /* The knot at t, if it is on the motion of the near one. */
 static bool knot_at(lw_follow *f, double t, knot *k)
 {
@@ -193,6 +219,8 @@ static bool knot_at(lw_follow *f, double t, knot *k)
         off = fmax(off, fabs(rate - f->q[i]));
         fast = fmax(fast, fmax(fabs(rate), fabs(f->q[i])));
     }
+    if (off <= rates_agree*fast)
+        find_weakest(f, k);
     return off <= rates_agree*fast;
 }
 
@@ -269,6 +297,45 @@ static void interpolate(lw_follow *f, double t, double *out)
     }
 }
 
+/* Does the step cross a singular posture?  The weakest motion of the near knot then grows beyond bounds in between and comes back with the other sign: 0 of
+ * the inverse of its part along itself, by the Illinois method.  Overwrites the factors and f->shown. */
+static void look_across(lw_follow *f)
+{
+    int n = f->d->n_q;
+    push_rows(f, f->near.push);
+    double ends = fmax(lw_norm(n, f->near.gives), lw_norm(n, f->dq)), size = 0, at = f->near.t;
+    double side[2] = { f->near.t, f->far.t }, small[2] = { 1/lw_dot(n, f->near.gives, f->near.gives), 1/lw_dot(n, f->near.gives, f->dq) };
+    if (f->lost || !(small[1] < 0))
+        return;
+    for (int round = 0, last = -1; round < 50; round++) {
+        double before = at;
+        at = side[0] + (side[1] - side[0])*small[0]/(small[0] - small[1]);
+        interpolate(f, at, f->shown);
+        if (fabs(at - before) <= 1e-13*fabs(f->far.t - f->near.t))
+            break;
+        if (!(factor_at(f, f->shown, 0) > 0)) {
+            size = INFINITY;
+            break;
+        }
+        push_rows(f, f->near.push);
+        double now = 1/lw_dot(n, f->near.gives, f->dq);
+        int to = now < 0;
+        size = fmax(size, lw_norm(n, f->dq));
+        side[to] = at, small[to] = now;
+        if (to == last)
+            small[!to] *= 0.5;
+        last = to;
+    }
+    f->lost = size > grows*ends;
+    f->lost_t = at;
+}
+
+bool lw_follow_lost(const lw_follow *f, double between[2])
+{
+    between[0] = between[1] = f->lost_t;
+    return f->lost && (f->lost_t - f->begun)*(f->t - f->lost_t) >= 0;        /* steps may lead beyond f->t */
+}
+
 /* The posture at t within the step into f->shown.  false: it is not near the series, which has to be shorter. */
 static bool show(lw_follow *f, double t)
 {
@@ -319,6 +386,7 @@ lw_status lw_follow_to(lw_follow *f, double t, lw_error *e)
                 return s;
             }
             f->has_far = true;
+            look_across(f);
         }
         if (!within(f, t))
             continue;
@@ -328,11 +396,14 @@ lw_status lw_follow_to(lw_follow *f, double t, lw_error *e)
         refined++;
         if (knot_at(f, t, &f->far)) {
             f->has_far = true;
+            look_across(f);
             continue;
         }
         double half = f->near.t + 0.5*(t - f->near.t);
-        if (knot_at(f, half, &f->far))
+        if (knot_at(f, half, &f->far)) {
             f->has_far = true;
+            look_across(f);
+        }
     }
     return lw_error_set(e, LW_E_NUMERIC, "the motion is lost at t = %.9g s: an input jumps there", f->near.t);
 }
@@ -359,6 +430,7 @@ static lw_status begin(lw_follow *f, double t, lw_error *e)
     f->near.weak = close_at(f, 0, f->near.c, &by);
     if (!(f->near.weak > 0) || !series_at(f, 0, ORDER, f->near.c))
         return lw_error_set(e, LW_E_NUMERIC, "the posture of the file is singular for its inputs; draw the linkage in another posture");
+    find_weakest(f, &f->near);
     for (int i = 0; i < d->n_driven; i++)
         most = fmax(most, fabs(f->target[i] - d->s.input_value[d->driven[i]]));
     memcpy(f->shown, f->near.c, (size_t)d->n_q*sizeof *f->shown);
@@ -375,7 +447,7 @@ lw_status lw_follow_ready(lw_dynamics *d, lw_input_function *motion, void *conte
     size_t n = (size_t)d->n_q, inputs = (size_t)d->model->linkage.n_input + 1;
     *out = NULL;
     if (f)
-        f->memory = calloc((2*(ORDER + 1) + LW_FOLLOW_ORDER + 1 + 3)*n + inputs*(ORDER + 2)
+        f->memory = calloc((2*(ORDER + 1) + LW_FOLLOW_ORDER + 1 + 5)*n + inputs*(ORDER + 2) + 2*((size_t)d->n_c + 1)
                            + (ORDER + 1)*((size_t)d->n_row + 1), sizeof *f->memory);
     if (!f || !f->memory) {
         free(f);
@@ -391,7 +463,11 @@ lw_status lw_follow_ready(lw_dynamics *d, lw_input_function *motion, void *conte
     f->sum = f->dq + n;
     f->target = f->sum + n;
     f->u = f->target + inputs;
-    f->phi = f->u + inputs*(ORDER + 1);
+    f->near.gives = f->u + inputs*(ORDER + 1);
+    f->far.gives = f->near.gives + n;
+    f->near.push = f->far.gives + n;
+    f->far.push = f->near.push + d->n_c + 1;
+    f->phi = f->far.push + d->n_c + 1;
     motion(context, t, 0, f->target);
     f->motion = straight;
     f->context = f;
@@ -405,14 +481,16 @@ lw_status lw_follow_ready(lw_dynamics *d, lw_input_function *motion, void *conte
         f->motion = motion;
         f->context = context;
         memcpy(f->near.c, f->shown, n*sizeof *f->shown);
-        f->near.t = f->t = t;
-        f->has_far = false;
+        f->near.t = f->t = f->begun = t;
+        f->has_far = f->lost = false;
         double by;
         f->near.weak = close_at(f, t, f->near.c, &by);
         if (!(f->near.weak > 0) || by > agrees || !series_at(f, t, ORDER, f->near.c))
             s = lw_error_set(e, LW_E_NUMERIC, "the motions begin in a singular posture at t = %g; begin a little before", t);
-        else
+        else {
             memcpy(f->shown, f->near.c, (LW_FOLLOW_ORDER + 1)*n*sizeof *f->shown);
+            find_weakest(f, &f->near);
+        }
     }
     if (s == LW_OK)
         *out = f;

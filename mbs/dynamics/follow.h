@@ -24,6 +24,9 @@ void lw_follow_free(lw_follow *f);
  * good one. */
 lw_status lw_follow_to(lw_follow *f, double t, lw_error *e);
 
+/* Did the motion cross a singular posture, where links can move while the inputs stand still?  between: both the first time. */
+bool          lw_follow_lost(const lw_follow *f, double between[2]);
+
 double        lw_follow_time(const lw_follow *f);
 /* Coefficients q[k*n_q + i] of the coordinates by t, k = 0 .. LW_FOLLOW_ORDER, where f is. */
 const double *lw_follow_series(const lw_follow *f);

@@ -598,6 +598,7 @@ static lw_status run_large(lw_run *run)
         if (s == LW_OK)
             s = lw_run_limits(run, t, k);
     }
+    run->r->lost = f && lw_follow_lost(f, run->r->lost_t);
     lw_follow_free(f);
     free(y);
     return s;
