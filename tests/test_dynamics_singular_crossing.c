@@ -443,6 +443,36 @@ TEST(stop_beside_a_flat_posture)
     CHECK(right >= 11);
 }
 
+typedef struct flat { lw_dynamics *d; lw_reaction at[4]; } flat;
+
+static lw_status keep_flat(void *context, const lw_moment *m)
+{
+    flat *f = context;
+    if (fabs(m->t - 0.25) < 1e-9)
+        lw_reactions_joints(f->d, m, f->at);
+    return LW_OK;
+}
+
+/* In the flat posture of a parallelogram forces along it have no limit; those across it carry the weights: half of the coupler at either end. */
+TEST(reactions_across_a_flat_posture)
+{
+    static const double across[4] = { 1.5*9.81, 0.5*9.81, -0.5*9.81, 1.5*9.81 };
+    flat f = { 0 };
+    drun_read_text(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5], 'inertia': 0.1}, {'name': 'b', 'mass': 1, 'centre': "
+                   "[2, 1], 'inertia': 0.1}, {'name': 'c', 'mass': 1, 'centre': [4, 0.5], 'inertia': 0.1}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], "
+                   "'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0, 1]}, {'name': 'C', 'links': ['b', 'c'], 'at': [4, 1]}, {'name': 'D', 'links': "
+                   "['ground', 'c'], 'at': [4, 0]}], 'gravity': [0, -9.81], 'input': {'joint': 'A', 'motion': 'pi/2 + 2*pi*t'}}");
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.analysis = LW_ANALYSIS_QUASISTATIC, o.intervals = 4;
+    CHECK_INT(lw_dynamics_make(&d.model, &o, &f.d, &d.e), LW_OK);
+    CHECK_INT(lw_dynamics_run(f.d, keep_flat, &f, &d.report, &d.e), LW_OK);
+    for (int j = 0; j < 4; j++) {
+        CHECK(isnan(f.at[j].force.x) && f.at[j].moment == 0);
+        CHECK_NEAR(f.at[j].force.y, across[j], 1e-7, 0);
+    }
+    lw_dynamics_free(f.d);
+}
+
 /* Drawn flat, a parallelogram can go on in two ways, however its crank is driven; no constraint is redundant.  A row of 20 is a large model. */
 TEST(driven_from_a_flat_posture)
 {

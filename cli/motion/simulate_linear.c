@@ -317,6 +317,24 @@ static bool inputs_move(const linear *l)
     return false;
 }
 
+/* Say which modes are beyond the frequency for which elements were chosen. */
+static void note_elements(const linear *l)
+{
+    const lw_spatial_expansion *space = lw_dynamics_spatial_elastic(l->d);
+    const lw_elastic_expansion *plane = lw_dynamics_elastic(l->d);
+    double least = INFINITY;
+    int above = 0, n = space ? space->n_chain : plane ? plane->n_chain : 0;
+    for (int k = 0; k < n; k++) {
+        const lw_elastic_chain *c = space ? &space->chain[k] : &plane->chain[k];
+        least = c->frequency > 0 && !c->condensed ? fmin(least, c->frequency) : least;
+    }
+    for (int k = 0; k < l->modes.n_mode; k++)
+        above += l->modes.mode[k].natural > 1.001*least;
+    if (above > 0)
+        cli_note(l->call, "%d mode%s above %.4g Hz, up to which the elements of elastic links were chosen for errors below 1 %%; faster modes have greater ones: "
+                 "give the links the \"frequency\" [Hz] up to which modes matter", above, above == 1 ? " is" : "s are", least);
+}
+
 static void free_linear(linear *l)
 {
     lw_forces_free(&l->own_f);
@@ -352,6 +370,8 @@ int cli_simulate_linear(const cli_call *call, lw_model *m, lw_spatial *space, co
     tail(l);
     if (s == LW_OK && l->modes.cut)
         cli_note(call, "some loads have no potential: modes faster than the first %d are not found to 1e-6, and are left out", l->modes.n_mode);
+    if (s == LW_OK && l->d)
+        note_elements(l);
     if (s == LW_OK && !o->rest && !o->along && l->modes.unbalanced > 1e-9)
         cli_note(call, "the posture is no equilibrium: %.3g of the greatest force is left over; --rest goes to one", l->modes.unbalanced);
     if (s == LW_OK && !o->along && inputs_move(l))
