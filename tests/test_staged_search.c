@@ -56,6 +56,7 @@ TEST_OF_FIGURES(more_links_are_never_worse)
     lw_fit_options o = options(LW_TIMING_FREE, 0);
     OWN(lw_target) t = { 0 };
     OWN(lw_staged_search) s = { 0 };
+    o.budget = 15000;
     CHECK_INT(lw_target_make(8, px, py, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
     CHECK_INT(lw_staged_search_run(&t, &o, stage, 3, &s, NULL), LW_OK);
     CHECK(best_of(&s, 6) <= best_of(&s, 4)*(1 + 1e-9) + 1e-26);      /* f of an exact fit is rounding */
@@ -170,7 +171,7 @@ TEST(more_time_is_never_worse)
 /* Small linkages are among those kept, though many larger ones of many parts have less error. */
 TEST_OF_FIGURES(small_linkages_are_kept)
 {
-    enum { N = 9 };
+    enum { N = 8 };
     double px[N], py[N];
     for (int i = 0; i < N; i++)
         px[i] = i/(N - 1.0), py[i] = 0;
@@ -180,7 +181,7 @@ TEST_OF_FIGURES(small_linkages_are_kept)
     OWN(lw_staged_search) s = { 0 };
     int small = 0;
     o.spec.by_default = LW_LIMIT_ALL;
-    o.max_rounds = 2;
+    o.max_rounds = 1;
     o.max_seconds = 1e4;                                /* so that it searches in parts */
     CHECK_INT(lw_target_make(N, px, py, NULL, NULL, NULL, 0, &t, NULL), LW_OK);
     CHECK_INT(lw_staged_search_run(&t, &o, &stage, 1, &s, NULL), LW_OK);
@@ -271,7 +272,7 @@ TEST_OF_FIGURES(poses_are_met_by_the_linkage_that_counts_as_least)
         lw_fit_results rows;
         OWN(lw_fit) fit = { 0 };
         o.spec.task = LW_TASK_MOTION;
-        o.max_rounds = 2;
+        o.max_rounds = 1;
         o.cost = knows ? lw_fit_results_cost : NULL;
         lw_fit_spec_set_limits(&o.spec, &t, 0);
         CHECK_INT(lw_fit_run(&t, &o, &fit, NULL), LW_OK);
@@ -366,7 +367,7 @@ TEST(a_search_within_a_tolerance_holds_that_without)
  * the first searches. */
 TEST(a_larger_budget_is_never_worse)
 {
-    static const long budget[] = { 10000, 17000, 30000 };
+    static const long budget[] = { 10000, 15000, 20000 };
     enum { RUNS = sizeof budget/sizeof *budget };
     lw_staged_search s[RUNS];
     double first[RUNS];
