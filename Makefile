@@ -7,7 +7,7 @@ ifeq ($(origin CC),default)
 CC       = gcc
 endif
 ifeq ($(origin CFLAGS),undefined)
-CFLAGS   = -O2 -g1
+CFLAGS   = -O2
 # HOT: rooms of loops that run millions of times; PLAIN: rooms without any, which compile in half the time
 HOT      = base enumerate grammar/functions grammar/topology mbs/plan mbs/batch mbs/kinematics mbs/constraints mbs/ode \
            mbs/dynamics mbs/reduced mbs/run mbs/equilibrium mbs/formulations mbs/space mbs/equations mbs/elastic \
