@@ -71,7 +71,8 @@ KERNEL_LEAN = $(if $(filter %/kernel_higher.c %/kernel_continuation.c,$<),-fno-g
            -fno-tree-slp-vectorize -fno-schedule-insns2 -fno-code-hoisting)
 HOT_SRC := $(wildcard mbs/batch/kernel*.c mbs/ode/kernel*.c mbs/space/kernel*.c)
 LIB_SRC := $(filter-out $(HOT_SRC),$(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c)))
-LIB_OBJ := $(foreach isa,$(ISAS),$(HOT_SRC:%.c=$B/%-$(isa).o)) $(LIB_SRC:%.c=$B/%.o)
+HOT_OBJ := $(foreach isa,$(ISAS),$(HOT_SRC:%.c=$B/%-$(isa).o))
+LIB_OBJ := $(HOT_OBJ) $(LIB_SRC:%.c=$B/%.o)
 CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c cli/*/*.c studio/*.c))
 FUZZ    := $(patsubst %.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
 TESTS   := $(patsubst %.c,$B/%,$(wildcard tests/test_*.c)) $(FUZZ)
@@ -198,7 +199,10 @@ deps-bench:
 	@.ci/deps $(DEPS) $(PEERS)
 deps-python:
 	@.ci/deps $(DEPS) $(PYDEPS)
-test demo: deps
+# the kernels need no package: where there is a compiler, they are compiled while packages are installed
+HAS_CC    = $(shell $(CC) -include math.h -fsyntax-only -xc /dev/null 2>/dev/null && echo yes)
+test demo:
+	@$(MAKE) --no-print-directory $(JOBS) deps $(if $(HAS_CC),$(HOT_OBJ))
 	@$(MAKE) --no-print-directory $(JOBS) run-$@
 shared: $B/liblinkwright.so
 samples: $(SAMPLES)                # each checks its own result
