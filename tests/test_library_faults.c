@@ -229,7 +229,7 @@ static lw_status search(sum *s, bool exact)
     o.starts = 4;
     o.rounds = o.jobs = 1;
     o.crank_only = !exact;                           /* the default limits, in an eighth of the time */
-    o.max_size = exact ? 0 : 1.5;
+    o.max_size = exact ? 0 : 1.1;
     lw_status st = exact ? lw_target_create(5, x, y, NULL, NULL, NULL, false, &t, &check_error)
                          : lw_target_load("examples/ellipse.csv", NULL, &t, &check_error);
     if (st == LW_OK)
@@ -260,6 +260,7 @@ static lw_status short_search(sum *s, const char *solver, int links)
     o.budget = 1000;
     o.joints = "r";
     o.unlimited = true;
+    o.crank_only = links == 4;                       /* a third of the time */
     lw_status st = lw_target_create(5, x, y, NULL, angle, NULL, false, &t, &check_error);
     if (st == LW_OK)
         st = lw_fit_target(t, &o, &r, &check_error);
