@@ -159,7 +159,7 @@ TEST_OF_FIGURES(cranes_within_a_tolerance_are_small)
 {
     static const char line[] = "awk 'BEGIN { print \"x [m],y [m]\"; for (i = 0; i < 25; i++) print 6 + i*0.5 \",15\" }' > $D/crane.csv; ";
     int to_and_fro = 0;
-    json_t *root = json_with("%s$P fit $D/crane.csv --rounds 1 --seed 3 --tolerance 10mm --max-size 1.6 --json -q", line);
+    json_t *root = json_with("%s$P fit $D/crane.csv --rounds 1 --starts 4 --seed 3 --tolerance 10mm --max-size 1.6 --json -q", line);
     json_t *rows = json_object_get(root, "results"), *r;
     size_t i;
     CHECK(member(json_array_get(rows, 0), "size_over_path") < 1.2);          /* found: 1.06; 1.55 before chains measured arms */
@@ -265,7 +265,7 @@ TEST(six_links_are_left_out_where_four_are_near)
 /* Who waits several times longer, since no four-bar is near, is told why, and how to leave this out. */
 TEST(six_links_are_announced)
 {
-    expect("$P fit examples/figure-eight.csv --rounds 1 --starts 24 --budget 1e3 2>&1 >/dev/null", 0,
+    expect("$P fit examples/figure-eight.csv --rounds 1 --starts 4 --budget 1e3 2>&1 >/dev/null", 0,
            "no four-bar found whose crank turns is near enough and small enough, so six links", NULL);
     json_decref(walking_foot());
     expect("wc -c < $D/foot-said", 0, "0\n", "");
