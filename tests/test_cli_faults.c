@@ -50,7 +50,7 @@ static const char *const rows[] = {
     "$C catalogue nearest $D/curves.db examples/ellipse.csv",
     "$C catalogue check $D/six.db",
     "rm -f $D/a.db; $C catalogue add $D/a.db $D/fit.json && $P catalogue query $D/a.db error\\<1",
-    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --starts 1 --rounds 1 --results 2 -j 1 --json -o $D/o",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --crank-only --starts 1 --rounds 1 --results 2 -j 1 --json -o $D/o",
     "rm -rf $D/web; $C catalogue html $D/six.db -o $D/web -q && cat $D/web/*.html",
     "$C profile 2 --speed-limit 1 --acceleration-limit 20 -o $D/o",
     "$C profile 1 --acceleration-limit 20 --jerk-limit 400",
@@ -184,10 +184,10 @@ static const char *const outputs[] = {
     "$C draw examples/hoeken.json --target examples/ellipse.csv --all-modes -f svg --title 'a title' --size 300x200",
     "rm -f $D/x-*; $C draw --each --caption graph6 --numbers --keep-going -o $D/x.svg < $D/six.g6 && cat $D/x-*.svg | cksum",
     "$C draw --grid 2x1 -f pdf -o $D/x.pdf --force < $D/watt.g6 && cksum < $D/x.pdf",
-    "rm -rf $D/out; LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --starts 1 --rounds 1 --results 1 -j 1 -q --save $D/out && ls $D/out && cat $D/out/*.json",
+    "rm -rf $D/out; LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --crank-only --starts 1 --rounds 1 --results 1 -j 1 -q --save $D/out && ls $D/out && cat $D/out/*.json",
     "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --task path --timing prescribed --angle-from frame --weight-path 2 --weight-angle 3 --angle-length 5 --length-range 1:500 --position-range -500:500 --solver lbfgs "
     "--starts 1 --rounds 1 --results 1 -j 1 -q --plot $D/x.svg && cksum < $D/x.svg",
-    "rm -f $D/k; LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --open --length-unit mm --angle-unit deg "
+    "rm -f $D/k; LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --crank-only --open --length-unit mm --angle-unit deg "
     "--starts 1 --rounds 1 --results 1 -j 1 -q --keep $D/k",
     "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --closed --full-turn "
     "--starts 1 --rounds 1 --results 1 -j 1 -q --start-from $D/fit.json",
