@@ -22,22 +22,55 @@ static void linear(const lw_problem *p, const double *x, double *g)
 
 /* ---- lengths between points of one link ------------------------------------------------------------------------ */
 
+static double side_length(const double *x, const lw_side *s)
+{
+    return lw_v2_norm(lw_v2_sub(lw_point_on_link(x, s->to), lw_point_on_link(x, s->from)));
+}
+
+/* Add `by` times the derivatives of the length d. */
+static void add_slopes(const double *x, const lw_side *s, double d, double by, double *j)
+{
+    const lw_vec2 span = lw_v2_sub(lw_point_on_link(x, s->to), lw_point_on_link(x, s->from));
+    const int *end[2] = { s->from, s->to };
+    for (int e = 0; e < 2 && d > 0; e++)
+        for (int c = 0; c < 2; c++)
+            if (end[e][c] >= 0)
+                j[end[e][c]] += (e ? by : -by)*(c ? span.y : span.x)/d;
+}
+
+/* The longest of the lengths that are variables and of those that are bounded by it; its value. */
+static double longest_side(const lw_problem *p, const double *x, lw_side *longest)
+{
+    double most = 0;
+    *longest = (lw_side){ { -1, -1 }, { -1, -1 }, false, 0, 0 };
+    for (int i = 0; i < p->n_side; i++)
+        if (p->side[i].ratio > 0 && side_length(x, &p->side[i]) > most) {
+            *longest = p->side[i];
+            most = side_length(x, longest);
+        }
+    for (int i = 0; i < p->n_dim; i++)
+        if (p->plan.dim[i].kind == LW_DIM_LENGTH && x[i] > most) {
+            *longest = (lw_side){ { -1, -1 }, { i, -1 }, false, 0, 0 };
+            most = x[i];
+        }
+    return most;
+}
+
 /* 1 - d/most, or d/least - 1. */
 static void sides(const lw_problem *p, const double *x, double *g, double *j)
 {
+    lw_side longest;
+    const double most = p->n_side > 0 ? longest_side(p, x, &longest) : 0;
     for (int i = 0; i < p->n_side; i++, g++) {
         const lw_side *s = &p->side[i];
-        lw_vec2 span = lw_v2_sub(lw_point_on_link(x, s->to), lw_point_on_link(x, s->from));
-        double d = lw_v2_norm(span), by = (s->most ? -1 : 1)/s->limit;
+        double d = side_length(x, s), by = s->ratio > 0 ? s->ratio/most : (s->most ? -1 : 1)/s->limit;
         *g = (s->most ? 1 : -1) + by*d;
         if (!j)
             continue;
         memset(j, 0, sizeof *j*(size_t)p->n_var);
-        const int *end[2] = { s->from, s->to };
-        for (int e = 0; e < 2 && d > 0; e++)
-            for (int c = 0; c < 2; c++)
-                if (end[e][c] >= 0)
-                    j[end[e][c]] += (e ? by : -by)*(c ? span.y : span.x)/d;
+        add_slopes(x, s, d, by, j);
+        if (s->ratio > 0)
+            add_slopes(x, &longest, most, -by*d/most, j);
         j += p->n_var;
     }
 }

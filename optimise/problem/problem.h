@@ -52,10 +52,10 @@ typedef struct lw_aim {
     int     i_tool;                      /* variable: the tool's mounting angle; -1                */
 } lw_aim;
 
-/* A length between two points of one link that is no variable: at most, or at least, a limit.  from, to: variables that
- * are the coordinates of the points; -1: the coordinate is 0. */
+/* A length between two points of one link that is no variable: at most, or at least, a limit; or at least the longest length over
+ * `ratio`, if that is not 0.  from, to: variables that are the coordinates of the points; -1: the coordinate is 0. */
 #define LW_SIDE_MAX 96
-typedef struct lw_side { int from[2], to[2]; bool most; double limit; } lw_side;
+typedef struct lw_side { int from[2], to[2]; bool most; double limit, ratio; } lw_side;
 
 typedef struct lw_problem {
     const lw_family *family;

@@ -412,6 +412,32 @@ void lw_problem_limit_size(lw_problem *p, double most)
             p->side[i].limit = fmin(p->side[i].limit, most);
 }
 
+/* Is the length from point a to point b of the link a variable? */
+static bool is_variable(const lw_problem *p, const link_points *of, int a, int b)
+{
+    return a == 0 && of->of[b][1] < 0 && p->plan.dim[of->of[b][0]].kind == LW_DIM_LENGTH;
+}
+
+/* Bound the sides of links with three and more pins from below, by the longest length over s->length_ratio, as ratio_rows bounds the lengths
+ * that are variables.  Without that, most finds of six and more links have two pins of a link near each other. */
+static void ratio_sides(const lw_fit_spec *s, lw_problem *p)
+{
+    const bool gives_way = s->by_default & LW_LIMIT_RATIO && s->n_bound > 0;
+    for (int l = 0; l < p->plan.n_link && s->length_ratio > 0 && !gives_way && !s->dimensions_only && lw_task_has_place(p->task); l++) {
+        link_points of;
+        points_of_link(p, p->plan.link[l], &of);
+        for (int b = 1; b < of.pins; b++)
+            for (int a = 0; a < b && p->n_side < LW_SIDE_MAX; a++)
+                if (!is_variable(p, &of, a, b)) {
+                    lw_side *side = &p->side[p->n_side++];
+                    *side = (lw_side){ .ratio = s->length_ratio };
+                    memcpy(side->from, of.of[a], sizeof side->from);
+                    memcpy(side->to, of.of[b], sizeof side->to);
+                }
+    }
+    p->n_side_known = p->n_side;
+}
+
 /* Bound the lengths that are no variables: sides of links with three and more pins, within the range of the lengths;
  * distances of tracers from the pins of their links, at most its upper end.  The default range does not bound them from the
  * beginning: the search may do it later (n_side_known). */
@@ -420,6 +446,7 @@ static lw_status make_sides(const lw_target *t, const lw_fit_spec *spec, lw_prob
     lw_fit_spec range = *spec;
     const lw_fit_spec *s = &range;
     const bool asked = spec->length_hi > 0;
+    ratio_sides(spec, p);
     if (!asked && spec->by_default) {
         default_range(t, spec, &range);
         range.length_lo = 0;
@@ -430,7 +457,7 @@ static lw_status make_sides(const lw_target *t, const lw_fit_spec *spec, lw_prob
         points_of_link(p, p->plan.link[l], &of);
         for (int b = 1; b < of.n; b++)
             for (int a = 0; a < b && a < of.pins; a++) {
-                bool variable = a == 0 && of.of[b][1] < 0 && p->plan.dim[of.of[b][0]].kind == LW_DIM_LENGTH;
+                bool variable = is_variable(p, &of, a, b);
                 bool pins = b < of.pins && s->length_lo > 0;
                 for (int most = 1; most >= (pins ? 0 : 1) && !variable; most--) {
                     if (p->n_side_known == LW_SIDE_MAX && asked)
@@ -444,7 +471,7 @@ static lw_status make_sides(const lw_target *t, const lw_fit_spec *spec, lw_prob
                 }
             }
     }
-    p->n_side = asked ? p->n_side_known : 0;
+    p->n_side = asked ? p->n_side_known : p->n_side;
     return LW_OK;
 }
 
