@@ -255,7 +255,7 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 #define PER_SIZE     0.85          /* twice the longest link, if longer than the target, counts as 1.8 times the error, beyond compact ones as ... */
 #define PER_LESS     0.1           /* ... 3.2 times; half the longest link, if shorter than the target, as 0.93 times            */
 #define PER_RATIO    0.85          /* beyond LW_EVEN, twice the ratio of longest to shortest link counts as 1.8 times the error */
-#define PER_MISS     1.5           /* beyond LW_NEAR twice the error counts as 5.7 times                            */
+#define PER_MISS     2.5           /* beyond LW_NEAR twice the error counts as 11 times: what is far from the target is not built for being simple */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
 #define PER_LINK     0.5           /* for each link more: two links with their three joints count as 2.7 times the error */
 #define DOUBT        0.05          /* part of the distance from a smooth line through a few stations that counts as error */
@@ -541,7 +541,9 @@ void lw_fit_results_end(const lw_target *t, const lw_fit *fit, lw_fit_results *o
         bool poor = r->counts_as > fmax(WORSE*best, LW_ENOUGH), covered = false;
         out->n = n;
         for (int k = 0; k < n && poor && !covered; k++)
-            covered = is_as_easy(t, MUCH_SMALLER, &fit->candidate[out->candidate[k]], &out->report[k], &fit->candidate[now], r);
+            covered = is_as_easy(t, MUCH_SMALLER, &fit->candidate[out->candidate[k]], &out->report[k], &fit->candidate[now], r)
+                   && !(part_missed(t, &out->report[k]) > LW_NEAR
+                        && fit->candidate[now].objective < SMALLER*SMALLER*fit->candidate[out->candidate[k]].objective);
         if (!covered) {
             out->report[n] = *r;
             out->candidate[n++] = now;
