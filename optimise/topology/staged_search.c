@@ -17,11 +17,12 @@ enum {
     FIRST = 10000,          /* evaluations of the first part of a stage in parts of fixed ends (in_ends) */
     FIRST_TIMED = 4,        /* under a time limit, the first part of a stage's budget: one in so many, ... */
     FIRST_TYPES = 32,       /* ... and of the rounds of four-link types: one so long that time cuts it finds no small linkages */
-    UNLESS = 3,             /* ... of a stage with `unless`: so many times less                      */
+    UNLESS = 3,             /* ... of a stage with `unless`: so many times less, ...                 */
+    ASKED = 4,              /* ... and with default limits of families whose number of links is asked for: more links are reached soon */
     ENOUGH = 30000,         /* evaluations of a stage in such parts after which it may end because the first row is good, ... */
     WELL = 300000,          /* ... or, unless stations are few, because of `unless`, or because it gains no more, ... */
     EXACT = 100000,         /* ... or because the target is met exactly: there may be smaller linkages */
-    SMALL = 100000,         /* evaluations of such a part below which only its last search makes a front */
+    SMALL = 100000,         /* evaluations of a part, with default limits, below which only its last search makes a front */
     OF_EACH = 4,            /* candidates of every number of links that are kept, in case the best has a defect */
     ROWS = 24,              /* rows that the next search starts from, with default limits            */
     PARTS = 4,              /* small cranks have one of so many parts of a budget, and all others one, at first  */
@@ -444,7 +445,7 @@ static lw_status run_families(const stage_part *p, const family_search *f, const
     mine.families = &all;
     mine.part_number = number_of(f->kind, f->n_before);
     mine.budget = f->budget;
-    mine.no_front = !f->last && in_ends(p->o, p->stage) && p->o->budget < SMALL;
+    mine.no_front = !f->last && p->o->spec.by_default && p->o->budget < SMALL;
     mine.sweep = f->sweep;
     mine.max_seconds = seconds_until(p->end);
     mine.whole_rounds = any_with(&p->out->fit, p->stage->links);
@@ -552,17 +553,18 @@ static lw_status run_all_families(const stage_part *p)
  * whatever the budget; the stage that had least has the next part, and the first part that does not fit ends the search.  No find with a report is
  * dropped: so a run does all that one with a smaller budget (of 1e4 at least) does, and then more.
  *
- * Under a time limit parts are twice as large as those before, the first a quarter of the stage's budget or a thirty-second of its rounds.  After the
- * first parts, the stage whose last part lowered the logarithm of the error most per evaluation has the next part.  If time does not end it before,
- * each has its own budget in the end, the last part of more links after all of fewer.  No part depends on the time limit, and what was found is kept:
- * so a search with more time does all that one with less does, and then more. */
+ * Under a time limit parts are twice as large as those before, the first a sixteenth of the stage's budget (without default limits a quarter, with
+ * `unless` a twelfth) or a thirty-second of its rounds. After the first parts, the stage whose last part lowered the logarithm of the error most per
+ * evaluation has the next part; before that each whose first part lowered it has a second one, that with most links first: how much the first part gains
+ * does not tell how much the second will. If time does not end it before, each has its own budget in the end, the last part of more links after all of
+ * fewer. No part depends on the time limit, and what was found is kept: so a search with more time does all that one with less does, and then more. */
 typedef struct contest {
     bool   timed;
     long   whole[LW_STAGE_MAX];      /* budget of each                                              */
     long   part[LW_STAGE_MAX];       /* budget of the last part of each                             */
     long   spent[LW_STAGE_MAX];      /* of all its parts                                            */
     long   left[LW_STAGE_MAX];       /* of its budget; 0: it takes no part any more                 */
-    double rate[LW_STAGE_MAX];       /* what the last part gained per evaluation                    */
+    double rate[LW_STAGE_MAX];       /* what the last part gained per evaluation; INFINITY: it was the first, and gained */
     double counts_as[LW_STAGE_MAX];  /* with `unless`: the first row when that was looked at last   */
     bool   beyond;                   /* all had their budgets: time alone ends the search           */
 } contest;
@@ -580,7 +582,7 @@ static long next_part(const contest *c, const lw_fit_options *o, const lw_search
         return 2*c->part[i] < c->left[i] ? 2*c->part[i] : c->left[i];
     const bool families = stage[i].families.make != NULL;
     long usual = families && c->whole[i] > LW_FIT_BUDGET ? LW_FIT_BUDGET : c->whole[i];
-    int parts = (families ? FIRST_TIMED : FIRST_TYPES)*(stage[i].unless > 0 ? UNLESS : 1);
+    int parts = (families ? FIRST_TIMED : FIRST_TYPES)*(stage[i].unless > 0 ? UNLESS : families && o->spec.by_default ? ASKED : 1);
     return c->timed ? (usual + parts - 1)/parts : c->whole[i];
 }
 
@@ -594,7 +596,8 @@ static double least_of(const lw_fit *f, int links)
     return least;
 }
 
-/* The stage that gets the next part: the one that gained most; of several that gained nothing the one that had least.  -1: none. */
+/* The stage that gets the next part: the one that gained most; of several that gained as much the one that had least, under a time limit
+ * of these the one with most links.  -1: none. */
 static int winner(const contest *c, const lw_fit_options *o, const lw_search_stage *stage, int n)
 {
     int best = -1;
@@ -602,7 +605,8 @@ static int winner(const contest *c, const lw_fit_options *o, const lw_search_sta
     for (int i = 0; i < n; i++) {
         bool may = c->left[i] > 0 && (fewer == 0 || next_part(c, o, stage, i) < c->left[i]);
         fewer += c->left[i];
-        if (may && (best < 0 || c->rate[i] > c->rate[best] || (c->rate[i] == c->rate[best] && c->spent[i] < c->spent[best])))
+        bool had_less = best >= 0 && (c->timed ? c->spent[i] <= c->spent[best] : c->spent[i] < c->spent[best]);
+        if (may && (best < 0 || c->rate[i] > c->rate[best] || (c->rate[i] == c->rate[best] && had_less)))
             best = i;
     }
     return best;
@@ -647,13 +651,14 @@ static lw_status run_part(const lw_target *t, const lw_fit_options *o, const lw_
     r->seconds += lw_clock_wall() - start;
     double after = least_of(&out->fit, stage[i].links);
     spent = r->evals - spent;
-    const bool over = !c->timed && budget > c->left[i], met = r->stop == LW_STOP_F_TARGET;
+    const bool first = c->spent[i] == 0, over = !c->timed && budget > c->left[i], met = r->stop == LW_STOP_F_TARGET;
     c->part[i] = budget;
     c->spent[i] += budget;
     c->left[i] = (met && !(in_ends(o, &stage[i]) && c->spent[i] < EXACT)) || budget > c->left[i] ? 0 : c->left[i] - budget;
     for (int k = 0; k < LW_STAGE_MAX && over; k++)
         c->left[k] = 0;
-    c->rate[i] = !c->timed || !(after < before) || spent == 0 || isinf(before) ? 0 : log((before + ROUNDING)/(after + ROUNDING))/(double)spent;
+    c->rate[i] = !c->timed || !(after < before) || spent == 0 || isinf(before) ? 0 : first ? INFINITY
+               : log((before + ROUNDING)/(after + ROUNDING))/(double)spent;
     for (int k = 0; k < out->n_stage; k++)                /* better linkages to add a dyad to: as promising  */
         if (stage[k].links == stage[i].links + 2)
             c->rate[k] = fmax(c->rate[k], c->rate[i]);
