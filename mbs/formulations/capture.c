@@ -48,7 +48,7 @@ static const double ended = 1e-3;            /* so is a slip that ends after les
 enum { MOMENTS = 3 };                        /* that give the accelerations after an impact */
 enum { CORRECTIONS = 4 };                    /* of the length of a step that ends at an impact */
 enum { SOON_MOST = 2 };                     /* such impacts are located, if no more than this follow each other */
-enum { STRUCK_MOST = 12 };                   /* impacts at more places than this in a step are captured */
+enum { STRUCK_MOST = 8 };                   /* impacts at more places than this in a step are captured */
 enum { ITERATIONS = 30 };                    /* for the greatest frequency, in a step */
 enum { LEAST_CONTACTS = 24, HALVINGS = 8 };
 

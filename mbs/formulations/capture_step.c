@@ -13,7 +13,7 @@ static const double allowed = 1e-5;          /* as `lw_capture_exact`, if the pa
 static const double give = 1e-9;             /* compliance of the rows of contacts, over their diagonals */
 static const double unstable = 1e-4;         /* change of a state whose rate changes its sign, over the change allowed for other states */
 static const double slightest = 1e-3;        /* slip with which friction gives way, over the change of velocities by forces */
-static const double reached = 1e-3;          /* a step ends at an impact if the gap is then below this fraction of the distance moved in a step */
+static const double reached = 1e-5;          /* a step ends at an impact if the gap is then below this fraction of the distance moved in a step */
 enum { PASSES = 120, HARD = 40, LATE = 100, DENSE_SOON = 60, DENSE_MOST = 250, BOUNCES = 200, TOGETHER_MOST = 60 };
 
 /* ---- states ------------------------------------------------------------------------------------------------- */
@@ -434,7 +434,7 @@ static bool stays_open(const lw_touch_motion *m, double half)
 static int find_shut(lw_capture *g, double half)
 {
     lw_dynamics *d = g->d;
-    double near = lw_capture_closed*g->part*g->size, leaving = lw_capture_exact*lw_greatest(d->n_v, g->v);
+    double near = lw_capture_closed*g->part*g->size, leaving = lw_capture_exact*lw_greatest(d->n_v, g->v), touching = 2*reached*g->part*g->size;
     int shut = 0;
     for (int k = 0; k < g->n; k++) {
         lw_capture_place *p = &g->at[k];
@@ -445,7 +445,7 @@ static int find_shut(lw_capture *g, double half)
             lw_touch_round_end(touch, &m, 2*half);
             lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
         }
-        bool open = !p->presses && (half > 0 ? p->touch == g->strikes || stays_open(&m, half) : m.gap > 0 && m.rate > leaving);
+        bool open = !p->presses && (half > 0 ? p->touch == g->strikes || stays_open(&m, half) : m.gap > (m.rate > leaving ? 0 : touching));
         p->shut = m.gap < near && !open && !lw_touch_past_end(touch, &m)
                && !lw_touch_goes_on(touch, d->frames, &m, near) && !lw_touch_beside_end(touch, d->frames, &m)
                && !(m.rate < 0 && lw_capture_slides_off(g, touch, &m, fmin(m.gap/-m.rate, half)));
