@@ -489,7 +489,7 @@ static lw_status run_steps(lw_capture *g, double *y)
             run->next++;
         }
         if (s == LW_OK && g->hits)
-            s = lw_capture_hit(g, whole, &overlap);
+            s = lw_capture_hit(g, to.h, &overlap);
         if (s == LW_OK && (g->hits || jumps))
             s = look_around(g);
         run->r->overlap = fmax(run->r->overlap, overlap*d->s.unit);

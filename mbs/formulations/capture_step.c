@@ -752,7 +752,7 @@ bool lw_capture_miss(lw_capture *g, double *h)
     return true;
 }
 
-/* Apply the impact at which a step of length h has ended. */
+/* Apply the impact at which a step has ended that would else have had the length h. */
 lw_status lw_capture_hit(lw_capture *g, double h, double *overlap)
 {
     lw_dynamics *d = g->d;
