@@ -43,6 +43,7 @@ static const double resolved = 0.1;          /* step over the time constant of a
 static const double stable = 2.5;            /* square of the step times the greatest frequency of other forces, over the distance moved in a step */
 static const double nudge = 1e-6;            /* way that shows how forces change, scaled */
 static const double moment = 1e-8;           /* step that gives the forces at the start, over the length of the run */
+static const double brief = 0.1;             /* steps that are cut to less than this fraction have hardly an error */
 static const double soonest = 1/16.0;        /* an impact after less than this fraction of a step is captured in it */
 static const double ended = 1e-3;            /* so is a slip that ends after less than this fraction */
 enum { MOMENTS = 3 };                        /* that give the accelerations after an impact */
@@ -417,6 +418,7 @@ static lw_status run_steps(lw_capture *g, double *y)
     lw_dynamics *d = run->d;
     lw_touch_list *list = &d->touch->list;
     double part = g->part, h = INFINITY;
+    long since = 0;                          /* steps since an impact or a row */
     lw_status s = LW_OK;
     while (s == LW_OK && run->next <= d->o.intervals) {
         bool missing = false;
@@ -436,6 +438,11 @@ static lw_status run_steps(lw_capture *g, double *y)
         bool soon = g->hits && to.first <= soonest*whole, locates = to.n <= STRUCK_MOST && to.first < whole && !(soon && g->soon >= SOON_MOST);
         g->soon = soon && locates ? g->soon + 1 : 0;
         whole = locates ? to.first : whole;
+        /* two steps at least between events, where the coarser run may take one: equal steps would have equal errors */
+        bool halved = d->o.coarse == 0 && since == 0 && whole > brief*h && (locates || g->t + whole > end - 1e-9*whole);
+        locates = locates && !halved;
+        whole *= halved ? 0.5 : 1;
+        since++;
         g->strikes = locates ? to.strikes : -1;
         g->hits = g->strikes >= 0;
         s = s == LW_OK ? LW_OPEN : s;
@@ -460,7 +467,8 @@ static lw_status run_steps(lw_capture *g, double *y)
                 restore_places(g);
                 continue;
             }
-            h = last || locates ? h : whole;
+            h = last || locates || halved ? h : whole;
+            since = last || locates ? 0 : since;
             note_impacts(g, g->t);
             g->t = last ? end : g->t + whole;
         }
