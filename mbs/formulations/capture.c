@@ -412,11 +412,48 @@ static double longest_step(const lw_capture *g)
     return fmin(g->part*(o->to - o->from), 0.35*fmax(1, o->coarse)*most);
 }
 
+/* Take over the step of length `whole`, which would have been `length` without an impact at its end; y: room for a state. */
+static lw_status accept_step(lw_capture *g, double whole, double length, double *overlap, double *y)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = g->d;
+    lw_touch_list *list = &d->touch->list;
+    bool jumps = jumped(g);
+    double *q = g->q, *v = g->v, *z = g->z;
+    g->q = g->next_q, g->next_q = q;
+    g->z = g->next_z, g->next_z = z;
+    g->v = g->next_v, g->next_v = v;
+    run->r->t = g->t;
+    run->r->steps++;
+    run->r->captured_step = fmax(run->r->captured_step, whole);
+    run->r->captured_late = fmax(run->r->captured_late, g->late);
+    d->eq.place(d->eq.context, g->q);
+    for (int i = 0; i < list->n; i++)
+        if (list->touch[i].state == LW_TOUCH_APART)
+            lw_touch_choose_side(&list->touch[i], d->frames, false, g->part*g->size);       /* an overlap of this size is allowed */
+    lw_status s = lw_run_touch_crossed(run, g->t, g->part*g->size);
+    lw_run_watch(run, fill_state(g, y));
+    if (s == LW_OK && lw_run_at_kink(run, g->t))
+        s = lw_run_pass_kink(run, &g->t, NULL, NULL);
+    if (s == LW_OK && g->t >= lw_run_time(d, run->next)) {
+        s = show(g, y);
+        run->next++;
+    }
+    if (s == LW_OK && g->hits)
+        s = lw_capture_hit(g, length, overlap);
+    if (s == LW_OK && (g->hits || jumps))
+        s = look_around(g);
+    run->r->overlap = fmax(run->r->overlap, *overlap*d->s.unit);
+    run->r->captured_rest = g->rest*d->s.unit;
+    if (s == LW_OK)
+        s = lw_run_limits(run, g->t, 0);
+    return s;
+}
+
 static lw_status run_steps(lw_capture *g, double *y)
 {
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
-    lw_touch_list *list = &d->touch->list;
     double part = g->part, h = INFINITY;
     long since = 0;                          /* steps since an impact or a row */
     lw_status s = LW_OK;
@@ -475,35 +512,7 @@ static lw_status run_steps(lw_capture *g, double *y)
         g->strikes = -1;
         if (s != LW_OK)
             return s == LW_OPEN ? say_unsolved(g) : s;
-        bool jumps = jumped(g);
-        double *q = g->q, *v = g->v, *z = g->z;
-        g->q = g->next_q, g->next_q = q;
-        g->z = g->next_z, g->next_z = z;
-        g->v = g->next_v, g->next_v = v;
-        run->r->t = g->t;
-        run->r->steps++;
-        run->r->captured_step = fmax(run->r->captured_step, whole);
-        run->r->captured_late = fmax(run->r->captured_late, g->late);
-        d->eq.place(d->eq.context, g->q);
-        for (int i = 0; i < list->n; i++)
-            if (list->touch[i].state == LW_TOUCH_APART)
-                lw_touch_choose_side(&list->touch[i], d->frames, false, g->part*g->size);       /* an overlap of this size is allowed */
-        s = lw_run_touch_crossed(run, g->t, g->part*g->size);
-        lw_run_watch(run, fill_state(g, y));
-        if (s == LW_OK && lw_run_at_kink(run, g->t))
-            s = lw_run_pass_kink(run, &g->t, NULL, NULL);
-        if (s == LW_OK && g->t >= lw_run_time(d, run->next)) {
-            s = show(g, y);
-            run->next++;
-        }
-        if (s == LW_OK && g->hits)
-            s = lw_capture_hit(g, to.h, &overlap);
-        if (s == LW_OK && (g->hits || jumps))
-            s = look_around(g);
-        run->r->overlap = fmax(run->r->overlap, overlap*d->s.unit);
-        run->r->captured_rest = g->rest*d->s.unit;
-        if (s == LW_OK)
-            s = lw_run_limits(run, g->t, 0);
+        s = accept_step(g, whole, to.h, &overlap, y);
     }
     return s;
 }
