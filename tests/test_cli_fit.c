@@ -444,7 +444,7 @@ TEST(pages_show_errors_of_angles)
  * best in a measure. */
 TEST_OF_FIGURES(rows_end_where_errors_no_longer_matter)
 {
-    json_t *root = json_of("$P fit examples/jobs/luffing-crane.csv --rounds 1 --links 4 --starts 96 --json -q"), *rows = json_object_get(root, "results"), *r;
+    json_t *root = json_of("$P fit examples/jobs/luffing-crane.csv --rounds 1 --links 4 --starts 96 --results 15 --json -q"), *rows = json_object_get(root, "results"), *r;
     size_t i;
     int idle = 0;
     double fine = INFINITY;                                  /* size of the smallest row that is fine                  */

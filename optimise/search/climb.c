@@ -11,8 +11,11 @@
 #include "optimise/search/fit_internal.h"
 
 enum {
-    CLIMBS = 2,                  /* finds that go on                                              */
-    TRIALS = 80,                 /* of each                                                       */
+    CLIMBS = 6,                  /* finds that go on, ...                                         */
+    TRIALS = 60,                 /* ... trials of each, ...                                       */
+    LONG_CLIMBS = 2,             /* ... then those that count as least, ...                       */
+    LONG_TRIALS = 200,           /* ... with so many more; of families these alone, ...           */
+    FAMILY_TRIALS = 80,          /* ... with so many: the search in parts climbs once in each     */
     FIT_STEPS = 20,              /* of the fit after a step                                       */
     STATIONS = 15                /* more stations leave nothing free                              */
 };
@@ -29,7 +32,8 @@ enum {
 
 typedef struct climb {
     lw_found     find;
-    double       cost;
+    double       step[2];                    /* without and with a fit: the one trades error for cost, the other does not */
+    lw_rng       rng;
     long         spent;
     lw_variables of;
     lw_status    status;
@@ -39,9 +43,14 @@ typedef struct climb_list {
     lw_search *s;
     long       allowance;                    /* evaluations of a climb, counted by their cost         */
     double     until;
-    int        n;
-    climb      item[2*LW_POOL_MAX];       /* of the pool and of the guided starts */
+    int        n, trials;
+    climb      item[2*LW_POOL_MAX];          /* of both pools */
 } climb_list;
+
+bool lw_search_climbs(const lw_search *s)
+{
+    return s->o->cost && lw_task_has_place(s->o->spec.task) && s->t->n <= STATIONS && lw_search_widens(s);
+}
 
 static bool is_over(const climb_list *list)
 {
@@ -58,16 +67,40 @@ static double cost_of(lw_search *s, int thread, const lw_found *c)
     return cost;
 }
 
+/* Judge a find that is not polished, and find out what it counts as. */
+static void weigh(lw_search *s, int thread, lw_found *c)
+{
+    lw_status st;
+    const bool met = c->f <= MET*MET*(double)s->t->n;
+    lw_problem *p = met && !c->polished ? lw_search_problem_again(s, thread, 0, c, &st) : NULL;
+    if (p)
+        lw_search_judge(s, p, s->bench[thread].work, c);
+    c->cost = met ? cost_of(s, thread, c) : INFINITY;
+}
+
+void lw_search_weigh(lw_search *s, int thread, int n, lw_found *found)
+{
+    for (int i = 0; i < n; i++) {
+        lw_found now = found[i];
+        weigh(s, thread, &now);
+        found[i].cost = now.cost;
+    }
+}
+
 static void find_cost(void *context, size_t job, int thread)
 {
     climb_list *list = context;
     climb *l = &list->item[job];
-    bool met = l->find.f <= MET*MET*(double)list->s->t->n;
-    l->cost = met && !is_over(list) ? cost_of(list->s, thread, &l->find) : INFINITY;
+    const lw_problem *p = lw_search_made(list->s, thread, l->find.candidate, false, &l->status);
+    l->find.cost = INFINITY;
+    if (!p || is_over(list))
+        return;
+    l->of = lw_pool_variables(p);
+    weigh(list->s, thread, &l->find);
 }
 
 /* Move a find by one random step of all variables; `fits`: then fit it to the target again.  f INFINITY: it is no result. */
-static void move(climb_list *list, climb *l, int thread, double reach, bool fits, lw_rng *rng, lw_found *now)
+static void move(climb_list *list, climb *l, int thread, double reach, bool fits, lw_found *now)
 {
     lw_search *s = list->s;
     double normal[LW_VAR_MAX];
@@ -79,7 +112,7 @@ static void move(climb_list *list, climb *l, int thread, double reach, bool fits
         return;
     void *work = s->bench[thread].work;
     for (int v = 0; v < p->n_var; v++)
-        normal[v] = lw_rng_normal(rng);
+        normal[v] = lw_rng_normal(&l->rng);
     lw_lm_options o = lw_lm_options_default();
     o.max_steps = FIT_STEPS;
     o.f_tol = 1e-9;
@@ -93,39 +126,34 @@ static void move(climb_list *list, climb *l, int thread, double reach, bool fits
             lw_search_judge(s, p, work, now);
     }
     l->spent += now->evals*lw_search_effort(s, p).cost;
-    l->of = lw_pool_variables(p);
 }
 
 static void run_climb(void *context, size_t job, int thread)
 {
     climb_list *list = context;
     climb *l = &list->item[job];
-    double step[2] = { FIRST_STEP, FIRST_STEP };         /* without and with a fit: the one trades error for cost, the other does not */
-    lw_rng rng;
-    lw_rng_seed(&rng, list->s->o->seed, UINT64_MAX - job);
-    for (int i = 0; i < TRIALS && l->status == LW_OK && !is_over(list) && l->spent < list->allowance; i++) {
+    for (int i = 0; i < list->trials && l->status == LW_OK && !is_over(list) && l->spent < list->allowance; i++) {
         const bool exact = l->find.f <= EXACT, fits = exact || i % 2;
-        double *reach = &step[fits];
+        double *reach = &l->step[fits];
         lw_found now;
         if (*reach < LEAST_STEP)
             continue;
-        move(list, l, thread, *reach, fits, &rng, &now);
-        double cost = exact && !(now.f <= EXACT) ? INFINITY : cost_of(list->s, thread, &now);
-        bool better = cost < l->cost - GAIN;
+        move(list, l, thread, *reach, fits, &now);
+        now.cost = exact && !(now.f <= EXACT) ? INFINITY : cost_of(list->s, thread, &now);
+        bool better = now.cost < l->find.cost - GAIN;
         *reach = fmin(*reach*(better ? LONGER : SHORTER), MOST_STEP);
         if (!better)
             continue;
         now.evals += l->find.evals;
         now.moved = true;
         l->find = now;
-        l->cost = cost;
     }
 }
 
 static int by_cost(const void *a, const void *b)
 {
-    const climb *p = a, *q = b;
-    return p->cost != q->cost ? (p->cost > q->cost) - (p->cost < q->cost) : (p->find.f > q->find.f) - (p->find.f < q->find.f);
+    const lw_found *p = &((const climb *)a)->find, *q = &((const climb *)b)->find;
+    return p->cost != q->cost ? (p->cost > q->cost) - (p->cost < q->cost) : (p->f > q->f) - (p->f < q->f);
 }
 
 static lw_status run(climb_list *list, int n, lw_job *job)
@@ -134,31 +162,49 @@ static lw_status run(climb_list *list, int n, lw_job *job)
     return lw_loop_run(&loop, list->s->o->sharing);
 }
 
+/* Order the finds by what they count as.  Returns how many of them go on. */
+static int choose(climb_list *list, int most)
+{
+    int n = 0;
+    qsort(list->item, (size_t)list->n, sizeof *list->item, by_cost);
+    while (n < list->n && n < most && list->item[n].find.cost <= list->item[0].find.cost + WORSE && isfinite(list->item[n].find.cost))
+        n++;
+    return n;
+}
+
 lw_status lw_search_climb(lw_search *s, double until)
 {
-    if (!s->o->cost || !lw_task_has_place(s->o->spec.task) || s->t->n > STATIONS)
+    if (!lw_search_climbs(s))
         return LW_OK;
     climb_list *list = calloc(1, sizeof *list);
-    int n = 0;
     if (!list)
         return LW_E_MEMORY;
     list->s = s;
     list->until = until;
-    list->allowance = s->o->families ? lw_search_budget(s)/(8*CLIMBS) : LONG_MAX;
-    for (int i = 0; i < s->pool.n; i++)
-        list->item[list->n++].find = s->pool.item[i];
-    for (int i = 0; i < s->guided.n; i++)
-        list->item[list->n++].find = s->guided.item[i];
+    for (int i = 0; i < s->pool.n + s->light.n; i++) {
+        climb *l = &list->item[list->n++];
+        l->find = i < s->pool.n ? s->pool.item[i] : s->light.item[i - s->pool.n];
+        l->find.moved |= i >= s->pool.n;
+    }
     lw_status st = run(list, list->n, find_cost);
-    qsort(list->item, (size_t)list->n, sizeof *list->item, by_cost);
-    while (n < list->n && n < CLIMBS && isfinite(list->item[n].cost) && list->item[n].cost <= list->item[0].cost + WORSE)
-        n++;
+    const bool types = !s->o->families;
+    const int n = choose(list, types ? CLIMBS : LONG_CLIMBS);
+    for (int i = 0; i < n; i++) {
+        list->item[i].step[0] = list->item[i].step[1] = FIRST_STEP;
+        lw_rng_seed(&list->item[i].rng, s->o->seed, UINT64_MAX - (uint64_t)i);
+    }
+    list->trials = types ? TRIALS : FAMILY_TRIALS;
+    list->allowance = types ? LONG_MAX : lw_search_budget(s)/(8*LONG_CLIMBS);
     st = st == LW_OK ? run(list, n, run_climb) : st;
+    list->n = n;
+    list->trials = LONG_TRIALS;
+    if (st == LW_OK && types)
+        st = run(list, choose(list, LONG_CLIMBS), run_climb);
     for (int i = 0; i < n && st == LW_OK; i++) {
         const climb *l = &list->item[i];
         st = l->status;
         s->evals += l->spent;
-        if (l->find.moved || l->find.guided)
+        if (l->find.moved)
             lw_pool_put(&s->pool, &l->find, &l->of);
     }
     free(list);

@@ -90,7 +90,7 @@ typedef struct lw_search {
     lw_workbench        *bench;        /* of each thread                                (n_thread)  */
     lw_pool              pool, raw;    /* polished finds; finds of this round before that           */
     lw_pool              shrunk;       /* finds made smaller within spec.tolerance                  */
-    lw_pool              guided;       /* starts of poses (lw_start_guided) as they were drawn      */
+    lw_pool              light;        /* finds for few stations that count as least, before they are polished */
     lw_found            *found;        /* LW_KEEP of each job                                       */
     int                  n_found;      /* jobs that `found` has memory for                          */
     double               started;      /* wall clock                                                */
@@ -170,7 +170,13 @@ void lw_search_improve(lw_search *s, const lw_problem *p, const lw_lm_options *o
 /* Find out f of an improved find and how far it is from keeping the conditions; f becomes INFINITY if it is no result. */
 void lw_search_judge(const lw_search *s, const lw_problem *p, lw_work *work, lw_found *c);
 
-/* ---- climb.c: move the best finds of the pool to where the linkage counts as less (lw_fit_options.cost), until wall clock `until` (0: no
+/* ---- climb.c: are finds of this search moved to where the linkage counts as less?  They are for few stations. */
+bool lw_search_climbs(const lw_search *s);
+
+/* Find out what the finds of a job for few stations count as: their `cost` */
+void lw_search_weigh(lw_search *s, int thread, int n, lw_found *found);
+
+/* Move the finds of both pools that count as least to where the linkage counts as less (lw_fit_options.cost), until wall clock `until` (0: no
  * limit).  LW_E_MEMORY. */
 lw_status lw_search_climb(lw_search *s, double until);
 

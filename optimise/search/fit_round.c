@@ -94,27 +94,27 @@ static int draw_starts(lw_search *s, const lw_effort *a, lw_problem *p, lw_rng *
     return n;
 }
 
-/* The best of some starts with pins on circles, of the same draws.  Least squares would leave a gentle linkage for a little less error, so
- * it is not improved, but moved to where it counts as least (lw_search_climb). */
-static void draw_guided(lw_search *s, const lw_effort *a, lw_problem *p, int candidate, lw_workbench *bench, lw_found *c)
+/* The one of some starts with pins on circles, of the same draws, that counts as least.  Least squares would leave a gentle linkage for a little
+ * less error, so it is not improved, but moved to where it counts as least (lw_search_climb). */
+static void draw_guided(lw_search *s, const lw_effort *a, lw_problem *p, int candidate, int thread, lw_found *c)
 {
     enum { SETTLED = 8 };
+    lw_workbench *bench = &s->bench[thread];
+    lw_found now[SETTLED];
+    int n = 0;
     int d = lw_start_draws(p);
     estimate g[LW_SEARCH_BLOCK];
-    lw_found best = { .f = INFINITY };
     for (int i = 0; i < a->block; i++)
         g[i] = (estimate){ lw_start_guided_estimate(p, bench->draws + i*d), i };
     qsort(g, (size_t)a->block, sizeof *g, by_residual);
-    for (int i = 0; i < a->block && i < SETTLED && isfinite(g[i].residual); i++) {
-        lw_found now = { .candidate = candidate, .hits = 1, .guided = true, .intended = p->intended };
-        now.f = lw_start_guided(p, bench->draws + g[i].which*d, now.x, bench->work);
-        if (now.f < best.f)
-            best = now;
+    for (; n < a->block && n < SETTLED && isfinite(g[n].residual); n++) {
+        now[n] = (lw_found){ .candidate = candidate, .hits = 1, .guided = true, .intended = p->intended };
+        now[n].f = lw_start_guided(p, bench->draws + g[n].which*d, now[n].x, bench->work);
     }
-    if (!isfinite(best.f))
-        return;
-    lw_search_judge(s, p, bench->work, &best);
-    *c = best;
+    lw_search_weigh(s, thread, n, now);
+    for (int i = 0; i < n; i++)
+        if (isfinite(now[i].cost) && !(c->guided && c->cost <= now[i].cost))
+            *c = now[i];
 }
 
 /* Draw starts along the valley of a find that is nearly exact: linkages that draw nearly the same curve lie close together in a few
@@ -256,8 +256,9 @@ static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_probl
 }
 
 /* Run one job: improve all of its best starts a little and the best of these further; LW_KEEP go to the pool. */
-static void search_in(lw_search *s, size_t at, lw_problem *p, lw_workbench *bench)
+static void search_in(lw_search *s, size_t at, lw_problem *p, int thread)
 {
+    lw_workbench *bench = &s->bench[thread];
     void *work = bench->work;
     lw_search_job *job = &s->job[at];
     lw_found best[IMPROVE], *keep = s->found + at*LW_KEEP;
@@ -286,8 +287,12 @@ static void search_in(lw_search *s, size_t at, lw_problem *p, lw_workbench *benc
         if (i < LW_KEEP)
             keep[i] = best[i];
     }
-    if (s->o->cost && lw_start_has_guides(p))
-        draw_guided(s, &effort, p, job->candidate, bench, &keep[LW_KEEP - 1]);
+    if (!lw_search_climbs(s))
+        return;
+    if (lw_start_has_guides(p))
+        draw_guided(s, &effort, p, job->candidate, thread, &keep[LW_KEEP - 1]);
+    if (!s->o->families)
+        lw_search_weigh(s, thread, LW_KEEP, keep);
 }
 
 static void search_job(void *context, size_t at, int thread)
@@ -301,7 +306,7 @@ static void search_job(void *context, size_t at, int thread)
         return;
     lw_problem *p = lw_search_problem(s, thread, job->candidate, true, &job->status);
     if (p)
-        search_in(s, at, p, &s->bench[thread]);
+        search_in(s, at, p, thread);
     if (s->no_memory)
         job->status = LW_E_MEMORY;
 }
@@ -587,10 +592,11 @@ static lw_status update_candidates(lw_search *s, lw_error *e)
             return lw_search_fault(s, job->candidate, e);
         if (job->block == 0)
             continue;
-        lw_found *last = &s->found[j*LW_KEEP + LW_KEEP - 1];
-        if (last->guided) {
-            lw_pool_put(&s->guided, last, &job->of);
-            last->f = INFINITY;
+        for (int i = 0; i < LW_KEEP && lw_search_climbs(s) && !s->o->families; i++) {
+            lw_found *c = &s->found[j*LW_KEEP + i];
+            if (isfinite(c->f) && isfinite(c->cost))
+                lw_pool_put(&s->light, c, &job->of);
+            c->f = c->guided ? INFINITY : c->f;
         }
         if (s->o->families)
             remember(s, job, s->found + j*LW_KEEP, a);

@@ -195,6 +195,7 @@ lw_status lw_fit_run(const lw_target *t, const lw_fit_options *o, lw_fit *out, l
         s->own.spec.timing = LW_TIMING_NONE;
     s->started = lw_clock_wall();
     s->best_raw = INFINITY;
+    s->light.by_cost = true;
     lw_status st = search_all(s, out, e);
     out->seconds = lw_clock_wall() - s->started;
     search_free(s);

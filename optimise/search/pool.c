@@ -43,9 +43,9 @@ static void take_out(lw_pool *p, int i)
     memmove(p->item + i, p->item + i + 1, sizeof p->item[0]*(size_t)(p->n - i));
 }
 
-static bool before(const lw_found *a, const lw_found *b)
+static bool before(const lw_pool *p, const lw_found *a, const lw_found *b)
 {
-    return a->beyond != b->beyond ? a->beyond < b->beyond : a->f < b->f;
+    return p->by_cost ? a->cost < b->cost : a->beyond != b->beyond ? a->beyond < b->beyond : a->f < b->f;
 }
 
 static bool is_covered(const lw_pool *p, int i)
@@ -60,7 +60,7 @@ static bool is_covered(const lw_pool *p, int i)
 void lw_pool_shorten(lw_pool *p, int most)
 {
     while (p->n > most) {
-        int drop = p->n - 1;
+        int drop = p->by_cost ? 0 : p->n - 1;
         while (drop > 0 && !is_covered(p, drop))
             drop--;
         take_out(p, drop > 0 ? drop : p->n - 1);
@@ -76,7 +76,7 @@ void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of)
     for (int i = 0; i < p->n; i++)
         if (same(of, &p->item[i], &put)) {
             int hits = p->item[i].hits + put.hits;
-            if (!before(&put, &p->item[i])) {
+            if (!before(p, &put, &p->item[i])) {
                 p->item[i].hits = hits;
                 return;
             }
@@ -85,7 +85,7 @@ void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of)
             break;
         }
     int at = p->n;
-    while (at > 0 && before(&put, &p->item[at - 1]))
+    while (at > 0 && before(p, &put, &p->item[at - 1]))
         at--;
     memmove(p->item + at + 1, p->item + at, sizeof p->item[0]*(size_t)(p->n - at));
     p->item[at] = put;

@@ -20,22 +20,27 @@ typedef struct lw_found {
     double  seconds;
     lw_stop stop;
     bool    guided;              /* a start of lw_start_guided that was not improved                 */
+    double  cost;                /* of finds for few stations what they count as (lw_search_weigh); INFINITY: no result */
     bool    moved;               /* to where the linkage counts as less (lw_search_climb)            */
     int     hits;                /* how often it was found                                          */
 } lw_found;
 
-typedef struct lw_pool { int n; lw_found item[LW_POOL_MAX + 1]; } lw_pool;       /* at most LW_POOL_MAX; one more while a find is put in */
+typedef struct lw_pool {
+    int      n;                          /* at most LW_POOL_MAX; one more while a find is put in    */
+    bool     by_cost;                    /* ordered by that alone                                   */
+    lw_found item[LW_POOL_MAX + 1];
+} lw_pool;
 
 /* How to compare two finds of a problem: the number of variables, and which are angles (bit i%64 of angle[i/64]). */
 typedef struct lw_variables { int n; uint64_t angle[(LW_VAR_MAX + 63)/64]; } lw_variables;
 lw_variables lw_pool_variables(const lw_problem *p);
 
-/* Put a find in, in order of `beyond` and f; a full pool drops one as lw_pool_shorten does.  A find is in the pool already if
+/* Put a find in, in order of `beyond` and f, or of cost; a full pool drops one as lw_pool_shorten does.  A find is in the pool already if
  * it has the same candidate, and its variables and f agree to 1e-4: then the better one stays and the hit is counted. */
 void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of);
 
 /* Drop finds until `most` >= 1 are left: the last one with a better one before it that is as small and as gentle, while there is one, else
- * the last, so that the smallest linkages are not lost to many with less error. */
+ * the last, so that the smallest linkages are not lost to many with less error.  In order of cost: the last. */
 void lw_pool_shorten(lw_pool *p, int most);
 
 /* The best finds of a pool in as little memory as they need. */
