@@ -203,6 +203,18 @@ TEST(arms_count_among_the_lengths)
     expect("$P fit $D/needle.csv --type slidercrank --rounds 1 2>&1 | grep -c straight", 1, "0\n", NULL);
 }
 
+/* A stroke with a dwell at given times: a slider-crank does it, so six links are not searched. */
+TEST(a_timed_stroke_is_that_of_a_slider_crank)
+{
+    expect("awk 'BEGIN { print \"# units: mm deg\\n# closed: yes\\nangle,x,y\"; for (a = 0; a < 360; a += 15) print a \",\" "
+           "(a > 120 ? 30 - 30*cos((a - 120)*3.14159265358979/120) : 0) \",0\" }' > $D/dwell.csv", 0, NULL, NULL);
+    json_t *root = json_of("$P fit $D/dwell.csv --rounds 1 --starts 1 --crank-only --json -q"), *rows = json_object_get(root, "results");
+    json_t *first = json_array_get(rows, 0);
+    CHECK_HAS(json_string_value(json_object_get(first, "type")), "slidercrank");
+    CHECK(member(first, "links") == 4 && member(first, "counts_as") < 0.025 && member(first, "error_max") < 1);
+    json_decref(root);
+}
+
 /* Every parallelogram makes a ratio of one to one.  Its least transmission angle over 120 degrees is 30 at most, and no length has to be
  * much longer than another.  Six links with three pins in one place, so that three links turn as one, are no better. */
 TEST(functions_have_fitted_ratios_of_lengths)

@@ -14,7 +14,8 @@
 static const cli_option options[] = {
     { "type", 0, CLI_TEXT, offsetof(cli_fit_settings, type), "NAME,...", "fourbar",
       "types of four-link mechanism to try: fourbar, slidercrank, inverted, ..., or the letters of their joints such "
-      "as RRRP (R pin, P slider); 'all' tries every type", 0, 0, NULL, NULL },
+      "as RRRP (R pin, P slider); 'all' tries every type. Without it and --links, of a straight path with input angles "
+      "slidercrank, too", 0, 0, NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(cli_fit_settings, links), "P", NULL,
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
       "with --dof 2, numbers from 5. Without it 4; and 6 "

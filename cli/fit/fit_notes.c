@@ -18,15 +18,13 @@ static void note_left_out(const cli_call *call, const cli_fit_set *set)
              first->fault);
 }
 
-#define STRAIGHT 1e-6                  /* of the diagonal: a path that leaves a line by no more is straight                   */
-
 /* Does the body keep its angle? */
 static bool keeps_angle(const lw_target *t)
 {
     double most = 0;
     for (size_t i = 1; t->theta && i < t->n; i++)
         most = fmax(most, fabs(remainder(t->theta[i] - t->theta[0], 2*LW_PI)));
-    return t->theta && most <= STRAIGHT;
+    return t->theta && most <= LW_STRAIGHT;
 }
 
 void cli_fit_note_simpler(const cli_call *call, const cli_fit_set *set)
@@ -35,11 +33,12 @@ void cli_fit_note_simpler(const cli_call *call, const cli_fit_set *set)
     const char *unit = t->units.length[0] ? t->units.length : "units";
     lw_vec2 c, p;
     double r, from_pivot, off = lw_target_circle(t, &c, &r), m = t->units.metre;
-    double grain = m*pow(10, floor(log10(STRAIGHT*t->extent/m + 1e-300)));
+    double grain = m*pow(10, floor(log10(LW_STRAIGHT*t->extent/m + 1e-300)));
     const bool path = set->spec.task == LW_TASK_PATH && t->n_also == 0;
     bool alone = path && set->spec.timing != LW_TIMING_PRESCRIBED;
-    bool pins = !cli_given(&call->parsed, "type") && !cli_given(&call->parsed, "joints");
-    bool motion = set->spec.task == LW_TASK_MOTION && t->n_also == 0, straight = lw_target_straight(t) <= STRAIGHT*t->extent;
+    const bool counted = cli_given(&call->parsed, "links") || set->task_file.links > 0;
+    bool pins = !cli_given(&call->parsed, "type") && !cli_given(&call->parsed, "joints") && (counted || alone);
+    bool motion = set->spec.task == LW_TASK_MOTION && t->n_also == 0, straight = lw_target_straight(t) <= LW_STRAIGHT*t->extent;
     if (path && pins && t->n >= 3 && straight)
         cli_note(call, "%s: this path is straight: with '--type slidercrank' a slider moves exactly along it", set->path);
     if (motion && straight && keeps_angle(t))
@@ -106,8 +105,10 @@ void cli_fit_notes(const cli_call *call, const cli_fit_set *set)
         const bool meets = r->error_max <= 1e-6*set->target.extent;
         if (meets || lw_fit_report_known_miss(&set->target, r, 0) <= LW_NEAR*set->target.extent)
             cli_note(call, "%s: the first row meets every point%s; between them it leaves a smooth line through them (straight at corners) "
-                     "by %.3g %s, %.2g %% of the target's diagonal. If that matters, add points", set->path, meets ? "" : " nearly", misses/m,
-                     unit, 100*misses/set->target.extent);
+                     "by %.3g %s, %.2g %% of the target's diagonal. If that matters, add points%s", set->path, meets ? "" : " nearly", misses/m,
+                     unit, 100*misses/set->target.extent,
+                     set->spec.task == LW_TASK_PATH && set->spec.timing == LW_TIMING_FREE && set->target.n_also == 0
+                     ? ", as '--stations 40' does along straight lines from point to point" : "");
         else if (least_miss <= LW_NEAR*set->target.extent)
             cli_note(call, "%s: the first row misses the target by %.3g %s, %.2g %% of its diagonal; row %d misses it by %.3g %s", set->path,
                      misses/m, unit, 100*misses/set->target.extent, nearest + 1, least_miss/m, unit);

@@ -89,7 +89,8 @@ double    lw_target_pivot(const lw_target *t, lw_vec2 *pivot);
  * that of an arc of 90 degrees, as a rocker may swing [m]. */
 double    lw_target_arc(const lw_target *t);
 
-/* Greatest distance of a point of the path from one straight line [m]; INFINITY: no path. */
+/* Greatest distance of a point of the path from one straight line [m]; INFINITY: no path.  A path that leaves it by LW_STRAIGHT diagonals is straight. */
+#define LW_STRAIGHT 1e-6
 double    lw_target_straight(const lw_target *t);
 
 /* The range of the angles of a motion or function, a full turn at most [rad]; 0: it has none. */

@@ -177,6 +177,12 @@ static bool may_go_on(const lw_target *t, const lw_topology_search_options *o)
         && strcmp(o->joints, "r") == 0 && strcmp(o->topologies, "all") == 0 && strcmp(o->fit.types, "fourbar") == 0;
 }
 
+/* Is a point moved to and fro on a line at given times?  That is what a slider-crank is built for. */
+static bool is_timed_stroke(const lw_target *t, const lw_fit_spec *s)
+{
+    return s->task == LW_TASK_PATH && s->timing == LW_TIMING_PRESCRIBED && t->n_also == 0 && lw_target_straight(t) <= LW_STRAIGHT*t->extent;
+}
+
 static lw_status make_plan(const lw_target *t, const lw_topology_search_options *o, double start, plan *p, lw_error *e)
 {
     if (o->freedoms < 1 || o->freedoms > LW_PACKED_INPUT_MAX)
@@ -266,9 +272,13 @@ static void sum_mechanisms(const plan *p, lw_topology_search *out)
 
 /* Search; of a time limit, part of which the plan has taken since `start`, leave some for the second simulations of the
  * results. */
-static lw_status run_stages(const lw_target *t, const lw_fit_options *o, double start, const plan *p, lw_staged_search *found, lw_error *e)
+static lw_status run_stages(const lw_target *t, const lw_topology_search_options *all, double start, const plan *p,
+                            lw_staged_search *found, lw_error *e)
 {
+    const lw_fit_options *o = &all->fit;
     lw_fit_options mine = *o;
+    if (may_go_on(t, all) && is_timed_stroke(t, &o->spec))
+        mine.types = "fourbar,slidercrank";
     if (o->max_seconds > 0) {
         double kept = fmax(fmin(0.3, 0.05*o->max_seconds), fmin(STATION_TIME*t->n, 0.3*o->max_seconds));
         mine.max_seconds = fmax(1e-3, o->max_seconds - kept - (lw_clock_wall() - start));
@@ -287,7 +297,7 @@ lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_op
                                        .until = o->fit.max_seconds > 0 ? start + o->fit.max_seconds : 0 };
     lw_status st = make_plan(t, o, start, p, e), kept = LW_OK;
     if (st == LW_OK)
-        st = run_stages(t, &o->fit, start, p, &out->found, e);
+        st = run_stages(t, o, start, p, &out->found, e);
     if (st == LW_OK || st == LW_STOPPED)
         kept = lw_fit_results_make(t, &o->fit.spec, &out->found.fit, o->fit.n_result, NULL, &effort, &out->results, e);
     if (kept == LW_OK)

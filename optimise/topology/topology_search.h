@@ -30,9 +30,10 @@ typedef struct lw_topology_search_options {
                                   * not used                                                        */
     int         links;           /* most links of a mechanism, 10 at most; 0: the fewest with these freedoms, and as
                                   * `more` says                                                     */
-    bool        more;            /* links 0, four-bars with default limits: six links too if of the cranks found the first row counts as more
-                                  * than LW_ENOUGH, or of few stations LW_GOOD (lw_fit_report.counts_as), or is not within spec.tolerance;
-                                  * with as much of the budget as lw_search_stage.unless says */
+    bool        more;            /* links 0, four-bars with default limits: slider-cranks too for a straight path with prescribed timing; six
+                                  * links too if of the cranks found the first row counts as more than LW_ENOUGH, or of few stations
+                                  * LW_GOOD (lw_fit_report.counts_as), or is not within spec.tolerance; with as much of the budget as
+                                  * lw_search_stage.unless says */
     int         freedoms;        /* degree of freedom F, 1 .. LW_PACKED_INPUT_MAX (1).  F inputs are at the ground; all
                                   * but one are tied to that one, by a ratio of input_ratios        */
     const char *joints;          /* kinds of joints beyond the four-link types: letters of "rtpg", with or without
