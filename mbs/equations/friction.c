@@ -43,16 +43,19 @@ double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const d
     return push*m.rate;
 }
 
-lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multiplier)
-{
-    bool pin = lw_joint_turns(s->joint[joint].kind);
-    return lw_v2(multiplier[0]/s->unit, pin ? multiplier[1]/s->unit : 0);
-}
-
 /* The size of reaction j of n, of which the last n_signed keep their sign. */
 static double size_of(const double *r, int dim, bool is_signed)
 {
     return is_signed ? r[0] : sqrt(r[0]*r[0] + r[1]*r[1] + (dim == 3 ? r[2]*r[2] : 0));
+}
+
+/* y += f x, two numbers at a time. */
+static inline void add_times(long n, double f, const double *x, double *y)
+{
+    for (; n > 1; n -= 2, x += 2, y += 2)
+        *(lw_pair *)y += f**(const lw_pair *)x;
+    if (n > 0)
+        *y += f**x;
 }
 
 static void swap(double *a, double *b)
@@ -86,14 +89,13 @@ static double solve_in_turn(long n, bool harmless, double *a, double *taken, dou
         const double part = 1/pivot[k];
         for (long j = k + 1; j <= n; j++) {
             double *to = j < n ? a + n*j : b, by = to[k]*part;
-            for (long i = k + 1; by != 0 && i < n; i++)   /* joints of links that do not touch: 0 */
-                to[i] -= by*pivot[i];
+            if (by != 0)                     /* joints of links that do not touch: 0 */
+                add_times(n - k - 1, -by, pivot + k + 1, to + k + 1);
         }
     }
     for (long k = n - 1; k >= 0; k--) {
         b[k] /= a[k + n*k];
-        for (long i = 0; i < k; i++)
-            b[i] -= b[k]*a[i + n*k];
+        add_times(k, -b[k], a + n*k, b);
     }
     for (long k = n - 1; k >= 0; k--)
         swap(b + k, b + (long)taken[k]);
@@ -114,8 +116,7 @@ static inline __attribute__((always_inline)) lw_status find_sizes(int n, int n_s
         double off = 0;
         memcpy(along, rest, (size_t)(dim*w)*sizeof *rest);
         for (int k = 0; k < n; k++)
-            for (long i = 0; i < dim*w; i++)
-                along[i] += size[k]*response[dim*w*k + i];
+            add_times(dim*w, size[k], response + dim*w*k, along);
         for (int j = 0; j < n; j++) {        /* the directions in which sizes are reactions */
             double *r = along + dim*j;
             bool is_signed = j >= n - n_signed;
@@ -193,10 +194,8 @@ lw_status lw_friction_add(const lw_friction_scene *scene, int n, const lw_fricti
                             "compliance", scene->name(scene->context, 0), t);
     for (int k = 0; k < n; k++) {
         const double *from = response + k*stride;
-        for (int i = 0; i < n_a; i++)
-            a[i] += size[k]*from[i];
-        for (int i = 0; i < n_l; i++)
-            l[i] += size[k]*from[n_a + i];
+        add_times(n_a, size[k], from, a);
+        add_times(n_l, size[k], from + n_a, l);
     }
     return LW_OK;
 }

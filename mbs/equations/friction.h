@@ -35,7 +35,11 @@ double lw_friction_least_slip(int n, const lw_friction_joint *f, double unit);
 double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v, double size, double *force);
 
 /* Reaction of a joint [N] in the multipliers of its rows: both rows of a pin, the row across the line of a slide. */
-lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multiplier);
+static inline lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multiplier)
+{
+    bool pin = lw_joint_turns(s->joint[joint].kind);
+    return lw_v2(multiplier[0]/s->unit, pin ? multiplier[1]/s->unit : 0);
+}
 
 /* Sizes N of n reactions of `dim` numbers, 2 in the plane, 3 in space.  The last n_signed are forces along one direction, the
  * first number, which keep their sign.  rest (n x dim): R0; response[dim*(j + n*k)]: R_jk; size (n): N; work: n*(n + dim + 2).
