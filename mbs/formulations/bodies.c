@@ -2,8 +2,10 @@
  * cvode by an implicit one.  Rigid stops are events; singular postures are passed
  * (mbs/run/singular.c). */
 #include "base/real.h"
+#include "base/vector.h"
 #include "mbs/formulations/formulations_internal.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -279,6 +281,24 @@ static lw_status check_progress(const lw_run *run, const stepper *w, long *n)
                         "no motion was found behind it: a dead point or the end of its way", time_of(w));
 }
 
+/* Steps left at which a run counts as endless; rounding of places over the length of a step, over the error allowed of velocities. */
+static const double endless = 1e7, hidden = 1e4;
+
+lw_status lw_run_check_rounding(const lw_run *run, double h, const double *y, long *n)
+{
+    const lw_dynamics_options *o = &run->d->o;
+    const double *v = y + run->d->n_q;
+    if (!(h*endless < o->to - run->r->t)) {
+        *n = 0;
+        return LW_OK;
+    }
+    double place = lw_greatest(run->d->n_q, y), allowed = lw_run_bdf_tolerance(o->absolute) + lw_run_bdf_tolerance(o->relative)*lw_greatest(run->d->n_v, v);
+    *n = DBL_EPSILON*place > hidden*allowed*h ? *n + 1 : 0;
+    return *n < stuck_most ? LW_OK
+         : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the tolerance is below rounding: coordinates of up to %.2g, scaled, are held to %.1g, which "
+                        "does not give velocities to %.1g; ask for a greater tolerance, or take index1", run->r->t, place, DBL_EPSILON*place, allowed);
+}
+
 /* Pass through the singular posture ahead, if there is one, and begin again behind it. */
 static lw_status pass_singular(lw_run *run, stepper *w, double weak, double *y)
 {
@@ -459,7 +479,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
 {
     lw_dynamics *d = run->d;
     lw_ode_stop stop = LW_ODE_STEP;
-    long n_stuck = 0;
+    long n_stuck = 0, n_hidden = 0;
     int taken = 0;
     double redecided = -INFINITY;
     bool has_stops = !d->touch && !w->sticks;
@@ -489,6 +509,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         if (s == LW_OK && w->implicit)
             s = check_progress(run, w, &n_stuck);
         run->r->t = time_of(w);
+        if (s == LW_OK && w->implicit)
+            s = lw_run_check_rounding(run, time_of(w) - from, state(w), &n_hidden);
         if (s != LW_OK)
             break;
         if (w->implicit && (run->sides || d->n_friction) && (s = check_solved(run, w, w->before, y)) != LW_OK) {

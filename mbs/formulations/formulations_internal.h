@@ -28,6 +28,10 @@ double lw_run_held(lw_run *run, const double *q, const double *v, const double *
 /* Correct q and v: first to the momenta of bodies in free flight, then by this factor. */
 void lw_run_hold(lw_run *run, double t, double *q, double *v);
 
+/* LW_E_NUMERIC: steps of a multistep method have become so short that the rounding of places over their length hides the velocities, and the run would
+ * not end.  h: the step that has led to the state y; *n: such steps in a row, 0 at the start. */
+lw_status lw_run_check_rounding(const lw_run *run, double h, const double *y, long *n);
+
 /* Continue from (run->r->t, y) in the coordinates of all bodies.  LW_NOTHING: the least pivot has grown to run->clear, and the run can go on from
  * (run->r->t, y) otherwise. */
 lw_status lw_run_go_on(lw_run *run, double *y);

@@ -447,7 +447,9 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
     lw_status s = begin(g, w, &dae, y, dy);
     if (s != LW_OK)
         return s;
+    long n_hidden = 0;
     for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
+        double from = w->t;
         s = lw_sundials_step(w, lw_run_near(run, w->t), &stop, run->e);
         run->r->t = w->t;
         if (s == LW_E_NUMERIC && w->n_step > g->since + worth_restart) {
@@ -460,6 +462,9 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
         bool kink = stop == LW_ODE_EVENT;
         stop = lw_run_stop(run, w->t, kink ? LW_ODE_STEP : stop);
         unpack(g, w->y, run->y);
+        s = lw_run_check_rounding(run, w->t - from, run->y, &n_hidden);
+        if (s != LW_OK)
+            break;
         if (d->eq.accept)
             d->eq.accept(d->eq.context, run->y);
         lw_run_watch(run, run->y);
