@@ -214,6 +214,8 @@ static int run(const cli_call *call)
     if (s->explain)
         cli_explain_elastic(c->call, c->model, c->d, s->from, s->to);
     lw_status st = run_it(call, c, &e);
+    if (s->explain && !c->report.gave_up && strcmp(c->report.why, lw_dynamics_choice(c->d)->why) != 0)
+        cli_note(call, "in the run: %s", c->report.why);
     cli_dynamics_notes(call, c->d, &c->report);
     cli_suction_note(call, &c->suction);
     cli_note_pull(call, &c->pull, c->pull.chain ? lw_dynamics_model(c->d)->linkage.link_name[c->pull.chain->node[0]] : "");

@@ -192,8 +192,10 @@ static lw_status leave_stiff(lw_run *run, double *y, double length)
     snprintf(r->why, sizeof r->why, "%s to t = %.3g s, where the equations became stiff, then an implicit method%s", lw_formulation_name(r->formulation), r->t,
              radau ? ", or index1 where that costs less" : "");
     r->formulation = radau ? LW_FORMULATION_RADAU : LW_FORMULATION_CVODE;
+    size_t said = strlen(r->why);
     lw_status s = radau ? lw_run_radau_from(run, y, &length) : lw_run_go_on_implicit(run, y);
-    while (s == LW_NOTHING && length > 0) {              /* the caller ends a run by LW_NOTHING, too */
+    for (int changes = 2; s == LW_NOTHING && length > 0; changes++) {    /* the caller ends a run by LW_NOTHING, too */
+        snprintf(r->why + said, sizeof r->why - said, "; %d changes, the last one at t = %.3g s", changes, r->t);
         bool back = r->formulation == LW_FORMULATION_RADAU;
         run->n_back += back;
         r->formulation = back ? LW_FORMULATION_INDEX1 : LW_FORMULATION_RADAU;
