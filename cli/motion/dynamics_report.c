@@ -36,7 +36,7 @@ void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status
     if (r->jammed)
         fprintf(f, "# friction at contact %s can give way earlier or later than t = %.12g s\n", r->jammed, r->jammed_t);
     if (r->captured_step > 0)
-        fprintf(f, "# assumed: contacts are captured in steps of up to %.2g s; impacts are up to %.2g s late, overlaps within a step "
+        fprintf(f, "# assumed: contacts are captured in steps of up to %.2g s; impacts are up to %.2g s off their time, overlaps within a step "
                 "reach %.2g m\n", r->captured_step, r->captured_late, r->overlap);
     if (r->coarse.large)
         fprintf(f, "# a run with a tolerance of %.2g differs by up to %.2g m and %.2g rad\n", r->coarse.tolerance, r->coarse.place,

@@ -181,7 +181,7 @@ void lw_dynamics_notes(lw_note_sink c, const lw_dynamics *d, const lw_dynamics_r
         note(c, "contact %s and others can share their load in several ways, and at t = %.12g s friction held in some of these ways only: rigid "
              "bodies can slip earlier or later than given; a \"stiffness\" of the contacts determines when", r->jammed, r->jammed_t);
     if (r->captured_late > 0)
-        note(c, "contacts are captured in steps of up to %.2g s: impacts that follow each other, or many at once, are up to %.2g s late, and overlaps "
+        note(c, "contacts are captured in steps of up to %.2g s: impacts that follow each other, or many at once, are up to %.2g s off their time, and overlaps "
              "within a step reach %.2g m; the error is of first order (formulation index1 locates each event)", r->captured_step, r->captured_late,
              r->overlap);
     else if (r->captured_step > 0)

@@ -141,8 +141,8 @@ typedef struct lw_dynamics_report {
     double undetermined_t;       /* the first time [s] */
     const char *jammed;          /* a contact whose friction holds in some of the ways to share a load only, as where a body is wedged: */
     double jammed_t;             /* it slips at this time, or sticks to this end of the run, but rigid bodies do not determine when [s]; NULL: none */
-    double captured_step, captured_late, overlap;        /* of the capture formulation: longest step, longest one with an impact that was not located [s];
-                                              * greatest overlap [m] */
+    double captured_step, captured_late, overlap;        /* of the capture formulation: longest step, longest one with an impact that was not located, or time
+                                              * between strikes that were taken as one [s]; greatest overlap [m] */
     double captured_rest;                    /* speed of the fastest bounce that counts as rest [m/s] */
     lw_coarse_run coarse;
     bool   smooth_friction;      /* friction without a "speed" was regularised, and creeps instead of sticking */

@@ -43,13 +43,12 @@ static const double resolved = 0.1;          /* step over the time constant of a
 static const double stable = 2.5;            /* square of the step times the greatest frequency of other forces, over the distance moved in a step */
 static const double nudge = 1e-6;            /* way that shows how forces change, scaled */
 static const double moment = 1e-8;           /* step that gives the forces at the start, over the length of the run */
-static const double brief = 0.1;             /* steps that are cut to less than this fraction have hardly an error */
 static const double soonest = 1/16.0;        /* an impact after less than this fraction of a step is captured in it */
 static const double ended = 1e-3;            /* so is a slip that ends after less than this fraction */
 enum { MOMENTS = 3 };                        /* that give the accelerations after an impact */
 enum { CORRECTIONS = 4 };                    /* of the length of a step that ends at an impact */
 enum { SOON_MOST = 2 };                     /* such impacts are located, if no more than this follow each other */
-enum { STRUCK_MOST = 8 };                   /* impacts at more places than this in a step are captured */
+enum { STRUCK_MOST = 12 };                   /* impacts at more places than this in a step are captured */
 enum { ITERATIONS = 30 };                    /* for the greatest frequency, in a step */
 enum { LEAST_CONTACTS = 24, HALVINGS = 8 };
 
@@ -412,50 +411,12 @@ static double longest_step(const lw_capture *g)
     return fmin(g->part*(o->to - o->from), 0.35*fmax(1, o->coarse)*most);
 }
 
-/* Take over the step of length `whole`, which would have been `length` without an impact at its end; y: room for a state. */
-static lw_status accept_step(lw_capture *g, double whole, double length, double *overlap, double *y)
-{
-    lw_run *run = g->run;
-    lw_dynamics *d = g->d;
-    lw_touch_list *list = &d->touch->list;
-    bool jumps = jumped(g);
-    double *q = g->q, *v = g->v, *z = g->z;
-    g->q = g->next_q, g->next_q = q;
-    g->z = g->next_z, g->next_z = z;
-    g->v = g->next_v, g->next_v = v;
-    run->r->t = g->t;
-    run->r->steps++;
-    run->r->captured_step = fmax(run->r->captured_step, whole);
-    run->r->captured_late = fmax(run->r->captured_late, g->late);
-    d->eq.place(d->eq.context, g->q);
-    for (int i = 0; i < list->n; i++)
-        if (list->touch[i].state == LW_TOUCH_APART)
-            lw_touch_choose_side(&list->touch[i], d->frames, false, g->part*g->size);       /* an overlap of this size is allowed */
-    lw_status s = lw_run_touch_crossed(run, g->t, g->part*g->size);
-    lw_run_watch(run, fill_state(g, y));
-    if (s == LW_OK && lw_run_at_kink(run, g->t))
-        s = lw_run_pass_kink(run, &g->t, NULL, NULL);
-    if (s == LW_OK && g->t >= lw_run_time(d, run->next)) {
-        s = show(g, y);
-        run->next++;
-    }
-    if (s == LW_OK && g->hits)
-        s = lw_capture_hit(g, length, overlap);
-    if (s == LW_OK && (g->hits || jumps))
-        s = look_around(g);
-    run->r->overlap = fmax(run->r->overlap, *overlap*d->s.unit);
-    run->r->captured_rest = g->rest*d->s.unit;
-    if (s == LW_OK)
-        s = lw_run_limits(run, g->t, 0);
-    return s;
-}
-
 static lw_status run_steps(lw_capture *g, double *y)
 {
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
+    lw_touch_list *list = &d->touch->list;
     double part = g->part, h = INFINITY;
-    long since = 0;                          /* steps since an impact or a row */
     lw_status s = LW_OK;
     while (s == LW_OK && run->next <= d->o.intervals) {
         bool missing = false;
@@ -475,11 +436,6 @@ static lw_status run_steps(lw_capture *g, double *y)
         bool soon = g->hits && to.first <= soonest*whole, locates = to.n <= STRUCK_MOST && to.first < whole && !(soon && g->soon >= SOON_MOST);
         g->soon = soon && locates ? g->soon + 1 : 0;
         whole = locates ? to.first : whole;
-        /* two steps at least between events, where the coarser run may take one: equal steps would have equal errors */
-        bool halved = d->o.coarse == 0 && since == 0 && whole > brief*h && (locates || g->t + whole > end - 1e-9*whole);
-        locates = locates && !halved;
-        whole *= halved ? 0.5 : 1;
-        since++;
         g->strikes = locates ? to.strikes : -1;
         g->hits = g->strikes >= 0;
         s = s == LW_OK ? LW_OPEN : s;
@@ -504,15 +460,42 @@ static lw_status run_steps(lw_capture *g, double *y)
                 restore_places(g);
                 continue;
             }
-            h = last || locates || halved ? h : whole;
-            since = last || locates ? 0 : since;
+            h = last || locates ? h : whole;
             note_impacts(g, g->t);
             g->t = last ? end : g->t + whole;
         }
         g->strikes = -1;
         if (s != LW_OK)
             return s == LW_OPEN ? say_unsolved(g) : s;
-        s = accept_step(g, whole, to.h, &overlap, y);
+        bool jumps = jumped(g);
+        double *q = g->q, *v = g->v, *z = g->z;
+        g->q = g->next_q, g->next_q = q;
+        g->z = g->next_z, g->next_z = z;
+        g->v = g->next_v, g->next_v = v;
+        run->r->t = g->t;
+        run->r->steps++;
+        run->r->captured_step = fmax(run->r->captured_step, whole);
+        run->r->captured_late = fmax(run->r->captured_late, g->late);
+        d->eq.place(d->eq.context, g->q);
+        for (int i = 0; i < list->n; i++)
+            if (list->touch[i].state == LW_TOUCH_APART)
+                lw_touch_choose_side(&list->touch[i], d->frames, false, g->part*g->size);       /* an overlap of this size is allowed */
+        s = lw_run_touch_crossed(run, g->t, g->part*g->size);
+        lw_run_watch(run, fill_state(g, y));
+        if (s == LW_OK && lw_run_at_kink(run, g->t))
+            s = lw_run_pass_kink(run, &g->t, NULL, NULL);
+        if (s == LW_OK && g->t >= lw_run_time(d, run->next)) {
+            s = show(g, y);
+            run->next++;
+        }
+        if (s == LW_OK && g->hits)
+            s = lw_capture_hit(g, whole, &overlap);
+        if (s == LW_OK && (g->hits || jumps))
+            s = look_around(g);
+        run->r->overlap = fmax(run->r->overlap, overlap*d->s.unit);
+        run->r->captured_rest = g->rest*d->s.unit;
+        if (s == LW_OK)
+            s = lw_run_limits(run, g->t, 0);
     }
     return s;
 }

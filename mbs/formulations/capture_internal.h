@@ -65,7 +65,7 @@ bool      lw_capture_closes_one(const lw_capture *g);
 bool      lw_capture_overlaps_unseen(const lw_capture *g);
 bool      lw_capture_miss(lw_capture *g, double *h);
 
-/* Apply the impact at which a step has ended that would else have had the length h. */
+/* Apply the impact at which a step of length h has ended. */
 lw_status lw_capture_hit(lw_capture *g, double h, double *overlap);
 
 void      lw_capture_clear_row(lw_dynamics *d, int row);

@@ -13,7 +13,8 @@ static const double allowed = 1e-5;          /* as `lw_capture_exact`, if the pa
 static const double give = 1e-9;             /* compliance of the rows of contacts, over their diagonals */
 static const double unstable = 1e-4;         /* change of a state whose rate changes its sign, over the change allowed for other states */
 static const double slightest = 1e-3;        /* slip with which friction gives way, over the change of velocities by forces */
-static const double reached = 1e-5;          /* a step ends at an impact if the gap is then below this fraction of the distance moved in a step */
+static const double reached = 1e-3;          /* a step ends at an impact if the gap is then below this fraction of the distance moved in a step */
+static const double at_once = 1e-6;          /* strikes within less than this fraction of a step are told to be at once, as they are to rounding */
 enum { PASSES = 120, HARD = 40, LATE = 100, DENSE_SOON = 60, DENSE_MOST = 250, BOUNCES = 200, TOGETHER_MOST = 60 };
 
 /* ---- states ------------------------------------------------------------------------------------------------- */
@@ -434,7 +435,7 @@ static bool stays_open(const lw_touch_motion *m, double half)
 static int find_shut(lw_capture *g, double half)
 {
     lw_dynamics *d = g->d;
-    double near = lw_capture_closed*g->part*g->size, leaving = lw_capture_exact*lw_greatest(d->n_v, g->v), touching = 2*reached*g->part*g->size;
+    double near = lw_capture_closed*g->part*g->size, leaving = lw_capture_exact*lw_greatest(d->n_v, g->v);
     int shut = 0;
     for (int k = 0; k < g->n; k++) {
         lw_capture_place *p = &g->at[k];
@@ -445,7 +446,7 @@ static int find_shut(lw_capture *g, double half)
             lw_touch_round_end(touch, &m, 2*half);
             lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
         }
-        bool open = !p->presses && (half > 0 ? p->touch == g->strikes || stays_open(&m, half) : m.gap > (m.rate > leaving ? 0 : touching));
+        bool open = !p->presses && (half > 0 ? p->touch == g->strikes || stays_open(&m, half) : m.gap > 0 && m.rate > leaving);
         p->shut = m.gap < near && !open && !lw_touch_past_end(touch, &m)
                && !lw_touch_goes_on(touch, d->frames, &m, near) && !lw_touch_beside_end(touch, d->frames, &m)
                && !(m.rate < 0 && lw_capture_slides_off(g, touch, &m, fmin(m.gap/-m.rate, half)));
@@ -752,7 +753,22 @@ bool lw_capture_miss(lw_capture *g, double *h)
     return true;
 }
 
-/* Apply the impact at which a step has ended that would else have had the length h. */
+/* Of the closed places that did not press before: the time between the first and the last strike, if each struck by itself. */
+static double time_between_strikes(const lw_capture *g)
+{
+    double first = INFINITY, last = -INFINITY;
+    for (int k = 0; k < g->n; k++) {
+        lw_touch_motion m;
+        if (!g->at[k].shut || g->at[k].presses)
+            continue;
+        lw_touch_at(&g->d->touch->list.touch[g->at[k].touch], &g->d->eq, g->d->frames, g->v, &m);
+        if (m.rate < 0)
+            first = fmin(first, -m.gap/m.rate), last = fmax(last, -m.gap/m.rate);
+    }
+    return last > first ? last - first : 0;
+}
+
+/* Apply the impact at which a step of length h has ended. */
 lw_status lw_capture_hit(lw_capture *g, double h, double *overlap)
 {
     lw_dynamics *d = g->d;
@@ -760,6 +776,9 @@ lw_status lw_capture_hit(lw_capture *g, double h, double *overlap)
     lw_status s = lw_mbs_rows(d, g->t, g->q);
     if (s != LW_OK || find_shut(g, 0) >= TOGETHER_MOST)
         return s;                            /* too many: the next step captures it */
+    double between = time_between_strikes(g);
+    if (between > at_once*h)
+        g->run->r->captured_late = fmax(g->run->r->captured_late, between);
     for (int k = 0; k < g->n; k++)
         g->at[k].presses = g->at[k].shut;
     s = put_back(g, g->t, g->q, overlap);
