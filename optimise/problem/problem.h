@@ -24,6 +24,7 @@
 
 #define LW_VAR_MAX    (LW_DIM_MAX + 2 + LW_ALSO_MAX)
 #define LW_LINEAR_MAX 128
+#define LW_FEW_STATIONS  15           /* so few leave dimensions free, of which more links have more                   */
 #define LW_CURVE_SAMPLES 64           /* postures of one turn or circuit: samples of the curve, checks of the motion  */
 #define LW_ZONE_SAMPLES  24           /* steps of the motion at which forbidden zones are checked                  */
 #define LW_PROBLEM_TRACER_MAX (1 + LW_ALSO_MAX)

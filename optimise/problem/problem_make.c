@@ -419,10 +419,11 @@ static bool is_variable(const lw_problem *p, const link_points *of, int a, int b
 }
 
 /* Bound the sides of links with three and more pins from below, by the longest length over s->length_ratio, as ratio_rows bounds the lengths
- * that are variables.  Without that, most finds of six and more links have two pins of a link near each other. */
+ * that are variables.  Without that, most finds of six and more links have two pins of a link near each other.  The default limit does so of many
+ * stations only: few leave dimensions free, and the search moves its finds to better ratios. */
 static void ratio_sides(const lw_fit_spec *s, lw_problem *p)
 {
-    const bool gives_way = s->by_default & LW_LIMIT_RATIO && s->n_bound > 0;
+    const bool gives_way = s->by_default & LW_LIMIT_RATIO && (s->n_bound > 0 || p->n <= LW_FEW_STATIONS);
     for (int l = 0; l < p->plan.n_link && s->length_ratio > 0 && !gives_way && !s->dimensions_only && lw_task_has_place(p->task); l++) {
         link_points of;
         points_of_link(p, p->plan.link[l], &of);

@@ -8,8 +8,7 @@
 #define LW_NEAR 0.02
 /* More links are searched where the first row counts as missing the target by more than this (lw_fit_report.counts_as); ... */
 #define LW_ENOUGH 0.025
-/* ... of so few stations by more than this, since they leave dimensions free, of which more links have more: they meet such targets nearly exactly. */
-#define LW_FEW_STATIONS 15
+/* ... of few stations by more than this, since more links meet them nearly exactly. */
 #define LW_GOOD   0.01
 
 /* A candidate that is no result. */

@@ -16,8 +16,7 @@ enum {
     LONG_CLIMBS = 2,             /* ... then those that count as least, ...                       */
     LONG_TRIALS = 200,           /* ... with so many more; of families these alone, ...           */
     FAMILY_TRIALS = 80,          /* ... with so many: the search in parts climbs once in each     */
-    FIT_STEPS = 20,              /* of the fit after a step                                       */
-    STATIONS = 15                /* more stations leave nothing free                              */
+    FIT_STEPS = 20               /* of the fit after a step                                       */
 };
 #define MET        1e-2          /* sizes of the target: mean error of finds that meet it           */
 #define EXACT      1e-14         /* f of a find that meets every station; those it becomes do so too  */
@@ -49,7 +48,7 @@ typedef struct climb_list {
 
 bool lw_search_climbs(const lw_search *s)
 {
-    return s->o->cost && lw_task_has_place(s->o->spec.task) && s->t->n <= STATIONS && lw_search_widens(s);
+    return s->o->cost && lw_task_has_place(s->o->spec.task) && s->t->n <= LW_FEW_STATIONS && lw_search_widens(s);
 }
 
 static bool is_over(const climb_list *list)
