@@ -18,7 +18,6 @@ enum {
     FAMILY_TRIALS = 80,          /* ... with so many: the search in parts climbs once in each     */
     FIT_STEPS = 20               /* of the fit after a step                                       */
 };
-#define MET        1e-2          /* sizes of the target: mean error of finds that meet it           */
 #define EXACT      1e-14         /* f of a find that meets every station; those it becomes do so too  */
 #define OFF        1e-3          /* a step off the linkages that meet it as well adds so much       */
 #define FIRST_STEP 0.2           /* parts of the lengths                                            */
@@ -46,44 +45,9 @@ typedef struct climb_list {
     climb      item[2*LW_POOL_MAX];          /* of both pools */
 } climb_list;
 
-bool lw_search_climbs(const lw_search *s)
-{
-    return s->o->cost && lw_task_has_place(s->o->spec.task) && s->t->n <= LW_FEW_STATIONS && lw_search_widens(s);
-}
-
 static bool is_over(const climb_list *list)
 {
     return (list->until > 0 && lw_clock_wall() > list->until) || (list->s->o->interrupt && *list->s->o->interrupt);
-}
-
-static double cost_of(lw_search *s, int thread, const lw_found *c)
-{
-    lw_candidate as;
-    if (c->beyond || !isfinite(c->f) || !lw_search_fill(s, thread, c, &as))
-        return INFINITY;
-    double cost = s->o->cost(s->t, &s->o->spec, &as);
-    lw_candidate_free(&as);
-    return cost;
-}
-
-/* Judge a find that is not polished, and find out what it counts as. */
-static void weigh(lw_search *s, int thread, lw_found *c)
-{
-    lw_status st;
-    const bool met = c->f <= MET*MET*(double)s->t->n;
-    lw_problem *p = met && !c->polished ? lw_search_problem_again(s, thread, 0, c, &st) : NULL;
-    if (p)
-        lw_search_judge(s, p, s->bench[thread].work, c);
-    c->cost = met ? cost_of(s, thread, c) : INFINITY;
-}
-
-void lw_search_weigh(lw_search *s, int thread, int n, lw_found *found)
-{
-    for (int i = 0; i < n; i++) {
-        lw_found now = found[i];
-        weigh(s, thread, &now);
-        found[i].cost = now.cost;
-    }
 }
 
 static void find_cost(void *context, size_t job, int thread)
@@ -95,7 +59,7 @@ static void find_cost(void *context, size_t job, int thread)
     if (!p || is_over(list))
         return;
     l->of = lw_pool_variables(p);
-    weigh(list->s, thread, &l->find);
+    lw_search_weigh(list->s, thread, &l->find);
 }
 
 /* Move a find by one random step of all variables; `fits`: then fit it to the target again.  f INFINITY: it is no result. */
@@ -138,7 +102,7 @@ static void run_climb(void *context, size_t job, int thread)
         if (*reach < LEAST_STEP)
             continue;
         move(list, l, thread, *reach, fits, &now);
-        now.cost = exact && !(now.f <= EXACT) ? INFINITY : cost_of(list->s, thread, &now);
+        now.cost = exact && !(now.f <= EXACT) ? INFINITY : lw_search_cost(list->s, thread, &now);
         bool better = now.cost < l->find.cost - GAIN;
         *reach = fmin(*reach*(better ? LONGER : SHORTER), MOST_STEP);
         if (!better)

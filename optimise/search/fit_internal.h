@@ -1,5 +1,5 @@
 /* optimise/search/fit_internal.h - the state of one search and its parts, from bottom to top: candidates and their
- * problems (fit.c), the work of a round (successive_halving.c), one round (fit_round.c), finds moved to where the
+ * problems (fit.c), the work of a round (successive_halving.c), what finds are worth (judge.c), one round (fit_round.c), finds moved to where the
  * linkage counts as less (climb.c), the list of results (rank.c), the search (fit_run.c). */
 #ifndef LW_OPTIMISE_SEARCH_FIT_INTERNAL_H
 #define LW_OPTIMISE_SEARCH_FIT_INTERNAL_H
@@ -148,6 +148,24 @@ bool lw_search_stopped(const lw_search *s);
 lw_status lw_search_halving_begin(lw_search *s);
 void      lw_search_halving(lw_search *s);
 
+/* ---- judge.c */
+
+/* The problem of a find with its conditions and a least transmission angle [deg], in the find's intended motion; scratch in the thread's
+ * bench.  NULL: *st says why. */
+lw_problem *lw_search_problem_again(lw_search *s, int thread, double angle, lw_found *c, lw_status *st);
+
+/* Find out f of an improved find and how far it is from keeping the conditions; f becomes INFINITY if it is no result. */
+void lw_search_judge(const lw_search *s, const lw_problem *p, lw_work *work, lw_found *c);
+
+/* Are finds of this search moved to where the linkage counts as less (lw_fit_options.cost)?  They are for few stations. */
+bool lw_search_climbs(const lw_search *s);
+
+/* What a judged find counts as; INFINITY: it is no result. */
+double lw_search_cost(lw_search *s, int thread, const lw_found *c);
+
+/* Judge a find for few stations, unless it is polished, and find out what it counts as: its `cost`. */
+void lw_search_weigh(lw_search *s, int thread, lw_found *c);
+
 /* ---- fit_round.c: run the jobs, improve and polish their finds, and put these in the pool.  LW_E_MEMORY, or a failure
  * of lw_problem_make other than that a family cannot do the task. */
 lw_status lw_search_round(lw_search *s, lw_error *e);
@@ -160,21 +178,10 @@ lw_status lw_search_order_stations(lw_search *s, lw_fit *out, lw_error *e);
  * within it into s->shrunk. */
 lw_status lw_search_widen(lw_search *s, lw_status (*go_on)(lw_search *s, double until));
 
-/* The problem of a find with its conditions and a least transmission angle [deg], in the find's intended motion; scratch in the thread's
- * bench.  NULL: *st says why. */
-lw_problem *lw_search_problem_again(lw_search *s, int thread, double angle, lw_found *c, lw_status *st);
-
 /* Improve c by least squares; with `conditions`, by a solver that keeps conditions on the motion where these are violated. */
 void lw_search_improve(lw_search *s, const lw_problem *p, const lw_lm_options *o, bool conditions, void *work, lw_found *c);
 
-/* Find out f of an improved find and how far it is from keeping the conditions; f becomes INFINITY if it is no result. */
-void lw_search_judge(const lw_search *s, const lw_problem *p, lw_work *work, lw_found *c);
-
-/* ---- climb.c: are finds of this search moved to where the linkage counts as less?  They are for few stations. */
-bool lw_search_climbs(const lw_search *s);
-
-/* Find out what the finds of a job for few stations count as: their `cost` */
-void lw_search_weigh(lw_search *s, int thread, int n, lw_found *found);
+/* ---- climb.c */
 
 /* Move the finds of both pools that count as least to where the linkage counts as less (lw_fit_options.cost), until wall clock `until` (0: no
  * limit).  LW_E_MEMORY. */

@@ -28,8 +28,6 @@ enum {
     POLISH = 8,             /* finds of a round that are polished                                    */
     POLISH_PART = 16        /* one of higher groups may cost one of so many parts of the budget      */
 };
-enum { BEYOND_MOST = 13 };      /* a soft transmission angle may fall to 0, but not the other conditions   */
-#define STRAY_STEP 0.05     /* of the size of the target: finds that stray farther than others come after them */
 #define LACKING 1e4         /* f counts so many times where a soft condition is not met              */
 #define MET   1e-6          /* conditions on results are met to this                                 */
 #define HOPELESS 1e4        /* no start whose f exceeds the best by this factor is improved further  */
@@ -94,6 +92,16 @@ static int draw_starts(lw_search *s, const lw_effort *a, lw_problem *p, lw_rng *
     return n;
 }
 
+/* Find out what finds for few stations count as: their `cost`. */
+static void weigh_all(lw_search *s, int thread, int n, lw_found *found)
+{
+    for (int i = 0; i < n; i++) {
+        lw_found now = found[i];
+        lw_search_weigh(s, thread, &now);
+        found[i].cost = now.cost;
+    }
+}
+
 /* The one of some starts with pins on circles, of the same draws, that counts as least.  Least squares would leave a gentle linkage for a little
  * less error, so it is not improved, but moved to where it counts as least (lw_search_climb). */
 static void draw_guided(lw_search *s, const lw_effort *a, lw_problem *p, int candidate, int thread, lw_found *c)
@@ -111,7 +119,7 @@ static void draw_guided(lw_search *s, const lw_effort *a, lw_problem *p, int can
         now[n] = (lw_found){ .candidate = candidate, .hits = 1, .guided = true, .intended = p->intended };
         now[n].f = lw_start_guided(p, bench->draws + g[n].which*d, now[n].x, bench->work);
     }
-    lw_search_weigh(s, thread, n, now);
+    weigh_all(s, thread, n, now);
     for (int i = 0; i < n; i++)
         if (isfinite(now[i].cost) && !(c->guided && c->cost <= now[i].cost))
             *c = now[i];
@@ -292,7 +300,7 @@ static void search_in(lw_search *s, size_t at, lw_problem *p, int thread)
     if (lw_start_has_guides(p))
         draw_guided(s, &effort, p, job->candidate, thread, &keep[LW_KEEP - 1]);
     if (!s->o->families)
-        lw_search_weigh(s, thread, LW_KEEP, keep);
+        weigh_all(s, thread, LW_KEEP, keep);
 }
 
 static void search_job(void *context, size_t at, int thread)
@@ -356,73 +364,6 @@ static void refine_variables(const lw_problem *coarse, const lw_problem *fine, d
     lw_problem_to_dims(coarse, x, dim);
     lw_problem_from_dims(fine, dim, to);
     memcpy(x, to, sizeof *x*(size_t)fine->n_dim);
-}
-
-/* A target of so many stations is a curve, not a few points: without limits too, linkages that follow it come first. */
-#define DRAWN 32
-
-/* Does the tracer pass this phase between the first station and the last? */
-static bool is_between(const lw_problem *p, const lw_work *w, double phase)
-{
-    double after = fmod(p->intended.sense*(phase - w->phase[0]), 2*LW_PI);
-    return p->closed || after + (after < 0)*2*LW_PI <= p->intended.sense*(w->phase[p->n - 1] - w->phase[0]);
-}
-
-/* How far the curve leaves the target between the stations beyond what results may, in sizes of the target; at most 0: not
- * beyond.  The phases of the stations are in work. */
-static double strays(const lw_search *s, const lw_problem *p, const double *x, lw_work *w)
-{
-    double most = 0, off = 0;
-    bool matters = s->o->spec.within_limits || p->n >= DRAWN, whole = p->closed && p->intended.turns;
-    if (!matters || !(whole || (!p->closed && p->timing == LW_TIMING_FREE)) || !lw_task_has_place(p->task))
-        return 0;
-    for (size_t k = 0; k < p->n; k++)
-        off = fmax(off, hypot(w->jac.x[k] - p->x[k], w->jac.y[k] - p->y[k]));
-    lw_timing_sample(p, x, w);
-    for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
-        double least = is_between(p, w, w->turn[j]) ? INFINITY : 0;
-        for (size_t k = !p->closed, to = p->closed ? p->n - 1 : 0; k < p->n && least > most; to = k++)
-            least = lw_v2_nearer(lw_v2(w->curve_x[j], w->curve_y[j]), lw_v2(p->x[to], p->y[to]), lw_v2(p->x[k], p->y[k]), least);
-        most = fmax(most, least);
-    }
-    return (most - 2*off)*p->unit/s->t->size - lw_stray_allowed(s->t, p->n);
-}
-
-/* Take whole turns off an angle that has no bounds: steps of the solver may have added many. */
-static void fold(const lw_problem *p, int i, double *x)
-{
-    if (i >= 0 && isinf(p->lo[i]) && isinf(p->hi[i]))
-        x[i] = remainder(x[i], 2*LW_PI);
-}
-
-static void fold_angles(const lw_problem *p, double *x)
-{
-    if (p->datum == LW_DATUM_PLANE && p->plan.input_turns_per_period != 1)
-        return;                                          /* the input is counted from a part of theta0 */
-    fold(p, p->plan.i_theta0, x);
-    fold(p, p->plan.input_is_slider ? -1 : p->i_input0, x);
-    fold(p, p->i_tool0, x);
-    for (int k = 0; k < p->n_also; k++)
-        fold(p, p->also[k].i_tool, x);
-}
-
-void lw_search_judge(const lw_search *s, const lw_problem *p, lw_work *work, lw_found *c)
-{
-    fold_angles(p, c->x);
-    if (isfinite(c->f) && (p->timing != LW_TIMING_PRESCRIBED || p->transmission_is_soft))  /* f of x alone, without stations kept */
-        c->f = lw_problem_value(p, c->x, NULL, work);
-    if (isfinite(c->f) && !lw_problem_stays(p, c->x, work))
-        c->f = INFINITY;
-    c->beyond = 0;
-    if (isfinite(c->f) && !lw_problem_admissible(p, c->x, MET, work)) {
-        c->beyond = 1 + (int)(lw_problem_lacks(p, c->x, work)/LW_BEYOND);
-        c->f = p->transmission_is_soft && c->beyond <= BEYOND_MOST ? c->f : INFINITY;
-    }
-    double beyond = isfinite(c->f) && lw_problem_settle(p, c->x, work) ? strays(s, p, c->x, work) : 0;
-    if (beyond > 0)
-        c->beyond += 1 + (int)fmin(10, beyond/STRAY_STEP);
-    c->polished = true;
-    c->size = lw_problem_size(p, c->x);
 }
 
 /* Steps of a fit that may cost so many evaluations, each of which counts as `cost`. */
@@ -804,20 +745,6 @@ static bool is_within(const lw_search *s, const lw_problem *p, const lw_work *w,
     for (size_t k = 0; k < p->n; k++)
         most = fmax(most, hypot(w->jac.x[k] - p->x[k], w->jac.y[k] - p->y[k]));
     return isfinite(c->f) && c->beyond == 0 && most*p->unit <= s->o->spec.tolerance;
-}
-
-lw_problem *lw_search_problem_again(lw_search *s, int thread, double angle, lw_found *c, lw_status *st)
-{
-    lw_problem *p = lw_search_problem(s, thread, c->candidate, false, st);
-    if (!p)
-        return NULL;
-    p->intended = c->intended;
-    p->transmission_is_soft = false;
-    p->min_transmission = fmax(p->min_transmission, angle*LW_PI/180);
-    p->n_side = p->n_side_known;
-    c->gentle = angle;
-    lw_problem_work_intended(p, s->bench[thread].work);
-    return p;
 }
 
 static lw_lm_options chain_options(const chain_list *list, int steps, int cost)
