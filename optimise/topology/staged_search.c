@@ -18,7 +18,7 @@ enum {
     FIRST_TIMED = 4,        /* under a time limit, the first part of a stage's budget: one in so many, ... */
     FIRST_TYPES = 32,       /* ... and of the rounds of four-link types: one so long that time cuts it finds no small linkages */
     UNLESS = 3,             /* ... of a stage with `unless`: so many times less, ...                 */
-    ASKED = 4,              /* ... and with default limits of families whose number of links is asked for: more links are reached soon */
+    ASKED = 16,             /* ... and with default limits of families whose number of links is asked for: more links are reached soon */
     ENOUGH = 30000,         /* evaluations of a stage in such parts after which it may end because the first row is good, ... */
     WELL = 300000,          /* ... or, unless stations are few, because of `unless`, or because it gains no more, ... */
     EXACT = 100000,         /* ... or because the target is met exactly: there may be smaller linkages */
@@ -553,7 +553,7 @@ static lw_status run_all_families(const stage_part *p)
  * whatever the budget; the stage that had least has the next part, and the first part that does not fit ends the search.  No find with a report is
  * dropped: so a run does all that one with a smaller budget (of 1e4 at least) does, and then more.
  *
- * Under a time limit parts are twice as large as those before, the first a sixteenth of the stage's budget (without default limits a quarter, with
+ * Under a time limit parts are twice as large as those before, the first a sixty-fourth of the stage's budget (without default limits a quarter, with
  * `unless` a twelfth) or a thirty-second of its rounds. After the first parts, the stage whose last part lowered the logarithm of the error most per
  * evaluation has the next part; before that each whose first part lowered it has a second one, that with most links first: how much the first part gains
  * does not tell how much the second will. If time does not end it before, each has its own budget in the end, the last part of more links after all of
